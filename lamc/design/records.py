@@ -1,0 +1,89 @@
+"""The `Design` record: a laminate as drawn. SI units, angles in radians, layers from bottom to top, z = 0 at the bottom.
+
+Front ends (YAML, popupCAD) make it, `split` reads it. Lengths became metres and angles radians where the file
+was read, and nowhere later.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+from shapely.geometry import MultiPolygon, Point
+
+from lamc.errors import Place
+from lamc.scene import Scene
+
+Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
+
+
+@dataclass(frozen=True)
+class Material:
+    """A sheet material. Moduli may be None where the file has none, or a placeholder that means none."""
+
+    name: str
+    density: float  # kg/m³
+    E1: float | None = None  # Pa
+    E2: float | None = None  # Pa
+    poisson: float | None = None
+    is_rigid: bool = False
+    is_flexible: bool = False
+    is_adhesive: bool = False
+    is_conductive: bool = False
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One sheet of the laminate and what is left of it after cutting."""
+
+    name: str
+    material: Material
+    thickness: float  # m
+    geometry: MultiPolygon  # m, world x and y
+    angle: float = 0.0  # rad, ply angle
+
+
+@dataclass(frozen=True)
+class HingeLine:
+    """One drawn hinge line; its direction start → end is the joint's axis."""
+
+    line: Line  # m
+    name: str | None = None
+    place: Place = field(default_factory=Place)
+
+
+@dataclass(frozen=True)
+class HingeSet:
+    """Hinge lines that share a flexible layer, a width and properties (a popupCAD joint definition)."""
+
+    lines: tuple[HingeLine, ...]
+    width: float  # m, of the strip cut out around the lines where they cross or touch
+    layer: int  # index of the flexible layer; the axis lies at its mid-plane
+    sublaminate: tuple[int, ...]  # indices of the layers the hinge runs through
+    stiffness: float = 0.0  # N·m/rad
+    damping: float = 0.0  # N·m·s/rad
+    rest_angle: float = 0.0  # rad
+    limits: tuple[float, float] = (-math.pi, math.pi)  # rad
+
+
+@dataclass(frozen=True)
+class Design:
+    """A laminate device before splitting.
+
+    fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
+    body_names    names that the drawing gives to bodies: (name, a point inside the body), m
+    """
+
+    name: str
+    layers: tuple[Layer, ...]
+    hinges: tuple[HingeSet, ...]
+    fixed: tuple[MultiPolygon, ...]
+    body_names: tuple[tuple[str, Point], ...] = ()
+    scene: Scene | None = None
+    source: str = ""  # the file's name, without its folder
+
+    @property
+    def z(self) -> tuple[float, ...]:
+        """Heights of the layer boundaries, m, shape (len(layers) + 1,)."""
+        heights = [0.0]
+        for layer in self.layers:
+            heights.append(heights[-1] + layer.thickness)
+        return tuple(heights)

@@ -1,0 +1,80 @@
+"""Every error that lamc raises for something outside itself. `assert` is for lamc's own bugs.
+
+One exception root, specific leaves. A message is one line and names the offender, the value, the rule and the
+way out; `place` says where in which file. The CLI turns `exit_code` into the process's exit code.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, order=True)
+class Place:
+    """A place in an input file; line and column count from 1, and 0 stands for "not known"."""
+
+    file: str = ""
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        parts = [self.file or "<input>"]
+        if self.line:
+            parts.append(str(self.line))
+            if self.column:
+                parts.append(str(self.column))
+        return ":".join(parts)
+
+
+class LamcError(Exception):
+    """Root of all errors raised on purpose."""
+
+    exit_code = 2
+
+    def __init__(self, message: str, place: Place | None = None) -> None:
+        self.message = " ".join(message.split())
+        self.place = place
+        super().__init__(f"{place}: {self.message}" if place else self.message)
+
+
+class DesignError(LamcError):
+    """A design, mechanism or scene is malformed or impossible."""
+
+
+class DesignErrors(DesignError):
+    """Several problems of one file, all of them at once, one per line of `str(error)`."""
+
+    def __init__(self, problems: Sequence[DesignError]) -> None:
+        self.problems = tuple(problems)
+        Exception.__init__(self, "\n".join(str(p) for p in self.problems))
+        self.message = str(self)
+        self.place = self.problems[0].place if self.problems else None
+
+
+class TopologyError(DesignError):
+    """Bodies and joints do not make a mechanism."""
+
+
+class ExpressionError(DesignError):
+    """An expression in a scene is outside the permitted language."""
+
+
+class UnsupportedError(LamcError):
+    """The input is well formed, and this version of lamc cannot treat it."""
+
+
+class SimulationError(LamcError):
+    """A run could not be started or did not reach its end."""
+
+    exit_code = 3
+
+
+class EmitError(LamcError):
+    """An expression has no C form."""
+
+    exit_code = 4
+
+
+class BuildError(LamcError):
+    """No C compiler, a compiler that fails, or a cache that cannot be used."""
+
+    exit_code = 4

@@ -1,0 +1,1 @@
+"""Bodies, joints, their file formats, and the spanning tree."""

@@ -1,0 +1,256 @@
+"""The `Mechanism` record: rigid bodies and the hinges between them, in the drawn (flat) configuration.
+
+Everything is SI and in world axes. Records are checked when they are made, so a `Mechanism` that exists is
+well formed; what needs more than one look (a path to the world, loops) is the business of `tree.py`.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+from shapely.geometry import Polygon
+
+from lamc.errors import DesignError, TopologyError
+
+if TYPE_CHECKING:
+    from lamc.scene import Scene
+
+Array = npt.NDArray[np.float64]
+
+MAX_NAME_LENGTH = 200
+FREE_LIMITS = (-math.pi, math.pi)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One flat piece of a body: a polygon (m, world x and y) between two heights (m)."""
+
+    polygon: Polygon
+    z_bottom: float  # m
+    z_top: float  # m
+
+
+def same_record(a: object, b: object) -> bool:
+    """Field-wise equality of two dataclass instances whose fields may be arrays."""
+    if type(a) is not type(b):
+        return NotImplemented
+    return all(np.array_equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))  # type: ignore[arg-type]
+
+
+def checked_name(name: object, what: str) -> str:
+    """`name` as a usable name, or DesignError."""
+    if not isinstance(name, str) or not name.strip():
+        raise DesignError(f"{what} has the name {name!r}; a name is a string that is not empty")
+    if len(name) > MAX_NAME_LENGTH:
+        raise DesignError(
+            f"{what} {name[:24] + '…'!r} has a name of {len(name)} characters; at most {MAX_NAME_LENGTH} are allowed"
+        )
+    if not name.isprintable():
+        raise DesignError(f"{what} {name!r} has characters in its name that do not print; rename it")
+    return name
+
+
+def checked_array(value: object, shape: tuple[int, ...], what: str) -> Array:
+    """`value` as a read-only array of finite floats of the given shape, or DesignError."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise DesignError(f"{what} is {value!r}; it must hold {shape} numbers") from error
+    if array.shape != shape:
+        raise DesignError(f"{what} has shape {array.shape}; it must have shape {shape}")
+    if not np.isfinite(array).all():
+        raise DesignError(f"{what} is {array.tolist()}; every number must be finite")
+    array.flags.writeable = False
+    return array
+
+
+def checked_number(value: object, what: str, *, minimum: float = -math.inf) -> float:
+    """`value` as a finite float, at least `minimum`, or DesignError."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError) as error:
+        raise DesignError(f"{what} is {value!r}; it must be a number") from error
+    if not math.isfinite(number) or number < minimum:
+        rule = "finite" if minimum == -math.inf else f"finite and at least {minimum:g}"
+        raise DesignError(f"{what} is {number!r}; it must be {rule}")
+    return number
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A rigid body in the drawn configuration.
+
+    mass    kg; may be zero for a fixed body only
+    com     centre of mass, shape (3,), m, world axes
+    inertia about the centre of mass, shape (3, 3), kg·m², world axes, symmetric, positive semi-definite
+    fixed   True if the body is part of the world
+    outline the plates the body is made of, for pictures; may be empty
+    """
+
+    name: str
+    mass: float = 0.0  # kg
+    com: Array = field(default_factory=lambda: np.zeros(3))  # m
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))  # kg·m²
+    fixed: bool = False
+    outline: tuple[Plate, ...] = ()
+
+    def __post_init__(self) -> None:
+        put = _setter(self)
+        put("name", checked_name(self.name, "a body"))
+        what = f"body {self.name!r}"
+        put("mass", checked_number(self.mass, f"the mass of {what}", minimum=0.0))
+        put("com", checked_array(self.com, (3,), f"the centre of mass of {what}"))
+        put("inertia", checked_array(self.inertia, (3, 3), f"the inertia of {what}"))
+        put("outline", tuple(self.outline))
+        put("fixed", bool(self.fixed))
+        if not self.fixed:
+            self._check_inertia(what)
+
+    def _check_inertia(self, what: str) -> None:
+        if self.mass == 0.0:
+            raise DesignError(f"{what} has zero mass; give it a thickness and a density, or fix it")
+        size = float(np.abs(self.inertia).max())
+        # 1e-9 relative: files carry inertia with ten digits or more; a wrong sign or axis is far beyond that.
+        if not np.allclose(self.inertia, self.inertia.T, rtol=0.0, atol=1e-9 * size):
+            raise DesignError(f"the inertia of {what} is not symmetric")
+        if np.linalg.eigvalsh(self.inertia).min() < -1e-9 * size:
+            raise DesignError(f"the inertia of {what} has a negative principal moment; no real body has")
+
+    __eq__ = same_record
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A hinge between two bodies.
+
+    The joint angle is zero in the drawn configuration and positive by the right-hand rule about `axis`, child
+    relative to parent. Hinge torque on the child about `axis`: -stiffness (angle - rest_angle) - damping rate.
+
+    point      a point on the hinge line, shape (3,), m, world, drawn configuration
+    axis       direction of the hinge line, shape (3,), world; made a unit vector
+    limits     (lower, upper) angle, rad; (-π, π) means none were given
+    """
+
+    name: str
+    parent: str
+    child: str
+    point: Array = field(default_factory=lambda: np.zeros(3))  # m
+    axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    stiffness: float = 0.0  # N·m/rad
+    damping: float = 0.0  # N·m·s/rad
+    rest_angle: float = 0.0  # rad
+    limits: tuple[float, float] = FREE_LIMITS  # rad
+
+    def __post_init__(self) -> None:
+        put = _setter(self)
+        put("name", checked_name(self.name, "a joint"))
+        what = f"joint {self.name!r}"
+        put("parent", checked_name(self.parent, f"the parent of {what}"))
+        put("child", checked_name(self.child, f"the child of {what}"))
+        put("point", checked_array(self.point, (3,), f"the point of {what}"))
+        axis = checked_array(self.axis, (3,), f"the axis of {what}")
+        length = float(np.linalg.norm(axis))
+        if length == 0.0 or not math.isfinite(length):
+            raise DesignError(f"the axis of {what} is {axis.tolist()}; it must have a direction")
+        unit = axis / length
+        unit.flags.writeable = False
+        put("axis", unit)
+        put("stiffness", checked_number(self.stiffness, f"the stiffness of {what}", minimum=0.0))
+        put("damping", checked_number(self.damping, f"the damping of {what}", minimum=0.0))
+        put("rest_angle", checked_number(self.rest_angle, f"the rest angle of {what}"))
+        lower, upper = self.limits
+        lower = checked_number(lower, f"the lower limit of {what}")
+        upper = checked_number(upper, f"the upper limit of {what}")
+        if lower >= upper:
+            raise DesignError(f"the limits of {what} are ({lower:g}, {upper:g}) rad; the lower must be below the upper")
+        put("limits", (lower, upper))
+        if self.parent == self.child:
+            raise TopologyError(f"{what} joins {self.parent!r} to itself; a hinge needs two different bodies")
+
+    __eq__ = same_record
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def is_limited(self) -> bool:
+        """True if the drawn limits are narrower than ±180°."""
+        return self.limits[0] > FREE_LIMITS[0] + 1e-12 or self.limits[1] < FREE_LIMITS[1] - 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """Bodies and joints; what `split` gives, or written by hand.
+
+    Raises DesignError for duplicate names and TopologyError for a joint to a body that is not there and where
+    nothing is fixed.
+    """
+
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+    name: str = "mechanism"
+    scene: "Scene | None" = None
+
+    def __post_init__(self) -> None:
+        put = _setter(self)
+        put("name", checked_name(self.name, "the mechanism"))
+        put("bodies", tuple(self.bodies))
+        put("joints", tuple(self.joints))
+        names = _unique((b.name for b in self.bodies), "bodies")
+        _unique((j.name for j in self.joints), "joints")
+        for joint in self.joints:
+            for end in (joint.parent, joint.child):
+                if end not in names:
+                    raise TopologyError(
+                        f"joint {joint.name!r} joins body {end!r}, which the mechanism does not have; "
+                        f"its bodies are {_some(sorted(names))}"
+                    )
+        if not any(b.fixed for b in self.bodies):
+            raise TopologyError(
+                "no body is fixed, so nothing holds the mechanism; fix one (fixed=True, or draw a fixed region)"
+            )
+
+    __eq__ = same_record
+    __hash__ = None  # type: ignore[assignment]
+
+    def body(self, name: str) -> Body:
+        """The body of that name. Raises KeyError with the names there are."""
+        return _named(self.bodies, name, "body")
+
+    def joint(self, name: str) -> Joint:
+        """The joint of that name. Raises KeyError with the names there are."""
+        return _named(self.joints, name, "joint")
+
+    @property
+    def size(self) -> float:
+        """Length scale, m: the diagonal of the box around centres of mass and hinge points (1 if that is nil)."""
+        points = np.array([*(b.com for b in self.bodies if not b.fixed), *(j.point for j in self.joints)])
+        diagonal = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+        return diagonal or 1.0
+
+
+def _setter(record: object) -> Any:
+    return lambda name, value: object.__setattr__(record, name, value)
+
+
+def _some(names: Sequence[str], count: int = 8) -> str:
+    shown = ", ".join(names[:count])
+    return shown + (f", … ({len(names)} in all)" if len(names) > count else "")
+
+
+def _unique(names: Iterable[str], what: str) -> set[str]:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise DesignError(f"two {what} are named {name!r}; names must differ")
+        seen.add(name)
+    return seen
+
+
+def _named(items: Sequence[Any], name: str, what: str) -> Any:
+    for item in items:
+        if item.name == name:
+            return item
+    raise KeyError(f"no {what} is named {name!r}; there are {_some([i.name for i in items])}")

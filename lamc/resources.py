@@ -1,0 +1,22 @@
+"""Where the text that lamc ships lives: C templates and the C runtime.
+
+In a wheel they lie in `lamc/_data/`; in a checkout (a folder with `pyproject.toml`) in place.
+"""
+
+from functools import cache
+from pathlib import Path
+
+from lamc.errors import LamcError
+
+
+@cache
+def data_dir(name: str) -> Path:
+    """Folder `name` ("templates" or "runtime_c"). Raises LamcError when the installation is incomplete."""
+    package = Path(__file__).resolve().parent
+    installed = package / "_data" / name
+    if installed.is_dir():
+        return installed
+    checkout = package.parent
+    if (checkout / "pyproject.toml").is_file() and (checkout / name).is_dir():
+        return checkout / name
+    raise LamcError(f"lamc's own folder {name!r} is missing from this installation: reinstall lamc")

@@ -1,0 +1,116 @@
+"""The `Program`: what `lower` gives and `emit` and the interpreter read.
+
+A program is a handful of functions of straight-line assignments over numbered slots. It holds no sympy object,
+no name from the design outside the string tables, and no text in any language.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Space(Enum):
+    """The arrays that a slot can lie in. The value is the letter that the C uses."""
+
+    LOCAL = "z"  # intermediate values of one function
+    CONSTANT = "c"  # parameter-only values, made by `setup`, kept for a run
+    PARAMETER = "p"  # what a user can change without recompiling
+    ANGLE = "q"  # joint angles, rad
+    RATE = "u"  # joint rates, rad/s
+    TIME = "t"  # s
+    NUMBER = "#"  # a literal
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """A slot (space, index), or a literal (Space.NUMBER, value)."""
+
+    space: Space
+    index: int = 0
+    value: float = 0.0
+
+
+# An expression shape: an int is the position of an operand; a tuple is (operation, argument, …). Operations:
+# "+", "-", "*" with two arguments, "neg", "reciprocal" and the names in `mechanics.functions` with one or two.
+Shape = int | tuple["str | Shape", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """`target = shape(operands)`; every slot is assigned once, before it is read."""
+
+    target: Operand
+    shape: Shape
+    operands: tuple[Operand, ...]
+    section: int  # index into Function.sections
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A run of statements with one origin: shown as a comment in the C."""
+
+    title: str
+    effect: str  # name of the effect that called for it; "" for the mechanism itself
+    source: str  # the equation it comes from
+
+
+@dataclass(frozen=True)
+class Operations:
+    """Counts of one function. `flops` counts + - * and reciprocals; library calls stand apart."""
+
+    additions: int = 0
+    multiplications: int = 0
+    reciprocals: int = 0
+    calls: int = 0
+
+    @property
+    def flops(self) -> int:
+        return self.additions + self.multiplications + self.reciprocals
+
+
+@dataclass(frozen=True)
+class Function:
+    """One function: statements in order, then outputs[k] = ±operand, as (sign, operand)."""
+
+    name: str
+    purpose: str
+    reads: tuple[Space, ...]
+    statements: tuple[Statement, ...]
+    outputs: tuple[tuple[int, Operand], ...]
+    sections: tuple[Section, ...]
+    local_count: int
+    operations: Operations
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A number that can change without recompiling."""
+
+    name: str  # the user's name for it, e.g. "h1.stiffness"
+    default: float
+    unit: str
+    meaning: str
+    effect: str  # name of the effect that reads it; "" for the mechanism itself
+
+
+@dataclass(frozen=True)
+class Program:
+    """Everything there is to emit.
+
+    functions, by name:
+      "setup"         parameters → constants, shape (constant_count,)
+      "acceleration"  t, q, u → du/dt, shape (n,), rad/s²
+      "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
+      "poses"         q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
+                      equal to world axes in the drawn configuration), shape (12 len(bodies),)
+    """
+
+    name: str
+    joints: tuple[str, ...]  # names, in the order of q and u
+    bodies: tuple[str, ...]  # names of the moving bodies, in the order of `poses`
+    parameters: tuple[Parameter, ...]
+    constant_count: int
+    energies: tuple[str, ...]
+    functions: Mapping[str, Function]
+    notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
+    digest: str = ""  # of everything above

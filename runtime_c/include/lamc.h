@@ -1,0 +1,161 @@
+/* lamc.h: the C runtime that a generated simulator stands on.
+ *
+ * In:    a lamc_model (filled by generated C) or any lamc_ode, an initial state, tolerances, output times.
+ * Out:   rows of states in buffers of the caller, and a lamc_status.
+ * Never: allocates, prints, keeps global state, or runs without a bound on its work.
+ *
+ * Units are SI and radians throughout. A state is y = [q, u]: joint angles (rad), then joint rates (rad/s).
+ * Matrices are row-major. Arrays carry their shape in the comment beside them.
+ *
+ * The text between the two `lamc: declarations` lines is plain C without preprocessor (but for
+ * `#define NAME integer`), because Python's cffi reads the same text.
+ */
+#ifndef LAMC_H
+#define LAMC_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* lamc: declarations begin */
+
+/* What a call came to. Zero: the end was reached. Positive: not an end, call again. Negative: it ended early, and
+ * every row written so far is good. */
+typedef enum lamc_status {
+  LAMC_OK = 0,              /* the end was reached */
+  LAMC_PAUSED = 1,          /* the budget of evaluations is spent: call again to go on */
+  LAMC_OUTPUT_FULL = 2,     /* the rows are full: empty or replace them and call again */
+  LAMC_STEP_UNDERFLOW = -1, /* the step needed is below the spacing of numbers around t */
+  LAMC_NOT_FINITE = -2,     /* NaN or infinity at the start, or at every step however short */
+  LAMC_STEP_LIMIT = -3,     /* max_steps steps were taken */
+  LAMC_CANCELLED = -4,      /* the cancel flag was raised */
+  LAMC_BAD_ARGUMENT = -5    /* an argument breaks the rule written beside it */
+} lamc_status;
+
+/* One line of English for people; never NULL, also for numbers that are no status. */
+const char *lamc_status_message(lamc_status status);
+
+/* ---- A compiled mechanism. Generated C fills it; it never changes. ---------------------------------------- */
+
+typedef struct lamc_model {
+  const char *name;                   /* of the mechanism */
+  const char *digest;                 /* of the program that the C was printed from, hexadecimal */
+  int joint_count;                    /* n */
+  int body_count;                     /* moving bodies */
+  int parameter_count;                /* numbers that can change without recompiling */
+  int constant_count;                 /* numbers that depend on parameters only */
+  int energy_count;                   /* kinetic first, then one for each effect that stores energy */
+  const char *const *joint_names;     /* (joint_count,), UTF-8 */
+  const char *const *body_names;      /* (body_count,), UTF-8 */
+  const char *const *parameter_names; /* (parameter_count,), UTF-8 */
+  const char *const *parameter_units; /* (parameter_count,), UTF-8 */
+  const char *const *energy_names;    /* (energy_count,), UTF-8 */
+  const double *parameter_defaults;   /* (parameter_count,), in parameter_units */
+  /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
+  void (*setup)(const double *parameters, double *constants);
+  /* t s, q (joint_count,) rad, u (joint_count,) rad/s -> udot (joint_count,) rad/s^2 */
+  void (*acceleration)(const double *constants, double t, const double *q, const double *u, double *udot);
+  /* -> energies (energy_count,) J */
+  void (*energy)(const double *constants, double t, const double *q, const double *u, double *energies);
+  /* q -> poses (body_count, 12): centre of mass (3) m, rotation (3, 3) row-major, both in world axes */
+  void (*poses)(const double *constants, const double *q, double *poses);
+} lamc_model;
+
+/* A model with its constants: what the functions below evaluate. */
+typedef struct lamc_motion {
+  const lamc_model *model;
+  const double *constants; /* (constant_count,), from model->setup */
+} lamc_motion;
+
+/* Row by row over states y (count, 2 n) at times t (count,); LAMC_BAD_ARGUMENT for NULL or count < 0. */
+/* -> udot (count, n), rad/s^2 */
+lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const double *t,
+                                      const double *y, double *udot);
+/* -> energies (count, energy_count), J */
+lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const double *t, const double *y,
+                                 double *energies);
+/* -> poses (count, body_count, 12) */
+lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *y, double *poses);
+
+/* ---- Ordinary differential equations ----------------------------------------------------------------------- */
+
+/* dy/dt = rhs(t, y), y of shape (n,). rhs writes all of dydt, and may write NaN where it is not defined. */
+typedef struct lamc_ode {
+  int n; /* >= 0 */
+  void (*rhs)(const void *context, double t, const double *y, double *dydt);
+  const void *context;
+} lamc_ode;
+
+/* The motion as an equation in y = [q, u], n = 2 joint_count; `motion` must outlive it. */
+lamc_ode lamc_motion_ode(const lamc_motion *motion);
+
+typedef struct lamc_options {
+  double rtol;         /* relative tolerance, >= 1e-13 */
+  double atol;         /* absolute tolerance, >= 0, in the units of y; one for all components */
+  double first_step;   /* s; 0: chosen from the equation */
+  double max_step;     /* s; 0: no limit */
+  long long max_steps; /* steps tried, accepted or not; > 0 */
+} lamc_options;
+
+/* Rows of output. The caller owns the arrays, and may replace them or set count = 0 between two calls. */
+typedef struct lamc_rows {
+  double *t;          /* (capacity,), s */
+  double *y;          /* (capacity, n) */
+  long long capacity; /* > 0 */
+  long long count;    /* rows written so far */
+} lamc_rows;
+
+/* ---- Dormand-Prince 5(4) ----------------------------------------------------------------------------------- */
+
+/* A run under way. Fields are for reading; lamc_rk45_start sets them all. */
+typedef struct lamc_rk45 {
+  lamc_ode ode;
+  lamc_options options;
+  double t_end;         /* s */
+  const double *t_eval; /* (t_eval_count,), s, or NULL: a row at the start and after every step */
+  long long t_eval_count;
+  long long t_eval_next; /* index of the first time that is not written yet */
+  double t;              /* s, where the run stands */
+  double t_old;          /* s, where the last accepted step began; the dense output covers t_old .. t */
+  double h;              /* s, the step to try next */
+  double h_last;         /* s, the last accepted step; 0: none yet */
+  double error_old;      /* error norm of the last accepted step, for the PI controller */
+  long long steps;       /* tried */
+  long long accepted;
+  long long rejected;
+  long long evaluations; /* of rhs */
+  int stride;            /* n rounded up, distance between the vectors in `work` */
+  int is_dense;          /* 1: the dense output of the last step is worked out */
+  int row_due;        /* 1: the row of the last step (or the start) is not written yet; t_eval == NULL only */
+  int was_rejected;   /* 1: the step before this one was rejected */
+  lamc_status status; /* of the last call; a negative one stays */
+  double *work;       /* (lamc_rk45_work_size(n),) */
+} lamc_rk45;
+
+/* Doubles that `work` must hold for n components; 0 if n is negative or too large. */
+long long lamc_rk45_work_size(int n);
+
+/* Prepares a run from y0 (n,) at t0 to t_end >= t0. t_eval ascends within t0 .. t_end. The run keeps pointers to
+ * t_eval, work and ode->context, and copies everything else. Two evaluations at most.
+ * LAMC_OK; LAMC_BAD_ARGUMENT; LAMC_NOT_FINITE if y0 or rhs(t0, y0) is not finite. */
+lamc_status lamc_rk45_start(lamc_rk45 *run, const lamc_ode *ode, const lamc_options *options, double t0,
+                            const double *y0, double t_end, const double *t_eval, long long t_eval_count,
+                            double *work);
+
+/* Goes on until the end, an obstacle, or `budget` more evaluations (0: no limit). Stops between two steps only, so
+ * a run in slices gives the same bits as a run in one piece. `cancel` (may be NULL) is looked at before each step. */
+lamc_status lamc_rk45_advance(lamc_rk45 *run, lamc_rows *rows, long long budget, const volatile int *cancel);
+
+/* The state y (n,) where the run stands. */
+const double *lamc_rk45_state(const lamc_rk45 *run);
+
+/* y (n,) at a time within the last accepted step, by the continuous extension of order 4. */
+lamc_status lamc_rk45_interpolate(lamc_rk45 *run, double t, double *y);
+
+/* lamc: declarations end */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* LAMC_H */

@@ -90,8 +90,8 @@ typedef struct lamc_ode {
 lamc_ode lamc_motion_ode(const lamc_motion *motion);
 
 typedef struct lamc_options {
-  double rtol;         /* relative tolerance, >= 1e-13 */
-  double atol;         /* absolute tolerance, >= 0, in the units of y; one for all components */
+  double rtol;         /* relative tolerance, 1e-13 .. 1 */
+  double atol;         /* absolute tolerance, >= 0, in the units of y, one for all components */
   double first_step;   /* s; 0: chosen from the equation */
   double max_step;     /* s; 0: no limit */
   long long max_steps; /* steps tried, accepted or not; > 0 */
@@ -107,6 +107,12 @@ typedef struct lamc_rows {
 
 /* ---- Dormand-Prince 5(4) ----------------------------------------------------------------------------------- */
 
+typedef enum lamc_dense {
+  LAMC_DENSE_NONE = 0,     /* no step yet, or a later one was tried over it */
+  LAMC_DENSE_POSSIBLE = 1, /* the stages of the step are still there */
+  LAMC_DENSE_READY = 2     /* worked out */
+} lamc_dense;
+
 /* A run under way. Fields are for reading; lamc_rk45_start sets them all. */
 typedef struct lamc_rk45 {
   lamc_ode ode;
@@ -119,15 +125,17 @@ typedef struct lamc_rk45 {
   double t_old;          /* s, where the last accepted step began; the dense output covers t_old .. t */
   double h;              /* s, the step to try next */
   double h_last;         /* s, the last accepted step; 0: none yet */
-  double error_old;      /* error norm of the last accepted step, for the PI controller */
+  double log_error_old;  /* logarithm of the error norm of the last accepted step, for the PI controller */
   long long steps;       /* tried */
   long long accepted;
   long long rejected;
   long long evaluations; /* of rhs */
-  int stride;            /* n rounded up, distance between the vectors in `work` */
-  int is_dense;          /* 1: the dense output of the last step is worked out */
-  int row_due;        /* 1: the row of the last step (or the start) is not written yet; t_eval == NULL only */
+  int stride;            /* n rounded up: distance between the vectors in work */
+  int side;           /* 0 or 1: which halves of work hold y and dy/dt at t; the others hold those at t_old */
+  int dense;          /* lamc_dense: whether work holds the dense output of t_old .. t */
+  int row_due;        /* 1: the row at t is not written yet; t_eval == NULL only */
   int was_rejected;   /* 1: the step before this one was rejected */
+  int was_finite;     /* 0: the step before this one met NaN or infinity */
   lamc_status status; /* of the last call; a negative one stays */
   double *work;       /* (lamc_rk45_work_size(n),) */
 } lamc_rk45;
@@ -149,7 +157,8 @@ lamc_status lamc_rk45_advance(lamc_rk45 *run, lamc_rows *rows, long long budget,
 /* The state y (n,) where the run stands. */
 const double *lamc_rk45_state(const lamc_rk45 *run);
 
-/* y (n,) at a time within the last accepted step, by the continuous extension of order 4. */
+/* y (n,) at a time within the last accepted step, t_old .. t, by the continuous extension of order 4.
+ * LAMC_BAD_ARGUMENT outside, before the first step, and where a later step was tried and rejected. */
 lamc_status lamc_rk45_interpolate(lamc_rk45 *run, double t, double *y);
 
 /* lamc: declarations end */

@@ -1,0 +1,62 @@
+/* motion.c: a compiled model as rows of states and as a differential equation.
+ *
+ * In: a lamc_motion and states y = [q, u]. Out: accelerations, energies, poses. Never changes the motion. */
+#include "lamc.h"
+
+#include <stddef.h>
+
+/* dy/dt of y = [q, u] is [u, udot] */
+static void motion_rhs(const void *context, double t, const double *y, double *dydt) {
+  const lamc_motion *motion = (const lamc_motion *)context;
+  const int n = motion->model->joint_count;
+  const double *u = y + n;
+  for (int i = 0; i < n; i++) dydt[i] = u[i];
+  motion->model->acceleration(motion->constants, t, y, u, dydt + n);
+}
+
+lamc_ode lamc_motion_ode(const lamc_motion *motion) {
+  lamc_ode ode;
+  ode.n = 2 * motion->model->joint_count;
+  ode.rhs = motion_rhs;
+  ode.context = motion;
+  return ode;
+}
+
+/* 1 if there is a model with constants to read, and rows to read and write */
+static int is_usable(const lamc_motion *motion, long long count, const double *in, const double *out) {
+  return motion != NULL && motion->model != NULL && motion->constants != NULL && count >= 0 && in != NULL &&
+         out != NULL;
+}
+
+lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const double *t,
+                                      const double *y, double *udot) {
+  if (!is_usable(motion, count, y, udot) || t == NULL) return LAMC_BAD_ARGUMENT;
+  const lamc_model *model = motion->model;
+  const int n = model->joint_count;
+  for (long long row = 0; row < count; row++) {
+    const double *q = y + 2 * n * row;
+    model->acceleration(motion->constants, t[row], q, q + n, udot + n * row);
+  }
+  return LAMC_OK;
+}
+
+lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const double *t, const double *y,
+                                 double *energies) {
+  if (!is_usable(motion, count, y, energies) || t == NULL) return LAMC_BAD_ARGUMENT;
+  const lamc_model *model = motion->model;
+  const int n = model->joint_count;
+  for (long long row = 0; row < count; row++) {
+    const double *q = y + 2 * n * row;
+    model->energy(motion->constants, t[row], q, q + n, energies + model->energy_count * row);
+  }
+  return LAMC_OK;
+}
+
+lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *y, double *poses) {
+  if (!is_usable(motion, count, y, poses)) return LAMC_BAD_ARGUMENT;
+  const lamc_model *model = motion->model;
+  for (long long row = 0; row < count; row++) {
+    model->poses(motion->constants, y + 2 * model->joint_count * row, poses + 12 * model->body_count * row);
+  }
+  return LAMC_OK;
+}

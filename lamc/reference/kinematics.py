@@ -38,9 +38,10 @@ class Link:
 class Motion:
     """Kinematics at one state; row i belongs to link i of the walk; m, rad/s, world axes.
 
-    rotation (n, 3, 3): drawn axes to world; centre, point (hinge), axis (signed: the rate is about it),
-    spin (angular velocity), velocity (of the centre), spin_rate and acceleration (both with zero joint
-    accelerations): (n, 3)
+    rotation (n, 3, 3): drawn axes to world; centre, point (hinge), spin (angular velocity), velocity (of the
+    centre), spin_rate and acceleration (both with zero joint accelerations): (n, 3)
+    axis (n, 3): sign times the joint's axis. The link turns by +q about it relative to the inner body, and
+    the hinge torque acts on the link by +torque about it, whichever of the two is the joint's child.
     """
 
     rotation: Array

@@ -41,7 +41,7 @@ class MaximalCoordinates:
             spin_rate = solution[6 * i + 3 : 6 * i + 6]
             if link.inner >= 0:
                 spin_rate = spin_rate - solution[6 * link.inner + 3 : 6 * link.inner + 6]
-            result[link.coordinate] = link.sign * (state.axis[i] @ spin_rate)
+            result[link.coordinate] = state.axis[i] @ spin_rate
         return result
 
     def _bodies(self, state: Motion, torques: Array) -> tuple[Array, Array]:
@@ -54,7 +54,7 @@ class MaximalCoordinates:
             mass[a:b, a:b] = link.body.mass * np.eye(3)
             mass[b:c, b:c] = inertia
             force[a:b] = link.body.mass * self._loads.gravity
-            moment = link.sign * torques[link.coordinate] * state.axis[i]
+            moment = torques[link.coordinate] * state.axis[i]
             force[b:c] += moment - cross(state.spin[i], inertia @ state.spin[i])
             if link.inner >= 0:
                 force[6 * link.inner + 3 : 6 * link.inner + 6] -= moment

@@ -43,9 +43,8 @@ class NewtonEuler:
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
         state = motion(self.links, q, u)
         torque = self._loads.hinge_torques(t, q, u)[self._slot]
-        signed = np.linalg.solve(self._mass_matrix(state), self._signs() * torque - self._bias(state))
         result = np.empty(len(self.links))
-        result[self._slot] = signed * self._signs()
+        result[self._slot] = np.linalg.solve(self._mass_matrix(state), torque - self._bias(state))
         return result
 
     def energy(self, q: Array, u: Array) -> dict[str, float]:
@@ -61,9 +60,6 @@ class NewtonEuler:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
         state = motion(self.links, np.asarray(q, dtype=np.float64), np.zeros(len(self.links)))
         return state.centre, state.rotation
-
-    def _signs(self) -> Array:
-        return np.array([link.sign for link in self.links])
 
     def _support_mask(self) -> Array:
         """1.0 at [b, j] where link j lies on the way from the world to link b, itself included."""
@@ -86,7 +82,7 @@ class NewtonEuler:
         return matrix
 
     def _bias(self, state: Motion) -> Array:
-        """Signed hinge torques that hold the joint accelerations at zero, gravity included, N·m."""
+        """Hinge torques that hold the joint accelerations at zero, gravity included, N·m."""
         momentum = np.einsum("bij,bj->bi", self._inertia_world(state), state.spin)
         force = self._mass[:, None] * (state.acceleration - self._loads.gravity)
         moment = np.einsum("bij,bj->bi", self._inertia_world(state), state.spin_rate)
@@ -96,4 +92,5 @@ class NewtonEuler:
             if p >= 0:
                 force[p] += force[i]
                 moment[p] += moment[i] + cross(state.point[i] - state.point[p], force[i])
-        return np.einsum("bi,bi->b", state.axis, moment)
+        bias: Array = np.einsum("bi,bi->b", state.axis, moment)
+        return bias

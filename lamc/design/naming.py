@@ -1,0 +1,148 @@
+"""Names for bodies and joints that nobody named, from their geometry alone.
+
+In: what identifies each body (fixed or not, centre, mass, inertia) and each hinge (its line in space), and
+the names that the drawing gives. Out: one name each, in the order of the input. It never looks at ids, nor
+at the order of the input except between things that are alike in every respect.
+
+The order is by position: x, then y, then z, then what else tells two things apart. Numbers closer than
+`SAME` times the design's size count as equal. They are grouped by gaps, not rounded to a grid: a grid has
+boundaries, and round-off on a boundary would flip an order.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.mechanism.records import Array
+
+# Relative to the design's size: far above the round-off of polygon overlays (1e-13 or so of the size), far
+# below the distance between two bodies or hinges that anyone draws.
+SAME = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMark:
+    """What tells one body from another: for a plated body, what `mass.body_properties` gives."""
+
+    fixed: bool
+    com: Array  # (3,), m
+    mass: float = 0.0  # kg
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))  # (3, 3), kg·m²
+
+
+@dataclass(frozen=True, eq=False)
+class JointMark:
+    """What tells one hinge from another: the two ends of its drawn line."""
+
+    start: Array  # (3,), m
+    end: Array  # (3,), m
+
+
+def name_bodies(marks: Sequence[BodyMark], given: Sequence[str | None] | None = None) -> tuple[str, ...]:
+    """A name for each body, in the order of `marks`.
+
+    given  the drawing's own names, None where there is none; they are kept
+
+    The only fixed body is "ground", several are "ground_1", "ground_2", …; moving ones are "link_1",
+    "link_2", …. The number is the body's place among all fixed or all moving ones, so that naming one by hand
+    renames no other. Raises DesignError for a name given twice.
+    """
+    names = _given_names(len(marks), given, "bodies")
+    order = body_order(marks)
+    for fixed, stem in ((True, "ground"), (False, "link")):
+        members = [i for i in order if marks[i].fixed is fixed]
+        alone = fixed and len(members) == 1 and "ground" not in names
+        _number(names, members, f"{stem}_", sole=stem if alone else None)
+    return tuple(str(name) for name in names)
+
+
+def name_joints(marks: Sequence[JointMark], given: Sequence[str | None] | None = None) -> tuple[str, ...]:
+    """A name for each hinge, in the order of `marks`: "h1", "h2", …, or the one in `given` where not None.
+
+    The number is the hinge's place among all hinges. Raises DesignError for a name given twice.
+    """
+    names = _given_names(len(marks), given, "hinges")
+    _number(names, joint_order(marks), "h", sole=None)
+    return tuple(str(name) for name in names)
+
+
+def body_order(marks: Sequence[BodyMark]) -> tuple[int, ...]:
+    """Indices of bodies: fixed ones first, then by centre (x, y, z), mass and inertia."""
+    if not marks:
+        return ()
+    com = np.array([m.com for m in marks])
+    size = float(np.linalg.norm(np.ptp(com, axis=0)))
+    mass = np.array([m.mass for m in marks])
+    inertia = np.array([np.asarray(m.inertia)[np.triu_indices(3)] for m in marks])
+    keys = [np.array([0 if m.fixed else 1 for m in marks])]
+    keys += [ranks(com[:, axis], size) for axis in range(3)]
+    keys += [ranks(mass, float(mass.max()))]
+    keys += [ranks(inertia[:, k], float(np.abs(inertia).max())) for k in range(6)]
+    return _lexicographic(keys)
+
+
+def joint_order(marks: Sequence[JointMark]) -> tuple[int, ...]:
+    """Indices of hinges: by the middle of the line (x, y, z), its slope and length, then its drawn sense."""
+    if not marks:
+        return ()
+    start, end = np.array([m.start for m in marks]), np.array([m.end for m in marks])
+    middle, along = (start + end) / 2, end - start
+    size = float(np.linalg.norm(np.ptp(np.concatenate([start, end]), axis=0)))
+    forward = along * _canonical_sign(along, size)[:, None]
+    keys = [ranks(middle[:, axis], size) for axis in range(3)]
+    keys += [ranks(forward[:, axis], size) for axis in range(3)]
+    keys += [ranks(along[:, axis], size) for axis in range(3)]
+    return _lexicographic(keys)
+
+
+def ranks(values: Array, scale: float) -> Array:
+    """Rank of each value, shape (n,), where values in a row closer than SAME x `scale` share one rank."""
+    order = np.argsort(values, kind="stable")
+    steps = np.diff(values[order]) > SAME * scale
+    ranked = np.empty(len(values))
+    ranked[order] = np.concatenate([[0], np.cumsum(steps)])
+    return ranked
+
+
+def _canonical_sign(along: Array, size: float) -> Array:
+    """+1 or -1 for each direction (n, 3), such that a line and its reverse get opposite signs."""
+    signs = np.ones(len(along))
+    for i, vector in enumerate(along):
+        clear = vector[np.abs(vector) > SAME * size]
+        if len(clear) and clear[0] < 0.0:
+            signs[i] = -1.0
+    return signs
+
+
+def _lexicographic(keys: Sequence[Array]) -> tuple[int, ...]:
+    """Indices sorted by the first key, ties by the next and so on; full ties keep the input's order."""
+    return tuple(int(i) for i in np.lexsort(tuple(reversed(keys))))
+
+
+def _given_names(count: int, given: Sequence[str | None] | None, what: str) -> list[str | None]:
+    names: list[str | None] = [None] * count if given is None else list(given)
+    assert len(names) == count
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise DesignError(f"two {what} are named {name!r}; names must differ")
+        if name is not None:
+            seen.add(name)
+    return names
+
+
+def _number(names: list[str | None], members: Sequence[int], stem: str, *, sole: str | None) -> None:
+    """Fill the gaps in `names` for `members`, in order: `sole`, or stem and place among the members."""
+    taken = {name for name in names if name is not None}
+    spare = len(members)
+    for place, index in enumerate(members, start=1):
+        if names[index] is not None:
+            continue
+        name = sole or f"{stem}{place}"
+        while name in taken:  # somebody named another one so by hand
+            spare += 1
+            name = f"{stem}{spare}"
+        names[index] = name
+        taken.add(name)

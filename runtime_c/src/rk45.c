@@ -306,7 +306,7 @@ static double choose_first_step(lamc_rk45 *run, double longest) {
   const double size = norm(run, y, y);
   const double speed = norm(run, slope, y);
   double h = size < 1e-5 || speed < 1e-5 ? 1e-6 : 0.01 * size / speed;
-  if (!is_finite(h)) h = 1e-6; /* tolerances so small that the norms overflow */
+  if (!is_finite(h) || h <= 0.0) h = 1e-6; /* the norms overflow: tiny tolerances or huge slopes */
   h = smaller(h, longest);
   for (int i = 0; i < run->ode.n; i++) probe[i] = y[i] + h * slope[i];
   evaluate(run, run->t + h, probe, slope_probe);

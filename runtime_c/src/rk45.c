@@ -312,8 +312,8 @@ static double choose_first_step(lamc_rk45 *run, double longest) {
   evaluate(run, run->t + h, probe, slope_probe);
   for (int i = 0; i < run->ode.n; i++) probe[i] = slope_probe[i] - slope[i];
   const double bend = norm(run, probe, y) / h;
-  if (!is_finite(bend)) return h;
   const double most = larger(speed, bend);
+  if (!is_finite(speed) || !is_finite(bend)) return h;
   const double h_order = most <= 1e-15 ? larger(1e-6, 1e-3 * h) : pow(0.01 / most, 0.2);
   return smaller(smaller(100.0 * h, h_order), longest);
 }

@@ -1,6 +1,6 @@
 """Formulas in t, angle and rate as numbers: text in, a Python callable out.
 
-The grammar is Python's own expression grammar (`ast`, mode "eval"), walked node by node against a whitelist.
+The grammar is Python's own expression grammar (`ast`, mode "eval"; ^ reads as **), walked on a whitelist.
 Nothing is ever evaluated or compiled by Python, no name is looked up outside the two tables below, and no
 code is shared with the parser that the compiler uses.
 """
@@ -36,7 +36,7 @@ def parse(text: str) -> Formula:
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"a formula of {len(text)} characters; at most {MAX_LENGTH} are allowed")
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ExpressionError(f"{text[:60]!r} is not a formula: {error}") from error
     return _walk(tree.body, text, 0)
@@ -65,7 +65,7 @@ def _walk(node: ast.expr, text: str, depth: int) -> Formula:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
             return _call(name, arguments, text, depth)
         case _:
-            part = ast.get_source_segment(text.strip(), node) or text
+            part = ast.unparse(node)
             raise ExpressionError(
                 f"{part[:60]!r} is not allowed in a formula; it may use {', '.join(VARIABLES)}, pi, numbers, "
                 f"+ - * / ** and {', '.join(sorted(FUNCTIONS))}"

@@ -27,6 +27,7 @@ class NumericLoads:
     preload      stiffness times rest angle, N·m, zero where the rest angle does not act
     rest_energy  ½ stiffness rest_angle², J: makes the energy of a hinge at its rest angle zero
     damping      N·m·s/rad, zero where damping does not act
+    applied      constant torques, N·m
     torques      (index of the joint, formula in t, angle and rate, N·m)
     energies     names of the energies these loads store, in the order of the scene
     """
@@ -36,12 +37,13 @@ class NumericLoads:
     preload: Array
     rest_energy: Array
     damping: Array
+    applied: Array
     torques: tuple[tuple[int, Formula], ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
         """Torque on each joint's child about the joint's axis, shape (n,), N·m; positive opens the fold."""
-        torque = self.preload - self.stiffness * q - self.damping * u
+        torque = self.preload + self.applied - self.stiffness * q - self.damping * u
         for k, formula in self.torques:
             torque[k] += formula({"t": t, "angle": float(q[k]), "rate": float(u[k])})
         return torque
@@ -65,7 +67,7 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
     records = [mechanism.joint(name) for name in joints]
     n = len(records)
     gravity = np.zeros(3)
-    stiffness, preload, rest_energy, damping = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    stiffness, preload, rest_energy, damping, applied = np.zeros((5, n))
     torques: list[tuple[int, Formula]] = []
     energies = []
     for effect in effects:
@@ -83,20 +85,26 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
                 rest_energy = np.array([0.5 * j.stiffness * j.rest_angle**2 for j in records])
                 energies.append("rest_angle")
             case "torque":
-                torques += _torques(effect.torques, records)
+                for k, torque in _torques(effect.torques, records):
+                    if isinstance(torque, str):
+                        torques.append((k, parse(torque)))
+                    else:
+                        applied[k] += torque
             case other:
                 raise UnsupportedError(
                     f"the independent voice cannot check the effect {other!r}: it has no numeric meaning "
                     "for it; leave the effect out of the scene to check the rest"
                 )
-    return NumericLoads(gravity, stiffness, preload, rest_energy, damping, tuple(torques), tuple(energies))
+    return NumericLoads(
+        gravity, stiffness, preload, rest_energy, damping, applied, tuple(torques), tuple(energies)
+    )
 
 
-def _torques(torques: Mapping[str, float | str], joints: Sequence[Joint]) -> list[tuple[int, Formula]]:
+def _torques(torques: Mapping[str, float | str], joints: Sequence[Joint]) -> list[tuple[int, float | str]]:
     index = {joint.name: k for k, joint in enumerate(joints)}
-    found = []
+    found: list[tuple[int, float | str]] = []
     for name in sorted(torques):
         if name not in index:
             raise DesignError(f"the scene puts a torque on joint {name!r}, which the mechanism does not have")
-        found.append((index[name], parse(str(torques[name]))))
+        found.append((index[name], torques[name]))
     return found

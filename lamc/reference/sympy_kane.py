@@ -127,7 +127,8 @@ def _forces(
             forces.append((body.masscenter, body.mass * _vector(world, loads.gravity)))
         k = link.coordinate
         torque = given.get(k, sp.Integer(0))
-        for value, factor in ((loads.preload[k], 1), (loads.stiffness[k], -q[k]), (loads.damping[k], -u[k])):
+        constant = loads.preload[k] + loads.applied[k]
+        for value, factor in ((constant, 1), (loads.stiffness[k], -q[k]), (loads.damping[k], -u[k])):
             if value != 0.0:
                 torque += sp.Float(value) * factor
         if torque != 0:

@@ -1,0 +1,8 @@
+"""Effects: one module each, known to the rest of lamc through `base.py` and `registry.py` only."""
+
+from lamc.effects.base import Effect
+from lamc.effects.gravity import Gravity
+from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
+from lamc.effects.torque import Torque
+
+__all__ = ["Effect", "Gravity", "HingeDamping", "HingeStiffness", "RestAngle", "Torque"]

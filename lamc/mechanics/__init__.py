@@ -1,0 +1,1 @@
+"""The symbolic core: staged expressions, frames and vectors, Kane's equations."""

@@ -1,0 +1,131 @@
+"""`emit`: from a Program to C text. Layout stands in `templates/`; everything here is strings, numbers, records.
+
+Comes out: a SourceTree with the model's header and source, the runtime it stands on, and the declarations that
+cffi reads, taken from those same headers. The same program gives the same bytes on every run and machine.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import jinja2
+
+from lamc._version import __version__
+from lamc.codegen.chunks import CFunction, arrange
+from lamc.codegen.names import comment, identifier, identifiers, string_literal
+from lamc.codegen.printer import ShapePrinter, literal
+from lamc.codegen.program import Function, Program
+from lamc.resources import data_dir
+
+_DECLARATIONS = re.compile(
+    r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL
+)
+
+
+@dataclass(frozen=True)
+class SourceTree:
+    """Files by name, all in one flat folder; `compiled` are the ones a library needs, main.c is the example."""
+
+    prefix: str
+    files: Mapping[str, str]
+    compiled: tuple[str, ...]
+    declarations: str  # for cffi
+
+
+@dataclass(frozen=True)
+class CParameter:
+    """One member of the parameter struct."""
+
+    field: str
+    literal: str
+    name: str
+    unit: str
+    meaning: str
+    default: str
+
+
+def emit(program: Program) -> SourceTree:
+    """C of `program`. Raises EmitError where an operation has no C form."""
+    prefix = identifier(program.name)
+    runtime = _runtime()
+    context = _context(program, prefix)
+    environment = _environment()
+    files = {
+        f"{prefix}.h": environment.get_template("model.h.j2").render(context),
+        f"{prefix}.c": environment.get_template("model.c.j2").render(context),
+        "main.c": environment.get_template("main.c.j2").render(context),
+        **runtime,
+    }
+    compiled = (f"{prefix}.c", *(name for name in sorted(runtime) if name.endswith(".c")))
+    declarations = declarations_of(runtime["lamc.h"]) + declarations_of(files[f"{prefix}.h"])
+    return SourceTree(prefix, MappingProxyType(files), compiled, declarations)
+
+
+def declarations_of(header: str) -> str:
+    """What stands between the two marks of a header."""
+    return "".join(_DECLARATIONS.findall(header))
+
+
+def _runtime() -> dict[str, str]:
+    """The runtime's files, flat."""
+    root = data_dir("runtime_c")
+    paths = sorted([*(root / "include").glob("*.h"), *(root / "src").glob("*.[ch]")])
+    return {path.name: path.read_text(encoding="utf-8") for path in paths}
+
+
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(data_dir("templates")),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # noqa: S701  C text, not HTML; everything of the user's passes `names.py`
+    )
+
+
+def _context(program: Program, prefix: str) -> dict[str, object]:
+    fields = identifiers(p.name for p in program.parameters)
+    parameters = [
+        CParameter(f, string_literal(p.name), comment(p.name), comment(p.unit), comment(p.meaning), literal(p.default))
+        for f, p in zip(fields, program.parameters, strict=True)
+    ]
+    printer = ShapePrinter()
+    return {
+        "version": __version__,
+        "title": comment(program.name),
+        "name": string_literal(program.name),
+        "prefix": prefix,
+        "guard": f"{prefix.upper()}_H",
+        "digest": program.digest,
+        "notes": [comment(n) for n in program.notes],
+        "joints": [comment(j) for j in program.joints],
+        "bodies": [comment(b) for b in program.bodies],
+        "energies": [comment(e) for e in program.energies],
+        "parameters": parameters,
+        "constant_count": max(1, program.constant_count),
+        "strings": {
+            "joint_names": [string_literal(j) for j in program.joints],
+            "body_names": [string_literal(b) for b in program.bodies],
+            "parameter_names": [p.literal for p in parameters] or ['""'],
+            "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
+            "energy_names": [string_literal(e) for e in program.energies],
+        },
+        "counts": _counts(program),
+        "functions": [_function(f, printer, fields) for f in program.functions.values()],
+    }
+
+
+def _counts(program: Program) -> dict[str, int]:
+    return {
+        "joints": len(program.joints),
+        "bodies": len(program.bodies),
+        "parameters": len(program.parameters),
+        "constants": program.constant_count,
+        "energies": len(program.energies),
+    }
+
+
+def _function(function: Function, printer: ShapePrinter, fields: list[str]) -> CFunction:
+    return arrange(function, printer, fields)

@@ -1,0 +1,154 @@
+"""`lower`: from Equations to a Program of straight-line functions.
+
+Goes in: staged equations. Comes out: `setup`, which computes once what depends on parameters only, and the functions
+that run at every step and read what it left. No sympy, no text, no file.
+"""
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from types import MappingProxyType
+
+from lamc.codegen.program import Function, Operand, Program, Section, Shape, Space, Statement
+from lamc.mechanics.equations import Equations
+from lamc.mechanics.staging import NUMBER, SYMBOL, Level, Scalar, Store, Symbol, Value
+from lamc.mechanics.statements import count_operations, group
+
+_STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
+
+# name, purpose, what it reads; the outputs come from the equations
+ACCELERATION = ("acceleration", "accelerations of the joints, rad/s^2", _STATE)
+ENERGY = ("energy", "energies by effect, J; kinetic first", _STATE)
+POSES = (
+    "poses",
+    "per moving body: centre of mass (3), m, and rotation (9, by rows), world axes",
+    (Space.CONSTANT, Space.ANGLE),
+)
+
+
+def lower(equations: Equations) -> Program:
+    """The program of `equations`."""
+    store = equations.store
+    jobs = [
+        (ACCELERATION, equations.acceleration),
+        (ENERGY, tuple(equations.energies.values())),
+        (POSES, equations.poses),
+    ]
+    constants: dict[int, int] = {}  # parameter-only node → slot
+    functions = [
+        _Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
+        for (name, purpose, reads), outputs in jobs
+    ]
+    setup = _Lowering(store, Level.NUMBER, {}).function(
+        "setup",
+        "everything that depends on parameters only; once per change of parameters",
+        (Space.PARAMETER,),
+        [Value(store, index, 1) for index in constants],
+    )
+    program = Program(
+        name=equations.tree.mechanism.name,
+        joints=equations.joints,
+        bodies=tuple(link.body.name for link in equations.tree.links),
+        parameters=equations.parameters,
+        constant_count=len(constants),
+        energies=tuple(equations.energies),
+        functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
+        notes=(_solver_note(equations),),
+    )
+    return _with_digest(program)
+
+
+def _solver_note(equations: Equations) -> str:
+    flops = ", ".join(f"{way} {count}" for way, count in sorted(equations.solver_flops.items()))
+    return f"Accelerations by {equations.solver} (operations: {flops})."
+
+
+class _Lowering:
+    """One function. `constants` grows by the outer values that it reads."""
+
+    def __init__(self, store: Store, outer: Level, constants: dict[int, int]) -> None:
+        self.store = store
+        self.outer = outer
+        self.constants = constants
+        self.slots: dict[int, Operand] = {}
+
+    def function(self, name: str, purpose: str, reads: tuple[Space, ...], outputs: Sequence[Scalar]) -> Function:
+        store = self.store
+        grouping = group(store, outputs, self.outer)
+        for index in grouping.leaves:
+            self.slots[index] = self._leaf(index)
+        sections: dict[Section, int] = {}
+        statements: list[Statement] = []
+        for position, index in enumerate(grouping.named):
+            operands: list[Operand] = []
+            shape = self._shape(index, operands)
+            target = Operand(Space.LOCAL, position)
+            section = sections.setdefault(store.sections[store.section_of[index]], len(sections))
+            statements.append(Statement(target, shape, tuple(operands), section))
+            self.slots[index] = target
+        return Function(
+            name=name,
+            purpose=purpose,
+            reads=reads,
+            statements=tuple(statements),
+            outputs=tuple(self._output(v) for v in outputs),
+            sections=tuple(sections),
+            local_count=len(statements),
+            operations=count_operations(store, outputs, self.outer),
+        )
+
+    def _leaf(self, index: int) -> Operand:
+        payload = self.store.payloads.get(index)
+        if self.store.operations[index] == NUMBER:
+            assert payload is not None
+            assert not isinstance(payload, Symbol)
+            return Operand(Space.NUMBER, value=float(payload))
+        if self.store.levels[index] == Level.PARAMETER and self.outer == Level.PARAMETER:
+            return Operand(Space.CONSTANT, self.constants.setdefault(index, len(self.constants)))
+        assert self.store.operations[index] == SYMBOL
+        assert isinstance(payload, Symbol)
+        return Operand(payload.space, payload.index)
+
+    def _shape(self, index: int, operands: list[Operand]) -> Shape:
+        """The expression of one statement; recursion is bounded by `statements.MAX_OPERANDS`."""
+        parts: list[str | Shape] = [self.store.operations[index]]
+        for argument in self.store.arguments[index]:
+            slot = self.slots.get(argument)
+            if slot is None:
+                parts.append(self._shape(argument, operands))
+            else:
+                parts.append(len(operands))
+                operands.append(slot)
+        return tuple(parts)
+
+    def _output(self, value: Scalar) -> tuple[int, Operand]:
+        if isinstance(value, Value):
+            return value.sign, self.slots[value.index]
+        return 1, Operand(Space.NUMBER, value=float(value))
+
+
+def _with_digest(program: Program) -> Program:
+    text = hashlib.sha256()
+    for part in _canonical(program):
+        text.update(part.encode())
+        text.update(b"\n")
+    fields = {name: getattr(program, name) for name in Program.__dataclass_fields__ if name != "digest"}
+    return Program(**fields, digest=text.hexdigest())
+
+
+def _canonical(program: Program) -> Iterable[str]:
+    """Every fact of the program as text, one line each, in a fixed order."""
+    yield repr((program.name, program.joints, program.bodies, program.energies, program.constant_count, program.notes))
+    for parameter in program.parameters:
+        yield repr(parameter)
+    for function in program.functions.values():
+        yield repr((function.name, function.purpose, function.sections))
+        for s in function.statements:
+            yield f"{_slot(s.target)}={s.shape}{','.join(map(_slot, s.operands))};{s.section}"
+        for sign, operand in function.outputs:
+            yield f"{sign}{_slot(operand)}"
+
+
+def _slot(operand: Operand) -> str:
+    if operand.space is Space.NUMBER:
+        return f"#{operand.value!r}"
+    return f"{operand.space.value}{operand.index}"

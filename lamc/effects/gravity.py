@@ -1,0 +1,50 @@
+"""Gravity: a uniform field that accelerates all mass alike."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from lamc.effects.base import Effect
+from lamc.errors import DesignError
+from lamc.mechanics.loads import Loads
+from lamc.mechanism.records import Mechanism, checked_array
+
+STANDARD = (0.0, 0.0, -9.81)  # m/s², the value of popupCAD and of the paper
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Field strength, m/s², world axes. Components that are zero are left out of the equations."""
+
+    acceleration: tuple[float, float, float] = STANDARD
+
+    name: ClassVar[str] = "gravity"
+    summary: ClassVar[str] = "Gravity"
+    source: ClassVar[str] = "F = m g, eq. 18"
+
+    def __post_init__(self) -> None:
+        x, y, z = (float(v) for v in checked_array(self.acceleration, (3,), "the acceleration of gravity"))
+        object.__setattr__(self, "acceleration", (x, y, z))
+
+    def contribute(self, loads: Loads) -> None:
+        components = [
+            loads.parameter(f"gravity.{axis}", value, "m/s²", f"gravitational acceleration along world {axis}")
+            if value
+            else 0
+            for axis, value in zip("xyz", self.acceleration, strict=True)
+        ]
+        loads.uniform_field(components)
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return cls(), "-9.81 m/s² along z unless a scene says otherwise"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "Gravity":
+        """From a scene file: nothing (the standard), or three numbers in m/s²."""
+        if value is None or value is True:
+            return cls()
+        if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
+            x, y, z = value
+            return cls((x, y, z))
+        raise DesignError(f"{where}: gravity is {value!r}; give three numbers [gx, gy, gz] in m/s²")

@@ -1,0 +1,41 @@
+"""The effects that lamc brings. To add one, write its module and put its class here."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from lamc.effects.base import Effect
+from lamc.effects.gravity import Gravity
+from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
+from lamc.effects.torque import Torque
+from lamc.mechanism.records import Mechanism
+from lamc.scene import Scene
+
+EFFECTS: tuple[type[Effect], ...] = (Gravity, HingeStiffness, RestAngle, HingeDamping, Torque)
+
+
+class Choice(NamedTuple):
+    """One line of the account of effects: the effect that acts, or None, and why."""
+
+    name: str
+    effect: Effect | None
+    reason: str
+
+
+def by_name() -> Mapping[str, type[Effect]]:
+    """The effects by the name that scene files use."""
+    return MappingProxyType({kind.name: kind for kind in EFFECTS})
+
+
+def choose(mechanism: Mechanism, scene: Scene) -> tuple[Choice, ...]:
+    """Which effects act in the scene and which do not, sorted by name, so that no order of listing matters."""
+    choices: list[Choice] = []
+    if scene.effects is not None:
+        called = {e.name for e in scene.effects}
+        choices += [Choice(e.name, e, "the scene calls for it") for e in scene.effects]
+        choices += [Choice(k.name, None, "the scene does not call for it") for k in EFFECTS if k.name not in called]
+    else:
+        for kind in EFFECTS:
+            effect, reason = kind.default_for(mechanism)
+            choices.append(Choice(kind.name, effect, reason))
+    return tuple(sorted(choices, key=lambda c: c.name))

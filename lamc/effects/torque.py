@@ -1,0 +1,81 @@
+"""Torques on hinges, constant or given by expressions in time and in the hinge's own angle and rate."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import ClassVar
+
+from lamc.effects.base import Effect
+from lamc.effects.expression import stage
+from lamc.errors import DesignError, ExpressionError
+from lamc.mechanics.loads import Loads
+from lamc.mechanics.staging import Store
+from lamc.codegen.program import Space
+from lamc.mechanism.records import Mechanism, checked_number
+
+
+@dataclass(frozen=True)
+class Torque:
+    """Torques by joint name, N·m, on the child about the joint's axis.
+
+    A number is a parameter of the simulator; a string is an expression in t (s), angle (rad) and rate (rad/s).
+    Raises ExpressionError when it is made with an expression outside the language.
+    """
+
+    torques: Mapping[str, float | str] = field(default_factory=dict)
+
+    name: ClassVar[str] = "torque"
+    summary: ClassVar[str] = "Applied hinge torques"
+    source: ClassVar[str] = "eq. 17"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.torques, Mapping):
+            raise DesignError(f"torques are {self.torques!r}; give a mapping from joint name to torque")
+        checked: dict[str, float | str] = {}
+        for joint, torque in sorted(self.torques.items()):
+            if isinstance(torque, str):
+                _check(joint, torque)
+                checked[joint] = torque
+            else:
+                checked[joint] = checked_number(torque, f"the torque of joint {joint!r}")
+        object.__setattr__(self, "torques", MappingProxyType(checked))
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.torques.items()))
+
+    def contribute(self, loads: Loads) -> None:
+        for joint, torque in self.torques.items():
+            if isinstance(torque, str):
+                names = {"t": loads.time, "angle": loads.angle(joint), "rate": loads.rate(joint)}
+                loads.hinge_torque(joint, stage(torque, names))
+            else:
+                loads.joint_index(joint)
+                loads.hinge_torque(joint, loads.parameter(f"{joint}.torque", torque, "N·m", "applied torque"))
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no torque is called for"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "Torque":
+        """From a scene file: a mapping from joint name to a number (N·m) or an expression."""
+        if not isinstance(value, Mapping):
+            raise DesignError(f"{where}: torque is {value!r}; give a mapping such as {{h1: 0.02}}")
+        return cls({str(k): v for k, v in value.items()})
+
+
+def _check(joint: str, text: str) -> None:
+    """Stages the expression on throw-away symbols, so that an error comes when the record is made."""
+    store = Store()
+    symbols = {
+        "t": store.symbol("t", Space.TIME, 0),
+        "angle": store.symbol("angle", Space.ANGLE, 0),
+        "rate": store.symbol("rate", Space.RATE, 0),
+    }
+    try:
+        value = stage(text, symbols)
+    except ExpressionError as error:
+        raise ExpressionError(f"the torque of joint {joint!r}: {error.message}") from error
+    if isinstance(value, int | float) and not math.isfinite(value):
+        raise ExpressionError(f"the torque of joint {joint!r}: expression {text!r} is {value}; it must be finite")

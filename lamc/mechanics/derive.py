@@ -1,0 +1,171 @@
+"""`derive`: from a Tree and effects to Equations. The only place where mechanism, loads and solution meet.
+
+Goes in: the tree, the effects of the scene. Comes out: staged accelerations, M and f, energies and poses in one
+store. It knows no effect by name, and makes no text.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from lamc.codegen.program import Space
+from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
+from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
+from lamc.mechanics.equations import Equations
+from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
+from lamc.mechanics.kinematics import Kinematics
+from lamc.mechanics.loads import Loads, Parameters, potential_of_field
+from lamc.mechanics.mass_matrix import generalised_forces, mass_matrix, solve_by_mass_matrix, way_to_world
+from lamc.mechanics.placement import Placement, numeric, rotate_back
+from lamc.mechanics.staging import Level, Scalar, Store
+from lamc.mechanics.statements import count_operations
+from lamc.mechanism.tree import WORLD, Tree
+
+if TYPE_CHECKING:
+    from lamc.effects.base import Effect
+
+# The mass-matrix form grows with the square of the depth; with more pairs of hinges on common ways to the world
+# than this it has lost in every mechanism measured (see benchmarks/solver_crossover.py), and is not tried.
+MAX_PAIRS_FOR_MASS_MATRIX = 60
+
+
+def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
+    """Equations of motion of `tree` under `effects`. Raises DesignError where an effect does not fit."""
+    store = Store()
+    count = len(tree.links)
+    names = tree.joint_names
+    parameters = Parameters(store)
+    time = store.symbol("t", Space.TIME, 0)
+    q: list[Scalar] = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
+    u: list[Scalar] = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
+    with store.section("Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"):
+        pairs = [link_inertia(link, parameters.add) for link in tree.links]
+        inertias = [inertia for inertia, _ in pairs]
+        base = regrouped(tree, inertias)
+    placement = Placement(Kinematics(store, tree, q))
+    loads = Loads(placement, parameters, time, q, u)
+    for effect in effects:
+        with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
+            effect.contribute(loads)
+    problem = Problem(placement.kinematics, base, u, loads)
+    solutions, flops = _solutions(problem, count)
+    solver = min(flops, key=lambda name: flops[name])
+    coms = [com for _, com in pairs]
+    return Equations(
+        tree=tree,
+        effects=tuple(effects),
+        store=store,
+        parameters=tuple(parameters.records),
+        acceleration=tuple(solutions[solver]),
+        problem=problem,
+        energies=_energies(placement, inertias, coms, u, loads),
+        poses=tuple(_poses(placement, coms)),
+        solver=solver,
+        solver_flops=flops,
+    )
+
+
+class Problem:
+    """M u̇ = f in carrier components; internal axes inside, joint angles outside."""
+
+    def __init__(self, kinematics: Kinematics, base: list[Inertia], u: Sequence[Scalar], loads: Loads) -> None:
+        self.kinematics = kinematics
+        self.signs = [link.angle_sign for link in kinematics.tree.links]
+        with kinematics.store.section("Inertia in carrier frames", source="eq. 7-11"):
+            self.inertias = [self._in_carrier(i, inertia) for i, inertia in enumerate(base)]
+        biases = kinematics.biases(u, self._world_accelerations(loads.field))
+        with kinematics.store.section("Inertia forces and applied loads", source="eq. 18"):
+            self.wrenches = [
+                _less(inertia_wrench(inertia, bias), loads.wrenches.get(i))
+                for i, (inertia, bias) in enumerate(zip(self.inertias, biases, strict=True))
+            ]
+        self.torques = [s * torque for s, torque in zip(self.signs, loads.hinge_torques, strict=True)]
+
+    def _in_carrier(self, index: int, inertia: Inertia) -> Inertia:
+        kinematics = self.kinematics
+        return Inertia(
+            inertia.mass,
+            kinematics.in_carrier(index, inertia.first),
+            kinematics.symmetric_in_carrier(index, inertia.second),
+            inertia.axial,
+        )
+
+    def _world_accelerations(self, field: Vector3) -> list[Vector3]:
+        """A uniform field is an acceleration of the world the other way."""
+        links = self.kinematics.tree.links
+        return [
+            rotate_back(numeric(link.frame), (-field[0], -field[1], -field[2])) if link.parent == WORLD else (0, 0, 0)
+            for link in links
+        ]
+
+    def solve(self, how: str) -> list[Scalar]:
+        solve = {"elimination": solve_by_elimination, "mass matrix": solve_by_mass_matrix}[how]
+        result = solve(self.kinematics, self.inertias, self.wrenches, self.torques)
+        return [s * value for s, value in zip(self.signs, result, strict=True)]
+
+    def forces(self) -> list[Scalar]:
+        values = generalised_forces(self.kinematics, self.wrenches, self.torques)
+        return [s * value for s, value in zip(self.signs, values, strict=True)]
+
+    def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
+        entries = mass_matrix(self.kinematics, self.inertias)
+        return {(i, j): self.signs[i] * self.signs[j] * value for (i, j), value in sorted(entries.items())}
+
+
+def _less(wrench: Wrench, applied: Wrench | None) -> Wrench:
+    if applied is None:
+        return wrench
+    minus = [(-v[0], -v[1], -v[2]) for v in applied]
+    return add(wrench[0], minus[0]), add(wrench[1], minus[1])
+
+
+def _solutions(problem: Problem, count: int) -> tuple[dict[str, list[Scalar]], dict[str, int]]:
+    """Both ways to u̇ where both can be cheapest, with their operation counts."""
+    tree, store = problem.kinematics.tree, problem.kinematics.store
+    ways = ["elimination"]
+    if sum(len(way_to_world(tree, i)) for i in range(count)) <= MAX_PAIRS_FOR_MASS_MATRIX:
+        ways.append("mass matrix")
+    solutions = {way: problem.solve(way) for way in ways}
+    flops = {way: count_operations(store, values, Level.PARAMETER).flops for way, values in solutions.items()}
+    return solutions, flops
+
+
+def _energies(
+    placement: Placement, inertias: list[Inertia], coms: list[Vector3], u: Sequence[Scalar], loads: Loads
+) -> dict[str, Scalar]:
+    kinematics = placement.kinematics
+    store = kinematics.store
+    energies: dict[str, Scalar] = {"kinetic": 0}
+    motions = kinematics.motions(u)
+    with store.section("Kinetic energy", source="½ m v² + v·(ω × h) + ½ ω·I ω"):
+        for i, (inertia, motion) in enumerate(zip(inertias, motions, strict=True)):
+            w, v = motion.omega, motion.velocity
+            second = kinematics.symmetric_in_carrier(i, inertia.second)
+            turned = replace(inertia, second=second).rotational()
+            spinning = dot(w, _apply(turned, w))
+            first = kinematics.in_carrier(i, inertia.first)
+            energies["kinetic"] = energies["kinetic"] + (
+                0.5 * (inertia.mass * dot(v, v)) + dot(v, cross(w, first)) + 0.5 * spinning
+            )
+    energies |= loads.energies
+    masses = [inertia.mass for inertia in inertias]
+    for effect, acceleration in loads.field_effects:
+        with store.section("Potential energy", effect=effect, source="-Σ m a·r"):
+            potential = potential_of_field(placement, masses, coms, acceleration)
+            energies[effect] = energies.get(effect, 0) + potential
+    return energies
+
+
+def _apply(a: Symmetric, v: Vector3) -> Vector3:
+    x, y, z = (dot(row, v) for row in a.rows())
+    return (x, y, z)
+
+
+def _poses(placement: Placement, coms: list[Vector3]) -> list[Scalar]:
+    values: list[Scalar] = []
+    with placement.kinematics.store.section("Positions and rotations of the links", source="eq. 1-4"):
+        for i, com in enumerate(coms):
+            values.extend(placement.point(i, com))
+            for row in placement.body_rotation(i):
+                values.extend(row)
+    return values

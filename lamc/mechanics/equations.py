@@ -1,0 +1,143 @@
+"""The `Equations` record: what `derive` gives. Every part of it is, on request, a sympy object.
+
+Nothing is written out until it is asked for: `assignments` shows the staged equations, one named quantity each;
+`mass_matrix` and `generalised_forces` give M and f of M u̇ = f.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from lamc.codegen.program import Operations, Parameter
+from lamc.mechanics.statements import count_operations, group
+from lamc.mechanics.staging import Level, Scalar, Store, Value
+from lamc.mechanism.tree import Tree
+
+if TYPE_CHECKING:
+    import sympy as sp
+
+    from lamc.effects.base import Effect
+    from lamc.mechanics.derive import Problem
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """symbol = expression, with where it comes from."""
+
+    symbol: "sp.Symbol"
+    expression: "sp.Expr"
+    section: str
+    effect: str
+    source: str
+
+    def __str__(self) -> str:
+        return f"{self.symbol} = {self.expression}"
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Equations of motion of one scene.
+
+    acceleration  u̇, rad/s², in the order of `joints`
+    energies      stored and kinetic energy by effect, J; "kinetic" first
+    poses         per link: centre of mass (3) and rotation (9, by rows), world
+    problem       M u̇ = f before it was solved
+    solver        how u̇ was solved for; `solver_flops` what each way costs
+    """
+
+    tree: Tree
+    effects: "tuple[Effect, ...]"
+    store: Store
+    parameters: tuple[Parameter, ...]
+    acceleration: tuple[Scalar, ...]
+    problem: "Problem"
+    energies: Mapping[str, Scalar]
+    poses: tuple[Scalar, ...]
+    solver: str
+    solver_flops: Mapping[str, int]
+
+    @cached_property
+    def inertia(self) -> Mapping[tuple[int, int], Scalar]:
+        """M by joint angles, kg·m²: entries (i, j) with j on the way from i to the world."""
+        return self.problem.mass_matrix()
+
+    @cached_property
+    def forces(self) -> tuple[Scalar, ...]:
+        """f of M u̇ = f, N·m."""
+        return tuple(self.problem.forces())
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return self.tree.joint_names
+
+    @cached_property
+    def operations(self) -> Operations:
+        """Of one evaluation of u̇, parameter-only work excluded."""
+        return count_operations(self.store, self.acceleration, Level.PARAMETER)
+
+    @cached_property
+    def assignments(self) -> "tuple[Assignment, ...]":
+        """The equations, staged: every right-hand side holds symbols defined before it. Ends with udot_<joint>."""
+        return self.staged({f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)})
+
+    @cached_property
+    def mass_matrix(self) -> "sp.Matrix":
+        """M, shape (n, n), entries in terms of the symbols of `mass_assignments`."""
+        return self._mass[0]
+
+    @cached_property
+    def generalised_forces(self) -> "sp.Matrix":
+        """f of M u̇ = f, shape (n, 1), entries in terms of the symbols of `mass_assignments`."""
+        return self._mass[1]
+
+    @cached_property
+    def mass_assignments(self) -> "tuple[Assignment, ...]":
+        """The staged quantities that `mass_matrix` and `generalised_forces` are written in."""
+        return self._mass[2]
+
+    @cached_property
+    def _mass(self) -> "tuple[sp.Matrix, sp.Matrix, tuple[Assignment, ...]]":
+        import sympy as sp  # noqa: PLC0415  a compile from the cache must not pay for sympy's import
+
+        count = len(self.tree.links)
+        entries = {f"M_{i}_{j}": v for (i, j), v in sorted(self.inertia.items())}
+        forces = {f"f_{i}": v for i, v in enumerate(self.forces)}
+        assignments = self.staged(entries | forces)
+
+        def entry(i: int, j: int) -> sp.Expr:
+            key = (max(i, j), min(i, j))
+            return sp.Symbol(f"M_{key[0]}_{key[1]}") if key in self.inertia else sp.Integer(0)
+
+        matrix = sp.Matrix(count, count, entry)
+        return matrix, sp.Matrix(count, 1, lambda i, _: sp.Symbol(f"f_{i}")), assignments
+
+    def staged(self, outputs: Mapping[str, Scalar]) -> "tuple[Assignment, ...]":
+        """`outputs` by name as staged assignments in sympy; intermediate quantities are z0, z1, …"""
+        import sympy as sp  # noqa: PLC0415  as above
+
+        from lamc.mechanics.sympy_view import expression, node_expression  # noqa: PLC0415
+
+        store = self.store
+        values = list(outputs.values())
+        grouping = group(store, values, Level.NUMBER)
+        named: dict[int, sp.Symbol] = {}
+        result: list[Assignment] = []
+        for index in grouping.named:
+            arguments = [expression(Value(store, i, 1), named) for i in store.arguments[index]]
+            named[index] = sp.Symbol(f"z{len(named)}")
+            section = store.sections[store.section_of[index]]
+            result.append(
+                Assignment(
+                    named[index], node_expression(store, index, arguments), section.title, section.effect, section.source
+                )
+            )
+        for name, value in outputs.items():
+            result.append(Assignment(sp.Symbol(name), expression(value, named), "Results", "", ""))
+        return tuple(result)
+
+    def written_out(self, value: Scalar) -> "sp.Expr":
+        """One value as a single sympy expression in q, u, t and the parameters. Large for long chains."""
+        from lamc.mechanics.sympy_view import expression  # noqa: PLC0415  as above
+
+        return expression(value, {})

@@ -1,0 +1,192 @@
+"""`Loads`: what effects contribute to, and all that the derivation knows of them.
+
+Goes in: symbolic loads, stored energies and parameters, from `Effect.contribute`. Comes out: hinge torques, a
+uniform field, wrenches on links and energies, in the order in which they came. A user's own effect does the same
+as lamc's: see `Effect` in `lamc/effects/base.py`.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from lamc.codegen.program import Parameter, Space
+from lamc.errors import DesignError
+from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot
+from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
+from lamc.mechanics.staging import Number, Scalar, Store, Value
+from lamc.mechanism.records import Array, Mechanism, checked_array
+from lamc.mechanism.tree import WORLD
+
+
+if TYPE_CHECKING:
+    import sympy as sp
+
+
+@dataclass
+class Parameters:
+    """Parameters in the order in which they were asked for; the same name twice is the same symbol."""
+
+    store: Store
+    records: list[Parameter] = field(default_factory=list)
+
+    def add(self, name: str, default: float, unit: str, meaning: str, effect: str = "") -> Scalar:
+        for index, record in enumerate(self.records):
+            if record.name == name:
+                return self.store.symbol(name, Space.PARAMETER, index)
+        self.records.append(Parameter(name, float(default), unit, meaning, effect))
+        return self.store.symbol(name, Space.PARAMETER, len(self.records) - 1)
+
+
+class Loads:
+    """Collects the loads of one scene on one tree.
+
+    Scalars are `Value`s, plain numbers, or sympy expressions in t and, by joint name, q_<joint> and u_<joint>.
+    Vectors are triples in world axes.
+    """
+
+    def __init__(
+        self, placement: Placement, parameters: Parameters, time: Scalar, q: Sequence[Scalar], u: Sequence[Scalar]
+    ) -> None:
+        self.placement = placement
+        self.kinematics = placement.kinematics
+        tree = self.tree = self.kinematics.tree
+        self.time = time
+        self.hinge_torques: list[Scalar] = [0] * len(tree.links)
+        self.field: Vector3 = ZERO
+        self.wrenches: dict[int, tuple[Vector3, Vector3]] = {}  # link → force, moment about its origin; carrier
+        self.energies: dict[str, Scalar] = {}
+        self.field_effects: list[tuple[str, Vector3]] = []
+        self._q, self._u = list(q), list(u)
+        self._parameters = parameters
+        self._store = parameters.store
+        self._index = {link.joint.name: i for i, link in enumerate(tree.links)}
+        self._bodies = {link.body.name: i for i, link in enumerate(tree.links)}
+        self._effect = ""
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.tree.mechanism
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, in the order of q."""
+        return self.tree.joint_names
+
+    @contextmanager
+    def effect(self, name: str, title: str, source: str) -> Iterator[None]:
+        """What is contributed inside belongs to this effect; the compiler opens one around each effect."""
+        outer, self._effect = self._effect, name
+        try:
+            with self._store.section(title, effect=name, source=source):
+                yield
+        finally:
+            self._effect = outer
+
+    def parameter(self, name: str, default: float, unit: str, meaning: str) -> Scalar:
+        """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…")."""
+        return self._parameters.add(name, default, unit, meaning, self._effect)
+
+    def angle(self, joint: str) -> Scalar:
+        """Joint angle, rad, child relative to parent, zero as drawn."""
+        return self._q[self.joint_index(joint)]
+
+    def rate(self, joint: str) -> Scalar:
+        """Joint rate, rad/s."""
+        return self._u[self.joint_index(joint)]
+
+    def joint_index(self, joint: str) -> int:
+        if joint not in self._index:
+            raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self._index))}")
+        return self._index[joint]
+
+    def hinge_torque(self, joint: str, torque: "Scalar | sp.Expr") -> None:
+        """Adds a torque about the joint's axis, N·m, on the child, and its opposite on the parent (eq. 15-17)."""
+        index = self.joint_index(joint)
+        self.hinge_torques[index] = self.hinge_torques[index] + self._scalar(torque)
+
+    def uniform_field(self, acceleration: Sequence["Scalar | sp.Expr"]) -> None:
+        """Adds an acceleration, m/s², that acts on all mass alike; its potential energy is booked too."""
+        vector = self._vector(acceleration)
+        self.field = add(self.field, vector)
+        self.field_effects.append((self._effect, vector))
+
+    def stored_energy(self, energy: "Scalar | sp.Expr") -> None:
+        """Adds potential energy, J, to the effect's account."""
+        self.energies[self._effect] = self.energies.get(self._effect, 0) + self._scalar(energy)
+
+    def force(self, body: str, point: Sequence[float], force: Sequence["Scalar | sp.Expr"]) -> None:
+        """Adds a force, N, world axes, at a point of the body given in the drawn configuration, m, world.
+
+        A force on a fixed body does nothing.
+        """
+        index = self._link(body)
+        if index != WORLD:
+            local = local_point(self.tree.links[index], _drawn(point))
+            self._add_wrench(index, self._vector(force), ZERO, local)
+
+    def moment(self, body: str, moment: Sequence["Scalar | sp.Expr"]) -> None:
+        """Adds a moment, N·m, world axes, on the body (eq. 17)."""
+        index = self._link(body)
+        if index != WORLD:
+            self._add_wrench(index, ZERO, self._vector(moment), ZERO)
+
+    def position(self, body: str, point: Sequence[float]) -> Vector3:
+        """World position, m, of a point of the body that is at `point` in the drawn configuration."""
+        index, drawn = self._link(body), _drawn(point)
+        if index == WORLD:
+            return (float(drawn[0]), float(drawn[1]), float(drawn[2]))
+        return self.placement.point(index, local_point(self.tree.links[index], drawn))
+
+    def velocity(self, body: str, point: Sequence[float]) -> Vector3:
+        """World velocity, m/s, of a point of the body that is at `point` in the drawn configuration."""
+        index, drawn = self._link(body), _drawn(point)
+        if index == WORLD:
+            return ZERO
+        motion = self.kinematics.motions(self._u)[index]
+        arm = self.kinematics.in_carrier(index, local_point(self.tree.links[index], drawn))
+        return rotate(self.placement.carrier(index), add(motion.velocity, cross(motion.omega, arm)))
+
+    def _link(self, body: str) -> int:
+        if body in self._bodies:
+            return self._bodies[body]
+        known = {b.name for b in self.mechanism.bodies}
+        if body not in known:
+            raise DesignError(f"no body is named {body!r}; the bodies are {', '.join(sorted(known))}")
+        return WORLD
+
+    def _scalar(self, value: "Scalar | sp.Expr") -> Scalar:
+        """Sympy expressions are staged; their symbols are t, and q_<joint> and u_<joint> by joint name."""
+        if isinstance(value, Value | Number):
+            return value
+        from lamc.mechanics.sympy_view import from_sympy  # noqa: PLC0415  whoever passes sympy has paid its import
+
+        inputs: dict[str, Scalar] = {"t": self.time}
+        for i, joint in enumerate(self.joints):
+            inputs |= {f"q_{joint}": self._q[i], f"u_{joint}": self._u[i]}
+        return from_sympy(value, inputs)
+
+    def _vector(self, values: Sequence["Scalar | sp.Expr"]) -> Vector3:
+        if len(values) != 3:
+            raise DesignError(f"effect {self._effect!r} gives a vector of {len(values)} components; it needs 3")
+        x, y, z = (self._scalar(v) for v in values)
+        return (x, y, z)
+
+    def _add_wrench(self, index: int, force: Vector3, moment: Vector3, local: Vector3) -> None:
+        carrier = self.placement.carrier(index)
+        force, moment = rotate_back(carrier, force), rotate_back(carrier, moment)
+        moment = add(moment, cross(self.kinematics.in_carrier(index, local), force))
+        before = self.wrenches.get(index, (ZERO, ZERO))
+        self.wrenches[index] = (add(before[0], force), add(before[1], moment))
+
+
+def potential_of_field(placement: Placement, masses: Sequence[Scalar], coms: Sequence[Vector3], acceleration: Vector3) -> Scalar:
+    """-Σ m a·(centre of mass), J; zero at the world's origin."""
+    result: Scalar = 0
+    for index, (mass, com) in enumerate(zip(masses, coms, strict=True)):
+        result = result - mass * dot(acceleration, placement.point(index, com))
+    return result
+
+
+def _drawn(point: Sequence[float]) -> Array:
+    return checked_array(point, (3,), "a point that an effect names")

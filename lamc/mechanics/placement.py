@@ -1,0 +1,105 @@
+"""Where the links are in the world: rotations and positions, staged on demand.
+
+Only what is asked for is made: a scene without forces at points and without gravity energy needs none of it.
+"""
+
+from lamc.mechanics.algebra import Matrix3, Turn, Vector3, add, dot
+from lamc.mechanics.kinematics import Kinematics
+from lamc.mechanics.staging import Scalar
+from lamc.mechanism.records import Array
+from lamc.mechanism.tree import WORLD, Link
+
+
+class Placement:
+    """World components of link frames. Rotation matrices are world from carrier or from the drawn body."""
+
+    def __init__(self, kinematics: Kinematics) -> None:
+        self.kinematics = kinematics
+        self.links = kinematics.tree.links
+        self._carriers: dict[int, Matrix3] = {}
+        self._origins: dict[int, Vector3] = {}
+
+    def carrier(self, index: int) -> Matrix3:
+        """World from the link's carrier frame."""
+        for i in self._path(index):
+            if i not in self._carriers:
+                link = self.links[i]
+                matrix = numeric(link.frame) if link.parent == WORLD else self._carriers[link.parent]
+                for turn in self.kinematics.turns[i]:
+                    matrix = _turned(matrix, turn)
+                self._carriers[i] = matrix
+        return self._carriers[index]
+
+    def origin(self, index: int) -> Vector3:
+        """World position of the link's origin, m."""
+        for i in self._path(index):
+            if i not in self._origins:
+                link = self.links[i]
+                if link.parent == WORLD:
+                    x, y, z = (float(v) for v in link.origin)
+                    self._origins[i] = (x, y, z)
+                else:
+                    step = rotate(self.carrier(link.parent), self.kinematics.offset[i])
+                    self._origins[i] = add(self._origins[link.parent], step)
+        return self._origins[index]
+
+    def point(self, index: int, local: Vector3) -> Vector3:
+        """World position, m, of a point given in the link's own frame."""
+        return add(self.origin(index), rotate(self.carrier(index), self.kinematics.in_carrier(index, local)))
+
+    def body_rotation(self, index: int) -> Matrix3:
+        """World from body axes; body axes are world axes in the drawn configuration."""
+        matrix = self.carrier(index)
+        spin = self.kinematics.spin[index]
+        if spin is not None:
+            matrix = _turned(matrix, spin)
+        drawn = self.links[index].frame
+        rows: list[Vector3] = []
+        for row in matrix:
+            x, y, z = (dot(row, [float(v) for v in drawn[j]]) for j in range(3))
+            rows.append((x, y, z))
+        return (rows[0], rows[1], rows[2])
+
+    def _path(self, index: int) -> list[int]:
+        path = []
+        while index != WORLD:
+            path.append(index)
+            index = self.links[index].parent
+        return path[::-1]
+
+
+def _turned(matrix: Matrix3, turn: Turn) -> Matrix3:
+    """matrix · R(turn)."""
+    c, s = turn.cos, turn.sin
+
+    def row(v: Vector3) -> Vector3:
+        if turn.axis == "z":
+            return (c * v[0] + s * v[1], c * v[1] - s * v[0], v[2])
+        return (v[0], c * v[1] + s * v[2], c * v[2] - s * v[1])
+
+    return (row(matrix[0]), row(matrix[1]), row(matrix[2]))
+
+
+def rotate(matrix: Matrix3, v: Vector3) -> Vector3:
+    """matrix v."""
+    return (dot(matrix[0], v), dot(matrix[1], v), dot(matrix[2], v))
+
+
+def rotate_back(matrix: Matrix3, v: Vector3) -> Vector3:
+    """matrixᵀ v."""
+    columns = zip(*matrix, strict=True)
+    x, y, z = (dot(column, v) for column in columns)
+    return (x, y, z)
+
+
+def numeric(matrix: Array) -> Matrix3:
+    """A matrix of plain numbers, entries that are round-off set to zero."""
+    rows = [[0.0 if abs(float(v)) < 1e-15 else float(v) for v in row] for row in matrix]
+    a, b, c = ((r[0], r[1], r[2]) for r in rows)
+    return (a, b, c)
+
+
+def local_point(link: Link, point: Array) -> Vector3:
+    """A point of the body, given in the drawn configuration (m, world), in the link's own frame."""
+    x, y, z = (float(v) for v in link.frame.T @ (point - link.origin))
+    return (x, y, z)

@@ -1,0 +1,106 @@
+"""Between staged values and sympy expressions, both ways.
+
+`expression` shows any value as sympy, down to the level that is asked for; `from_sympy` stages an expression that
+a user wrote. Text never becomes sympy here: only objects pass.
+"""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+import sympy as sp
+
+from lamc.errors import ExpressionError
+from lamc.mechanics.functions import FUNCTIONS
+from lamc.mechanics.staging import NUMBER, SYMBOL, Scalar, Store, Symbol, Value, call, power
+
+# sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
+_CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}
+
+
+def number(value: float | Fraction) -> sp.Number:
+    """Exact numbers stay exact."""
+    if isinstance(value, Fraction):
+        return sp.Rational(value.numerator, value.denominator)
+    return sp.Integer(value) if isinstance(value, int) else sp.Float(value, 17)
+
+
+def expression(value: Scalar, named: Mapping[int, sp.Symbol]) -> sp.Expr:
+    """`value` in sympy; nodes in `named` appear as their symbols, all others are written out.
+
+    With nothing named, the whole expression is written out: it can be as large as the equations.
+    """
+    if not isinstance(value, Value):
+        return number(value)
+    store = value.store
+    done: dict[int, sp.Expr] = {}
+    stack = [value.index]
+    while stack:
+        index = stack[-1]
+        if index in done:
+            stack.pop()
+        elif index in named:
+            done[index] = named[index]
+        else:
+            missing = [i for i in store.arguments[index] if i not in done]
+            if missing:
+                stack.extend(missing)
+            else:
+                done[index] = node_expression(store, index, [done[i] for i in store.arguments[index]])
+    result = done[value.index]
+    return result if value.sign > 0 else -result
+
+
+def node_expression(store: Store, index: int, arguments: list[sp.Expr]) -> sp.Expr:
+    """One node applied to sympy arguments."""
+    operation = store.operations[index]
+    if operation in (NUMBER, SYMBOL):
+        payload = store.payloads[index]
+        return sp.Symbol(payload.name) if isinstance(payload, Symbol) else number(payload)
+    match operation:
+        case "+":
+            return arguments[0] + arguments[1]
+        case "-":
+            return arguments[0] - arguments[1]
+        case "*":
+            return arguments[0] * arguments[1]
+        case "neg":
+            return -arguments[0]
+        case "reciprocal":
+            return 1 / arguments[0]
+        case _:
+            return getattr(sp, FUNCTIONS[operation].sympy_name)(*arguments)
+
+
+def from_sympy(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
+    """`expr` staged; its symbols are looked up by name in `inputs`.
+
+    Raises ExpressionError for a symbol that is not there and for a function that has no C form.
+    """
+    if isinstance(expr, sp.Symbol):
+        if expr.name not in inputs:
+            raise ExpressionError(f"the expression uses {expr.name!r}; known are {', '.join(sorted(inputs))}")
+        return inputs[expr.name]
+    if isinstance(expr, sp.Rational):
+        return int(expr) if expr.is_Integer else Fraction(int(expr.p), int(expr.q))
+    if isinstance(expr, sp.Number | sp.NumberSymbol):
+        return float(expr)
+    arguments = [from_sympy(a, inputs) for a in expr.args]
+    result = arguments[0] if arguments else 0
+    if isinstance(expr, sp.Add):
+        for argument in arguments[1:]:
+            result = result + argument
+        return result
+    if isinstance(expr, sp.Mul):
+        for argument in arguments[1:]:
+            result = result * argument
+        return result
+    if isinstance(expr, sp.Pow):
+        return power(arguments[0], arguments[1])
+    if expr.func is sp.exp:
+        return call("exp", arguments[0])
+    name = _CALLS.get(expr.func)
+    if name is None:
+        raise ExpressionError(f"the expression uses {expr.func.__name__}, which has no C form in lamc")
+    while len(arguments) > 2:  # sympy's Min and Max take any number of arguments
+        arguments = [call(name, arguments[0], arguments[1]), *arguments[2:]]
+    return call(name, *arguments)

@@ -1,0 +1,332 @@
+"""`plan`: the spanning tree of least depth, and a frame for every hinge (section 4.2 of the paper, eq. 5–6).
+
+Goes in: a Mechanism. Comes out: a Tree: links in an order in which parents precede children, each with the
+frame of its hinge in the drawn configuration and the constant rotation from the parent's frame. It never looks
+at effects, and it holds numbers only.
+
+Frames. The z axis of a link's frame lies along its own hinge. Hinge lines of one plate are coplanar, so with x
+along the plate normal every fold is a constant turn about x followed by the hinge's own turn about z, and the
+origin, slid along the hinge to where the two lines meet, leaves one offset component. A hinge that is not
+coplanar with its parent's takes one more constant turn about z.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamc.errors import TopologyError, UnsupportedError
+from lamc.mechanism.records import Array, Body, Joint, Mechanism
+
+# Relative size under which a geometric number is round-off of a zero: a few hundred ulps, far below any drawing.
+ROUND_OFF = 1e-13
+# An origin is slid along its hinge at most this many mechanism sizes: nearly parallel lines meet far away, and a
+# long lever would cost digits (errors grow with the square of the offset).
+MAX_SLIDE = 3.0
+WORLD = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A moving body with the hinge that carries it.
+
+    The hinge's own turn is about z by angle_sign·q + angle_offset, after the constant turns `twist` (about z) and
+    `fold` (about x), each as (cosine, sine), from the parent's frame. A `parallel` link has neither.
+    """
+
+    body: Body
+    joint: Joint
+    parent: int  # index of the parent link, WORLD for a hinge on a fixed body
+    angle_sign: int
+    angle_offset: float  # rad
+    twist: tuple[float, float]
+    fold: tuple[float, float]
+    parallel: bool
+    origin: Array  # (3,), m, world, drawn configuration: a point on the hinge line
+    frame: Array  # (3, 3), world from link frame, drawn configuration; columns are the axes
+    offset: Array  # (3,), m, origin from the parent's origin, in the parent's frame
+    com: Array  # (3,), m, from the origin, in the link's frame
+    inertia: Array  # (3, 3), kg·m², about the centre of mass, in the link's frame
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Links, parents before children; q[i] is the angle of links[i].joint."""
+
+    mechanism: Mechanism
+    links: tuple[Link, ...]
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return tuple(link.joint.name for link in self.links)
+
+    @property
+    def depth(self) -> int:
+        """Number of hinges on the longest way to the world."""
+        depths: list[int] = []
+        for link in self.links:
+            depths.append(1 if link.parent == WORLD else depths[link.parent] + 1)
+        return max(depths, default=0)
+
+    def children(self, index: int) -> list[int]:
+        return [i for i, link in enumerate(self.links) if link.parent == index]
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One tree edge before frames are chosen."""
+
+    joint: Joint
+    body: str
+    parent: int
+
+
+def plan(mechanism: Mechanism) -> Tree:
+    """The tree of `mechanism`.
+
+    Raises TopologyError if a body has no path to the world or a hinge joins two fixed bodies, UnsupportedError if
+    hinges close a loop.
+    """
+    steps = _depth_first(mechanism, _least_depth(mechanism))
+    children: list[list[int]] = [[] for _ in steps]
+    for index, step in enumerate(steps):
+        if step.parent != WORLD:
+            children[step.parent].append(index)
+    axes, signs = _axes(mechanism, steps)
+    origins = _origins(mechanism, steps, axes)
+    normals = _normals(mechanism, steps, children, axes, origins)
+    links: list[Link] = []
+    for index, step in enumerate(steps):
+        links.append(_link(mechanism, step, links, axes[index], normals[index], origins[index], signs[index]))
+    return Tree(mechanism, tuple(links))
+
+
+def geometric_key(joint: Joint, size: float) -> tuple[tuple[float, ...], str]:
+    """Sort key by place and direction, so that the order of the input does not matter; the name breaks ties."""
+    place = np.round(joint.point / size, 9) + 0.0
+    direction = np.round(joint.axis, 9) + 0.0
+    return (tuple(map(float, (*place, *direction))), joint.name)
+
+
+def _least_depth(mechanism: Mechanism) -> dict[str, Joint]:
+    """Breadth-first from the world: body name → the joint that carries it."""
+    size = mechanism.size
+    joints = sorted(mechanism.joints, key=lambda j: geometric_key(j, size))
+    fixed = {b.name for b in mechanism.bodies if b.fixed}
+    at: dict[str, list[Joint]] = {b.name: [] for b in mechanism.bodies}
+    for joint in joints:
+        if joint.parent in fixed and joint.child in fixed:
+            raise TopologyError(
+                f"joint {joint.name!r} joins two fixed bodies, {joint.parent!r} and {joint.child!r}, and cannot "
+                "move; remove it or free one of them"
+            )
+        at[joint.parent].append(joint)
+        at[joint.child].append(joint)
+    carrier: dict[str, Joint] = {}
+    level = sorted(fixed)
+    while level:
+        following: list[str] = []
+        reachable = sorted({j.name: j for body in level for j in at[body]}.values(), key=lambda j: geometric_key(j, size))
+        for joint in reachable:
+            for near, far in ((joint.parent, joint.child), (joint.child, joint.parent)):
+                if near in level and far not in fixed and far not in carrier:
+                    carrier[far] = joint
+                    following.append(far)
+        level = following
+    _check_reached(mechanism, carrier, fixed)
+    return carrier
+
+
+def _check_reached(mechanism: Mechanism, carrier: dict[str, Joint], fixed: set[str]) -> None:
+    lost = sorted(b.name for b in mechanism.bodies if not b.fixed and b.name not in carrier)
+    if lost:
+        more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
+        raise TopologyError(
+            f"body {lost[0]!r}{more} has no path of hinges to a fixed body ({', '.join(sorted(fixed))}); "
+            "add a hinge, fix the body or remove it"
+        )
+    used = {j.name for j in carrier.values()}
+    closing = sorted(j.name for j in mechanism.joints if j.name not in used)
+    if closing:
+        more = f" (and {len(closing) - 1} more)" if len(closing) > 1 else ""
+        raise UnsupportedError(
+            f"joint {closing[0]!r}{more} closes a loop of hinges; this version simulates trees only: remove the joint"
+        )
+
+
+def _depth_first(mechanism: Mechanism, carrier: dict[str, Joint]) -> list[_Step]:
+    """Limb after limb: parents before children, siblings by geometry."""
+    size = mechanism.size
+    outward: dict[str, list[tuple[Joint, str]]] = {}
+    for body, joint in carrier.items():
+        near = joint.parent if joint.child == body else joint.child
+        outward.setdefault(near, []).append((joint, body))
+    for limbs in outward.values():
+        limbs.sort(key=lambda limb: geometric_key(limb[0], size), reverse=True)
+    roots = [limb for b in mechanism.bodies if b.fixed for limb in outward.get(b.name, [])]
+    roots.sort(key=lambda limb: geometric_key(limb[0], size), reverse=True)
+    steps: list[_Step] = []
+    stack = [(joint, body, WORLD) for joint, body in roots]
+    while stack:
+        joint, body, parent = stack.pop()
+        index = len(steps)
+        steps.append(_Step(joint, body, parent))
+        stack.extend((j, b, index) for j, b in outward.get(body, []))
+    return steps
+
+
+def _axes(mechanism: Mechanism, steps: list[_Step]) -> tuple[list[Array], list[int]]:
+    """Internal hinge axes and signs: link i turns about axes[i] by signs[i]·q.
+
+    The joint angle is child relative to parent; a hinge entered from its child's side turns the other way. Where
+    two parallel hinges are drawn in opposite directions the internal axis follows the parent's, at no cost: signs
+    are free in the store.
+    """
+    axes: list[Array] = []
+    signs: list[int] = []
+    for step in steps:
+        outward = step.joint.child == step.body
+        axis, sign = step.joint.axis, 1 if outward else -1
+        if step.parent != WORLD:
+            reference = axes[step.parent]
+            if np.linalg.norm(np.cross(reference, axis)) < 10 * ROUND_OFF:
+                sign = sign if reference @ axis > 0 else -sign
+                axis = reference
+        axes.append(axis)
+        signs.append(sign)
+    return axes, signs
+
+
+def _origins(mechanism: Mechanism, steps: list[_Step], axes: list[Array]) -> list[Array]:
+    """A point on each hinge line, slid to where it leaves the fewest offset components."""
+    reach = MAX_SLIDE * mechanism.size
+    origins: list[Array] = []
+    for index, step in enumerate(steps):
+        point, z = step.joint.point, axes[index]
+        if step.parent == WORLD:
+            origins.append(point)
+            continue
+        base, zp = origins[step.parent], axes[step.parent]
+        across = np.cross(zp, z)
+        sine2 = float(across @ across)
+        between = point - base
+        if sine2 > ROUND_OFF:
+            slide = float(np.cross(between, zp) @ across) / sine2  # foot of the common perpendicular
+        else:
+            slide = -float(between @ z)  # parallel lines: perpendicular to both
+        if abs(slide) > reach:
+            slide = -float(between @ z)
+        origins.append(point + slide * z)
+    return origins
+
+
+def _normals(
+    mechanism: Mechanism,
+    steps: list[_Step],
+    children: list[list[int]],
+    axes: list[Array],
+    origins: list[Array],
+) -> list[Array]:
+    """The x axis of each link's frame: normal to the plane of its own and its first child's hinge."""
+    normals: list[Array] = []
+    for index, step in enumerate(steps):
+        z = axes[index]
+        across = np.zeros(3)
+        if children[index]:
+            child = children[index][0]
+            across = np.cross(z, axes[child])
+            if np.linalg.norm(across) < 1e-6:  # parallel: normal to the plane of the two lines
+                across = np.cross(z, origins[child] - origins[index]) / mechanism.size
+        else:
+            across = np.cross(z, mechanism.body(step.body).com - origins[index]) / mechanism.size
+        previous = normals[step.parent] if step.parent != WORLD else None
+        if np.linalg.norm(across) < 1e-9:
+            across = _perpendicular(z, previous)
+        across = across - (across @ z) * z
+        across = across / np.linalg.norm(across)
+        if _points_back(across, previous):
+            across = -across
+        normals.append(across)
+    return normals
+
+
+def _points_back(normal: Array, previous: Array | None) -> bool:
+    """The one of two opposite normals that is wanted: near the parent's, else near the first axis it leans to."""
+    if previous is not None and abs(normal @ previous) > 1e-6:
+        return bool(normal @ previous < 0)
+    lean = int(np.argmax(np.abs(np.round(normal, 9))))
+    return bool(normal[lean] < 0)
+
+
+def _perpendicular(z: Array, previous: Array | None) -> Array:
+    """Some direction perpendicular to z: the parent's normal if that serves, else a world axis."""
+    candidates = [previous] if previous is not None else []
+    candidates += [np.array(e) for e in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))]
+    for candidate in candidates:
+        rest = candidate - (candidate @ z) * z
+        if np.linalg.norm(rest) > 1e-3:
+            return rest
+    raise AssertionError("two perpendicular axes cannot both be parallel to z")
+
+
+def _link(
+    mechanism: Mechanism, step: _Step, links: list[Link], z: Array, x: Array, origin: Array, sign: int
+) -> Link:
+    frame = np.column_stack([x, np.cross(z, x), z])
+    size = mechanism.size
+    twist, fold, angle, parallel, offset = (1.0, 0.0), (1.0, 0.0), 0.0, False, np.zeros(3)
+    if step.parent != WORLD:
+        parent = links[step.parent]
+        offset = snap(parent.frame.T @ (origin - parent.origin), size)
+        twist, fold, angle, parallel = _constant_turns(parent.frame.T @ frame)
+    body = mechanism.body(step.body)
+    return Link(
+        body=body,
+        joint=step.joint,
+        parent=step.parent,
+        angle_sign=sign,
+        angle_offset=angle,
+        twist=twist,
+        fold=fold,
+        parallel=parallel,
+        origin=origin,
+        frame=frame,
+        offset=offset,
+        com=snap(frame.T @ (body.com - origin), size),
+        inertia=snap(frame.T @ body.inertia @ frame, float(np.abs(body.inertia).max())),
+    )
+
+
+def _constant_turns(
+    rotation: Array,
+) -> tuple[tuple[float, float], tuple[float, float], float, bool]:
+    """(twist, fold, angle, parallel) with rotation = Rz(twist) Rx(fold) Rz(angle)."""
+    sine = math.hypot(rotation[0, 2], rotation[1, 2])
+    if sine < 10 * ROUND_OFF and rotation[2, 2] > 0:
+        return (1.0, 0.0), (1.0, 0.0), _snap_angle(math.atan2(rotation[1, 0], rotation[0, 0])), True
+    if sine < 10 * ROUND_OFF:
+        return (1.0, 0.0), (-1.0, 0.0), _snap_angle(math.atan2(-rotation[1, 0], rotation[0, 0])), False
+    # z of the child in the parent's frame is (sin β sin α, -cos β sin α, cos α); the sign of α keeps |β| ≤ 90°.
+    side = 1.0 if rotation[1, 2] <= 0 else -1.0
+    twist = _snap_angle(math.atan2(side * rotation[0, 2], -side * rotation[1, 2]))
+    angle = _snap_angle(math.atan2(side * rotation[2, 0], side * rotation[2, 1]))
+    return _pair(twist), _pair(math.atan2(side * sine, rotation[2, 2])), angle, False
+
+
+def _snap_angle(angle: float) -> float:
+    return 0.0 if abs(angle) < 10 * ROUND_OFF else angle
+
+
+def _pair(angle: float) -> tuple[float, float]:
+    """(cos, sin), exact where one of them vanishes."""
+    c, s = math.cos(angle), math.sin(angle)
+    if abs(s) < 10 * ROUND_OFF:
+        return math.copysign(1.0, c), 0.0
+    if abs(c) < 10 * ROUND_OFF:
+        return 0.0, math.copysign(1.0, s)
+    return c, s
+
+
+def snap(values: Array, size: float) -> Array:
+    """`values` with what is round-off relative to `size` set to zero."""
+    return np.where(np.abs(values) <= ROUND_OFF * size, 0.0, values)

@@ -1,0 +1,92 @@
+"""Bodies: which pieces of which layers hang together, and which of them the world holds.
+
+In: the material left in each layer after cutting, and the fixed regions. Out: groups of pieces. Pieces of
+neighbouring layers hang together where they overlap with positive area; touching along an edge is no bond.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import STRtree
+from shapely.geometry import MultiPolygon, Polygon
+
+# An overlap below this fraction of the design's size squared is round-off: two layers cut along the same line
+# overlap by its length times 1e-16 of the coordinates, at most about 1e-15; a real bond is far larger.
+OVERLAP = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Pieces that hang together: their polygons in each layer, and whether the world holds them."""
+
+    polygons: tuple[tuple[Polygon, ...], ...]
+    fixed: bool
+
+    @property
+    def area(self) -> float:
+        """m², of the layer where the group is largest."""
+        return max(math.fsum(p.area for p in layer) for layer in self.polygons)
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """A point inside its largest polygon, m."""
+        largest = max((p for layer in self.polygons for p in layer), key=lambda p: p.area)
+        point = largest.representative_point()
+        return float(point.x), float(point.y)
+
+
+def find_groups(cut: Sequence[MultiPolygon], fixed: Sequence[MultiPolygon], size: float) -> tuple[Group, ...]:
+    """Groups of pieces, ordered by their first piece from the bottom layer up.
+
+    cut, fixed  per layer; size  of the design, m, the scale for `OVERLAP`
+    """
+    pieces = [list(layer.geoms) for layer in cut]
+    starts = np.concatenate([[0], np.cumsum([len(p) for p in pieces])])
+    threshold = OVERLAP * size * size
+    parent = list(range(int(starts[-1])))
+    for layer in range(len(pieces) - 1):
+        for low, high in overlapping(pieces[layer], pieces[layer + 1], threshold):
+            _join(parent, int(starts[layer]) + low, int(starts[layer + 1]) + high)
+    held: set[int] = set()
+    for layer, region in enumerate(fixed):
+        for index, _ in overlapping(pieces[layer], list(region.geoms), threshold):
+            held.add(_root(parent, int(starts[layer]) + index))
+    members: dict[int, list[list[Polygon]]] = {}
+    for layer, polygons in enumerate(pieces):
+        for index, polygon in enumerate(polygons):
+            root = _root(parent, int(starts[layer]) + index)
+            members.setdefault(root, [[] for _ in pieces])[layer].append(polygon)
+    return tuple(
+        Group(tuple(tuple(layer) for layer in polygons), root in held) for root, polygons in members.items()
+    )
+
+
+def overlapping(
+    first: Sequence[Polygon], second: Sequence[Polygon], threshold: float
+) -> list[tuple[int, int]]:
+    """Pairs (i, j), sorted, such that first[i] and second[j] share more than `threshold` of area, m²."""
+    if not first or not second:
+        return []
+    a, b = np.array(first, dtype=object), np.array(second, dtype=object)
+    i, j = STRtree(b).query(a, predicate="intersects")
+    # Layers are mostly drawn alike: equality is cheap, and saves the overlay of large outlines.
+    bonded = shapely.equals_exact(a[i], b[j], 0.0) & (shapely.area(a[i]) > threshold)
+    rest = np.flatnonzero(~bonded)
+    bonded[rest] = shapely.area(shapely.intersection(a[i[rest]], b[j[rest]])) > threshold
+    return sorted((int(x), int(y)) for x, y in zip(i[bonded], j[bonded], strict=True))
+
+
+def _root(parent: list[int], index: int) -> int:
+    while parent[index] != index:
+        parent[index] = parent[parent[index]]
+        index = parent[index]
+    return index
+
+
+def _join(parent: list[int], a: int, b: int) -> None:
+    """Union by smaller index, so that a group's root is its first piece."""
+    low, high = sorted((_root(parent, a), _root(parent, b)))
+    parent[high] = low

@@ -1,0 +1,108 @@
+"""Contact: which bodies a hinge line touches.
+
+In: hinges, holes, and bodies by layer. Out: for each hinge, the bodies on its left and on its right. It
+raises nothing: what a contact means is for `split` to say.
+
+Slits leave the material of both sides at SLIT hinge widths from the line. So the line is read off along two
+parallels slightly further out, over the length that no hole has taken, in its flexible layer. Parallels
+rather than a grown area: they tell the sides apart, and measure a contact in metres of hinge.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import STRtree
+from shapely.geometry import LineString, MultiPolygon, Polygon
+
+from lamc.design.cutting import SLIT
+from lamc.design.steps import Hinge
+
+# Distance of the parallels from the line, in hinge widths. Half as far again as the slit's edge: clear of
+# round-off, and well inside one width, beyond which a neighbour's material may begin.
+REACH = 1.5 * SLIT
+# The same in layers other than the flexible one, which are mostly drawn open by one width.
+OPEN_REACH = 1.05
+# Contacts shorter than this many hinge widths are corners or overshooting ends, not hinges.
+SHORTEST = SLIT
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Indices of the bodies along a hinge, ascending, and the length of line that the holes have left."""
+
+    left: tuple[int, ...]
+    right: tuple[int, ...]
+    free_length: float  # m
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return tuple(sorted({*self.left, *self.right}))
+
+
+class LayerIndex:
+    """The polygons of all bodies in one layer, in a search tree."""
+
+    def __init__(self, bodies: Sequence[tuple[tuple[Polygon, ...], ...]], layer: int) -> None:
+        owned = [(p, body) for body, polygons in enumerate(bodies) for p in polygons[layer]]
+        self._polygons = np.array([p for p, _ in owned], dtype=object)
+        self._owners = [body for _, body in owned]
+        self._tree = STRtree(self._polygons)
+
+    def along(self, lines: Sequence[LineString]) -> dict[int, float]:
+        """Length of `lines` inside each body, m."""
+        which = np.array(lines, dtype=object)
+        i, j = self._tree.query(which, predicate="intersects")
+        lengths = shapely.length(shapely.intersection(which[i], self._polygons[j]))
+        inside: dict[int, float] = {}
+        for index, length in zip(j, lengths, strict=True):
+            owner = self._owners[int(index)]
+            inside[owner] = inside.get(owner, 0.0) + float(length)
+        return inside
+
+
+def contact(hinge: Hinge, holes: Sequence[MultiPolygon], layers: Sequence[LayerIndex]) -> Contact:
+    """The bodies on both sides of a hinge: in its flexible layer, or where that has no material near the
+    line, in all layers that it runs through."""
+    flexible = hinge.properties.layer
+    width = hinge.properties.width
+    free = free_parts(hinge, holes[flexible])
+    sides = [_side(free, sign * REACH * width, [layers[flexible]], width) for sign in (1, -1)]
+    if not any(sides):
+        others = [layers[i] for i in hinge.layers]
+        sides = [_side(free, sign * OPEN_REACH * width, others, width) for sign in (1, -1)]
+    return Contact(sides[0], sides[1], sum(part.length for part in free))
+
+
+def free_parts(hinge: Hinge, hole: MultiPolygon) -> list[LineString]:
+    """The stretches of a hinge line that no hole has taken, in the line's direction."""
+    left = shapely.get_parts(shapely.difference(hinge.line, hole))
+    start = np.array(hinge.line.coords[0])
+    along = np.array(hinge.line.coords[-1]) - start
+    stretches = []
+    for part in left:
+        ends = sorted(np.array(part.coords), key=lambda point: float((point - start) @ along))
+        stretches.append(LineString([ends[0], ends[-1]]))
+    return stretches
+
+
+def _side(
+    free: Sequence[LineString], distance: float, layers: Sequence[LayerIndex], width: float
+) -> tuple[int, ...]:
+    """Bodies along the parallels at `distance` m, positive to the left of the lines."""
+    parallels = [_parallel(part, distance) for part in free if part.length > 0.0]
+    if not parallels:
+        return ()
+    lengths: dict[int, float] = {}
+    for layer in layers:
+        for body, length in layer.along(parallels).items():
+            lengths[body] = max(length, lengths.get(body, 0.0))
+    return tuple(sorted(body for body, length in lengths.items() if length > SHORTEST * width))
+
+
+def _parallel(line: LineString, distance: float) -> LineString:
+    a, b = np.array(line.coords)
+    along = (b - a) / np.linalg.norm(b - a)
+    shift = distance * np.array([-along[1], along[0]])
+    return LineString([a + shift, b + shift])

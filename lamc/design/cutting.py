@@ -1,0 +1,82 @@
+"""Holes and slits: the geometry that turns a drawn laminate into loose pieces.
+
+In: a checked design and its hinges. Out: per layer, what is removed and what is left. It knows nothing about
+bodies, names or masses.
+
+A line is grown with round caps, by its width for holes and a tenth of that for slits (popupCAD's number;
+Aukes and Wood, Figure 1). Round caps, not flat ones: a flat cap stops exactly at the line's end, so that a
+plate's edge 1e-18 m beyond it would leave a bridge, lines drawn end to end would not overlap, and creases
+that meet in a vertex would open it unevenly. With round caps whatever lies within the distance of the line is
+removed, whichever way the line runs. Where a line ends on an edge or in a hole the cap removes nothing, and
+masses are those of straight slits, exactly.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from shapely import STRtree
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from lamc.design.records import Layer
+from lamc.design.steps import Hinge
+
+SLIT = 0.1  # half width of a slit, in hinge widths
+_ARC_SEGMENTS = 8  # per quarter circle: a cap falls short of the round one by half a per cent of its radius
+
+
+def holes_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
+    """Per layer, where the strips of two hinge lines that both run through the layer overlap."""
+    strips = shapely.buffer(
+        [h.line for h in hinges], [h.properties.width for h in hinges], quad_segs=_ARC_SEGMENTS
+    )
+    first, second = STRtree(strips).query(strips, predicate="intersects")
+    pairs = sorted((int(a), int(b)) for a, b in zip(first, second, strict=True) if a < b)
+    overlaps = shapely.intersection([strips[a] for a, _ in pairs], [strips[b] for _, b in pairs])
+    shared = [set(hinges[a].layers) & set(hinges[b].layers) for a, b in pairs]
+    return tuple(
+        as_multipolygon(shapely.union_all([o for o, s in zip(overlaps, shared, strict=True) if layer in s]))
+        for layer in range(count)
+    )
+
+
+def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
+    """Per layer, the lines of the hinges that run through it, grown by a tenth of their widths."""
+    grown = shapely.buffer(
+        [h.line for h in hinges], [SLIT * h.properties.width for h in hinges], quad_segs=_ARC_SEGMENTS
+    )
+    return tuple(
+        as_multipolygon(
+            shapely.union_all([g for g, h in zip(grown, hinges, strict=True) if layer in h.layers])
+        )
+        for layer in range(count)
+    )
+
+
+def cut_layer(layer: Layer, hole: MultiPolygon, slit: MultiPolygon) -> MultiPolygon:
+    """What is left of a layer, its polygons in an order that depends on geometry alone."""
+    drawn = shapely.normalize(layer.geometry)
+    return as_multipolygon(shapely.difference(drawn, shapely.union(hole, slit)))
+
+
+def as_multipolygon(geometry: BaseGeometry) -> MultiPolygon:
+    """The polygons in any geometry, normalised and sorted; lines and points hold no material and drop out."""
+    parts = shapely.get_parts(shapely.normalize(geometry))
+    polygons = [p for p in _flatten(parts) if isinstance(p, Polygon) and p.area > 0.0]
+    keys = [(*p.bounds, p.area) for p in polygons]
+    return MultiPolygon([polygons[i] for i in sorted(range(len(polygons)), key=lambda i: keys[i])])
+
+
+def _flatten(parts: Sequence[BaseGeometry]) -> list[BaseGeometry]:
+    flat: list[BaseGeometry] = []
+    for part in parts:
+        flat.extend(_flatten(list(part.geoms)) if hasattr(part, "geoms") else [part])
+    return flat
+
+
+def material_size(layers: Sequence[Layer]) -> float:
+    """Diagonal of the box around all layers, m."""
+    bounds = np.array([layer.geometry.bounds for layer in layers if not layer.geometry.is_empty])
+    low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+    return float(np.linalg.norm(high - low))

@@ -1,0 +1,173 @@
+"""Linking: from contacts to joints, and the refusal of what is no mechanism.
+
+In: hinges with the bodies that they touch. Out: connections, each with parent and child. Every hinge joins
+exactly two bodies, every body reaches the world, and none of that is mended in silence: what does not fit is
+a TopologyError that names hinge, bodies, place and way out.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from shapely.geometry import LineString
+
+from lamc.design.check_design import known
+from lamc.design.contact import SHORTEST, Contact
+from lamc.design.cutting import SLIT
+from lamc.design.steps import Connection, Hinge
+from lamc.errors import TopologyError
+
+
+@dataclass(frozen=True)
+class Site:
+    """A body as linking sees it: its name, whether the world holds it, and where it lies (m)."""
+
+    name: str
+    fixed: bool
+    at: tuple[float, float]
+
+    def __str__(self) -> str:
+        return f"{self.name!r} at {millimetres(self.at)}"
+
+
+def link(
+    hinges: Sequence[Hinge], contacts: Sequence[Contact], sites: Sequence[Site]
+) -> tuple[Connection, ...]:
+    """Connections in the order of `hinges`. Raises TopologyError."""
+    pairs = [_pair(h, c, hinges, sites) for h, c in zip(hinges, contacts, strict=True)]
+    _refuse_locked_pairs(hinges, pairs, sites)
+    depth = _depths(pairs, sites)
+    lost = [site for site, d in zip(sites, depth, strict=True) if d is None]
+    if lost:
+        shown = ", ".join(map(str, lost[:4])) + (f" and {len(lost) - 4} more" if len(lost) > 4 else "")
+        noun = "body has" if len(lost) == 1 else "bodies have"
+        raise TopologyError(
+            f"{len(lost)} {noun} no path to the world: {shown}; join each by a hinge line to the rest, "
+            "draw the "
+            "fixed region over it, or take it out of the drawing"
+        )
+
+    def rank(body: int) -> tuple[int, str]:
+        return depth[body] or 0, sites[body].name
+
+    connections = []
+    for hinge, pair in zip(hinges, pairs, strict=True):
+        parent, child = sorted(pair, key=rank)
+        connections.append(Connection(hinge, sites[parent].name, sites[child].name))
+    return tuple(connections)
+
+
+def millimetres(point: tuple[float, float]) -> str:
+    return f"({point[0] * 1e3:.6g}, {point[1] * 1e3:.6g}) mm"
+
+
+def _pair(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], sites: Sequence[Site]) -> tuple[int, int]:
+    bodies = contact.bodies
+    if len(bodies) == 2:
+        first, second = bodies
+        if sites[first].fixed and sites[second].fixed:
+            raise TopologyError(
+                f"{_label(hinge)} joins {sites[first].name!r} and {sites[second].name!r}, which are "
+                "both fixed, so "
+                "it cannot turn: keep the fixed region to one side of it, or take the hinge out",
+                known(hinge.place),
+            )
+        return first, second
+    names = ", ".join(repr(sites[b].name) for b in bodies)
+    count = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'}" + (f" ({names})" if names else "")
+    raise TopologyError(
+        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges)}",
+        known(hinge.place),
+    )
+
+
+def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge]) -> str:
+    if contact.free_length <= SHORTEST * hinge.properties.width:
+        near = [repr(h.name) for h in _neighbours(hinge, hinges)][:4]
+        return (
+            f"the holes where it meets {_plural('hinge', near)} swallow it; move them apart, make it "
+            "longer, or "
+            "lower the hinge width"
+        )
+    bodies = contact.bodies
+    if len(bodies) == 0:
+        return "it lies outside the device; move it onto the material, or take it out"
+    if len(bodies) == 1:
+        if contact.left and contact.right:
+            return (
+                "it does not cut the body apart; lengthen it to the material's edges, or close the cuts there"
+            )
+        side = "left" if contact.left else "right"
+        return f"there is material on its {side} only; move it, or draw the missing body"
+    crossed = [repr(h.name) for h in hinges if h is not hinge and h.line.crosses(hinge.line)][:4]
+    if crossed:
+        return f"it crosses {_plural('hinge', crossed)}; draw it as separate lines that end at the crossing"
+    return "draw one line for each pair of bodies"
+
+
+def _refuse_locked_pairs(
+    hinges: Sequence[Hinge], pairs: Sequence[tuple[int, int]], sites: Sequence[Site]
+) -> None:
+    """Two hinges between the same two bodies turn only if they lie on one line (a door has two hinges)."""
+    first_of: dict[tuple[int, int], Hinge] = {}
+    for hinge, pair in zip(hinges, pairs, strict=True):
+        first = first_of.setdefault(pair, hinge)
+        if first is hinge or _on_one_line(first, hinge):
+            continue
+        raise TopologyError(
+            f"{_label(hinge)} and hinge {first.name!r} both join {sites[pair[0]].name!r} and "
+            f"{sites[pair[1]].name!r} but do not lie on one line, so neither can turn: take one out, or "
+            "separate the bodies",
+            known(hinge.place),
+        )
+
+
+def _on_one_line(a: Hinge, b: Hinge) -> bool:
+    """Within half a slit: what the drawing cannot tell from one line."""
+    if a.z != b.z:
+        return False
+    longer, shorter = sorted((a.line, b.line), key=lambda line: -line.length)
+    (x0, y0), (x1, y1) = longer.coords
+    reach = SLIT * max(a.properties.width, b.properties.width)
+    return all(
+        abs((x - x0) * (y1 - y0) - (y - y0) * (x1 - x0)) <= reach * longer.length for x, y in shorter.coords
+    )
+
+
+def _depths(pairs: Sequence[tuple[int, int]], sites: Sequence[Site]) -> list[int | None]:
+    """Least number of hinges from each body to a fixed one; None where there is no path."""
+    neighbours: list[list[int]] = [[] for _ in sites]
+    for a, b in pairs:
+        neighbours[a].append(b)
+        neighbours[b].append(a)
+    depth: list[int | None] = [0 if site.fixed else None for site in sites]
+    queue = deque((i, 0) for i, site in enumerate(sites) if site.fixed)
+    while queue:
+        body, steps = queue.popleft()
+        for other in neighbours[body]:
+            if depth[other] is None:
+                depth[other] = steps + 1
+                queue.append((other, steps + 1))
+    return depth
+
+
+def _neighbours(hinge: Hinge, hinges: Sequence[Hinge]) -> list[Hinge]:
+    def strip(h: Hinge) -> float:
+        return h.properties.width
+
+    return [
+        h
+        for h in hinges
+        if h is not hinge
+        and set(h.layers) & set(hinge.layers)
+        and h.line.distance(hinge.line) < strip(h) + strip(hinge)
+    ]
+
+
+def _plural(noun: str, names: Sequence[str]) -> str:
+    return f"{noun}{'s' if len(names) > 1 else ''} {', '.join(names)}"
+
+
+def _label(hinge: Hinge) -> str:
+    middle: LineString = hinge.line.interpolate(0.5, normalized=True)
+    return f"hinge {hinge.name!r} at {millimetres((middle.x, middle.y))}"

@@ -1,0 +1,183 @@
+"""`split`: from a laminate design to rigid bodies and hinges (Aukes and Wood, section 3.1 and Figure 1).
+
+In: a Design. Out: a Mechanism, or with `split_steps` every intermediate result too. Holes are cut where hinge
+lines meet, slits along the lines; pieces that hang together through neighbouring layers are bodies; those
+that meet the fixed region are fixed; each hinge line must join exactly two bodies. Nothing depends on the
+order in which layers' polygons, hinge lines or sets are given. It reads no files and writes none.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString
+
+from lamc.design.bodies import Group, find_groups
+from lamc.design.check_design import check_design
+from lamc.design.contact import LayerIndex, contact
+from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits_per_layer
+from lamc.design.linking import Site, link, millimetres
+from lamc.design.mass import body_properties
+from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
+from lamc.design.records import Design
+from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
+from lamc.errors import DesignError, TopologyError
+from lamc.mechanism.records import Body, Joint, Mechanism, Plate
+
+Progress = Callable[[str, float], None]
+
+# A piece smaller than this many squares of the narrowest hinge width is a scrap, not a body: holes and slits
+# leave such crumbs between them where lines meet at an angle, and no hinge could hold one.
+SCRAP = 1.0
+
+
+def split(design: Design, progress: Progress | None = None) -> Mechanism:
+    """The rigid bodies and hinges of a design, SI, world axes, drawn configuration.
+
+    progress  called with what is being done and the part that is done (0 to 1)
+
+    Raises DesignError for a malformed design and TopologyError where it makes no mechanism.
+    """
+    return split_steps(design, progress).mechanism
+
+
+def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
+    """What `split` does, with every step's result. Same arguments and errors."""
+    tell = progress or _silent
+    tell("checking the drawing", 0.0)
+    check_design(design)
+    hinges = named_hinges(design)
+    tell("cutting", 0.1)
+    count = len(design.layers)
+    holes, slits = holes_per_layer(hinges, count), slits_per_layer(hinges, count)
+    cut = tuple(cut_layer(*each) for each in zip(design.layers, holes, slits, strict=True))
+    tell("finding bodies", 0.4)
+    groups = find_groups(cut, design.fixed, material_size(design.layers))
+    kept, scraps = _without_scraps(groups, min(h.properties.width for h in hinges))
+    if not any(group.fixed for group in kept):
+        raise TopologyError(
+            f"the fixed region of design {design.name!r} meets no body, so nothing holds it; draw it "
+            "over the body that the world holds"
+        )
+    tell("weighing bodies", 0.6)
+    bodies, parts = _named_bodies(design, kept)
+    tell("joining bodies", 0.8)
+    layers = [LayerIndex([p.polygons for p in parts], i) for i in range(count)]
+    contacts = [contact(hinge, holes, layers) for hinge in hinges]
+    sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
+    connections = link(hinges, contacts, sites)
+    joints = tuple(_joint(connection) for connection in connections)
+    mechanism = Mechanism(bodies, joints, name=design.name, scene=design.scene)
+    tell("done", 1.0)
+    return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism)
+
+
+def named_hinges(design: Design) -> tuple[Hinge, ...]:
+    """All hinge lines of a design with their names, ordered by geometry."""
+    drawn = [(line, hinge_set) for hinge_set in design.hinges for line in hinge_set.lines]
+    heights = [_mid_plane(design, hinge_set.layer) for _, hinge_set in drawn]
+    marks = [
+        JointMark(*(np.array([*end, z]) for end in line.line))
+        for (line, _), z in zip(drawn, heights, strict=True)
+    ]
+    names = name_joints(marks, [line.name for line, _ in drawn])
+    return tuple(
+        Hinge(
+            name=names[i],
+            line=LineString(drawn[i][0].line),
+            z=heights[i],
+            properties=drawn[i][1],
+            layers=tuple(sorted({drawn[i][1].layer, *drawn[i][1].sublaminate})),
+            place=drawn[i][0].place,
+        )
+        for i in joint_order(marks)
+    )
+
+
+def _silent(_stage: str, _part: float) -> None:
+    """For callers who do not listen."""
+
+
+def _mid_plane(design: Design, layer: int) -> float:
+    return (design.z[layer] + design.z[layer + 1]) / 2
+
+
+def _without_scraps(groups: Sequence[Group], width: float) -> tuple[tuple[Group, ...], tuple[Scrap, ...]]:
+    """Groups that are bodies, and the rest. What the world holds is never a scrap: it was drawn on purpose."""
+    limit = SCRAP * width * width
+    kept = tuple(g for g in groups if g.fixed or g.area >= limit)
+    scraps = (Scrap(g.polygons, g.area, g.at) for g in groups if not (g.fixed or g.area >= limit))
+    return kept, tuple(sorted(scraps, key=lambda scrap: scrap.at))
+
+
+def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, ...], tuple[SplitBody, ...]]:
+    """Bodies with masses and names, and their polygons by layer; both in the order of their geometry."""
+    plates = [_plates(design, group) for group in groups]
+    properties = [body_properties(each) for each in plates]
+    marks = [BodyMark(g.fixed, p[1], p[0], p[2]) for g, p in zip(groups, properties, strict=True)]
+    names = name_bodies(marks, _drawn_names(design, groups))
+    bodies, parts = [], []
+    for i in body_order(marks):
+        mass, com, inertia = properties[i]
+        if mass == 0.0 and not groups[i].fixed:
+            used = sorted(
+                {layer.name for layer, p in zip(design.layers, groups[i].polygons, strict=True) if p}
+            )
+            raise DesignError(
+                f"body {names[i]!r} at {millimetres(groups[i].at)} has zero mass: the density of "
+                f"{', '.join(map(repr, used))} is 0 kg/m³; give the material a density, or fix the body"
+            )
+        outline = tuple(plate for plate, _ in plates[i])
+        bodies.append(Body(names[i], mass, com, inertia, fixed=groups[i].fixed, outline=outline))
+        parts.append(SplitBody(names[i], groups[i].fixed, groups[i].polygons))
+    return tuple(bodies), tuple(parts)
+
+
+def _plates(design: Design, group: Group) -> list[tuple[Plate, float]]:
+    z = design.z
+    return [
+        (Plate(polygon, z[i], z[i + 1]), layer.material.density)
+        for i, layer in enumerate(design.layers)
+        for polygon in group.polygons[i]
+    ]
+
+
+def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
+    """The drawing's name for each group, None where it has none."""
+    names: list[str | None] = [None] * len(groups)
+    for name, point in sorted(design.body_names, key=lambda item: item[0]):
+        inside = [
+            i
+            for i, group in enumerate(groups)
+            if any(shapely.contains_xy(p, point.x, point.y) for layer in group.polygons for p in layer)
+        ]
+        if len(inside) != 1:
+            raise DesignError(
+                f"the point that names body {name!r}, {millimetres((point.x, point.y))}, lies in "
+                f"{len(inside)} "
+                "bodies; move it into the one that it names"
+            )
+        if names[inside[0]] is not None:
+            raise DesignError(
+                f"{names[inside[0]]!r} and {name!r} name the same body, at "
+                f"{millimetres((point.x, point.y))}; "
+                "keep one name"
+            )
+        names[inside[0]] = name
+    return names
+
+
+def _joint(connection: Connection) -> Joint:
+    hinge, drawn = connection.hinge, connection.hinge.properties
+    (x0, y0), (x1, y1) = hinge.line.coords
+    return Joint(
+        hinge.name,
+        connection.parent,
+        connection.child,
+        point=np.array([(x0 + x1) / 2, (y0 + y1) / 2, hinge.z]),
+        axis=np.array([x1 - x0, y1 - y0, 0.0]),
+        stiffness=drawn.stiffness,
+        damping=drawn.damping,
+        rest_angle=drawn.rest_angle,
+        limits=drawn.limits,
+    )

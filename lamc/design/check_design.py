@@ -35,8 +35,7 @@ def check_design(design: Design) -> None:
     if all(region.is_empty for region in design.fixed):
         raise TopologyError(
             f"design {design.name!r} has no fixed region, so nothing holds it; draw one over the body "
-            "that the "
-            "world holds"
+            "that the world holds"
         )
     if not any(hinge_set.lines for hinge_set in design.hinges):
         raise TopologyError(

@@ -81,7 +81,7 @@ def free_parts(hinge: Hinge, hole: MultiPolygon) -> list[LineString]:
     start = np.array(hinge.line.coords[0])
     along = np.array(hinge.line.coords[-1]) - start
     stretches = []
-    for part in left:
+    for part in left[~shapely.is_empty(left)]:
         ends = sorted(np.array(part.coords), key=lambda point: float((point - start) @ along))
         stretches.append(LineString([ends[0], ends[-1]]))
     return stretches

@@ -43,8 +43,7 @@ def link(
         noun = "body has" if len(lost) == 1 else "bodies have"
         raise TopologyError(
             f"{len(lost)} {noun} no path to the world: {shown}; join each by a hinge line to the rest, "
-            "draw the "
-            "fixed region over it, or take it out of the drawing"
+            "draw the fixed region over it, or take it out of the drawing"
         )
 
     def rank(body: int) -> tuple[int, str]:

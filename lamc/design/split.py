@@ -103,7 +103,7 @@ def _mid_plane(design: Design, layer: int) -> float:
 
 
 def _without_scraps(groups: Sequence[Group], width: float) -> tuple[tuple[Group, ...], tuple[Scrap, ...]]:
-    """Groups that are bodies, and the rest. What the world holds is never a scrap: it was drawn on purpose."""
+    """Groups that are bodies, and the rest. What the world holds is no scrap: it was drawn on purpose."""
     limit = SCRAP * width * width
     kept = tuple(g for g in groups if g.fixed or g.area >= limit)
     scraps = (Scrap(g.polygons, g.area, g.at) for g in groups if not (g.fixed or g.area >= limit))

@@ -39,7 +39,7 @@ def random_tree(n: int, seed: int = 0, kind: str = "space") -> Mechanism:
     mixed     hinge lines along a few directions, so that parallel, opposite and right-angled ones occur
     """
     rng = np.random.default_rng(seed)
-    inner = [int(rng.integers(-1, i)) if i else -1 for i in range(n)]
+    inner = [int(rng.integers(max(0, i - 4), i)) if i and rng.random() > 0.1 else -1 for i in range(n)]
     return _build(inner, kind, rng, shuffled=True, name=f"tree{n}")
 
 

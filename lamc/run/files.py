@@ -1,0 +1,124 @@
+"""Result files: CSV, NPZ and the manifest beside them.
+
+In: a `Result` and a path. Out: files that appear whole or not at all (written beside their place and
+renamed). Never: pickles; leaves a half-written file.
+"""
+
+import csv
+import json
+import math
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from lamc.errors import LamcError
+from lamc.run.request import Array
+
+if TYPE_CHECKING:
+    from lamc.run.result import Result
+
+
+def columns(result: "Result") -> dict[str, Array]:
+    """The table of a result: column title with unit → values (m,). Titles of distinct columns are distinct,
+    since joint names are."""
+    table = {"t (s)": result.t}
+    table |= {f"{joint} angle (rad)": result.angle(joint) for joint in result.joints}
+    table |= {f"{joint} rate (rad/s)": result.rate(joint) for joint in result.joints}
+    table |= {f"{name} energy (J)": values for name, values in result.energies.items()}
+    table["energy (J)"] = result.energy
+    return table
+
+
+def write_csv(result: "Result", path: Path) -> Path:
+    """Writes the table with 17 digits, which read back exactly, and the manifest. Returns the path."""
+    table = columns(result)
+
+    def write(file: IO[str]) -> None:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table)
+        writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
+
+    _write_manifest(result, path, list(table))
+    _write_text(path, write)
+    return path
+
+
+def write_npz(result: "Result", path: Path) -> Path:
+    """Writes the arrays and the manifest. Returns the path."""
+    arrays: dict[str, Any] = {
+        "t": result.t,
+        "q": result.q,
+        "u": result.u,
+        "energies": np.column_stack([np.zeros((len(result.t), 0)), *result.energies.values()]),
+        "energy": result.energy,
+        "constraint_error": result.constraint_error,
+        "joints": np.array(result.joints, dtype=np.str_),
+        "energy_names": np.array(list(result.energies), dtype=np.str_),
+    }
+    _write_manifest(result, path, list(arrays))
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, **arrays)
+    return path
+
+
+def _write_manifest(result: "Result", path: Path, contents: list[str]) -> None:
+    manifest = {
+        "file": path.name,
+        "contents": contents,
+        "rows": len(result.t),
+        "status": result.status.name.lower(),
+        "message": result.message,
+        **asdict(result.provenance),
+        "stats": asdict(result.stats),
+    }
+    place = path.with_name(path.name + ".manifest.json")
+    _write_text(
+        place, lambda file: json.dump(_plain(manifest), file, indent=2, ensure_ascii=False, allow_nan=False)
+    )
+
+
+def _plain(value: Any) -> Any:
+    """`value` in JSON's own types; a number that is not finite becomes null."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write_text(path: Path, write: Callable[[IO[str]], None]) -> None:
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        write(file)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary path in the folder of `path`, which becomes `path` by one rename if the block succeeds."""
+    temporary: Path | None = None
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name[:40]}.", dir=path.parent)
+        os.close(handle)
+        temporary = Path(name)
+        yield temporary
+        temporary.chmod(0o666 & ~_umask())  # mkstemp gives 0600
+        temporary.replace(path)
+    except OSError as error:
+        raise LamcError(
+            f"cannot write {str(path)!r}: {error.strerror or error}; choose another place"
+        ) from error
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    """The process's file mode mask; the system lets it be read only by setting it."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask

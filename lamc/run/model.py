@@ -1,0 +1,129 @@
+"""A compiled model seen from numpy: names, parameters, and rows of accelerations, energies and poses.
+
+In: the module that `build` loaded (its C side is `lamc_model` and the `lamc_motion_…` functions of lamc.h).
+Out: arrays. Never: integrates; interprets names or physics.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from lamc.errors import SimulationError
+from lamc.run.request import Array, did_you_mean, finite
+
+
+class CompiledModule(Protocol):
+    """What `lamc.codegen.build.Module` offers to a run."""
+
+    @property
+    def ffi(self) -> Any: ...
+    @property
+    def lib(self) -> Any: ...
+    @property
+    def source_dir(self) -> Path: ...
+    @property
+    def compiler(self) -> str: ...
+    @property
+    def flags(self) -> tuple[str, ...]: ...
+
+
+class Motion:
+    """A model with one set of parameters: what an integrator evaluates and a `Result` asks for more.
+
+    States are rows y = [q, u], shape (m, 2n), rad and rad/s.
+    """
+
+    def __init__(self, model: "Model", parameters: Array) -> None:
+        self.model = model
+        self.parameters = parameters
+        self._constants = np.zeros(max(model.constant_count, 1))  # C wants an address even for none
+        model.handle.setup(model.read(parameters), model.write(self._constants))
+        self.handle = model.ffi.new("lamc_motion *")
+        self.handle.model = model.handle
+        self.handle.constants = model.read(self._constants)  # self._constants keeps the memory alive
+
+    def accelerations(self, t: Array, y: Array) -> Array:
+        """Joint accelerations, shape (m, n), rad/s², at times t (m,) s and states y (m, 2n)."""
+        out = np.zeros((len(y), len(self.model.joints)))
+        self._call(self.model.lib.lamc_motion_accelerations, len(y), self.model.read(t), y, out)
+        return out
+
+    def energies(self, t: Array, y: Array) -> Array:
+        """Energies, shape (m, len(model.energies)), J; kinetic first, then one for each effect that stores
+        any."""
+        out = np.zeros((len(y), len(self.model.energies)))
+        self._call(self.model.lib.lamc_motion_energies, len(y), self.model.read(t), y, out)
+        return out
+
+    def poses(self, y: Array) -> Array:
+        """Poses of the moving bodies, shape (m, len(model.bodies), 12): com (3) m, rotation (9), row by
+        row."""
+        out = np.zeros((len(y), len(self.model.bodies), 12))
+        model = self.model
+        status = model.lib.lamc_motion_poses(self.handle, len(y), model.read(y), model.write(out))
+        assert status == model.lib.LAMC_OK
+        return out
+
+    def rhs(self, t: float, y: Array) -> Array:
+        """dy/dt at one state y (2n,): the rates, then the accelerations."""
+        n = len(self.model.joints)
+        row = np.ascontiguousarray(y).reshape(1, 2 * n)
+        return np.concatenate([row[0, n:], self.accelerations(np.array([t]), row)[0]])
+
+    def _call(self, function: Any, count: int, t: Any, y: Array, out: Array) -> None:
+        status = function(self.handle, count, t, self.model.read(y), self.model.write(out))
+        assert status == self.model.lib.LAMC_OK
+
+
+class Model:
+    """The names, counts and defaults of a compiled mechanism."""
+
+    def __init__(self, module: CompiledModule) -> None:
+        self.ffi: Any = module.ffi
+        self.lib: Any = module.lib
+        self.handle: Any = self.lib.lamc_this_model()
+        handle = self.handle
+        self.name = self._text(handle.name)
+        self.digest = self._text(handle.digest)
+        self.joints = self._names(handle.joint_names, handle.joint_count)
+        self.bodies = self._names(handle.body_names, handle.body_count)
+        self.energies = self._names(handle.energy_names, handle.energy_count)
+        self.parameters = self._names(handle.parameter_names, handle.parameter_count)
+        self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
+        self.constant_count = int(handle.constant_count)
+        self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
+
+    def motion(self, parameters: Mapping[str, float]) -> Motion:
+        """The model with these parameters, by name, and defaults for the rest.
+
+        Raises SimulationError for a name that is not there and for a value that is not finite.
+        """
+        values = dict(zip(self.parameters, self.defaults, strict=True))
+        for name, value in parameters.items():
+            if name not in values:
+                raise SimulationError(
+                    f"no parameter is named {name!r}; {did_you_mean(name, self.parameters)}"
+                )
+            unit = self.parameter_units[self.parameters.index(name)]
+            values[name] = finite(value, f"parameter {name!r}", f"a number in {unit}")
+        padding = [0.0] if not values else []
+        return Motion(self, np.array([*values.values(), *padding]))
+
+    def read(self, array: Array) -> Any:
+        """The address of a contiguous array, for C to read. The caller keeps the array alive."""
+        assert array.flags.c_contiguous
+        return self.ffi.from_buffer("double[]", array)
+
+    def write(self, array: Array) -> Any:
+        """The address of a contiguous array, for C to write. The caller keeps the array alive."""
+        assert array.flags.c_contiguous
+        return self.ffi.from_buffer("double[]", array, require_writable=True)
+
+    def _text(self, pointer: Any) -> str:
+        text: bytes = self.ffi.string(pointer)
+        return text.decode("utf-8")
+
+    def _names(self, pointers: Any, count: int) -> tuple[str, ...]:
+        return tuple(self._text(pointers[i]) for i in range(count))

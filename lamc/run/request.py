@@ -1,0 +1,139 @@
+"""What a run is asked for, what an integrator gives back, and how a run can end.
+
+In: plain arguments of `Simulator.run`. Out: `Request` and `Trajectory`, checked records that every
+integrator shares. Never: evaluates anything.
+"""
+
+import difflib
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from lamc.errors import SimulationError
+
+Array = npt.NDArray[np.float64]
+Progress = Callable[[float, float], None]
+
+MIN_RTOL = 1e-13  # as in runtime_c/src/rk45.c: below, the error estimate is round-off
+
+
+class Status(IntEnum):
+    """How a run ended: 0 as in `solve_ivp`, negative numbers where it ended early; the numbers of
+    `lamc_status`."""
+
+    REACHED_END = 0
+    STEP_UNDERFLOW = -1
+    NOT_FINITE = -2
+    STEP_LIMIT = -3
+    CANCELLED = -4
+    FAILED = -6  # for a reason of its own, told in the message; scipy's integrators only
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What to integrate to and how well. Made by `checked_request`."""
+
+    y0: Array  # (2n,), rad and rad/s: joint angles, then rates
+    t_end: float  # s; a run starts at t = 0
+    rtol: float
+    atol: float  # rad and rad/s
+    t_eval: Array | None  # (m,), s, ascending; None: a row at the start and after every step
+    max_steps: int
+    max_step: float  # s; infinite: no limit
+    progress: Progress | None
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """What an integrator gives back; every row is good, also where the run ended early."""
+
+    t: Array  # (m,), s
+    y: Array  # (m, 2n)
+    t_reached: float  # s
+    status: Status
+    note: str  # the integrator's own words on a failure; may be empty
+    evaluations: int
+    accepted: int
+    rejected: int | None  # None: not told by this integrator
+    last_step: float  # s
+
+
+def checked_request(
+    y0: Array,
+    t_end: float,
+    rtol: float,
+    atol: float,
+    t_eval: npt.ArrayLike | None,
+    max_steps: int,
+    max_step: float | None,
+    progress: Progress | None,
+) -> Request:
+    """The request, or SimulationError with the argument, its value and the rule."""
+    end = finite(t_end, "t_end", "a time in seconds, zero or later")
+    if end < 0.0:
+        raise SimulationError(f"t_end is {end!r} s; a run starts at t = 0 and cannot end before")
+    relative = finite(rtol, "rtol", f"between {MIN_RTOL:g} and 1")
+    if not MIN_RTOL <= relative <= 1.0:
+        raise SimulationError(
+            f"rtol is {relative!r}; it must lie between {MIN_RTOL:g} (below, round-off hides the error) and 1"
+        )
+    absolute = finite(atol, "atol", "zero or more, in rad and rad/s")
+    if absolute < 0.0:
+        raise SimulationError(f"atol is {absolute!r}; it must be zero or more")
+    longest = math.inf if max_step is None else finite(max_step, "max_step", "a time above zero")
+    if longest <= 0.0:
+        raise SimulationError(f"max_step is {longest!r} s; it must be above zero (leave it out for no limit)")
+    if isinstance(max_steps, bool) or not isinstance(max_steps, int | np.integer) or max_steps <= 0:
+        raise SimulationError(f"max_steps is {max_steps!r}; it must be a whole number above zero")
+    steps = min(int(max_steps), 2**62)  # what the C counter holds
+    return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress)
+
+
+def finite(value: object, name: str, rule: str) -> float:
+    """`value` as a finite float, or SimulationError that tells the rule."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError) as error:
+        raise SimulationError(f"{name} is {value!r}; it must be a number: {rule}") from error
+    if not math.isfinite(number):
+        raise SimulationError(f"{name} is {number!r}; it must be finite: {rule}")
+    return number
+
+
+def _times(t_eval: npt.ArrayLike | None, t_end: float) -> Array | None:
+    """`t_eval` under the rules of `solve_ivp`: one-dimensional, within 0 … t_end, strictly ascending."""
+    if t_eval is None:
+        return None
+    try:
+        times = np.array(t_eval, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise SimulationError("t_eval must be a sequence of times in seconds") from error
+    if times.ndim != 1:
+        raise SimulationError(f"t_eval has shape {times.shape}; it must be one-dimensional")
+    outside = times[~((times >= 0.0) & (times <= t_end))]
+    if outside.size:
+        raise SimulationError(
+            f"t_eval holds {float(outside[0])!r} s; every time must lie within 0 … {t_end:g} s"
+        )
+    falling = np.flatnonzero(np.diff(times) <= 0.0)
+    if falling.size:
+        i = int(falling[0])
+        raise SimulationError(
+            f"t_eval goes from {float(times[i])!r} to {float(times[i + 1])!r} s at position {i + 1}; "
+            "it must ascend: sort it and drop repeated times"
+        )
+    return times
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """The end of an error message: the nearest names, then all there are (eight at most)."""
+    known = list(names)
+    if not known:
+        return "there are none"
+    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.6)
+    shown = ", ".join(known[:8]) + (f", … ({len(known)} in all)" if len(known) > 8 else "")
+    return (f"did you mean {near[0]!r}? " if near else "") + f"there are {shown}"

@@ -1,0 +1,185 @@
+"""The `Result` of a run: what was computed, by name.
+
+In: rows from an integrator. Out: angles, rates, energies and poses in SI units, tables and files. Energies
+and poses are evaluated by the compiled model when first asked for. Never: integrates, or changes after it
+was made.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamc.mechanism.records import Mechanism
+from lamc.run import files, frames
+from lamc.run.model import Motion
+from lamc.run.request import Array, Status
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+
+@dataclass(frozen=True)
+class RunStats:
+    """What a run took."""
+
+    integrator: str
+    rtol: float
+    atol: float  # rad and rad/s
+    steps: int  # tried
+    accepted: int
+    rejected: int | None  # None: this integrator does not tell
+    evaluations: int  # of the right-hand side
+    last_step: float  # s
+    wall_time: float  # s
+    real_time_factor: float  # simulated seconds per second of wall time
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a result comes from; written to the manifest beside each file."""
+
+    design: str
+    digest: str  # of the program
+    lamc_version: str
+    compiler: str
+    flags: tuple[str, ...]
+    effects: tuple[str, ...]
+    parameters: Mapping[str, float] = field(default_factory=dict)  # every one, as used
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A run, complete or not. m rows at times t, n joints.
+
+    t, q, u  times (m,), s; joint angles (m, n), rad; joint rates (m, n), rad/s, in the order of `joints`
+    status   how it ended: 0 (`Status.REACHED_END`) or a negative `Status`; every row is good in any case
+    message  the same for people
+    stats    what it took
+
+    As `solve_ivp` has it: `t`, `y` (2n, m), `status`, `message`, `success`, `nfev`.
+    """
+
+    t: Array  # (m,), s
+    q: Array  # (m, n), rad
+    u: Array  # (m, n), rad/s
+    status: Status
+    message: str
+    stats: RunStats
+    provenance: Provenance
+    mechanism: Mechanism
+    motion: Motion = field(repr=False)
+
+    def __post_init__(self) -> None:
+        for array in (self.t, self.q, self.u):
+            array.flags.writeable = False
+
+    def __repr__(self) -> str:
+        n = len(self.joints)
+        return f"<Result of {self.provenance.design!r}: {len(self.t)} rows, {n} joints; {self.message}>"
+
+    @property
+    def success(self) -> bool:
+        """True if the run reached its end."""
+        return self.status == Status.REACHED_END
+
+    @property
+    def nfev(self) -> int:
+        """Evaluations of the right-hand side."""
+        return self.stats.evaluations
+
+    @property
+    def y(self) -> Array:
+        """State, shape (2n, m): angles (rad), then rates (rad/s); the layout of `solve_ivp`."""
+        return self._rows.T
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, in the order of the columns of q and u."""
+        return self.motion.model.joints
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of all bodies, fixed ones too."""
+        return tuple(body.name for body in self.mechanism.bodies)
+
+    def angle(self, joint: str) -> Array:
+        """Angle of a joint, shape (m,), rad; zero as drawn, positive by the right-hand rule about its axis,
+        child relative to parent. Raises KeyError with the names there are."""
+        return self.q[:, self._column(joint)]
+
+    def rate(self, joint: str) -> Array:
+        """Rate of a joint, shape (m,), rad/s. Raises KeyError with the names there are."""
+        return self.u[:, self._column(joint)]
+
+    @cached_property
+    def energies(self) -> Mapping[str, Array]:
+        """Energies by name, each of shape (m,), J: "kinetic", then one for each effect that stores energy."""
+        values = self.motion.energies(self.t, self._rows)
+        values.flags.writeable = False
+        return MappingProxyType({name: values[:, i] for i, name in enumerate(self.motion.model.energies)})
+
+    @cached_property
+    def energy(self) -> Array:
+        """Kinetic plus stored energy, shape (m,), J."""
+        return sum(self.energies.values(), start=np.zeros(len(self.t)))
+
+    @cached_property
+    def constraint_error(self) -> Array:
+        """Largest gap at any hinge that closes a loop, shape (m,), m; zero for a tree."""
+        return np.zeros(len(self.t))
+
+    def pose(self, body: str) -> tuple[Array, Array]:
+        """Centre of mass, shape (m, 3), m, and rotation, shape (m, 3, 3), of a body in world axes.
+
+        The rotation takes body axes to world axes and is the identity as drawn. A fixed body keeps its
+        drawn pose. Raises KeyError with the names there are.
+        """
+        record = self.mechanism.body(body)
+        moving = self.motion.model.bodies
+        m = len(self.t)
+        if body not in moving:
+            return np.tile(record.com, (m, 1)), np.tile(np.eye(3), (m, 1, 1))
+        rows = self._poses[:, moving.index(body)]
+        return rows[:, :3], rows[:, 3:].reshape(m, 3, 3)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Writes a table with one row per time: t, angles, rates, energies, units in the header; numbers
+        read back exactly. A JSON manifest goes beside it. Both appear whole or not at all. Raises LamcError
+        if it cannot."""
+        return files.write_csv(self, Path(path))
+
+    def to_npz(self, path: str | Path) -> Path:
+        """Writes arrays t, q, u, energies, energy, constraint_error, joints, energy_names (no pickles), and
+        a JSON manifest beside it. Both appear whole or not at all. Raises LamcError if it cannot."""
+        return files.write_npz(self, Path(path))
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A DataFrame over t with the columns of `to_csv`. Raises LamcError without pandas."""
+        return frames.to_pandas(self)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """A Dataset over (t, joint, energy_name). Raises LamcError without xarray."""
+        return frames.to_xarray(self)
+
+    @cached_property
+    def _rows(self) -> Array:
+        rows = np.hstack([self.q, self.u])
+        rows.flags.writeable = False
+        return rows
+
+    @cached_property
+    def _poses(self) -> Array:
+        poses = self.motion.poses(self._rows)
+        poses.flags.writeable = False
+        return poses
+
+    def _column(self, joint: str) -> int:
+        if joint not in self.joints:
+            raise KeyError(f"no joint is named {joint!r}; there are {', '.join(self.joints) or 'none'}")
+        return self.joints.index(joint)

@@ -1,0 +1,121 @@
+"""Drives scipy's integrators step by step on the compiled right-hand side: a second opinion, and stiff
+methods.
+
+In: a `Motion`, a `Request`, a method's name. Out: a `Trajectory`, with the same ends as the C integrator has.
+Never: hides a failure; scipy's own words are in `note`.
+"""
+
+import numpy as np
+from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
+
+from lamc.run.model import Motion
+from lamc.run.request import Array, Request, Status, Trajectory
+
+METHODS = {"RK23": RK23, "RK45": RK45, "DOP853": DOP853, "Radau": Radau, "BDF": BDF, "LSODA": LSODA}
+
+
+class _Output:
+    """Rows at the requested times, or after every step."""
+
+    def __init__(self, request: Request) -> None:
+        self._times = request.t_eval
+        self._next = 0
+        self.t: list[Array] = []
+        self.y: list[Array] = []
+        if self._times is None:
+            self._add(np.zeros(1), request.y0.reshape(1, -1))
+        elif len(self._times) and self._times[0] == 0.0:
+            self._add(self._times[:1], request.y0.reshape(1, -1))
+            self._next = 1
+
+    def _add(self, t: Array, y: Array) -> None:
+        self.y.append(y.copy())
+        self.t.append(t.copy())
+
+    def after(self, solver: RK45) -> None:
+        """Takes the rows that the step just made gives."""
+        if self._times is None:
+            self._add(np.array([solver.t]), solver.y.reshape(1, -1))
+            return
+        stop = int(np.searchsorted(self._times, solver.t, side="right"))
+        if stop > self._next:
+            times = self._times[self._next : stop]
+            self._add(times, solver.dense_output()(times).T)
+            self._next = stop
+
+
+def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
+    """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is."""
+    output = _Output(request)
+    evaluations = accepted = 0
+    t_reached = last_step = 0.0
+    note = ""
+    if not np.isfinite(motion.rhs(0.0, request.y0)).all():
+        return _trajectory(output, 0.0, Status.NOT_FINITE, note, 1, 0, 0.0, request)
+    if request.t_end == 0.0 or not len(request.y0):  # scipy cannot treat an empty state
+        return _nothing_moves(request, output)
+    solver = METHODS[method](
+        motion.rhs,
+        0.0,
+        request.y0,
+        request.t_end,
+        rtol=request.rtol,
+        atol=request.atol,
+        max_step=request.max_step,
+    )
+    status = Status.REACHED_END
+    try:
+        with np.errstate(all="ignore"):  # NaN and infinity are told by the status
+            while solver.status == "running":
+                if accepted >= request.max_steps:
+                    status = Status.STEP_LIMIT
+                    break
+                note = solver.step() or ""
+                if solver.status == "failed" or not np.isfinite(solver.y).all():
+                    status = _failure(motion, solver)
+                    break
+                accepted += 1
+                t_reached, last_step = float(solver.t), float(solver.t - solver.t_old)
+                output.after(solver)
+                if request.progress is not None:
+                    request.progress(t_reached, request.t_end)
+    except KeyboardInterrupt:
+        status = Status.CANCELLED
+    except ValueError as error:  # the linear algebra of implicit methods refuses NaN
+        status, note = Status.NOT_FINITE, str(error)
+    evaluations = int(solver.nfev)
+    return _trajectory(output, t_reached, status, note, evaluations, accepted, last_step, request)
+
+
+def _failure(motion: Motion, solver: RK45) -> Status:
+    """What a failed step means: NaN ahead of a point where all is well shows in the rate of change around
+    it."""
+    finite = np.isfinite(solver.y).all() and np.isfinite(motion.rhs(solver.t, solver.y)).all()
+    if not finite:
+        return Status.NOT_FINITE
+    return Status.FAILED if isinstance(solver, LSODA) else Status.STEP_UNDERFLOW
+
+
+def _nothing_moves(request: Request, output: _Output) -> Trajectory:
+    times = np.array([0.0, request.t_end]) if request.t_eval is None else request.t_eval
+    if request.t_end == 0.0:
+        times = times[:1]
+    y = np.tile(request.y0, (len(times), 1))
+    return Trajectory(times, y, request.t_end, Status.REACHED_END, "", 1, 0, None, 0.0)
+
+
+def _trajectory(
+    output: _Output,
+    t_reached: float,
+    status: Status,
+    note: str,
+    evaluations: int,
+    accepted: int,
+    last_step: float,
+    request: Request,
+) -> Trajectory:
+    t = np.concatenate([np.zeros(0), *output.t])
+    y = np.concatenate([np.zeros((0, len(request.y0))), *output.y])
+    return Trajectory(
+        t[: len(y)], y[: len(t)], t_reached, status, note, evaluations, accepted, None, last_step
+    )

@@ -1,0 +1,254 @@
+"""The `Simulator`: a compiled mechanism, ready to run.
+
+In: a mechanism, a scene and the module that `build` made of them. Out: `Result`s, accelerations, energies.
+It never changes; runs share nothing but the compiled code.
+"""
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lamc._version import __version__
+from lamc.errors import SimulationError
+from lamc.mechanism.records import Mechanism
+from lamc.run import integrators
+from lamc.run.model import CompiledModule, Model, Motion
+from lamc.run.request import Array, Progress, Status, Trajectory, checked_request, did_you_mean
+from lamc.run.result import Provenance, Result, RunStats
+from lamc.scene import Scene
+
+NO_PARAMETERS: Mapping[str, float] = MappingProxyType({})
+
+
+class Simulator:
+    """A compiled mechanism in its scene. Made by `lamc.compile`.
+
+    mechanism, scene  what it was made from
+    effects           the effects that act, in order
+    equations         the symbolic equations; derived when first asked for if the compiled code came from
+                      the cache
+    program           the program that the C was printed from
+    source_dir        the folder with the generated C
+    parameters        name → default of every number that can change without recompiling, read-only
+    parameter_units   name → unit
+    joints, bodies    names: joints in the order of q and u; all bodies, fixed ones too
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        scene: Scene,
+        effects: tuple[Any, ...],
+        equations: Any,
+        program: Any,
+        module: CompiledModule,
+    ) -> None:
+        """`equations` and `program` may be functions without arguments, called when they are first asked for.
+
+        Raises SimulationError if the scene starts a joint that is not there.
+        """
+        self.mechanism = mechanism
+        self.scene = scene
+        self.effects = tuple(effects)
+        self._equations = equations
+        self._program = program
+        self._module = module
+        self._model = Model(module)
+        self.start: Array = _start(scene, self._model.joints)
+
+    def __repr__(self) -> str:
+        return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return self._model.joints
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        return tuple(body.name for body in self.mechanism.bodies)
+
+    @cached_property
+    def parameters(self) -> Mapping[str, float]:
+        return MappingProxyType(dict(zip(self._model.parameters, self._model.defaults, strict=True)))
+
+    @cached_property
+    def parameter_units(self) -> Mapping[str, str]:
+        return MappingProxyType(dict(zip(self._model.parameters, self._model.parameter_units, strict=True)))
+
+    @property
+    def source_dir(self) -> Path:
+        return self._module.source_dir
+
+    @cached_property
+    def equations(self) -> Any:
+        return _settled(self._equations)
+
+    @cached_property
+    def program(self) -> Any:
+        return _settled(self._program)
+
+    def run(
+        self,
+        t_end: float = 10.0,
+        rtol: float = 1e-9,
+        atol: float = 1e-11,
+        t_eval: npt.ArrayLike | None = None,
+        integrator: str = "auto",
+        parameters: Mapping[str, float] = NO_PARAMETERS,
+        *,
+        max_steps: int = 1_000_000,
+        max_step: float | None = None,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Runs from the scene's angles and rates at t = 0 to t_end (s).
+
+        rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|)
+        t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
+                    every step
+        integrator  "auto" or "rk45" (in C), or "scipy:DOP853", "scipy:LSODA", "scipy:Radau", …
+        parameters  values by name, in the units of `parameter_units`; the others keep their defaults
+        max_steps   steps tried before the run gives up
+        max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only
+        progress    called with (t, t_end) now and then
+
+        A run that does not reach its end is no exception: the Result says so (`success`, `status`,
+        `message`) and keeps every row up to there; so does Ctrl-C. Raises SimulationError for arguments
+        that make no run.
+        """
+        request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
+        motion = self._motion(parameters)
+        started = time.perf_counter()
+        used, trajectory = integrators.integrate(integrator, motion, request)
+        wall_time = time.perf_counter() - started
+        n = len(self.joints)
+        return Result(
+            t=trajectory.t,
+            q=np.ascontiguousarray(trajectory.y[:, :n]),
+            u=np.ascontiguousarray(trajectory.y[:, n:]),
+            status=trajectory.status,
+            message=_message(trajectory, request.t_end, request.max_steps),
+            stats=RunStats(
+                integrator=used,
+                rtol=request.rtol,
+                atol=request.atol,
+                steps=trajectory.accepted + (trajectory.rejected or 0),
+                accepted=trajectory.accepted,
+                rejected=trajectory.rejected,
+                evaluations=trajectory.evaluations,
+                last_step=trajectory.last_step,
+                wall_time=wall_time,
+                real_time_factor=trajectory.t_reached / wall_time if wall_time > 0.0 else float("inf"),
+            ),
+            provenance=self._provenance(motion),
+            mechanism=self.mechanism,
+            motion=motion,
+        )
+
+    def acceleration(
+        self,
+        q: npt.ArrayLike,
+        u: npt.ArrayLike,
+        t: npt.ArrayLike = 0.0,
+        parameters: Mapping[str, float] = NO_PARAMETERS,
+    ) -> Array:
+        """Joint accelerations, shape (…, n), rad/s², at angles q (…, n), rad, rates u (…, n), rad/s, and
+        times t (…), s. The leading shapes broadcast. Raises SimulationError for other shapes."""
+        times, rows, shape = self._states(q, u, t)
+        return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.joints))
+
+    def energy(
+        self,
+        q: npt.ArrayLike,
+        u: npt.ArrayLike,
+        t: npt.ArrayLike = 0.0,
+        parameters: Mapping[str, float] = NO_PARAMETERS,
+    ) -> Array:
+        """Kinetic plus stored energy, shape (…), J, at angles q (…, n), rates u (…, n) and times t (…)."""
+        times, rows, shape = self._states(q, u, t)
+        total: Array = self._motion(parameters).energies(times, rows).sum(axis=1).reshape(shape)
+        return total
+
+    @cached_property
+    def _default_motion(self) -> Motion:
+        return self._model.motion(NO_PARAMETERS)
+
+    def _motion(self, parameters: Mapping[str, float]) -> Motion:
+        return self._model.motion(parameters) if parameters else self._default_motion
+
+    def _states(
+        self, q: npt.ArrayLike, u: npt.ArrayLike, t: npt.ArrayLike
+    ) -> tuple[Array, Array, tuple[int, ...]]:
+        """Times (m,), rows (m, 2n) and the leading shape."""
+        n = len(self.joints)
+        angles, rates, times = (np.asarray(a, dtype=np.float64) for a in (q, u, t))
+        for array, name in ((angles, "q"), (rates, "u")):
+            if array.ndim == 0 or array.shape[-1] != n:
+                raise SimulationError(
+                    f"{name} has shape {array.shape}; its last length must be {n}, the joints"
+                )
+        try:
+            shape = np.broadcast_shapes(angles.shape[:-1], rates.shape[:-1], times.shape)
+        except ValueError as error:
+            raise SimulationError(
+                f"q {angles.shape}, u {rates.shape} and t {times.shape} do not broadcast to one shape"
+            ) from error
+        halves = [np.broadcast_to(half, (*shape, n)) for half in (angles, rates)]
+        rows = np.concatenate(halves, axis=-1).reshape(math.prod(shape), 2 * n)
+        return np.ascontiguousarray(np.broadcast_to(times, shape)).reshape(-1), rows, shape
+
+    def _provenance(self, motion: Motion) -> Provenance:
+        names = self._model.parameters
+        return Provenance(
+            design=self._model.name,
+            digest=self._model.digest,
+            lamc_version=__version__,
+            compiler=self._module.compiler,
+            flags=tuple(self._module.flags),
+            effects=tuple(effect.name for effect in self.effects),
+            parameters=dict(zip(names, motion.parameters[: len(names)].tolist(), strict=True)),
+        )
+
+
+def _settled(value: Any) -> Any:
+    """The value, or what it gives when it is a function without arguments."""
+    make: Callable[[], Any] | None = value if callable(value) else None
+    return make() if make else value
+
+
+def _start(scene: Scene, joints: tuple[str, ...]) -> Array:
+    """Initial state (2n,): the scene's angles and rates, zero where it gives none."""
+    start = np.zeros(2 * len(joints))
+    for values, what, offset in ((scene.angles, "angle", 0), (scene.rates, "rate", len(joints))):
+        for name, value in values.items():
+            if name not in joints:
+                raise SimulationError(
+                    f"the scene gives an initial {what} to joint {name!r}, which is not there; "
+                    f"{did_you_mean(name, joints)}"
+                )
+            start[offset + joints.index(name)] = value
+    start.flags.writeable = False
+    return start
+
+
+def _message(trajectory: Trajectory, t_end: float, max_steps: int) -> str:
+    """How the run ended, and the way out where it ended early."""
+    at = f"at t = {trajectory.t_reached:.9g} s"
+    advice = {
+        Status.REACHED_END: f"the end was reached {at}",
+        Status.STEP_UNDERFLOW: f"stopped {at}: no step is short enough there; "
+        "the motion is singular, or a torque grows without bound",
+        Status.NOT_FINITE: f"stopped {at}: the accelerations beyond are not finite (NaN or infinity), "
+        "however short the step; look at the torques and parameters",
+        Status.STEP_LIMIT: f"stopped {at} of {t_end:g} s: {max_steps} steps were tried; raise max_steps, "
+        "loosen rtol, or try integrator='scipy:Radau' where hinges are stiff",
+        Status.CANCELLED: f"cancelled {at} of {t_end:g} s; what was computed is kept",
+        Status.FAILED: f"stopped {at}: the integrator failed",
+    }[trajectory.status]
+    return f"{advice} ({trajectory.note})" if trajectory.note and trajectory.status < 0 else advice

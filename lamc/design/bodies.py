@@ -9,13 +9,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely import STRtree
 from shapely.geometry import MultiPolygon, Polygon
 
+from lamc.mechanism.records import Array
+
 # An overlap below this fraction of the design's size squared is round-off: two layers cut along the same line
 # overlap by its length times 1e-16 of the coordinates, at most about 1e-15; a real bond is far larger.
 OVERLAP = 1e-12
+# Half width of the window of a first look at an overlap, in units of the root of the area looked for.
+WINDOW = 100.0
+
+Geometries = npt.NDArray[np.object_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +81,31 @@ def overlapping(
     i, j = STRtree(b).query(a, predicate="intersects")
     # Layers are mostly drawn alike: equality is cheap, and saves the overlay of large outlines.
     bonded = shapely.equals_exact(a[i], b[j], 0.0) & (shapely.area(a[i]) > threshold)
-    rest = np.flatnonzero(~bonded)
-    bonded[rest] = shapely.area(shapely.intersection(a[i[rest]], b[j[rest]])) > threshold
+    for step in (_overlap_near_middle, _overlap):
+        rest = np.flatnonzero(~bonded)
+        bonded[rest] = step(a[i[rest]], b[j[rest]], threshold) > threshold
     return sorted((int(x), int(y)) for x, y in zip(i[bonded], j[bonded], strict=True))
+
+
+def _overlap_near_middle(a: Geometries, b: Geometries, threshold: float) -> Array:
+    """Shared area (m²) in a window about an interior point of each a[k]: a lower bound of the whole.
+
+    Outlines of 10^6 vertices that nearly coincide take half a minute to overlay; inside, one look is enough.
+    """
+    points = shapely.point_on_surface(a)
+    inside = shapely.contains_xy(b, shapely.get_x(points), shapely.get_y(points))
+    window = shapely.envelope(shapely.buffer(points, WINDOW * math.sqrt(threshold)))
+    areas = np.zeros(len(a))
+    near_a = shapely.intersection(a[inside], window[inside])
+    near_b = shapely.intersection(b[inside], window[inside])
+    areas[inside] = shapely.area(shapely.intersection(near_a, near_b))
+    return areas
+
+
+def _overlap(a: Geometries, b: Geometries, _threshold: float) -> Array:
+    """Shared area of each pair, m²."""
+    areas: Array = shapely.area(shapely.intersection(a, b))
+    return areas
 
 
 def _root(parent: list[int], index: int) -> int:

@@ -21,6 +21,7 @@ from lamc.errors import LamcError, SimulationError
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.run.integrators import NAMES
 from lamc.run.request import Status
+from lamc.run.scipy_methods import METHODS
 from lamc.run.simulator import Simulator
 from lamc.scene import Scene
 from tests import handmade
@@ -385,6 +386,10 @@ def test_a_scene_that_starts_an_unknown_joint_is_refused(module: handmade.Handma
     for scene in (Scene(effects=(), angles={"hipp": 1.0}), Scene(effects=(), rates={"hipp": 1.0})):
         with pytest.raises(SimulationError, match="'hipp', which is not there; did you mean 'hip'"):
             Simulator(mechanism(), scene, (), None, None, module)
+
+
+def test_every_scipy_method_has_its_name() -> None:
+    assert {f"scipy:{method}" for method in METHODS} == {name for name in NAMES if name.startswith("scipy:")}
 
 
 def test_states_of_the_wrong_shape_are_refused(sim: Simulator) -> None:

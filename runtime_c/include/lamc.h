@@ -93,7 +93,7 @@ typedef struct lamc_options {
   double rtol;         /* relative tolerance, 1e-13 .. 1 */
   double atol;         /* absolute tolerance, >= 0, in the units of y, one for all components */
   double first_step;   /* s; 0: chosen from the equation */
-  double max_step;     /* s; 0: no limit */
+  double max_step;     /* s; 0: no limit; the last step may be 1 % longer */
   long long max_steps; /* steps tried, accepted or not; > 0 */
 } lamc_options;
 

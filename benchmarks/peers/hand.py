@@ -110,8 +110,12 @@ class HandRecursion:
         """du/dt, shape (n,), rad/s²."""
         own = np.empty((1, len(q)))
         self.accelerations_of(self.rows(q[None, :], u[None, :]), own)
-        result = np.empty(len(q))
-        result[self._order] = own[0] * self._sign
+        return self.in_order_of_joints(own)[0]
+
+    def in_order_of_joints(self, own: Array) -> Array:
+        """Rows in the recursion's own order, shape (m, n), in the order of `joints`."""
+        result = np.empty_like(own)
+        result[:, self._order] = own * self._sign
         return result
 
     def run(self, q: Array, u: Array, t_end: float, rtol: float, atol: float) -> tuple[Array, int]:
@@ -123,9 +127,7 @@ class HandRecursion:
         )
         if steps < 0:
             raise RuntimeError("the hand recursion's step underflows")
-        result = np.empty(len(q))
-        result[self._order] = state[0, : len(q)] * self._sign
-        return result, steps
+        return self.in_order_of_joints(state[:, : len(q)])[0], steps
 
 
 def _pointer(array: Array) -> Any:

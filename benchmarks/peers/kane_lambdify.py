@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 from lamc.reference.sympy_kane import KaneModel
@@ -32,7 +33,22 @@ class LambdifyPeer:
 
 
 def build(model: KaneModel) -> LambdifyPeer:
-    """Lambdifies mass matrix and forcing together, with common subexpressions shared."""
+    """The tuned form: n x n mass matrix and forcing in one function, common subexpressions shared."""
     started = time.perf_counter()
     acceleration = model.lambdified(cse=True)
+    return LambdifyPeer(acceleration, time.perf_counter() - started)
+
+
+def build_textbook(model: KaneModel) -> LambdifyPeer:
+    """The form of sympy's own tutorials: `mass_matrix_full` and `forcing_full`, a function each, with cse."""
+    started = time.perf_counter()
+    arguments = [model.q, model.u]
+    mass = sp.lambdify(arguments, model.method.mass_matrix_full, modules="numpy", cse=True)
+    force = sp.lambdify(arguments, model.method.forcing_full, modules="numpy", cse=True)
+    n = len(model.q)
+
+    def acceleration(q: Array, u: Array, t: float = 0.0) -> Array:
+        solution: Array = np.linalg.solve(mass(q, u), force(q, u)).ravel()
+        return solution[n:]
+
     return LambdifyPeer(acceleration, time.perf_counter() - started)

@@ -13,6 +13,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,7 @@ SIZES = (3, 10, 40)
 ROWS = 1000  # states per timed call: few enough to stay in the cache, enough to hide the call
 TOLERANCES = (1e-6, 1e-9)
 T_END = 10.0  # s
+EFFECTS = SCENE.effects or ()
 
 
 def main() -> None:
@@ -85,7 +87,7 @@ def text(value: Any) -> str:
 
 def stages(mechanism: Mechanism) -> Any:
     """Derive, lower and emit: what lamc does before the C compiler."""
-    return emit(lower(derive(plan(mechanism), SCENE.effects or ())))
+    return emit(lower(derive(plan(mechanism), EFFECTS)))
 
 
 def timed(job: Callable[[], Any]) -> tuple[float, Any]:
@@ -101,11 +103,11 @@ def derivations(quick: bool) -> Rows:
         cases.append(("6 hinges in space", plates(6, CROSSED)))
     rows = []
     for name, mechanism in cases:
-        peer, _ = timed(lambda m=mechanism: kane(m, SCENE.effects or ()))  # type: ignore[misc]
-        own = interleaved({"lamc": lambda m=mechanism: stages(m)}, 5)["lamc"]  # type: ignore[misc]
+        peer, _ = timed(partial(kane, mechanism, EFFECTS))
+        own = interleaved({"lamc": partial(stages, mechanism)}, 5)["lamc"]
         rows.append({"case": name, "lamc s": own, "KanesMethod s": peer, "ratio": peer / own})
     for n in (20, 50, 100):
-        own = interleaved({"lamc": lambda k=n: stages(plates(k, OBLIQUE))}, 3)["lamc"]  # type: ignore[misc]
+        own = interleaved({"lamc": partial(stages, plates(n, OBLIQUE))}, 3)["lamc"]
         rows.append({"case": f"{n} hinges in space", "lamc s": own, "KanesMethod s": "-", "ratio": "-"})
     return rows
 
@@ -116,15 +118,15 @@ def right_hand_sides(library: Any, repeats: int) -> Rows:
     for kind, directions in (("parallel", PARALLEL), ("space", OBLIQUE)):
         for n in SIZES:
             mechanism = plates(n, directions)
-            compiling, sim = timed(lambda m=mechanism: lamc.compile(m, SCENE))  # type: ignore[misc]
+            compiling, sim = timed(partial(lamc.compile, mechanism, SCENE))
             states = np.random.default_rng(n).uniform(-1.0, 1.0, (ROWS, 2 * n))
-            peer = hand.HandRecursion(library, mechanism, SCENE.effects or (), sim.joints)
+            peer = hand.HandRecursion(library, mechanism, EFFECTS, sim.joints)
             peer_rows, peer_out = peer.rows(states[:, :n], states[:, n:]), np.empty((ROWS, n))
             evaluate, own_out = rows_in_c(sim, states)
             best = interleaved(
                 {
                     "lamc": evaluate,
-                    "hand": lambda p=peer, r=peer_rows, o=peer_out: p.accelerations_of(r, o),  # type: ignore[misc]
+                    "hand": partial(peer.accelerations_of, peer_rows, peer_out),
                 },
                 10 * repeats,
             )
@@ -164,9 +166,9 @@ def triple_pendulum(library: Any, folder: Path, repeats: int) -> Rows:
     """The paper's three unit plates, released flat: making the simulator, and 10 s of motion."""
     mechanism = plates(3, PARALLEL)
     os.environ["LAMC_CACHE_DIR"] = str(folder / "triple")
-    making, sim = timed(lambda: lamc.compile(mechanism, SCENE))
-    warm = interleaved({"lamc": lambda: lamc.compile(mechanism, SCENE)}, 5)["lamc"]
-    deriving, model = timed(lambda: kane(mechanism, SCENE.effects or (), sim.joints))
+    making, sim = timed(partial(lamc.compile, mechanism, SCENE))
+    warm = interleaved({"lamc": partial(lamc.compile, mechanism, SCENE)}, 5)["lamc"]
+    deriving, model = timed(lambda: kane(mechanism, EFFECTS, sim.joints))
     jobs, made = _peers(library, mechanism, sim, model)
     made["lamc"] = making
     rows = [
@@ -182,7 +184,7 @@ def triple_pendulum(library: Any, folder: Path, repeats: int) -> Rows:
         for name, job in jobs.items():
             error = float(np.abs(job(tol) - reference).max())
             assert error < 3e4 * tol, f"{name} is off by {error:.1e} rad at rtol {tol:g}"
-        best = interleaved({name: lambda j=job, t=tol: j(t) for name, job in jobs.items()}, repeats)  # type: ignore[misc]
+        best = interleaved({name: partial(job, tol) for name, job in jobs.items()}, repeats)
         for row in rows:
             row[f"rtol {tol:g}"] = best[row["simulator"]]
     for row in rows:
@@ -199,14 +201,13 @@ def _peers(
     library: Any, mechanism: Mechanism, sim: Any, model: KaneModel
 ) -> tuple[dict[str, Callable[[float], Array]], dict[str, float]]:
     """Runs of 10 s from rest by name, tolerance → final angles; and the time that making each took."""
-    start = np.zeros(6)
-    by_hand = hand.HandRecursion(library, mechanism, SCENE.effects or (), sim.joints)
+    by_hand = hand.HandRecursion(library, mechanism, EFFECTS, sim.joints)
     tuned, textbook = kane_lambdify.build(model), kane_lambdify.build_textbook(model)
     jobs: dict[str, Callable[[float], Array]] = {
         "lamc": lambda tol: sim.run(T_END, rtol=tol, atol=1e-2 * tol, t_eval=[T_END]).q[-1],
-        "hand C": lambda tol: by_hand.run(start[:3], start[3:], T_END, tol, 1e-2 * tol)[0],
-        "KanesMethod, lambdify, RK45 (tutorial)": lambda tol: textbook.run(start, T_END, tol, 1e-2 * tol)[:3],
-        "KanesMethod, lambdify, RK45 (tuned)": lambda tol: tuned.run(start, T_END, tol, 1e-2 * tol)[:3],
+        "hand C": lambda tol: by_hand.run(np.zeros(3), np.zeros(3), T_END, tol, 1e-2 * tol)[0],
+        "KanesMethod, lambdify, RK45 (tutorial)": partial(_final_angles, textbook.run),
+        "KanesMethod, lambdify, RK45 (tuned)": partial(_final_angles, tuned.run),
     }
     made = {"hand C": 0.0}
     made["KanesMethod, lambdify, RK45 (tutorial)"] = textbook.build_seconds
@@ -215,9 +216,14 @@ def _peers(
         peer = pydy_peer.build(model, solver)
         for integrator, run in (("RK45", peer.run_rk45), ("odeint", peer.run_odeint)):
             name = f"PyDy, {integrator} ({label})"
-            jobs[name] = lambda tol, r=run: r(start, T_END, tol, 1e-2 * tol)[:3]  # type: ignore[misc]
+            jobs[name] = partial(_final_angles, run)
             made[name] = peer.build_seconds
     return jobs, made
+
+
+def _final_angles(run: Callable[[Array, float, float, float], Array], tol: float) -> Array:
+    """Angles after 10 s from rest, of a peer that gives whole states."""
+    return run(np.zeros(6), T_END, tol, 1e-2 * tol)[:3]
 
 
 def targets(report: dict[str, Any]) -> Rows:

@@ -1,0 +1,23 @@
+"""The independent voices: numeric paths that share no code with the symbolic one, and the interpreter.
+
+`lamc.reference.sympy_kane` (sympy's own KanesMethod) is not imported here, because sympy.physics takes long.
+"""
+
+from lamc.reference.check import Report, check
+from lamc.reference.integrate import Run, fixed_steps, initial_state, simulate, voice
+from lamc.reference.interpreter import Interpreter
+from lamc.reference.maximal import MaximalCoordinates
+from lamc.reference.newton_euler import NewtonEuler
+
+__all__ = [
+    "Interpreter",
+    "MaximalCoordinates",
+    "NewtonEuler",
+    "Report",
+    "Run",
+    "check",
+    "fixed_steps",
+    "initial_state",
+    "simulate",
+    "voice",
+]

@@ -5,7 +5,6 @@ import random as random_module
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -458,15 +457,3 @@ def test_masses_do_not_depend_on_where_the_device_lies(turn: float, x: float, y:
         sorted(b.mass for b in there.bodies), sorted(b.mass for b in here.bodies), rtol=1e-11
     )
     assert len(there.joints) == 2
-
-
-def test_popupcad_reference_agrees_with_the_hand_built_drawing(shared: Path) -> None:
-    load = pytest.importorskip("lamc.design.load", reason="the readers of drawings are not there").load
-    mechanism = split(load(shared / "designs" / "popupcad" / "pendulum.cad"))
-    by_hand = split(pendulum())
-    for read, built in zip(mechanism.bodies, by_hand.bodies, strict=True):
-        assert read.mass == pytest.approx(built.mass, abs=1e-12)
-        np.testing.assert_allclose(read.com, built.com, rtol=0, atol=1e-12)
-    for drawn, made in zip(mechanism.joints, by_hand.joints, strict=True):
-        assert (drawn.name, drawn.parent, drawn.child) == (made.name, made.parent, made.child)
-        np.testing.assert_allclose(drawn.axis, made.axis, atol=1e-15)

@@ -156,7 +156,8 @@ class Joint:
         length = float(np.linalg.norm(axis))
         if length == 0.0 or not math.isfinite(length):
             raise DesignError(f"the axis of {what} is {axis.tolist()}; it must have a direction")
-        unit = axis / length
+        # A unit vector stays as it is: dividing once more by 1 ± 1 ulp would change what a file wrote and reads.
+        unit = axis if abs(length - 1.0) < 1e-15 else axis / length
         unit.flags.writeable = False
         put("axis", unit)
         put("stiffness", checked_number(self.stiffness, f"the stiffness of {what}", minimum=0.0))

@@ -1,0 +1,104 @@
+"""Field types of the file schemas: quantities in SI, points, lists of layer names.
+
+In: plain values from a file. Out: floats in SI (angles rad). A bare length counts in the file's `units`,
+which comes in as validation context; a bare number of any other kind is SI.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from lamc.design import units
+from lamc.design.units import Quantity
+from lamc.errors import DesignError
+
+LENGTH_UNIT = "length_unit"  # the context's key
+
+ALL_LAYERS = "all"
+_WIDEST_ANGLE = 4.0 * math.pi
+
+
+def custom(error: DesignError) -> PydanticCustomError:
+    """A DesignError in pydantic's own clothing; its text is the whole message."""
+    return PydanticCustomError("lamc", "{text}", {"text": error.message})
+
+
+def _reader(quantity: Quantity, rule: Callable[[float], str | None] | None = None) -> BeforeValidator:
+    def read(value: Any, info: ValidationInfo) -> float:
+        bare = (info.context or {}).get(LENGTH_UNIT) if quantity is units.LENGTH else None
+        try:
+            number = units.to_si(value, quantity, bare)
+        except DesignError as error:
+            raise custom(error) from error
+        broken = rule(number) if rule else None
+        if broken:
+            raise custom(DesignError(f"{value!r} {broken}"))
+        return number
+
+    return BeforeValidator(read)
+
+
+def _schema(quantity: Quantity, note: str = "") -> WithJsonSchema:
+    bare = "the file's units" if quantity is units.LENGTH else quantity.unit or "plain"
+    text = f"{quantity.name}, a number ({bare}) or text with a unit such as {quantity.example!r}{note}"
+    return WithJsonSchema({"type": ["number", "string"], "description": text})
+
+
+def _above_zero(number: float) -> str | None:
+    return None if number > 0.0 else "is not above 0"
+
+
+def _not_negative(number: float) -> str | None:
+    return None if number >= 0.0 else "is below 0"
+
+
+def _plausible_angle(number: float) -> str | None:
+    if abs(number) <= _WIDEST_ANGLE:
+        return None
+    return (
+        f"is {number:g} rad, more than two turns; bare angles are radians: write '{number:g} deg' for degrees"
+    )
+
+
+def _poisson(number: float) -> str | None:
+    return None if -1.0 < number < 1.0 else "is not between -1 and 1"
+
+
+def _names(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+Coordinate = Annotated[float, _reader(units.LENGTH), _schema(units.LENGTH)]
+Length = Annotated[float, _reader(units.LENGTH, _above_zero), _schema(units.LENGTH, ", above 0")]
+Angle = Annotated[float, _reader(units.ANGLE, _plausible_angle), _schema(units.ANGLE)]
+AnyAngle = Annotated[float, _reader(units.ANGLE), _schema(units.ANGLE)]
+AngleRate = Annotated[float, _reader(units.ANGLE_RATE), _schema(units.ANGLE_RATE)]
+Density = Annotated[float, _reader(units.DENSITY, _not_negative), _schema(units.DENSITY, ", at least 0")]
+Modulus = Annotated[float, _reader(units.MODULUS, _above_zero), _schema(units.MODULUS, ", above 0")]
+Stiffness = Annotated[
+    float, _reader(units.STIFFNESS, _not_negative), _schema(units.STIFFNESS, ", at least 0")
+]
+Damping = Annotated[float, _reader(units.DAMPING, _not_negative), _schema(units.DAMPING, ", at least 0")]
+Poisson = Annotated[float, _reader(units.RATIO, _poisson), _schema(units.RATIO, ", between -1 and 1")]
+Mass = Annotated[float, _reader(units.MASS, _not_negative), _schema(units.MASS, ", at least 0")]
+Inertia = Annotated[float, _reader(units.INERTIA), _schema(units.INERTIA)]
+Number = Annotated[float, _reader(units.RATIO), _schema(units.RATIO)]
+
+Point = tuple[Coordinate, Coordinate]
+SpacePoint = tuple[Coordinate, Coordinate, Coordinate]
+Direction = tuple[Number, Number, Number]
+InertiaRow = tuple[Inertia, Inertia, Inertia]
+InertiaTensor = tuple[InertiaRow, InertiaRow, InertiaRow]
+LayerNames = Annotated[
+    list[str],
+    BeforeValidator(_names),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+            "description": "names of layers, or 'all'",
+        }
+    ),
+]

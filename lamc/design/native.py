@@ -1,0 +1,217 @@
+"""Native design files: from a validated model to the `Design` record.
+
+In: nodes of a design file. Out: a Design, or DesignErrors with every problem of the file and its place.
+Checks here are those that need more than one entry (a layer's material exists) and geometry.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import PurePath
+
+import shapely
+from shapely.geometry import MultiPolygon, Point, Polygon
+
+from lamc.design import shapes
+from lamc.design.checking import Path, Problems, did_you_mean, validate
+from lamc.design.fields import ALL_LAYERS, LENGTH_UNIT
+from lamc.design.inert import MapNode, Node, ScalarNode
+from lamc.design.records import Design, HingeLine, HingeSet, Layer, Material
+from lamc.design.scene_file import scene_from_model
+from lamc.design.schema import DesignModel, HingeModel, LayerModel, OutlineModel, ShapeModel
+from lamc.errors import DesignError
+from lamc.mechanism.records import checked_name
+
+
+def read_design(node: Node) -> Design:
+    """The design in `node`. Raises DesignErrors with every problem."""
+    model = validate(DesignModel, node, {LENGTH_UNIT: length_unit_of(node)})
+    return _Reader(model, Problems(node), node.place.file).design()
+
+
+def length_unit_of(node: Node) -> str | None:
+    """The file's `units`, needed before anything else is read; None (metres) where it says nothing usable."""
+    unit = node.get("units") if isinstance(node, MapNode) else None
+    return unit.text if isinstance(unit, ScalarNode) and unit.text else None
+
+
+class _Reader:
+    """One design file on its way to a record; every step adds to `problems` and goes on."""
+
+    def __init__(self, model: DesignModel, problems: Problems, file: str) -> None:
+        self.model = model
+        self.problems = problems
+        self.file = file
+        self.layer_names = [layer.name for layer in model.layers]
+
+    def design(self) -> Design:
+        model, problems = self.model, self.problems
+        name = model.name or PurePath(self.file).stem or "design"
+        problems.attempt(("name",), lambda: checked_name(name, "the design"))
+        self._check_names()
+        geometry = self._draw()
+        fixed = self._fixed()
+        found = [self._hinge(i, hinge) for i, hinge in enumerate(model.hinges)]
+        hinges = tuple(hinge for hinge in found if hinge is not None)
+        scene = scene_from_model(model.scene, problems)
+        problems.raise_if_any()
+        materials = {
+            name: Material(
+                name, m.density, m.E1, m.E2, m.poisson, m.rigid, m.flexible, m.adhesive, m.conductive
+            )
+            for name, m in model.materials.items()
+        }
+        layers = tuple(
+            Layer(entry.name, materials[entry.material], entry.thickness, sheet, entry.angle)
+            for entry, sheet in zip(model.layers, geometry, strict=True)
+        )
+        points = tuple((body, Point(at)) for body, at in model.bodies.items())
+        return Design(name, layers, hinges, tuple(fixed), points, scene, PurePath(self.file).name)
+
+    def _check_names(self) -> None:
+        model, problems = self.model, self.problems
+        if not model.layers:
+            problems.add(("layers",), "the design has no layers; list at least one, from the bottom up")
+        if not model.shapes:
+            problems.add(("shapes",), "the design has no shapes; draw at least one")
+        for index, layer in enumerate(model.layers):
+            self._check_layer(index, layer)
+        for section, entries in (("materials", model.materials), ("bodies", model.bodies)):
+            for name in entries:
+                problems.attempt((section, name), partial(checked_name, name, f"an entry of {section}"))
+        seen: set[str] = set()
+        for index, hinge in enumerate(model.hinges):
+            for line_name in _line_names(hinge):
+                if line_name is not None:
+                    path: Path = ("hinges", index, "name")
+                    problems.attempt(path, partial(checked_name, line_name, "a hinge"))
+                    if line_name in seen:
+                        problems.add(path, f"two hinges are named {line_name!r}; names must differ")
+                    seen.add(line_name)
+
+    def _check_layer(self, index: int, layer: LayerModel) -> None:
+        path: Path = ("layers", index)
+        self.problems.attempt((*path, "name"), lambda: checked_name(layer.name, "a layer"))
+        if layer.name == ALL_LAYERS:
+            self.problems.add(
+                (*path, "name"), f"{ALL_LAYERS!r} means every layer and cannot name one; rename it"
+            )
+        if layer.name in self.layer_names[:index]:
+            self.problems.add((*path, "name"), f"two layers are named {layer.name!r}; names must differ")
+        if layer.material not in self.model.materials:
+            hint = did_you_mean(layer.material, sorted(self.model.materials))
+            self.problems.add((*path, "material"), f"no material is named {layer.material[:40]!r}; {hint}")
+
+    def _draw(self) -> list[MultiPolygon]:
+        """The sheets: shapes in order, each added to or cut from the layers it names."""
+        sheets: list[MultiPolygon] = [MultiPolygon() for _ in self.layer_names]
+        runs: list[list[Polygon]] = [[] for _ in sheets]  # shapes are joined in one go up to the next cut
+        for index, shape in enumerate(self.model.shapes):
+            path: Path = ("shapes", index)
+            region = self._region(path, shape)
+            for layer in self._layers(shape.layers, (*path, "layers")):
+                if region is None:
+                    continue
+                if shape.cut is None:
+                    runs[layer].append(region)
+                else:
+                    joined = shapely.union_all([sheets[layer], *runs[layer]])
+                    sheets[layer], runs[layer] = shapes.areas(joined.difference(region)), []
+        sheets = [shapes.areas(shapely.union_all([s, *r])) for s, r in zip(sheets, runs, strict=True)]
+        drawn = any(shape.cut is None for shape in self.model.shapes)
+        if self.model.shapes and not drawn:
+            self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
+        elif drawn and self.problems.none and all(s.is_empty for s in sheets):
+            self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
+        return sheets
+
+    def _region(self, path: Path, shape: OutlineModel) -> Polygon | None:
+        if isinstance(shape, ShapeModel) and shape.cut is not None:
+            return self.problems.attempt((*path, "cut"), partial(_draw, shape.cut))
+        return self.problems.attempt(path, partial(_draw, shape))
+
+    def _fixed(self) -> list[MultiPolygon]:
+        regions: list[list[Polygon]] = [[] for _ in self.layer_names]
+        for index, entry in enumerate(self.model.fixed):
+            region = self._region(("fixed", index), entry)
+            for layer in self._layers(entry.layers, ("fixed", index, "layers")):
+                if region is not None:
+                    regions[layer].append(region)
+        return [shapes.areas(shapely.union_all(parts)) for parts in regions]
+
+    def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
+        path: Path = ("hinges", index)
+        drawn = [hinge.line] if hinge.line is not None else list(hinge.lines or [])
+        line_paths: list[Path] = (
+            [(*path, "line")] if hinge.line is not None else [(*path, "lines", i) for i in range(len(drawn))]
+        )
+        lines: list[HingeLine] = []
+        for at, (start, end), name in zip(line_paths, drawn, _line_names(hinge), strict=True):
+            line = self.problems.attempt(at, partial(shapes.line, start, end))
+            if line is not None:
+                lines.append(HingeLine(line, name, self.problems.place(at)))
+        layer = self._hinge_layer(path, hinge.layer)
+        through = self._layers(hinge.layers, (*path, "layers"))
+        if layer is None or not lines:
+            return None
+        limits = hinge.limits or (-math.pi, math.pi)
+        return HingeSet(
+            tuple(lines),
+            hinge.width,
+            layer,
+            tuple(through),
+            hinge.stiffness,
+            hinge.damping,
+            hinge.rest_angle,
+            limits,
+        )
+
+    def _hinge_layer(self, path: Path, name: str | None) -> int | None:
+        """Index of the layer that bends: the named one, or the only flexible one."""
+        if name is not None:
+            found = self._layers([name], (*path, "layer"))
+            return found[0] if found and name != ALL_LAYERS else None
+        materials = self.model.materials
+        flexible = [
+            i
+            for i, layer in enumerate(self.model.layers)
+            if layer.material in materials and materials[layer.material].flexible
+        ]
+        if len(flexible) == 1:
+            return flexible[0]
+        self.problems.add(
+            path,
+            f"the hinge names no layer, and {len(flexible)} layers are flexible; say which bends: layer: …",
+        )
+        return None
+
+    def _layers(self, names: Sequence[str], path: Path) -> list[int]:
+        """Indices of the named layers, ascending; unknown names become problems."""
+        if list(names) == [ALL_LAYERS]:
+            return list(range(len(self.layer_names)))
+        indices: set[int] = set()
+        for name in names:
+            if name in self.layer_names:
+                indices.add(self.layer_names.index(name))
+            else:
+                hint = did_you_mean(name, self.layer_names)
+                self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
+        return sorted(indices)
+
+
+def _line_names(hinge: HingeModel) -> list[str | None]:
+    """One name per line: the hinge's own, numbered where it has several lines."""
+    count = 1 if hinge.line is not None else len(hinge.lines or [])
+    if hinge.name is None or count == 1:
+        return [hinge.name] * count
+    return [f"{hinge.name}_{i}" for i in range(1, count + 1)]
+
+
+def _draw(shape: OutlineModel) -> Polygon:
+    if shape.rect is not None:
+        return shapes.rectangle(*shape.rect)
+    if shape.circle is not None:
+        return shapes.circle(*shape.circle.center, shape.circle.radius)
+    if shape.polygon is None:
+        raise DesignError("the shape has no outline")
+    return shapes.polygon(shape.polygon, shape.holes)

@@ -1,0 +1,137 @@
+"""The `scene:` section of lamc's files, both ways; the one place of the front end that asks for effects.
+
+In: plain data. Out: a `Scene`, or a `Scene` as plain data. No effect is known here by name.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from functools import partial
+from typing import Any, Protocol, cast
+
+import numpy as np
+from pydantic import ValidationError
+
+from lamc.design.checking import Path, Problems, did_you_mean, shown
+from lamc.design.schema import SceneModel
+from lamc.effects.base import Effect
+from lamc.effects.registry import by_name
+from lamc.errors import DesignError
+from lamc.scene import Scene
+
+
+class _Readable(Protocol):
+    """An effect class as files see it."""
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> Effect: ...
+
+
+def read_scene(data: object) -> Scene:
+    """The scene that plain data describes: {effects: …, angles: {joint: rad}, rates: {joint: rad/s}}.
+
+    Raises DesignError with the first problem.
+    """
+    try:
+        model = SceneModel.model_validate(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise DesignError(f"{shown(('scene', *first['loc']))}: {first['msg']}") from error
+    effects = None
+    if model.effects is not None:
+        effects = tuple(make_effect(name, value, shown(path)) for path, name, value in _called(model.effects))
+    return Scene(effects=effects, angles=model.angles, rates=model.rates)
+
+
+def scene_from_model(model: SceneModel | None, problems: Problems) -> Scene | None:
+    """The scene of a validated file; every problem is added to `problems`."""
+    if model is None:
+        return None
+    effects: list[Effect] = []
+    called = problems.attempt(("scene", "effects"), lambda: list(_called(model.effects))) or []
+    for path, name, value in called:
+        effect = problems.attempt(path, partial(make_effect, name, value, shown(path), prefix=False))
+        if effect is not None:
+            effects.append(effect)
+    return problems.attempt(
+        ("scene",),
+        lambda: Scene(
+            effects=tuple(effects) if model.effects is not None else None,
+            angles=model.angles,
+            rates=model.rates,
+        ),
+    )
+
+
+def make_effect(name: str, value: object, where: str, *, prefix: bool = True) -> Effect:
+    """The effect of that name in files. Raises DesignError for a name the registry does not have."""
+    known = by_name()
+    if name not in known:
+        text = f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(known))}"
+        raise DesignError(f"{where}: {text}" if prefix else text)
+    try:
+        return cast(type[_Readable], known[name]).from_data(value, where)
+    except DesignError as error:
+        # `from_data` begins its messages with `where`; the collector of a file's problems adds it again.
+        text = error.message.removeprefix(f"{where}: ")
+        raise type(error)(f"{where}: {text}" if prefix else text, error.place) from error
+
+
+def scene_data(scene: Scene) -> dict[str, Any]:
+    """The scene as plain data that `read_scene` gives back.
+
+    Raises DesignError for an effect with values that a file cannot hold.
+    """
+    data: dict[str, Any] = {}
+    if scene.effects is not None:
+        data["effects"] = [{effect.name: _effect_data(effect)} for effect in scene.effects]
+    for name, values in (("angles", scene.angles), ("rates", scene.rates)):
+        if values:
+            data[name] = dict(sorted(values.items()))
+    return data
+
+
+def _called(effects: object) -> Iterator[tuple[Path, str, object]]:
+    """(path, name, value) of each effect in a map, or in a list of names and one-entry maps."""
+    if effects is None:
+        return
+    if isinstance(effects, Mapping):
+        for name, value in effects.items():
+            yield ("scene", "effects", str(name)), str(name), value
+        return
+    if not isinstance(effects, list):
+        raise DesignError("effects are a map from name to value, or a list of names and one-entry maps")
+    for index, item in enumerate(effects):
+        path: Path = ("scene", "effects", index)
+        if isinstance(item, str):
+            yield path, item, None
+        elif isinstance(item, Mapping) and len(item) == 1:
+            ((name, value),) = item.items()
+            yield (*path, str(name)), str(name), value
+        else:
+            raise DesignError(f"entry {index} of the effects is neither a name nor a map with one entry")
+
+
+def _effect_data(effect: Effect) -> object:
+    """An effect's record as plain data: nothing, its only field, or its fields by name."""
+    assert is_dataclass(effect)
+    values = {f.name: _plain(getattr(effect, f.name)) for f in fields(effect)}
+    data = None if not values else next(iter(values.values())) if len(values) == 1 else values
+    try:
+        same = make_effect(effect.name, data, effect.name) == effect
+    except DesignError:
+        same = False
+    if not same:
+        raise DesignError(
+            f"the effect {effect.name!r} has values that a file cannot hold, so it cannot be written"
+        )
+    return data
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple | list):
+        return [_plain(v) for v in value]
+    return value

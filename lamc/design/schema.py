@@ -1,0 +1,231 @@
+"""The schema of lamc's own files: what a native design and a mechanism file may say.
+
+In: plain data. Out: validated models with every quantity in SI. References between parts of a file (a layer's
+material, a hinge's layer) and geometry are checked where models become records (`native`, and `yaml_file` in
+`lamc.mechanism`).
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, model_validator
+
+from lamc.design import fields
+from lamc.design.fields import (
+    ALL_LAYERS,
+    Angle,
+    AngleRate,
+    AnyAngle,
+    Coordinate,
+    Damping,
+    Density,
+    Direction,
+    InertiaTensor,
+    LayerNames,
+    Length,
+    Mass,
+    Modulus,
+    Point,
+    Poisson,
+    SpacePoint,
+    Stiffness,
+)
+from lamc.design.units import length_unit
+from lamc.errors import DesignError
+
+
+def _length_unit(value: Any, info: ValidationInfo) -> str:
+    try:
+        return length_unit(value)
+    except DesignError as error:
+        raise fields.custom(error) from error
+
+
+class Model(BaseModel):
+    """Base of all models: unknown keys are errors, and nothing changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class MaterialModel(Model):
+    """A sheet material; one or none of the flags is usual."""
+
+    density: Density
+    E1: Modulus | None = None
+    E2: Modulus | None = None
+    poisson: Poisson | None = None
+    rigid: bool = False
+    flexible: bool = False
+    adhesive: bool = False
+    conductive: bool = False
+
+
+class LayerModel(Model):
+    """One sheet of the laminate; layers are listed from bottom to top."""
+
+    name: str
+    material: str
+    thickness: Length
+    angle: Angle = 0.0
+
+
+class CircleModel(Model):
+    center: Point
+    radius: Length
+
+
+class OutlineModel(Model):
+    """A region: exactly one of rect, polygon (with holes) and circle."""
+
+    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
+        None, description="two opposite corners: [x0, y0, x1, y1]"
+    )
+    polygon: list[Point] | None = Field(None, description="corners in order; the last joins the first")
+    holes: list[list[Point]] = Field(default=[], description="holes of the polygon")
+    circle: CircleModel | None = None
+
+    @model_validator(mode="after")
+    def _one_region(self) -> "OutlineModel":
+        given = [n for n in ("rect", "polygon", "circle", "cut") if getattr(self, n, None) is not None]
+        choices = (
+            "rect, polygon, circle or cut" if "cut" in type(self).model_fields else "rect, polygon or circle"
+        )
+        if len(given) != 1:
+            said = " and ".join(given) if given else "none of them"
+            raise fields.custom(DesignError(f"a shape has exactly one of {choices}; this one has {said}"))
+        if self.holes and self.polygon is None:
+            raise fields.custom(DesignError("holes belong to a polygon; subtract from other shapes with cut"))
+        return self
+
+
+class RegionModel(OutlineModel):
+    """A region in some layers."""
+
+    layers: LayerNames = [ALL_LAYERS]
+
+
+class ShapeModel(RegionModel):
+    """A drawn shape: material that is added, or with `cut`, taken away from what was drawn before it."""
+
+    cut: OutlineModel | None = None
+
+
+class HingeModel(Model):
+    """One hinge line, or several that share their properties.
+
+    The joint's axis points from the start of a line to its end, and its angle is positive by the right hand.
+    """
+
+    name: str | None = None
+    line: tuple[Point, Point] | None = None
+    lines: list[tuple[Point, Point]] | None = None
+    layer: str | None = Field(None, description="the layer that bends; by default the only flexible one")
+    width: Length
+    stiffness: Stiffness = 0.0
+    damping: Damping = 0.0
+    rest_angle: Angle = 0.0
+    limits: tuple[Angle, Angle] | None = None
+    layers: LayerNames = Field(default=[ALL_LAYERS], description="layers that the hinge cuts through")
+
+    @model_validator(mode="after")
+    def _one_kind_of_line(self) -> "HingeModel":
+        if (self.line is None) == (self.lines is None) or self.lines == []:
+            raise fields.custom(
+                DesignError("a hinge has either line: [[x, y], [x, y]] or lines: a list of such")
+            )
+        if self.limits is not None and not self.limits[0] < self.limits[1]:
+            raise fields.custom(
+                DesignError(
+                    f"limits run from {self.limits[0]:g} to {self.limits[1]:g} rad; the lower comes first"
+                )
+            )
+        return self
+
+
+class SceneModel(Model):
+    """What acts, and how the mechanism starts. Without `effects`, what the design itself asks for acts."""
+
+    effects: Any = Field(
+        None,
+        description="effects by name with their values, as a map, or as a list of names and one-entry maps",
+        json_schema_extra={"type": ["object", "array", "null"]},
+    )
+    angles: dict[str, AnyAngle] = {}
+    rates: dict[str, AngleRate] = {}
+
+
+class DesignModel(Model):
+    """A laminate design."""
+
+    kind: Literal["design"] = "design"
+    name: str | None = None
+    description: str = ""
+    units: Annotated[str, BeforeValidator(_length_unit)] = Field(
+        "m", description="the unit of every length written without one, such as mm"
+    )
+    materials: dict[str, MaterialModel]
+    layers: list[LayerModel]
+    shapes: list[ShapeModel]
+    hinges: list[HingeModel] = []
+    fixed: list[RegionModel] = []
+    bodies: dict[str, Point] = Field(default={}, description="names of bodies, each with a point inside it")
+    scene: SceneModel | None = None
+
+
+class PlateModel(Model):
+    """One flat piece of a body's outline, between two heights."""
+
+    polygon: list[Point]
+    holes: list[list[Point]] = []
+    z: tuple[Coordinate, Coordinate]
+
+
+class BodyModel(Model):
+    """A rigid body in the drawn configuration, world axes."""
+
+    name: str
+    mass: Mass = 0.0
+    com: SpacePoint = (0.0, 0.0, 0.0)
+    inertia: InertiaTensor = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    fixed: bool = False
+    outline: list[PlateModel] = []
+
+
+class JointModel(Model):
+    """A hinge from parent to child about `axis` through `point`."""
+
+    name: str
+    parent: str
+    child: str
+    point: SpacePoint
+    axis: Direction
+    stiffness: Stiffness = 0.0
+    damping: Damping = 0.0
+    rest_angle: AnyAngle = 0.0
+    limits: tuple[AnyAngle, AnyAngle] | None = None
+
+
+class MechanismModel(Model):
+    """Bodies and joints without a drawing."""
+
+    kind: Literal["mechanism"] = "mechanism"
+    name: str | None = None
+    description: str = ""
+    units: Annotated[str, BeforeValidator(_length_unit)] = "m"
+    bodies: list[BodyModel]
+    joints: list[JointModel] = []
+    scene: SceneModel | None = None
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of native files: a design or a mechanism."""
+    parts = [m.model_json_schema(ref_template="#/$defs/{model}") for m in (DesignModel, MechanismModel)]
+    shared: dict[str, Any] = {}
+    for part in parts:
+        shared |= part.pop("$defs", {})
+    named = dict(zip(("Design", "Mechanism"), parts, strict=True))
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "lamc design or mechanism",
+        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in sorted(named)],
+        "$defs": dict(sorted((shared | named).items())),
+    }

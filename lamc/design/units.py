@@ -1,0 +1,160 @@
+"""Numbers with units, as people write them in designs: `25 um`, `3 N*mm/deg`, `1.6 g/cm^3`.
+
+In: text or a bare number, and the quantity that is expected. Out: a float in SI (angles in radians). The text
+passes a narrow grammar before pint sees the unit part: no length, character or exponent can keep it busy.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from typing import Any
+
+from lamc.errors import DesignError
+
+LONGEST = 80
+
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]{1,4})?)\s*(?P<unit>.*?)\s*\Z",
+    re.DOTALL,
+)
+# A product of unit names with one-digit powers, groups in parentheses one level deep. No power of a power and
+# no bare number gets through: pint would spend years on m^9^9^9.
+_FACTOR = r"[A-Za-zµμ°]+(?: ?(?:\^|\*\*) ?-?[0-9])?"
+_PRODUCT = rf"{_FACTOR}(?:(?: ?[*/·] ?| ){_FACTOR})*"
+_TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
+_UNIT = re.compile(rf"{_TERM}(?:(?: ?[*/·] ?| ){_TERM})*\Z")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A kind of number: its name in errors, its SI unit, and an example for people."""
+
+    name: str
+    unit: str
+    example: str
+
+
+LENGTH = Quantity("length", "m", "25 um")
+ANGLE = Quantity("angle", "rad", "45 deg")
+ANGLE_RATE = Quantity("angular rate", "rad/s", "90 deg/s")
+DENSITY = Quantity("density", "kg/m^3", "1.6 g/cm^3")
+MODULUS = Quantity("modulus", "Pa", "70 GPa")
+STIFFNESS = Quantity("hinge stiffness", "N*m/rad", "3 N*mm/deg")
+DAMPING = Quantity("hinge damping", "N*m*s/rad", "2e-6 N*m*s/rad")
+MASS = Quantity("mass", "kg", "12 mg")
+INERTIA = Quantity("moment of inertia", "kg*m^2", "3 g*mm^2")
+RATIO = Quantity("ratio", "", "0.3")
+
+
+def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> float:
+    """`value` in SI.
+
+    value      a number, or text: a number and a unit
+    bare_unit  the unit of a number that has none; SI if None
+
+    Raises DesignError for what is no number, not finite, or of another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise DesignError(
+            f"{_shown(value)} is not a {quantity.name}; write a number in {quantity.unit or 'plain form'}, "
+            f"or with its unit, such as {quantity.example!r}"
+        )
+    if isinstance(value, str):
+        number, unit = _split(value, quantity)
+    else:
+        number, unit = _as_float(value), ""
+    if not math.isfinite(number):
+        raise DesignError(f"the {quantity.name} is {number!r}; it must be finite")
+    return _scaled(number, unit or bare_unit or quantity.unit, quantity)
+
+
+def length_unit(text: object) -> str:
+    """`text` if it is a unit of length and nothing else, or DesignError."""
+    if not isinstance(text, str) or not text.strip() or text.strip()[0].isdigit():
+        raise DesignError(f"{_shown(text)} is not a unit of length; write one such as mm")
+    _check_unit(text, LENGTH)
+    _factor(text, LENGTH)
+    return text
+
+
+def _as_float(value: int | float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _split(text: str, quantity: Quantity) -> tuple[float, str]:
+    if len(text) > LONGEST:
+        raise DesignError(f"a {quantity.name} of {len(text)} characters; at most {LONGEST} are allowed")
+    match = _QUANTITY.match(text)
+    if match is None:
+        raise DesignError(
+            f"{text!r} is not a {quantity.name}; write a number and a unit, such as {quantity.example!r}"
+        )
+    unit = match["unit"]
+    _check_unit(unit, quantity)
+    return float(match["number"]), unit
+
+
+def _check_unit(unit: str, quantity: Quantity) -> None:
+    """Refuses what pint should not see."""
+    if len(unit) > LONGEST:
+        raise DesignError(f"a unit of {len(unit)} characters; at most {LONGEST} are allowed")
+    if unit and not _UNIT.match(" ".join(unit.split())):
+        raise DesignError(
+            f"{unit!r} is not a unit of {quantity.name}; write unit names with * / and small whole powers, "
+            f"such as in {quantity.example!r}"
+        )
+
+
+def _scaled(number: float, unit: str, quantity: Quantity) -> float:
+    if unit == quantity.unit:
+        return number
+    factor = _factor(unit, quantity)
+    inverse = round(1.0 / factor) if 1e-18 < factor < 1.0 else 0
+    # 19.8 mm is 0.0198 m to the last digit: dividing by a whole number rounds once, times 1e-3 twice.
+    exact = inverse and abs(inverse * factor - 1.0) < 1e-15
+    result = number / inverse if exact else number * factor
+    if not math.isfinite(result):
+        raise DesignError(f"the {quantity.name} {number!r} {unit} is beyond any number")
+    return result
+
+
+@lru_cache(maxsize=1024)
+def _factor(unit: str, quantity: Quantity) -> float:
+    """How many SI units one `unit` is. Raises DesignError for an unknown unit or another dimension."""
+    registry = _registry()
+    try:
+        given = registry.parse_units(unit.replace("°", "degree").replace("·", "*"))
+    except Exception as error:  # pint's tokenizer and evaluator fail in many ways, all meaning the same here
+        raise DesignError(
+            f"{unit!r} is not a unit that lamc knows; a {quantity.name} looks like {quantity.example!r}"
+        ) from error
+    expected = registry.parse_units(quantity.unit)
+    if given.dimensionality != expected.dimensionality:
+        raise DesignError(
+            f"{unit!r} is not a unit of {quantity.name}; expected {quantity.unit or 'a plain number'} "
+            f"or the like, such as {quantity.example!r}"
+        )
+    try:
+        factor = float(registry.Quantity(1.0, given).to(expected).magnitude)
+    except Exception as error:  # offset and logarithmic units (degC, dB) refuse plain scaling
+        raise DesignError(f"{unit!r} cannot be used as a unit of {quantity.name}") from error
+    if not math.isfinite(factor) or factor <= 0.0:
+        raise DesignError(f"{unit!r} cannot be used as a unit of {quantity.name}; its size is {factor!r}")
+    return factor
+
+
+@cache
+def _registry() -> Any:
+    """pint's registry, made when the first unit is met: importing it costs half a second."""
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:39] + "…"

@@ -12,7 +12,7 @@ from types import MappingProxyType
 import jinja2
 
 from lamc._version import __version__
-from lamc.codegen.chunks import CFunction, arrange
+from lamc.codegen.layout import CFunction, arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import Function, Program

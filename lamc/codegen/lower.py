@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from lamc.codegen.program import Function, Operand, Program, Section, Shape, Space, Statement
 from lamc.mechanics.equations import Equations
-from lamc.mechanics.staging import NUMBER, SYMBOL, Level, Scalar, Store, Symbol, Value
+from lamc.mechanics.staging import Level, Scalar, Store, Symbol, Value
 from lamc.mechanics.statements import count_operations, group
 
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
@@ -83,7 +83,7 @@ class _Lowering:
             shape = self._shape(index, operands)
             target = Operand(Space.LOCAL, position)
             section = sections.setdefault(store.sections[store.section_of[index]], len(sections))
-            statements.append(Statement(target, shape, tuple(operands), section))
+            statements.append(Statement(target, shape, tuple(operands), section, store.link_of[index]))
             self.slots[index] = target
         return Function(
             name=name,
@@ -98,15 +98,12 @@ class _Lowering:
 
     def _leaf(self, index: int) -> Operand:
         payload = self.store.payloads.get(index)
-        if self.store.operations[index] == NUMBER:
-            assert payload is not None
-            assert not isinstance(payload, Symbol)
-            return Operand(Space.NUMBER, value=float(payload))
         if self.store.levels[index] == Level.PARAMETER and self.outer == Level.PARAMETER:
             return Operand(Space.CONSTANT, self.constants.setdefault(index, len(self.constants)))
-        assert self.store.operations[index] == SYMBOL
-        assert isinstance(payload, Symbol)
-        return Operand(payload.space, payload.index)
+        if isinstance(payload, Symbol):
+            return Operand(payload.space, payload.index)
+        assert payload is not None, "a leaf is an input or a number"
+        return Operand(Space.NUMBER, value=float(payload))
 
     def _shape(self, index: int, operands: list[Operand]) -> Shape:
         """The expression of one statement; recursion is bounded by `statements.MAX_OPERANDS`."""

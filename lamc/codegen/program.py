@@ -43,6 +43,7 @@ class Statement:
     shape: Shape
     operands: tuple[Operand, ...]
     section: int  # index into Function.sections
+    link: int = -1  # link of the tree that it is about; -1: none. Statements of like links become one kernel
 
 
 @dataclass(frozen=True, slots=True)

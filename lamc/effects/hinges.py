@@ -5,13 +5,19 @@ from typing import ClassVar, Self
 
 from lamc.effects.base import Effect
 from lamc.errors import DesignError
-from lamc.mechanics.loads import Loads
+from lamc.mechanics.loads import Hinge, Loads
+from lamc.mechanics.staging import Scalar
 from lamc.mechanism.records import Mechanism
 
 
 def _no_value(kind: str, value: object, where: str) -> None:
     if value not in (None, True, {}):
         raise DesignError(f"{where}: {kind} takes no value, since its values come from the joints; it has {value!r}")
+
+
+def _stiffness(loads: Loads, hinge: Hinge) -> Scalar:
+    name = f"{hinge.joint.name}.stiffness"
+    return loads.parameter(name, hinge.joint.stiffness, "N·m/rad", "torsional stiffness of the hinge")
 
 
 @dataclass(frozen=True)
@@ -23,13 +29,11 @@ class HingeStiffness:
     source: ClassVar[str] = "T = -k q, eq. 15"
 
     def contribute(self, loads: Loads) -> None:
-        for name in loads.joints:
-            stiffness = loads.mechanism.joint(name).stiffness
-            if stiffness:
-                k = loads.parameter(f"{name}.stiffness", stiffness, "N·m/rad", "torsional stiffness of the hinge")
-                q = loads.angle(name)
-                loads.hinge_torque(name, -(k * q))
-                loads.stored_energy(0.5 * (k * (q * q)))
+        for hinge in loads.hinges():
+            if hinge.joint.stiffness:
+                k = _stiffness(loads, hinge)
+                loads.hinge_torque(hinge.joint.name, -(k * hinge.angle))
+                loads.stored_energy(0.5 * (k * (hinge.angle * hinge.angle)))
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
@@ -55,13 +59,13 @@ class RestAngle:
     source: ClassVar[str] = "T = k q0, eq. 15"
 
     def contribute(self, loads: Loads) -> None:
-        for name in loads.joints:
-            joint = loads.mechanism.joint(name)
-            if joint.stiffness and joint.rest_angle:
-                k = loads.parameter(f"{name}.stiffness", joint.stiffness, "N·m/rad", "torsional stiffness of the hinge")
-                rest = loads.parameter(f"{name}.rest_angle", joint.rest_angle, "rad", "angle at which the hinge rests")
+        for hinge in loads.hinges():
+            name, value = hinge.joint.name, hinge.joint.rest_angle
+            if hinge.joint.stiffness and value:
+                k = _stiffness(loads, hinge)
+                rest = loads.parameter(f"{name}.rest_angle", value, "rad", "angle at which the hinge rests")
                 loads.hinge_torque(name, k * rest)
-                loads.stored_energy(k * rest * (0.5 * rest - loads.angle(name)))
+                loads.stored_energy(k * rest * (0.5 * rest - hinge.angle))
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
@@ -84,11 +88,11 @@ class HingeDamping:
     source: ClassVar[str] = "T = -c u, eq. 16"
 
     def contribute(self, loads: Loads) -> None:
-        for name in loads.joints:
-            damping = loads.mechanism.joint(name).damping
-            if damping:
-                c = loads.parameter(f"{name}.damping", damping, "N·m·s/rad", "viscous damping of the hinge")
-                loads.hinge_torque(name, -(c * loads.rate(name)))
+        for hinge in loads.hinges():
+            name, value = hinge.joint.name, hinge.joint.damping
+            if value:
+                c = loads.parameter(f"{name}.damping", value, "N·m·s/rad", "viscous damping of the hinge")
+                loads.hinge_torque(name, -(c * hinge.rate))
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

@@ -47,7 +47,8 @@ class Torque:
     def contribute(self, loads: Loads) -> None:
         for joint, torque in self.torques.items():
             if isinstance(torque, str):
-                names = {"t": loads.time, "angle": loads.angle(joint), "rate": loads.rate(joint)}
+                hinge = loads.hinge(joint)
+                names = {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate}
                 loads.hinge_torque(joint, stage(torque, names))
             else:
                 loads.joint_index(joint)

@@ -16,10 +16,10 @@ from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.loads import Loads, Parameters, potential_of_field
 from lamc.mechanics.mass_matrix import generalised_forces, mass_matrix, solve_by_mass_matrix, way_to_world
-from lamc.mechanics.placement import Placement, numeric, rotate_back
+from lamc.mechanics.placement import Placement, rotate_back
 from lamc.mechanics.staging import Level, Scalar, Store
 from lamc.mechanics.statements import count_operations
-from lamc.mechanism.tree import WORLD, Tree
+from lamc.mechanism.tree import WORLD, Link, Tree
 
 if TYPE_CHECKING:
     from lamc.effects.base import Effect
@@ -39,9 +39,9 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
     q: list[Scalar] = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
     u: list[Scalar] = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
     with store.section("Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"):
-        pairs = [link_inertia(link, parameters.add) for link in tree.links]
+        pairs = [_tagged_inertia(store, i, link, parameters) for i, link in enumerate(tree.links)]
         inertias = [inertia for inertia, _ in pairs]
-        base = regrouped(tree, inertias)
+        base = regrouped(store, tree, inertias)
     placement = Placement(Kinematics(store, tree, q))
     loads = Loads(placement, parameters, time, q, u)
     for effect in effects:
@@ -65,6 +65,11 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
     )
 
 
+def _tagged_inertia(store: Store, index: int, link: Link, parameters: Parameters) -> tuple[Inertia, Vector3]:
+    store.link = index
+    return link_inertia(link, parameters.add)
+
+
 class Problem:
     """M u̇ = f in carrier components; internal axes inside, joint angles outside."""
 
@@ -75,14 +80,15 @@ class Problem:
             self.inertias = [self._in_carrier(i, inertia) for i, inertia in enumerate(base)]
         biases = kinematics.biases(u, self._world_accelerations(loads.field))
         with kinematics.store.section("Inertia forces and applied loads", source="eq. 18"):
-            self.wrenches = [
-                _less(inertia_wrench(inertia, bias), loads.wrenches.get(i))
-                for i, (inertia, bias) in enumerate(zip(self.inertias, biases, strict=True))
-            ]
+            self.wrenches: list[Wrench] = []
+            for i, (inertia, bias) in enumerate(zip(self.inertias, biases, strict=True)):
+                kinematics.store.link = i
+                self.wrenches.append(_less(inertia_wrench(inertia, bias), loads.wrenches.get(i)))
         self.torques = [s * torque for s, torque in zip(self.signs, loads.hinge_torques, strict=True)]
 
     def _in_carrier(self, index: int, inertia: Inertia) -> Inertia:
         kinematics = self.kinematics
+        kinematics.store.link = index
         return Inertia(
             inertia.mass,
             kinematics.in_carrier(index, inertia.first),
@@ -93,8 +99,9 @@ class Problem:
     def _world_accelerations(self, field: Vector3) -> list[Vector3]:
         """A uniform field is an acceleration of the world the other way."""
         links = self.kinematics.tree.links
+        placement = Placement(self.kinematics)
         return [
-            rotate_back(numeric(link.frame), (-field[0], -field[1], -field[2])) if link.parent == WORLD else (0, 0, 0)
+            rotate_back(placement.drawn(link), (-field[0], -field[1], -field[2])) if link.parent == WORLD else (0, 0, 0)
             for link in links
         ]
 
@@ -140,6 +147,7 @@ def _energies(
     with store.section("Kinetic energy", source="½ m v² + v·(ω × h) + ½ ω·I ω"):
         for i, (inertia, motion) in enumerate(zip(inertias, motions, strict=True)):
             w, v = motion.omega, motion.velocity
+            store.link = i
             second = kinematics.symmetric_in_carrier(i, inertia.second)
             turned = replace(inertia, second=second).rotational()
             spinning = dot(w, _apply(turned, w))
@@ -165,6 +173,7 @@ def _poses(placement: Placement, coms: list[Vector3]) -> list[Scalar]:
     values: list[Scalar] = []
     with placement.kinematics.store.section("Positions and rotations of the links", source="eq. 1-4"):
         for i, com in enumerate(coms):
+            placement.kinematics.store.link = i
             values.extend(placement.point(i, com))
             for row in placement.body_rotation(i):
                 values.extend(row)

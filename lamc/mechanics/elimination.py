@@ -81,6 +81,7 @@ def solve_by_elimination(
     solved: list[Solved] = []
     with store.section("Elimination of the hinges, tips first", source="Kane, eq. 19"):
         for index in reversed(range(len(tree.links))):
+            store.link = index
             hinge, remainder = eliminate(carried[index], torques[index])
             solved.append(hinge)
             parent = tree.links[index].parent
@@ -156,6 +157,7 @@ def _substitute_back(kinematics: Kinematics, solved: list[Solved]) -> list[Scala
     angular: list[Vector3] = []
     linear: list[Vector3] = []
     for index, (link, hinge) in enumerate(zip(kinematics.tree.links, solved, strict=True)):
+        kinematics.store.link = index
         alpha, a = ZERO, ZERO
         if link.parent != WORLD:
             p = link.parent

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lamc.mechanics.algebra import Symmetric, Vector3
-from lamc.mechanics.staging import Scalar
+from lamc.mechanics.staging import Scalar, Store
 from lamc.mechanism.tree import ROUND_OFF, WORLD, Link, Tree
 
 ParameterMaker = Callable[[str, float, str, str], Scalar]  # name, default, unit, meaning
@@ -104,18 +104,19 @@ def _extents(moments: list[Scalar | None], flat: list[bool]) -> list[Scalar]:
     return list(sums)
 
 
-def regrouped(tree: Tree, inertias: list[Inertia]) -> list[Inertia]:
+def regrouped(store: Store, tree: Tree, inertias: list[Inertia]) -> list[Inertia]:
     """Base parameters: m, h_z and J_zz of every link handed to its parent. Accelerations do not change."""
     mass = [i.mass for i in inertias]
     first = [i.first for i in inertias]
     second = [i.second for i in inertias]
     for index in reversed(range(len(tree.links))):
         link = tree.links[index]
+        store.link = index
         m, h, j = mass[index], first[index], second[index]
         if link.parent != WORLD:
             p = link.parent
-            offset = _triple([float(v) for v in link.offset])
-            axis = _hinge_axis_in_parent(link)
+            offset = _triple([store.constant(float(v)) for v in link.offset])
+            axis = _triple([store.constant(v) for v in _hinge_axis_in_parent(link)])
             line = _triple([a * h[2] for a in axis])  # first moment of the mass moved, about the child's origin
             moved = _triple([line[k] + m * offset[k] for k in range(3)])
             second[p] = Symmetric(
@@ -132,7 +133,7 @@ def regrouped(tree: Tree, inertias: list[Inertia]) -> list[Inertia]:
     return [Inertia(m, h, j, j.xx + j.yy) for m, h, j in zip(mass, first, second, strict=True)]
 
 
-def _hinge_axis_in_parent(link: Link) -> Vector3:
+def _hinge_axis_in_parent(link: Link) -> tuple[float, float, float]:
     """The link's hinge in its parent's frame: Rz(twist) Rx(fold) e_z."""
     (ct, st), (cf, sf) = link.twist, link.fold
     return (st * sf, -ct * sf, cf)

@@ -67,7 +67,8 @@ class Kinematics:
         heading: list[Scalar] = []
         with store.section("Rotation about the hinges", source="eq. 1-4"):
             for i, link in enumerate(tree.links):
-                angle = link.angle_sign * q[i] + link.angle_offset
+                store.link = i
+                angle = link.angle_sign * q[i] + store.constant(link.angle_offset)
                 if link.parallel:
                     angle = heading[link.parent] + angle
                 heading.append(angle)
@@ -78,17 +79,20 @@ class Kinematics:
         self.spin.append(own if in_run else None)
         turns: list[Turn] = []
         if not link.parallel:
-            twist = _join(parent_spin, Turn("z", *link.twist)) if link.twist != (1.0, 0.0) else parent_spin
+            twist = _join(parent_spin, self._constant_turn("z", link.twist)) if link.twist != (1.0, 0.0) else parent_spin
             if twist is not None:
                 turns.append(twist)
             if link.fold != (1.0, 0.0):
-                turns.append(Turn("x", *link.fold))
+                turns.append(self._constant_turn("x", link.fold))
             if not in_run:
                 turns.append(own)
         self.turns.append(tuple(turns))
-        x, y, z = (float(v) for v in link.offset)
+        x, y, z = (self.store.constant(float(v)) for v in link.offset)
         offset: Vector3 = (x, y, z)
         self.offset.append(inward(parent_spin, offset) if parent_spin else offset)
+
+    def _constant_turn(self, axis: str, cos_sin: tuple[float, float]) -> Turn:
+        return Turn(axis, self.store.constant(cos_sin[0]), self.store.constant(cos_sin[1]))
 
     def to_child(self, index: int, v: Vector3) -> Vector3:
         """Components in the link's carrier of a vector given in its parent's."""
@@ -126,6 +130,7 @@ class Kinematics:
         motions: list[Motion] = []
         with self.store.section("Velocities", source="eq. 13-14"):
             for i, link in enumerate(self.tree.links):
+                self.store.link = i
                 omega, velocity = ZERO, ZERO
                 if link.parent != WORLD:
                     parent = motions[link.parent]
@@ -147,6 +152,7 @@ class Kinematics:
         alphas: list[Vector3] = []
         with self.store.section("Velocities and bias accelerations", source="eq. 13-14"):
             for i, link in enumerate(self.tree.links):
+                self.store.link = i
                 omega, alpha, acceleration = ZERO, ZERO, base[i]
                 if link.parent != WORLD:
                     parent = biases[link.parent]

@@ -15,7 +15,7 @@ from lamc.errors import DesignError
 from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
 from lamc.mechanics.staging import Number, Scalar, Store, Value
-from lamc.mechanism.records import Array, Mechanism, checked_array
+from lamc.mechanism.records import Array, Joint, Mechanism, checked_array
 from lamc.mechanism.tree import WORLD
 
 
@@ -36,6 +36,15 @@ class Parameters:
                 return self.store.symbol(name, Space.PARAMETER, index)
         self.records.append(Parameter(name, float(default), unit, meaning, effect))
         return self.store.symbol(name, Space.PARAMETER, len(self.records) - 1)
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """One hinge as effects see it."""
+
+    joint: Joint
+    angle: Scalar  # rad, child relative to parent, zero as drawn
+    rate: Scalar  # rad/s
 
 
 class Loads:
@@ -87,13 +96,16 @@ class Loads:
         """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…")."""
         return self._parameters.add(name, default, unit, meaning, self._effect)
 
-    def angle(self, joint: str) -> Scalar:
-        """Joint angle, rad, child relative to parent, zero as drawn."""
-        return self._q[self.joint_index(joint)]
+    def hinge(self, joint: str) -> Hinge:
+        """The hinge of that name. Raises DesignError with the names there are."""
+        index = self.joint_index(joint)
+        return Hinge(self.tree.links[index].joint, self._q[index], self._u[index])
 
-    def rate(self, joint: str) -> Scalar:
-        """Joint rate, rad/s."""
-        return self._u[self.joint_index(joint)]
+    def hinges(self) -> Iterator[Hinge]:
+        """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
+        for index, name in enumerate(self.joints):
+            self._store.link = index
+            yield self.hinge(name)
 
     def joint_index(self, joint: str) -> int:
         if joint not in self._index:
@@ -184,6 +196,7 @@ def potential_of_field(placement: Placement, masses: Sequence[Scalar], coms: Seq
     """-Σ m a·(centre of mass), J; zero at the world's origin."""
     result: Scalar = 0
     for index, (mass, com) in enumerate(zip(masses, coms, strict=True)):
+        placement.kinematics.store.link = index
         result = result - mass * dot(acceleration, placement.point(index, com))
     return result
 

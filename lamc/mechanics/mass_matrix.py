@@ -22,6 +22,7 @@ def mass_matrix(kinematics: Kinematics, inertias: list[Inertia]) -> Entries:
     entries: Entries = {}
     with kinematics.store.section("Mass matrix", source="Kane, eq. 19"):
         for i in reversed(range(len(tree.links))):
+            kinematics.store.link = i
             body = composite[i]
             force: Vector3 = (-body.first[1], body.first[0], 0)
             moment: Vector3 = (-body.second.xz, -body.second.yz, body.axial)
@@ -70,6 +71,7 @@ def generalised_forces(kinematics: Kinematics, wrenches: list[Wrench], torques: 
     result: list[Scalar] = [0] * len(tree.links)
     with kinematics.store.section("Generalised forces", source="eq. 18"):
         for i in reversed(range(len(tree.links))):
+            kinematics.store.link = i
             result[i] = torques[i] - moments[i][2]
             parent = tree.links[i].parent
             if parent != WORLD:

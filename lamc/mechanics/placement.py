@@ -3,11 +3,13 @@
 Only what is asked for is made: a scene without forces at points and without gravity energy needs none of it.
 """
 
+import numpy as np
+
 from lamc.mechanics.algebra import Matrix3, Turn, Vector3, add, dot
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.staging import Scalar
 from lamc.mechanism.records import Array
-from lamc.mechanism.tree import WORLD, Link
+from lamc.mechanism.tree import ROUND_OFF, WORLD, Link
 
 
 class Placement:
@@ -24,7 +26,7 @@ class Placement:
         for i in self._path(index):
             if i not in self._carriers:
                 link = self.links[i]
-                matrix = numeric(link.frame) if link.parent == WORLD else self._carriers[link.parent]
+                matrix = self.drawn(link) if link.parent == WORLD else self._carriers[link.parent]
                 for turn in self.kinematics.turns[i]:
                     matrix = _turned(matrix, turn)
                 self._carriers[i] = matrix
@@ -36,7 +38,7 @@ class Placement:
             if i not in self._origins:
                 link = self.links[i]
                 if link.parent == WORLD:
-                    x, y, z = (float(v) for v in link.origin)
+                    x, y, z = (self.kinematics.store.constant(float(v)) for v in link.origin)
                     self._origins[i] = (x, y, z)
                 else:
                     step = rotate(self.carrier(link.parent), self.kinematics.offset[i])
@@ -53,12 +55,19 @@ class Placement:
         spin = self.kinematics.spin[index]
         if spin is not None:
             matrix = _turned(matrix, spin)
-        drawn = self.links[index].frame
+        store = self.kinematics.store
+        axes = numeric(self.links[index].frame)
         rows: list[Vector3] = []
         for row in matrix:
-            x, y, z = (dot(row, [float(v) for v in drawn[j]]) for j in range(3))
+            x, y, z = (dot(row, [store.constant(v) for v in axes[j]]) for j in range(3))
             rows.append((x, y, z))
         return (rows[0], rows[1], rows[2])
+
+    def drawn(self, link: Link) -> Matrix3:
+        """World from the link's frame as drawn."""
+        constant = self.kinematics.store.constant
+        a, b, c = ((constant(r[0]), constant(r[1]), constant(r[2])) for r in numeric(link.frame))
+        return (a, b, c)
 
     def _path(self, index: int) -> list[int]:
         path = []
@@ -92,11 +101,10 @@ def rotate_back(matrix: Matrix3, v: Vector3) -> Vector3:
     return (x, y, z)
 
 
-def numeric(matrix: Array) -> Matrix3:
-    """A matrix of plain numbers, entries that are round-off set to zero."""
-    rows = [[0.0 if abs(float(v)) < 1e-15 else float(v) for v in row] for row in matrix]
-    a, b, c = ((r[0], r[1], r[2]) for r in rows)
-    return (a, b, c)
+def numeric(matrix: Array) -> tuple[tuple[float, float, float], ...]:
+    """A rotation matrix of plain numbers, with zeros and ±1 exact where they are so but for round-off."""
+    rows = np.where(np.abs(matrix) < ROUND_OFF, 0.0, np.where(np.abs(matrix) > 1 - ROUND_OFF, np.sign(matrix), matrix))
+    return tuple((float(r[0]), float(r[1]), float(r[2])) for r in rows)
 
 
 def local_point(link: Link, point: Array) -> Vector3:

@@ -24,8 +24,11 @@ Number = int | float | Fraction
 Scalar = Union["Value", int, float, Fraction]
 
 NUMBER = "number"
+CONSTANT = "constant"  # a number of the design, kept apart; see Store.constant
 SYMBOL = "symbol"
+LEAVES = (NUMBER, CONSTANT, SYMBOL)
 BINARY = ("+", "-", "*")
+NO_LINK = -1
 
 
 class Level(IntEnum):
@@ -53,6 +56,8 @@ class Store:
         self.arguments: list[tuple[int, ...]] = []
         self.levels: list[int] = []
         self.section_of: list[int] = []
+        self.link_of: list[int] = []
+        self.link = NO_LINK  # nodes made from now on belong to this link of the tree; see `section`
         self.payloads: dict[int, Number | Symbol] = {}
         self.sections: list[Section] = [Section("", "", "")]
         self._known: dict[object, int] = {}
@@ -63,16 +68,19 @@ class Store:
 
     @contextmanager
     def section(self, title: str, *, effect: str = "", source: str = "") -> Iterator[None]:
-        """Nodes made inside carry this origin; a node that already exists keeps its first one."""
+        """Nodes made inside carry this origin; a node that already exists keeps its first one.
+
+        Where the same is done for link after link, set `link` in the loop: code that repeats becomes one kernel.
+        """
         entry = Section(title, effect, source)
-        outer = self._section
+        outer = self._section, self.link
         if entry not in self.sections:
             self.sections.append(entry)
-        self._section = self.sections.index(entry)
+        self._section, self.link = self.sections.index(entry), NO_LINK
         try:
             yield
         finally:
-            self._section = outer
+            self._section, self.link = outer
 
     def symbol(self, name: str, space: Space, index: int) -> "Value":
         level = Level.PARAMETER if space is Space.PARAMETER else Level.STATE
@@ -83,6 +91,17 @@ class Store:
         if not math.isfinite(value):
             raise OverflowError(f"a constant of the equations became {value}")
         return self._node((NUMBER, value), NUMBER, (), Level.NUMBER, value)
+
+    def constant(self, value: float) -> Scalar:
+        """A number of the design, such as a length, as something that equations do not look into.
+
+        It is neither folded nor does its sign move, so that like links give like equations whatever their
+        dimensions; `setup` keeps it with the parameter-only values. Zeros and ±1 are structure and stay plain.
+        """
+        value = float(value)
+        if value in (0.0, 1.0, -1.0):
+            return int(value)
+        return Value(self, self._node((CONSTANT, value), CONSTANT, (), Level.PARAMETER, value), 1)
 
     def call(self, name: str, *arguments: Scalar) -> Scalar:
         """A function of `FUNCTIONS`; folded when all arguments are numbers."""
@@ -115,6 +134,7 @@ class Store:
             self.arguments.append(arguments)
             self.levels.append(level)
             self.section_of.append(self._section)
+            self.link_of.append(self.link)
             if payload is not None:
                 self.payloads[index] = payload
         return index

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lamc.codegen.program import Operations
-from lamc.mechanics.staging import BINARY, NUMBER, SYMBOL, Level, Scalar, Store, Value
+from lamc.mechanics.staging import BINARY, LEAVES, Level, Scalar, Store, Value
 
 # Longer right-hand sides gain nothing at run time and are hard to read; shorter ones make many temporaries.
 MAX_OPERANDS = 6
@@ -39,7 +39,7 @@ def group(store: Store, outputs: Sequence[Scalar], outer: Level) -> Grouping:
     for index in live:
         operation = store.operations[index]
         operands[index] = 1
-        if operation in (NUMBER, SYMBOL) or store.levels[index] <= outer:
+        if operation in LEAVES or store.levels[index] <= outer:
             leaves.append(index)
             continue
         count = sum(operands[i] for i in store.arguments[index])
@@ -69,7 +69,7 @@ def count_operations(store: Store, outputs: Sequence[Scalar], outer: Level) -> O
     counts = {"+": 0, "*": 0, "reciprocal": 0, "call": 0}
     for index in _within(store, outputs, outer):
         operation = store.operations[index]
-        if store.levels[index] <= outer or operation in (SYMBOL, NUMBER, "neg"):
+        if store.levels[index] <= outer or operation in (*LEAVES, "neg"):
             continue
         key = {"+": "+", "-": "+", "*": "*", "reciprocal": "reciprocal"}.get(operation, "call")
         counts[key] += 1

@@ -11,7 +11,7 @@ import sympy as sp
 
 from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
-from lamc.mechanics.staging import NUMBER, SYMBOL, Scalar, Store, Symbol, Value, call, power
+from lamc.mechanics.staging import LEAVES, Scalar, Store, Symbol, Value, call, power
 
 # sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
 _CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}
@@ -53,7 +53,7 @@ def expression(value: Scalar, named: Mapping[int, sp.Symbol]) -> sp.Expr:
 def node_expression(store: Store, index: int, arguments: list[sp.Expr]) -> sp.Expr:
     """One node applied to sympy arguments."""
     operation = store.operations[index]
-    if operation in (NUMBER, SYMBOL):
+    if operation in LEAVES:
         payload = store.payloads[index]
         return sp.Symbol(payload.name) if isinstance(payload, Symbol) else number(payload)
     match operation:

@@ -186,11 +186,11 @@ def _axes(mechanism: Mechanism, steps: list[_Step]) -> tuple[list[Array], list[i
     signs: list[int] = []
     for step in steps:
         outward = step.joint.child == step.body
-        axis, sign = step.joint.axis, 1 if outward else -1
+        axis, sign = (step.joint.axis if outward else -step.joint.axis), 1
         if step.parent != WORLD:
             reference = axes[step.parent]
             if np.linalg.norm(np.cross(reference, axis)) < 10 * ROUND_OFF:
-                sign = sign if reference @ axis > 0 else -sign
+                sign = 1 if reference @ axis > 0 else -1
                 axis = reference
         axes.append(axis)
         signs.append(sign)

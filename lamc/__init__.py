@@ -1,0 +1,63 @@
+"""lamc compiles laminate designs into fast native simulators.
+
+    import lamc
+
+    design = lamc.load("pendulum.cad")
+    sim = lamc.compile(design)
+    result = sim.run(t_end=10.0)
+    result.angle("h1")
+
+Everything public is listed in `__all__`; everything else may change.
+"""
+
+from lamc._version import __version__
+from lamc.design.load import load
+from lamc.design.records import Design
+from lamc.design.split import split
+from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
+from lamc.errors import (
+    BuildError,
+    DesignError,
+    EmitError,
+    ExpressionError,
+    LamcError,
+    SimulationError,
+    TopologyError,
+    UnsupportedError,
+)
+from lamc.mechanism.records import Body, Joint, Mechanism, Plate
+from lamc.options import CompileOptions
+from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
+from lamc.run.result import Result
+from lamc.run.simulator import Simulator
+from lamc.scene import Scene
+
+__all__ = [
+    "Body",
+    "BuildError",
+    "CompileOptions",
+    "Design",
+    "DesignError",
+    "Effect",
+    "EmitError",
+    "ExpressionError",
+    "Gravity",
+    "HingeDamping",
+    "HingeStiffness",
+    "Joint",
+    "LamcError",
+    "Mechanism",
+    "Plate",
+    "RestAngle",
+    "Result",
+    "Scene",
+    "SimulationError",
+    "Simulator",
+    "Torque",
+    "TopologyError",
+    "UnsupportedError",
+    "__version__",
+    "compile",
+    "load",
+    "split",
+]

@@ -1,0 +1,114 @@
+"""`build`: compiles a SourceTree and loads it through cffi, by way of the cache.
+
+Comes out: a Module. The library is plain C and is opened by a binding that cffi makes from the declarations of the
+same headers that C users include; neither needs Python's own headers. Nothing is written outside the cache.
+"""
+
+import hashlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cffi
+
+from lamc._version import __version__
+from lamc.codegen.cache import Cache, facts
+from lamc.codegen.emit import SourceTree
+from lamc.codegen.toolchain import Compiler, run_compiler
+from lamc.errors import BuildError
+from lamc.options import CompileOptions
+
+LIBRARY = "model.so"
+BINDING = "binding.py"
+SOURCES = "source"
+
+# The generic name under which the Python side asks for the model, whatever its prefix is.
+_THIS_MODEL = """#include "{prefix}.h"
+
+const lamc_model *lamc_this_model(void);
+
+const lamc_model *lamc_this_model(void) {{ return {prefix}_model(); }}
+"""
+
+
+@dataclass(frozen=True)
+class Module:
+    """A loaded simulator: cffi's `ffi` and `lib`, and where it came from."""
+
+    ffi: Any
+    lib: Any
+    source_dir: Path
+    compiler: str
+    flags: tuple[str, ...]
+
+
+def module_key(program_digest: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
+    """Everything that can change the binary, as one digest."""
+    parts = [program_digest, __version__, compiler.identity, *options.flags, sys.implementation.cache_tag or ""]
+    for name in sorted(tree.files):
+        parts += [name, tree.files[name]]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def build(
+    tree: SourceTree, program_digest: str, compiler: Compiler, options: CompileOptions, cache: Cache
+) -> tuple[str, Module, bool]:
+    """Compiles `tree` unless the cache has it. Returns (key, module, was it in the cache).
+
+    Raises BuildError if the compiler fails or the cache cannot be used.
+    """
+    key = module_key(program_digest, compiler, options, tree)
+    folder = cache.find(key)
+    found = folder is not None
+    if folder is None:
+        noted = {"compiler": " ".join(compiler.command), "flags": " ".join(options.flags), "lamc": __version__}
+        folder = cache.put(key, _maker(tree, compiler, options), noted)
+    return key, load_module(folder), found
+
+
+def _maker(tree: SourceTree, compiler: Compiler, options: CompileOptions) -> Callable[[Path], None]:
+    def make(folder: Path) -> None:
+        source = folder / SOURCES
+        source.mkdir()
+        write_sources(tree, source)
+        (folder / "this_model.c").write_text(_THIS_MODEL.format(prefix=tree.prefix), encoding="utf-8")
+        inputs = ["this_model.c", *(f"{SOURCES}/{name}" for name in tree.compiled)]
+        arguments = [*options.flags, "-shared", f"-I{SOURCES}", "-o", LIBRARY, *inputs, "-lm"]
+        run_compiler(compiler, arguments, folder)
+        if not (folder / LIBRARY).is_file():
+            raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
+        binding = cffi.FFI()
+        binding.cdef(tree.declarations + "const lamc_model *lamc_this_model(void);\n")
+        binding.set_source("binding", None)
+        binding.emit_python_code(str(folder / BINDING))
+
+    return make
+
+
+def write_sources(tree: SourceTree, folder: Path) -> list[Path]:
+    """All files of `tree` into `folder`. Returns their paths."""
+    paths = []
+    for name, text in sorted(tree.files.items()):
+        path = folder / name
+        path.write_text(text, encoding="utf-8", newline="\n")
+        paths.append(path)
+    return paths
+
+
+def load_module(folder: Path) -> Module:
+    """Opens an entry of the cache that was found intact. Raises BuildError if the library does not load."""
+    name = f"_lamc_binding_{folder.name}"
+    try:
+        spec = importlib.util.spec_from_file_location(name, folder / BINDING)
+        assert spec is not None
+        assert spec.loader is not None
+        binding = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(binding)
+        lib = binding.ffi.dlopen(str(folder / LIBRARY))
+    except (OSError, ImportError, SyntaxError) as error:
+        raise BuildError(f"the compiled module in {folder} does not load: {error}; delete it and run again") from error
+    noted = facts(folder)
+    return Module(binding.ffi, lib, folder / SOURCES, noted["compiler"], tuple(noted["flags"].split()))

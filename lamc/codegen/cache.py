@@ -1,0 +1,136 @@
+"""The cache of compiled modules: a folder of the user's own, entries named by content, verified before use.
+
+An entry is written in a fresh folder beside its place and moved there by one rename, so neither a crash nor a
+second process leaves a half-written one. Every file of an entry is in its manifest with a digest; an entry that
+does not match is thrown away and built again.
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from lamc.errors import BuildError
+
+MANIFEST = "manifest.json"
+
+
+def cache_root(environment: Mapping[str, str] | None = None) -> Path:
+    """$LAMC_CACHE_DIR, else $XDG_CACHE_HOME/lamc, else ~/.cache/lamc."""
+    environment = os.environ if environment is None else environment
+    if chosen := environment.get("LAMC_CACHE_DIR"):
+        return Path(chosen).absolute()
+    base = environment.get("XDG_CACHE_HOME") or str(Path(environment.get("HOME", "~")).expanduser() / ".cache")
+    return Path(base).absolute() / "lamc"
+
+
+class Cache:
+    """Entries by key. Reading needs no right to write."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def find(self, key: str) -> Path | None:
+        """Folder of a complete and unchanged entry, or None."""
+        folder = self.root / key
+        if not folder.is_dir():
+            return None
+        self._check_owner(self.root)
+        return folder if intact(folder) else None
+
+    def put(self, key: str, fill: Callable[[Path], None], facts: Mapping[str, str]) -> Path:
+        """Makes an entry: `fill` writes its files into an empty folder. Returns the entry's folder.
+
+        Raises BuildError if the cache cannot be written. Whatever `fill` raises passes, and leaves nothing behind.
+        """
+        self._prepare()
+        try:
+            fresh = Path(tempfile.mkdtemp(prefix=".new-", dir=self.root))
+        except OSError as error:
+            raise self._unwritable(error) from error
+        try:
+            fill(fresh)
+            manifest = {"facts": dict(facts), "files": _digests(fresh)}
+            (fresh / MANIFEST).write_text(json.dumps(manifest, indent=1, sort_keys=True), encoding="utf-8")
+            return self._move_in(fresh, key)
+        except OSError as error:
+            raise self._unwritable(error) from error
+        finally:
+            shutil.rmtree(fresh, ignore_errors=True)
+
+    def recall(self, alias: str) -> str | None:
+        """The key that an alias stands for, or None."""
+        try:
+            text = (self.root / f"{alias}.key").read_text(encoding="ascii")
+        except (OSError, UnicodeDecodeError):
+            return None
+        return text if len(text) == 64 and set(text) <= set("0123456789abcdef") else None
+
+    def remember(self, alias: str, key: str) -> None:
+        """Lets `alias` stand for `key`; a cache that cannot be written forgets it without harm."""
+        with contextlib.suppress(OSError):
+            handle, name = tempfile.mkstemp(prefix=".new-", dir=self.root)
+            with os.fdopen(handle, "w", encoding="ascii") as stream:
+                stream.write(key)
+            os.replace(name, self.root / f"{alias}.key")
+
+    def _prepare(self) -> None:
+        try:
+            self.root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        except OSError as error:
+            raise self._unwritable(error) from error
+        self._check_owner(self.root)
+
+    def _check_owner(self, folder: Path) -> None:
+        """Code is loaded from here, so nobody else may write here."""
+        status = folder.stat()
+        if hasattr(os, "getuid") and status.st_uid != os.getuid():
+            raise BuildError(f"the cache {folder} belongs to another user; set $LAMC_CACHE_DIR to a folder of your own")
+        if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise BuildError(f"others may write to the cache {folder}; `chmod 700` it or set $LAMC_CACHE_DIR")
+
+    def _move_in(self, fresh: Path, key: str) -> Path:
+        """One rename; if an entry is already there, it stays if it is intact, and gives way if it is not."""
+        place = self.root / key
+        for _ in range(10):
+            try:
+                os.rename(fresh, place)
+                return place
+            except OSError:
+                if not place.is_dir():
+                    raise
+                if intact(place):
+                    return place
+                with contextlib.suppress(OSError):
+                    os.rename(place, Path(tempfile.mkdtemp(prefix=".old-", dir=self.root)) / "entry")
+        raise BuildError(f"the cache entry {place} is damaged and cannot be replaced; delete it")
+
+    def _unwritable(self, error: OSError) -> BuildError:
+        return BuildError(
+            f"the cache {self.root} cannot be written: {error.strerror or error}; set $LAMC_CACHE_DIR to another folder"
+        )
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != MANIFEST)
+    return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+
+
+def intact(folder: Path) -> bool:
+    """True if the entry holds exactly the files of its manifest, unchanged."""
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        return bool(manifest["files"] == _digests(folder))
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def facts(folder: Path) -> Mapping[str, str]:
+    """What was noted of an entry when it was made."""
+    noted: Mapping[str, str] = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["facts"]
+    return noted

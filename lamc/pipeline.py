@@ -1,0 +1,169 @@
+"""The compiler on one page: each stage takes the previous stage's record.
+
+load → split → plan → derive → lower → emit → build. Nothing is remembered between two calls but the cache.
+"""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache as memoise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lamc._version import __version__
+from lamc.codegen.cache import Cache, cache_root
+from lamc.codegen.toolchain import Compiler, find_compiler
+from lamc.design.records import Design
+from lamc.design.split import split
+from lamc.effects.base import Effect
+from lamc.effects.registry import EFFECTS, choose
+from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import plan
+from lamc.options import CompileOptions
+from lamc.resources import data_dir
+from lamc.run.simulator import Simulator
+from lamc.scene import Scene
+
+if TYPE_CHECKING:
+    from lamc.codegen.emit import SourceTree
+    from lamc.codegen.program import Program
+    from lamc.mechanics.equations import Equations
+
+Observer = Callable[[str], None]  # told the name of each stage as it begins
+
+
+@dataclass
+class Times:
+    """Seconds per stage, in the order in which they ran; `from_cache` if nothing had to be compiled."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    from_cache: bool = False
+    observer: Observer | None = None
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        if self.observer is not None:
+            self.observer(name)
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
+
+
+def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:
+    """The effects that act, in the order of their names."""
+    return tuple(choice.effect for choice in choose(mechanism, scene) if choice.effect is not None)
+
+
+def equations_of(mechanism: Mechanism, effects: tuple[Effect, ...], times: Times | None = None) -> "Equations":
+    """plan and derive."""
+    from lamc.mechanics.derive import derive  # noqa: PLC0415  a compile from the cache derives nothing
+
+    times = times or Times()
+    with times.stage("plan"):
+        tree = plan(mechanism)
+    with times.stage("derive"):
+        return derive(tree, effects)
+
+
+def sources_of(equations: "Equations", times: Times | None = None) -> "tuple[Program, SourceTree]":
+    """lower and emit."""
+    from lamc.codegen.emit import emit  # noqa: PLC0415  jinja2 and sympy's printers, not needed from the cache
+    from lamc.codegen.lower import lower  # noqa: PLC0415
+
+    times = times or Times()
+    with times.stage("lower"):
+        program = lower(equations)
+    with times.stage("emit"):
+        return program, emit(program)
+
+
+def compile(  # noqa: A001  the public name is lamc.compile
+    design: Design | Mechanism,
+    scene: Scene | None = None,
+    options: CompileOptions | None = None,
+    times: Times | None = None,
+) -> Simulator:
+    """A simulator of `design` in `scene` (None: the design's own, else what the design asks for).
+
+    Raises DesignError and its leaves for what cannot be simulated, BuildError without a working compiler or cache.
+    """
+    from lamc.codegen.build import build, load_module  # noqa: PLC0415  cffi
+
+    options = options or CompileOptions()
+    times = times or Times()
+    if isinstance(design, Design):
+        with times.stage("split"):
+            mechanism = split(design)
+    else:
+        mechanism = design
+    scene = scene or mechanism.scene or Scene()
+    effects = effects_of(mechanism, scene)
+    compiler = find_compiler(options.compiler)
+    cache = Cache(cache_root())
+    alias = _input_digest(mechanism, effects, compiler, options)
+    with times.stage("load from cache"):
+        key = cache.recall(alias) if alias else None
+        folder = cache.find(key) if key else None
+        module = load_module(folder) if folder else None
+
+    @memoise
+    def equations() -> "Equations":
+        return equations_of(mechanism, effects, times)
+
+    @memoise
+    def sources() -> "tuple[Program, SourceTree]":
+        return sources_of(equations(), times)
+
+    if module is not None:
+        times.from_cache = True
+    else:
+        program, tree = sources()
+        with times.stage("compile"):
+            key, module, times.from_cache = build(tree, program.digest, compiler, options, cache)
+        if alias:
+            cache.remember(alias, key)
+    return Simulator(mechanism, scene, effects, equations, lambda: sources()[0], module)
+
+
+def _input_digest(
+    mechanism: Mechanism, effects: tuple[Effect, ...], compiler: Compiler, options: CompileOptions
+) -> str | None:
+    """Digest of all that the compiled module follows from; None if an effect is not lamc's own.
+
+    It lets a compile skip the derivation. An effect from elsewhere may change between two runs under the same name.
+    """
+    if any(type(effect) not in EFFECTS for effect in effects):
+        return None
+    text = hashlib.sha256()
+    for part in (__version__, _own_sources(), compiler.identity, *options.flags, mechanism.name):
+        text.update(part.encode())
+        text.update(b"\0")
+    for record in (*mechanism.bodies, *mechanism.joints):
+        for entry in fields(record):
+            if entry.name != "outline":
+                value = getattr(record, entry.name)
+                text.update(value.tobytes() if hasattr(value, "tobytes") else repr(value).encode())
+                text.update(b"\0")
+    for effect in effects:
+        assert is_dataclass(effect)
+        text.update(repr(effect).encode())
+    return text.hexdigest()
+
+
+@memoise
+def _own_sources() -> str:
+    """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
+    package = Path(__file__).parent
+    folders = [package / name for name in ("mechanism", "mechanics", "effects", "codegen")]
+    folders += [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
+    parts = []
+    for folder in folders:
+        for path in sorted(folder.iterdir()):
+            if path.is_file():
+                status = path.stat()
+                parts.append(f"{path.name} {status.st_size} {status.st_mtime_ns}")
+    return "\n".join(parts)

@@ -12,12 +12,12 @@ def read_bytes(path: Path, limit: int) -> bytes:
 
     Raises DesignError where there is no such file, it is not a plain file, may not be read, or is larger.
     """
-    place = Place(path.name)
+    place = Place(str(path))
     try:
         if path.is_dir():
             raise DesignError("this is a folder; name a file in it", place)
         if not path.exists():
-            raise DesignError(f"there is no such file: {path}", place)
+            raise DesignError("there is no such file", place)
         if not path.is_file():
             raise DesignError("this is not a plain file", place)
         with path.open("rb") as stream:

@@ -106,6 +106,7 @@ def shown(path: Path) -> str:
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """A hint that ends a message about an unknown word."""
+    known = list(dict.fromkeys(known))
     close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     if close:
         return f"did you mean {close[0]!r}?"
@@ -146,6 +147,8 @@ def _message(model: type[BaseModel], path: Path, item: Any) -> str:
     if kind == "extra_forbidden":
         known = sorted(_fields_at(model, path[:-1]))
         return f"the key {str(path[-1])[:40]!r} is unknown; {did_you_mean(str(path[-1]), known)}"
+    if kind == "missing" and isinstance(path[-1], int):
+        return "a value is missing here"
     if kind == "missing":
         return "this key is missing, and it is required"
     text = str(item["msg"]).removeprefix("Value error, ")

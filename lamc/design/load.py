@@ -48,14 +48,14 @@ def load(
     """
     path = Path(path)
     data = read_bytes(path, limits.bytes)
-    text = _text(data, path.name)
+    text = _text(data, str(path))
     try:
-        node = compose(text, path.name, limits=limits, progress=progress)
+        node = compose(text, str(path), limits=limits, progress=progress)
         return _record(node, materials or {}, progress)
     except LamcError:
         raise
     except RecursionError as error:
-        raise DesignError("the file nests too deeply to be read", Place(path.name)) from error
+        raise DesignError("the file nests too deeply to be read", Place(str(path))) from error
 
 
 def _record(node: Node, materials: Mapping[str, Material], progress: Progress | None) -> Design | Mechanism:

@@ -19,6 +19,7 @@ from lamc.design.inert import MapNode, Node, ScalarNode
 from lamc.design.records import Design, HingeLine, HingeSet, Layer, Material
 from lamc.design.scene_file import scene_from_model
 from lamc.design.schema import DesignModel, HingeModel, LayerModel, OutlineModel, ShapeModel
+from lamc.design.units import length_unit
 from lamc.errors import DesignError
 from lamc.mechanism.records import checked_name
 
@@ -32,7 +33,12 @@ def read_design(node: Node) -> Design:
 def length_unit_of(node: Node) -> str | None:
     """The file's `units`, needed before anything else is read; None (metres) where it says nothing usable."""
     unit = node.get("units") if isinstance(node, MapNode) else None
-    return unit.text if isinstance(unit, ScalarNode) and unit.text else None
+    if not isinstance(unit, ScalarNode):
+        return None
+    try:
+        return length_unit(unit.text)
+    except DesignError:
+        return None  # the schema says so, once; every length of the file need not
 
 
 class _Reader:

@@ -39,12 +39,15 @@ def build(model: KaneModel) -> LambdifyPeer:
     return LambdifyPeer(acceleration, time.perf_counter() - started)
 
 
-def build_textbook(model: KaneModel) -> LambdifyPeer:
-    """The form of sympy's own tutorials: `mass_matrix_full` and `forcing_full`, a function each, with cse."""
+def build_textbook(model: KaneModel, cse: bool) -> LambdifyPeer:
+    """The form of sympy's own tutorials: `mass_matrix_full` and `forcing_full`, a function each.
+
+    lambdify's own default is cse=False.
+    """
     started = time.perf_counter()
     arguments = [model.q, model.u]
-    mass = sp.lambdify(arguments, model.method.mass_matrix_full, modules="numpy", cse=True)
-    force = sp.lambdify(arguments, model.method.forcing_full, modules="numpy", cse=True)
+    mass = sp.lambdify(arguments, model.method.mass_matrix_full, modules="numpy", cse=cse)
+    force = sp.lambdify(arguments, model.method.forcing_full, modules="numpy", cse=cse)
     n = len(model.q)
 
     def acceleration(q: Array, u: Array, t: float = 0.0) -> Array:

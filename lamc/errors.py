@@ -40,7 +40,7 @@ class DesignError(LamcError):
     """A design, mechanism or scene is malformed or impossible."""
 
 
-class DesignErrors(DesignError):
+class DesignErrors(DesignError):  # noqa: N818  it is what it says: several errors
     """Several problems of one file, all of them at once, one per line of `str(error)`."""
 
     def __init__(self, problems: Sequence[DesignError]) -> None:

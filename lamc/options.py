@@ -19,4 +19,6 @@ class CompileOptions:
     def flags(self) -> tuple[str, ...]:
         """Compiler flags. -ffp-contract=off, so that results repeat from machine to machine."""
         common = ("-std=c11", "-O2", "-fPIC")
-        return (*common, "-march=native", "-ffp-contract=fast") if self.fast else (*common, "-ffp-contract=off")
+        return (
+            (*common, "-march=native", "-ffp-contract=fast") if self.fast else (*common, "-ffp-contract=off")
+        )

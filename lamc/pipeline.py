@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING
 
 from lamc._version import __version__
 from lamc.codegen.cache import Cache, cache_root
+from lamc.codegen.module import load_module
 from lamc.codegen.toolchain import Compiler, find_compiler
 from lamc.design.records import Design
 from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS, choose
-from lamc.mechanism.records import Mechanism
+from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
 from lamc.options import CompileOptions
 from lamc.resources import data_dir
@@ -58,9 +59,11 @@ def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:
     return tuple(choice.effect for choice in choose(mechanism, scene) if choice.effect is not None)
 
 
-def equations_of(mechanism: Mechanism, effects: tuple[Effect, ...], times: Times | None = None) -> "Equations":
+def equations_of(
+    mechanism: Mechanism, effects: tuple[Effect, ...], times: Times | None = None
+) -> "Equations":
     """plan and derive."""
-    from lamc.mechanics.derive import derive  # noqa: PLC0415  a compile from the cache derives nothing
+    from lamc.mechanics.derive import derive
 
     times = times or Times()
     with times.stage("plan"):
@@ -71,8 +74,8 @@ def equations_of(mechanism: Mechanism, effects: tuple[Effect, ...], times: Times
 
 def sources_of(equations: "Equations", times: Times | None = None) -> "tuple[Program, SourceTree]":
     """lower and emit."""
-    from lamc.codegen.emit import emit  # noqa: PLC0415  jinja2 and sympy's printers, not needed from the cache
-    from lamc.codegen.lower import lower  # noqa: PLC0415
+    from lamc.codegen.emit import emit
+    from lamc.codegen.lower import lower
 
     times = times or Times()
     with times.stage("lower"):
@@ -91,8 +94,6 @@ def compile(  # noqa: A001  the public name is lamc.compile
 
     Raises DesignError and its leaves for what cannot be simulated, BuildError without a working compiler or cache.
     """
-    from lamc.codegen.build import build, load_module  # noqa: PLC0415  cffi
-
     options = options or CompileOptions()
     times = times or Times()
     if isinstance(design, Design):
@@ -122,6 +123,8 @@ def compile(  # noqa: A001  the public name is lamc.compile
         times.from_cache = True
     else:
         program, tree = sources()
+        from lamc.codegen.build import build
+
         with times.stage("compile"):
             key, module, times.from_cache = build(tree, program.digest, compiler, options, cache)
         if alias:
@@ -142,7 +145,8 @@ def _input_digest(
     for part in (__version__, _own_sources(), compiler.identity, *options.flags, mechanism.name):
         text.update(part.encode())
         text.update(b"\0")
-    for record in (*mechanism.bodies, *mechanism.joints):
+    records: tuple[Body | Joint, ...] = (*mechanism.bodies, *mechanism.joints)
+    for record in records:
         for entry in fields(record):
             if entry.name != "outline":
                 value = getattr(record, entry.name)

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
 
 
 def _angles(values: Mapping[str, float], what: str) -> Mapping[str, float]:
-    return MappingProxyType({str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()})
+    return MappingProxyType(
+        {str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()}
+    )
 
 
 @dataclass(frozen=True)

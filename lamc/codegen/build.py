@@ -5,25 +5,20 @@ same headers that C users include; neither needs Python's own headers. Nothing i
 """
 
 import hashlib
-import importlib.util
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import cffi
+from cffi import recompiler
 
 from lamc._version import __version__
-from lamc.codegen.cache import Cache, facts
+from lamc.codegen.cache import Cache
 from lamc.codegen.emit import SourceTree
+from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
 from lamc.codegen.toolchain import Compiler, run_compiler
 from lamc.errors import BuildError
 from lamc.options import CompileOptions
-
-LIBRARY = "model.so"
-BINDING = "binding.py"
-SOURCES = "source"
 
 # The generic name under which the Python side asks for the model, whatever its prefix is.
 _THIS_MODEL = """#include "{prefix}.h"
@@ -34,20 +29,15 @@ const lamc_model *lamc_this_model(void) {{ return {prefix}_model(); }}
 """
 
 
-@dataclass(frozen=True)
-class Module:
-    """A loaded simulator: cffi's `ffi` and `lib`, and where it came from."""
-
-    ffi: Any
-    lib: Any
-    source_dir: Path
-    compiler: str
-    flags: tuple[str, ...]
-
-
 def module_key(program_digest: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
     """Everything that can change the binary, as one digest."""
-    parts = [program_digest, __version__, compiler.identity, *options.flags, sys.implementation.cache_tag or ""]
+    parts = [
+        program_digest,
+        __version__,
+        compiler.identity,
+        *options.flags,
+        sys.implementation.cache_tag or "",
+    ]
     for name in sorted(tree.files):
         parts += [name, tree.files[name]]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
@@ -64,7 +54,11 @@ def build(
     folder = cache.find(key)
     found = folder is not None
     if folder is None:
-        noted = {"compiler": " ".join(compiler.command), "flags": " ".join(options.flags), "lamc": __version__}
+        noted = {
+            "compiler": " ".join(compiler.command),
+            "flags": " ".join(options.flags),
+            "lamc": __version__,
+        }
         folder = cache.put(key, _maker(tree, compiler, options), noted)
     return key, load_module(folder), found
 
@@ -83,7 +77,8 @@ def _maker(tree: SourceTree, compiler: Compiler, options: CompileOptions) -> Cal
         binding = cffi.FFI()
         binding.cdef(tree.declarations + "const lamc_model *lamc_this_model(void);\n")
         binding.set_source("binding", None)
-        binding.emit_python_code(str(folder / BINDING))
+        # What FFI.emit_python_code does, without the line that it prints.
+        recompiler.make_py_source(binding, "binding", str(folder / BINDING))
 
     return make
 
@@ -96,19 +91,3 @@ def write_sources(tree: SourceTree, folder: Path) -> list[Path]:
         path.write_text(text, encoding="utf-8", newline="\n")
         paths.append(path)
     return paths
-
-
-def load_module(folder: Path) -> Module:
-    """Opens an entry of the cache that was found intact. Raises BuildError if the library does not load."""
-    name = f"_lamc_binding_{folder.name}"
-    try:
-        spec = importlib.util.spec_from_file_location(name, folder / BINDING)
-        assert spec is not None
-        assert spec.loader is not None
-        binding = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(binding)
-        lib = binding.ffi.dlopen(str(folder / LIBRARY))
-    except (OSError, ImportError, SyntaxError) as error:
-        raise BuildError(f"the compiled module in {folder} does not load: {error}; delete it and run again") from error
-    noted = facts(folder)
-    return Module(binding.ffi, lib, folder / SOURCES, noted["compiler"], tuple(noted["flags"].split()))

@@ -25,7 +25,9 @@ def cache_root(environment: Mapping[str, str] | None = None) -> Path:
     environment = os.environ if environment is None else environment
     if chosen := environment.get("LAMC_CACHE_DIR"):
         return Path(chosen).absolute()
-    base = environment.get("XDG_CACHE_HOME") or str(Path(environment.get("HOME", "~")).expanduser() / ".cache")
+    base = environment.get("XDG_CACHE_HOME") or str(
+        Path(environment.get("HOME", "~")).expanduser() / ".cache"
+    )
     return Path(base).absolute() / "lamc"
 
 
@@ -90,7 +92,9 @@ class Cache:
         """Code is loaded from here, so nobody else may write here."""
         status = folder.stat()
         if hasattr(os, "getuid") and status.st_uid != os.getuid():
-            raise BuildError(f"the cache {folder} belongs to another user; set $LAMC_CACHE_DIR to a folder of your own")
+            raise BuildError(
+                f"the cache {folder} belongs to another user; set $LAMC_CACHE_DIR to a folder of your own"
+            )
         if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
             raise BuildError(f"others may write to the cache {folder}; `chmod 700` it or set $LAMC_CACHE_DIR")
 

@@ -7,6 +7,7 @@ cffi reads, taken from those same headers. The same program gives the same bytes
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 
 import jinja2
@@ -47,8 +48,8 @@ class CParameter:
 
 def emit(program: Program) -> SourceTree:
     """C of `program`. Raises EmitError where an operation has no C form."""
-    prefix = identifier(program.name)
     runtime = _runtime()
+    prefix = identifier(program.name, taken=[Path(name).stem for name in runtime])
     context = _context(program, prefix)
     environment = _environment()
     files = {
@@ -81,14 +82,21 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701  C text, not HTML; everything of the user's passes `names.py`
+        autoescape=False,
     )
 
 
 def _context(program: Program, prefix: str) -> dict[str, object]:
     fields = identifiers(p.name for p in program.parameters)
     parameters = [
-        CParameter(f, string_literal(p.name), comment(p.name), comment(p.unit), comment(p.meaning), literal(p.default))
+        CParameter(
+            f,
+            string_literal(p.name),
+            comment(p.name),
+            comment(p.unit),
+            comment(p.meaning),
+            literal(p.default),
+        )
         for f, p in zip(fields, program.parameters, strict=True)
     ]
     printer = ShapePrinter()

@@ -86,7 +86,10 @@ def _block(function: Function, printer: ShapePrinter, fields: list[str]) -> CFun
 
 
 def _outputs(function: Function, name: Callable[[Operand], str]) -> list[str]:
-    return [f"out[{k}] = {'-' if sign < 0 else ''}{name(operand)};" for k, (sign, operand) in enumerate(function.outputs)]
+    return [
+        f"out[{k}] = {'-' if sign < 0 else ''}{name(operand)};"
+        for k, (sign, operand) in enumerate(function.outputs)
+    ]
 
 
 def _unused(function: Function, used: set[Space]) -> tuple[str, ...]:
@@ -111,7 +114,11 @@ def operand_name(operand: Operand, fields: list[str]) -> str:
         case Space.TIME:
             return "t"
         case _:
-            return f"{operand.space.value}[{operand.index}]" if operand.space is not Space.LOCAL else f"z{operand.index}"
+            return (
+                f"{operand.space.value}[{operand.index}]"
+                if operand.space is not Space.LOCAL
+                else f"z{operand.index}"
+            )
 
 
 class _Long:
@@ -189,7 +196,9 @@ class _Long:
             lines.append(f"const double z{position} = {text};")
         lines += [f"x[i[0] + {k}] = z{position};" for k, position in enumerate(kernel.stored)]
         used = {o.space for _, operands in kernel.pattern for o in operands if isinstance(o, External)}
-        return CRoutine(f"{self.function.name}_kernel_{number}", True, tuple(lines), _unused(self.function, used))
+        return CRoutine(
+            f"{self.function.name}_kernel_{number}", True, tuple(lines), _unused(self.function, used)
+        )
 
     def _loop(self, start: int) -> int:
         """A loop over the segments from `start` whose classes repeat; returns how many segments it covers."""

@@ -71,7 +71,9 @@ class _Lowering:
         self.constants = constants
         self.slots: dict[int, Operand] = {}
 
-    def function(self, name: str, purpose: str, reads: tuple[Space, ...], outputs: Sequence[Scalar]) -> Function:
+    def function(
+        self, name: str, purpose: str, reads: tuple[Space, ...], outputs: Sequence[Scalar]
+    ) -> Function:
         store = self.store
         grouping = group(store, outputs, self.outer)
         for index in grouping.leaves:
@@ -134,7 +136,16 @@ def _with_digest(program: Program) -> Program:
 
 def _canonical(program: Program) -> Iterable[str]:
     """Every fact of the program as text, one line each, in a fixed order."""
-    yield repr((program.name, program.joints, program.bodies, program.energies, program.constant_count, program.notes))
+    yield repr(
+        (
+            program.name,
+            program.joints,
+            program.bodies,
+            program.energies,
+            program.constant_count,
+            program.notes,
+        )
+    )
     for parameter in program.parameters:
         yield repr(parameter)
     for function in program.functions.values():

@@ -9,12 +9,16 @@ from collections.abc import Iterable
 
 MAX_IDENTIFIER = 40
 
+# Words of C and C++, and names that the templates or libc's macros use.
 RESERVED = frozenset(
-    """auto break case char const continue default do double else enum extern float for goto if inline int long
-    register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    asm bool catch class delete explicit export false friend mutable namespace new operator private protected
-    public template this throw true try typename using virtual wchar_t nullptr constexpr static_assert thread_local
-    main lamc q u t p c z out sin cos tan exp log pow sqrt fabs fmin fmax errno linux unix signal stdin stdout""".split()
+    """
+    auto break case char const continue default do double else enum extern float for goto if inline int
+    long register restrict return short signed sizeof static struct switch typedef union unsigned void
+    volatile while asm bool catch class delete explicit export false friend mutable namespace new
+    operator private protected public template this throw true try typename using virtual wchar_t
+    nullptr constexpr static_assert thread_local main lamc q u t p c z out sin cos tan exp log pow sqrt
+    fabs fmin fmax errno linux unix signal stdin stdout
+    """.split()  # noqa: SIM905  one word per item would be a page
 )
 
 
@@ -47,7 +51,9 @@ def string_literal(text: str) -> str:
     return '"' + "".join(chr(b) if b in plain else f"\\{b:03o}" for b in text.encode()) + '"'
 
 
-_PLAIN = str.maketrans({"·": "*", "²": "^2", "³": "^3", "½": "1/2 ", "×": "x", "–": "-", "ω": "w", "π": "pi", "₀": "0"})
+_PLAIN = str.maketrans(
+    {"·": "*", "²": "^2", "³": "^3", "½": "1/2 ", "×": "x", "–": "-", "ω": "w", "π": "pi", "₀": "0"}
+)
 
 
 def comment(text: str) -> str:

@@ -79,7 +79,12 @@ def lay_out(function: Function) -> Layout:
         if len(members) < MIN_INSTANCES:
             continue
         stored = sorted(
-            {index - segments[m].start for m in members for index in range(segments[m].start, segments[m].stop) if index in crossing}
+            {
+                index - segments[m].start
+                for m in members
+                for index in range(segments[m].start, segments[m].stop)
+                if index in crossing
+            }
         )
         for member in members:
             class_of[member] = len(classes)

@@ -27,12 +27,18 @@ class Compiler:
 def find_compiler(wanted: str | None, environment: Mapping[str, str] | None = None) -> Compiler:
     """The compiler to use. Raises BuildError if a named one is not there, or if there is none at all."""
     environment = os.environ if environment is None else environment
-    for origin, text in (("--cc", wanted), ("$LAMC_CC", environment.get("LAMC_CC")), ("$CC", environment.get("CC"))):
+    for origin, text in (
+        ("--cc", wanted),
+        ("$LAMC_CC", environment.get("LAMC_CC")),
+        ("$CC", environment.get("CC")),
+    ):
         if text:
             command = _split(text, origin)
             program = shutil.which(command[0], path=environment.get("PATH"))
             if program is None:
-                raise BuildError(f"the C compiler {command[0]!r} named by {origin} is not there; {INSTALL_HINT}")
+                raise BuildError(
+                    f"the C compiler {command[0]!r} named by {origin} is not there; {INSTALL_HINT}"
+                )
             return _compiler(program, command[1:])
     for name in ("cc", "gcc", "clang"):
         program = shutil.which(name, path=environment.get("PATH"))
@@ -61,7 +67,9 @@ def _compiler(program: str, arguments: Sequence[str]) -> Compiler:
         status = path.stat()
     except OSError as error:
         raise BuildError(f"the C compiler {program!r} cannot be read: {error.strerror}") from error
-    return Compiler((program, *arguments), f"{path} {status.st_size} {status.st_mtime_ns} {' '.join(arguments)}")
+    return Compiler(
+        (program, *arguments), f"{path} {status.st_size} {status.st_mtime_ns} {' '.join(arguments)}"
+    )
 
 
 def _zig() -> Compiler | None:
@@ -91,12 +99,16 @@ def run_compiler(compiler: Compiler, arguments: Sequence[str], folder: Path) -> 
             check=False,
         )
     except OSError as error:
-        raise BuildError(f"the C compiler {compiler.command[0]!r} does not run: {error.strerror or error}") from error
+        raise BuildError(
+            f"the C compiler {compiler.command[0]!r} does not run: {error.strerror or error}"
+        ) from error
     except subprocess.TimeoutExpired as error:
         raise BuildError(f"the C compiler {compiler.command[0]!r} was stopped after {TIMEOUT} s") from error
     if done.returncode != 0:
         lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
-        told = next((line for line in lines if "error" in line.lower()), lines[0] if lines else "it says nothing")
+        told = next(
+            (line for line in lines if "error" in line.lower()), lines[0] if lines else "it says nothing"
+        )
         raise BuildError(
             f"the C compiler {compiler.command[0]!r} failed with exit code {done.returncode}: {told[:300]}; "
             "`lamc doctor` tests it on one line"

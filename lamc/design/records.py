@@ -1,4 +1,4 @@
-"""The `Design` record: a laminate as drawn. SI units, angles in radians, layers from bottom to top, z = 0 at the bottom.
+"""The `Design` record: a laminate as drawn. SI, radians, layers from bottom to top, z = 0 at the bottom.
 
 Front ends (YAML, popupCAD) make it, `split` reads it. Lengths became metres and angles radians where the file
 was read, and nowhere later.

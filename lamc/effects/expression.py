@@ -19,7 +19,9 @@ MAX_LENGTH = 1000
 MAX_DEPTH = 40
 CONSTANTS: Mapping[str, float] = {"pi": math.pi}
 
-_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^(),]))")
+_TOKEN = re.compile(
+    r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^(),]))"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +151,9 @@ def _tokens(text: str) -> list[_Token]:
         match = _TOKEN.match(text, position)
         if match is None or match.end() > len(text):
             column = position + len(text[position:]) - len(text[position:].lstrip()) + 1
-            raise ExpressionError(f"expression {text!r}, column {column}: {text[column - 1]!r} is not in the language")
+            raise ExpressionError(
+                f"expression {text!r}, column {column}: {text[column - 1]!r} is not in the language"
+            )
         for kind, part in zip(("number", "name", "sign"), match.groups(), strict=True):
             if part is not None:
                 tokens.append(_Token(kind, part, match.end() - len(part) + 1))

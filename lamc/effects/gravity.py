@@ -28,7 +28,9 @@ class Gravity:
 
     def contribute(self, loads: Loads) -> None:
         components = [
-            loads.parameter(f"gravity.{axis}", value, "m/s²", f"gravitational acceleration along world {axis}")
+            loads.parameter(
+                f"gravity.{axis}", value, "m/s²", f"gravitational acceleration along world {axis}"
+            )
             if value
             else 0
             for axis, value in zip("xyz", self.acceleration, strict=True)

@@ -12,7 +12,9 @@ from lamc.mechanism.records import Mechanism
 
 def _no_value(kind: str, value: object, where: str) -> None:
     if value not in (None, True, {}):
-        raise DesignError(f"{where}: {kind} takes no value, since its values come from the joints; it has {value!r}")
+        raise DesignError(
+            f"{where}: {kind} takes no value, since its values come from the joints; it has {value!r}"
+        )
 
 
 def _stiffness(loads: Loads, hinge: Hinge) -> Scalar:

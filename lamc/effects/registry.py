@@ -33,7 +33,9 @@ def choose(mechanism: Mechanism, scene: Scene) -> tuple[Choice, ...]:
     if scene.effects is not None:
         called = {e.name for e in scene.effects}
         choices += [Choice(e.name, e, "the scene calls for it") for e in scene.effects]
-        choices += [Choice(k.name, None, "the scene does not call for it") for k in EFFECTS if k.name not in called]
+        choices += [
+            Choice(k.name, None, "the scene does not call for it") for k in EFFECTS if k.name not in called
+        ]
     else:
         for kind in EFFECTS:
             effect, reason = kind.default_for(mechanism)

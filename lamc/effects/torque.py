@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import ClassVar
 
+from lamc.codegen.program import Space
 from lamc.effects.base import Effect
 from lamc.effects.expression import stage
 from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Store
-from lamc.codegen.program import Space
 from lamc.mechanism.records import Mechanism, checked_number
 
 
@@ -79,4 +79,6 @@ def _check(joint: str, text: str) -> None:
     except ExpressionError as error:
         raise ExpressionError(f"the torque of joint {joint!r}: {error.message}") from error
     if isinstance(value, int | float) and not math.isfinite(value):
-        raise ExpressionError(f"the torque of joint {joint!r}: expression {text!r} is {value}; it must be finite")
+        raise ExpressionError(
+            f"the torque of joint {joint!r}: expression {text!r} is {value}; it must be finite"
+        )

@@ -92,9 +92,7 @@ def inward_symmetric(turn: Turn, a: Symmetric) -> Symmetric:
     if turn.axis == "z":
         w = s * (a.xx - a.yy) + 2 * (c * a.xy)
         sw = s * w
-        return Symmetric(
-            a.xx - sw, a.yy + sw, a.zz, c * w - a.xy, c * a.xz - s * a.yz, s * a.xz + c * a.yz
-        )
+        return Symmetric(a.xx - sw, a.yy + sw, a.zz, c * w - a.xy, c * a.xz - s * a.yz, s * a.xz + c * a.yz)
     w = s * (a.yy - a.zz) + 2 * (c * a.yz)
     sw = s * w
     return Symmetric(a.xx, a.yy - sw, a.zz + sw, c * a.xy - s * a.xz, s * a.xy + c * a.xz, c * w - a.yz)

@@ -38,7 +38,9 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
     time = store.symbol("t", Space.TIME, 0)
     q: list[Scalar] = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
     u: list[Scalar] = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
-    with store.section("Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"):
+    with store.section(
+        "Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"
+    ):
         pairs = [_tagged_inertia(store, i, link, parameters) for i, link in enumerate(tree.links)]
         inertias = [inertia for inertia, _ in pairs]
         base = regrouped(store, tree, inertias)
@@ -73,7 +75,9 @@ def _tagged_inertia(store: Store, index: int, link: Link, parameters: Parameters
 class Problem:
     """M u̇ = f in carrier components; internal axes inside, joint angles outside."""
 
-    def __init__(self, kinematics: Kinematics, base: list[Inertia], u: Sequence[Scalar], loads: Loads) -> None:
+    def __init__(
+        self, kinematics: Kinematics, base: list[Inertia], u: Sequence[Scalar], loads: Loads
+    ) -> None:
         self.kinematics = kinematics
         self.signs = [link.angle_sign for link in kinematics.tree.links]
         with kinematics.store.section("Inertia in carrier frames", source="eq. 7-11"):
@@ -101,7 +105,9 @@ class Problem:
         links = self.kinematics.tree.links
         placement = Placement(self.kinematics)
         return [
-            rotate_back(placement.drawn(link), (-field[0], -field[1], -field[2])) if link.parent == WORLD else (0, 0, 0)
+            rotate_back(placement.drawn(link), (-field[0], -field[1], -field[2]))
+            if link.parent == WORLD
+            else (0, 0, 0)
             for link in links
         ]
 

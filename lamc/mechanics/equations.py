@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Operations, Parameter
-from lamc.mechanics.statements import count_operations, group
 from lamc.mechanics.staging import Level, Scalar, Store, Value
+from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree
 
 if TYPE_CHECKING:
@@ -79,7 +79,9 @@ class Equations:
     @cached_property
     def assignments(self) -> "tuple[Assignment, ...]":
         """The equations, staged: every right-hand side holds symbols defined before it. Ends with udot_<joint>."""
-        return self.staged({f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)})
+        return self.staged(
+            {f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)}
+        )
 
     @cached_property
     def mass_matrix(self) -> "sp.Matrix":
@@ -98,7 +100,7 @@ class Equations:
 
     @cached_property
     def _mass(self) -> "tuple[sp.Matrix, sp.Matrix, tuple[Assignment, ...]]":
-        import sympy as sp  # noqa: PLC0415  a compile from the cache must not pay for sympy's import
+        import sympy as sp
 
         count = len(self.tree.links)
         entries = {f"M_{i}_{j}": v for (i, j), v in sorted(self.inertia.items())}
@@ -114,9 +116,9 @@ class Equations:
 
     def staged(self, outputs: Mapping[str, Scalar]) -> "tuple[Assignment, ...]":
         """`outputs` by name as staged assignments in sympy; intermediate quantities are z0, z1, …"""
-        import sympy as sp  # noqa: PLC0415  as above
+        import sympy as sp
 
-        from lamc.mechanics.sympy_view import expression, node_expression  # noqa: PLC0415
+        from lamc.mechanics.sympy_view import expression, node_expression
 
         store = self.store
         values = list(outputs.values())
@@ -129,7 +131,11 @@ class Equations:
             section = store.sections[store.section_of[index]]
             result.append(
                 Assignment(
-                    named[index], node_expression(store, index, arguments), section.title, section.effect, section.source
+                    named[index],
+                    node_expression(store, index, arguments),
+                    section.title,
+                    section.effect,
+                    section.source,
                 )
             )
         for name, value in outputs.items():
@@ -138,6 +144,6 @@ class Equations:
 
     def written_out(self, value: Scalar) -> "sp.Expr":
         """One value as a single sympy expression in q, u, t and the parameters. Large for long chains."""
-        from lamc.mechanics.sympy_view import expression  # noqa: PLC0415  as above
+        from lamc.mechanics.sympy_view import expression
 
         return expression(value, {})

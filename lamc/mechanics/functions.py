@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+
 @dataclass(frozen=True)
 class Elementary:
     """`value` on floats; `sympy_name` the name in sympy, from which C text, LaTeX and derivatives follow."""

@@ -49,7 +49,12 @@ def link_inertia(link: Link, parameter: ParameterMaker) -> tuple[Inertia, Vector
     mass = parameter(f"{name}.mass", link.body.mass, "kg", "mass")
     com = _triple(
         [
-            parameter(f"{name}.com_{a}", float(v), "m", f"centre of mass from the hinge, along {a} of the link's frame")
+            parameter(
+                f"{name}.com_{a}",
+                float(v),
+                "m",
+                f"centre of mass from the hinge, along {a} of the link's frame",
+            )
             if v
             else 0
             for a, v in zip(AXES, link.com, strict=True)
@@ -76,7 +81,9 @@ def _central_second_moments(link: Link, parameter: ParameterMaker) -> list[Scala
         what = f"moment of inertia about {axis} through the centre of mass, link's frame"
         value = float(tensor[i, i])
         moments.append(
-            None if follows or value == 0.0 else parameter(f"{link.body.name}.inertia_{axis * 2}", value, "kg·m²", what)
+            None
+            if follows or value == 0.0
+            else parameter(f"{link.body.name}.inertia_{axis * 2}", value, "kg·m²", what)
         )
     diagonal = _extents(moments, flat)
     products: list[Scalar] = []
@@ -117,7 +124,9 @@ def regrouped(store: Store, tree: Tree, inertias: list[Inertia]) -> list[Inertia
             p = link.parent
             offset = _triple([store.constant(float(v)) for v in link.offset])
             axis = _triple([store.constant(v) for v in _hinge_axis_in_parent(link)])
-            line = _triple([a * h[2] for a in axis])  # first moment of the mass moved, about the child's origin
+            line = _triple(
+                [a * h[2] for a in axis]
+            )  # first moment of the mass moved, about the child's origin
             moved = _triple([line[k] + m * offset[k] for k in range(3)])
             second[p] = Symmetric(
                 *(

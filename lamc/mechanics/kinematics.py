@@ -60,7 +60,10 @@ class Kinematics:
     def __init__(self, store: Store, tree: Tree, q: Sequence[Scalar]) -> None:
         self.store = store
         self.tree = tree
-        self.in_run = [link.parallel or any(tree.links[c].parallel for c in tree.children(i)) for i, link in enumerate(tree.links)]
+        self.in_run = [
+            link.parallel or any(tree.links[c].parallel for c in tree.children(i))
+            for i, link in enumerate(tree.links)
+        ]
         self.spin: list[Turn | None] = []  # own turn of a link of a run within its carrier
         self.turns: list[tuple[Turn, ...]] = []  # from the parent's carrier to the link's
         self.offset: list[Vector3] = []  # of the origin from the parent's, in the parent's carrier
@@ -79,7 +82,11 @@ class Kinematics:
         self.spin.append(own if in_run else None)
         turns: list[Turn] = []
         if not link.parallel:
-            twist = _join(parent_spin, self._constant_turn("z", link.twist)) if link.twist != (1.0, 0.0) else parent_spin
+            twist = (
+                _join(parent_spin, self._constant_turn("z", link.twist))
+                if link.twist != (1.0, 0.0)
+                else parent_spin
+            )
             if twist is not None:
                 turns.append(twist)
             if link.fold != (1.0, 0.0):

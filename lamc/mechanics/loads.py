@@ -18,7 +18,6 @@ from lamc.mechanics.staging import Number, Scalar, Store, Value
 from lamc.mechanism.records import Array, Joint, Mechanism, checked_array
 from lamc.mechanism.tree import WORLD
 
-
 if TYPE_CHECKING:
     import sympy as sp
 
@@ -55,7 +54,12 @@ class Loads:
     """
 
     def __init__(
-        self, placement: Placement, parameters: Parameters, time: Scalar, q: Sequence[Scalar], u: Sequence[Scalar]
+        self,
+        placement: Placement,
+        parameters: Parameters,
+        time: Scalar,
+        q: Sequence[Scalar],
+        u: Sequence[Scalar],
     ) -> None:
         self.placement = placement
         self.kinematics = placement.kinematics
@@ -63,7 +67,9 @@ class Loads:
         self.time = time
         self.hinge_torques: list[Scalar] = [0] * len(tree.links)
         self.field: Vector3 = ZERO
-        self.wrenches: dict[int, tuple[Vector3, Vector3]] = {}  # link → force, moment about its origin; carrier
+        self.wrenches: dict[
+            int, tuple[Vector3, Vector3]
+        ] = {}  # link → force, moment about its origin; carrier
         self.energies: dict[str, Scalar] = {}
         self.field_effects: list[tuple[str, Vector3]] = []
         self._q, self._u = list(q), list(u)
@@ -171,7 +177,7 @@ class Loads:
         """Sympy expressions are staged; their symbols are t, and q_<joint> and u_<joint> by joint name."""
         if isinstance(value, Value | Number):
             return value
-        from lamc.mechanics.sympy_view import from_sympy  # noqa: PLC0415  whoever passes sympy has paid its import
+        from lamc.mechanics.sympy_view import from_sympy
 
         inputs: dict[str, Scalar] = {"t": self.time}
         for i, joint in enumerate(self.joints):
@@ -180,7 +186,9 @@ class Loads:
 
     def _vector(self, values: Sequence["Scalar | sp.Expr"]) -> Vector3:
         if len(values) != 3:
-            raise DesignError(f"effect {self._effect!r} gives a vector of {len(values)} components; it needs 3")
+            raise DesignError(
+                f"effect {self._effect!r} gives a vector of {len(values)} components; it needs 3"
+            )
         x, y, z = (self._scalar(v) for v in values)
         return (x, y, z)
 
@@ -192,7 +200,9 @@ class Loads:
         self.wrenches[index] = (add(before[0], force), add(before[1], moment))
 
 
-def potential_of_field(placement: Placement, masses: Sequence[Scalar], coms: Sequence[Vector3], acceleration: Vector3) -> Scalar:
+def potential_of_field(
+    placement: Placement, masses: Sequence[Scalar], coms: Sequence[Vector3], acceleration: Vector3
+) -> Scalar:
     """-Σ m a·(centre of mass), J; zero at the world's origin."""
     result: Scalar = 0
     for index, (mass, com) in enumerate(zip(masses, coms, strict=True)):

@@ -7,7 +7,6 @@ import numpy as np
 
 from lamc.mechanics.algebra import Matrix3, Turn, Vector3, add, dot
 from lamc.mechanics.kinematics import Kinematics
-from lamc.mechanics.staging import Scalar
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import ROUND_OFF, WORLD, Link
 
@@ -103,7 +102,9 @@ def rotate_back(matrix: Matrix3, v: Vector3) -> Vector3:
 
 def numeric(matrix: Array) -> tuple[tuple[float, float, float], ...]:
     """A rotation matrix of plain numbers, with zeros and ±1 exact where they are so but for round-off."""
-    rows = np.where(np.abs(matrix) < ROUND_OFF, 0.0, np.where(np.abs(matrix) > 1 - ROUND_OFF, np.sign(matrix), matrix))
+    rows = np.where(
+        np.abs(matrix) < ROUND_OFF, 0.0, np.where(np.abs(matrix) > 1 - ROUND_OFF, np.sign(matrix), matrix)
+    )
     return tuple((float(r[0]), float(r[1]), float(r[2])) for r in rows)
 
 

@@ -15,13 +15,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
-from typing import Union
+from typing import TypeAlias
 
 from lamc.codegen.program import Section, Space
 from lamc.mechanics.functions import FUNCTIONS
 
-Number = int | float | Fraction
-Scalar = Union["Value", int, float, Fraction]
+Number: TypeAlias = int | float | Fraction
+Scalar: TypeAlias = "Value | int | float | Fraction"
 
 NUMBER = "number"
 CONSTANT = "constant"  # a number of the design, kept apart; see Store.constant
@@ -84,7 +84,9 @@ class Store:
 
     def symbol(self, name: str, space: Space, index: int) -> "Value":
         level = Level.PARAMETER if space is Space.PARAMETER else Level.STATE
-        return Value(self, self._node((SYMBOL, space, index), SYMBOL, (), level, Symbol(name, space, index)), 1)
+        return Value(
+            self, self._node((SYMBOL, space, index), SYMBOL, (), level, Symbol(name, space, index)), 1
+        )
 
     def number(self, value: Number) -> int:
         """Index of the node that holds a number; finite ones only."""
@@ -108,9 +110,9 @@ class Store:
         function = FUNCTIONS[name]
         if len(arguments) != function.arity:
             raise TypeError(f"{name} takes {function.arity} arguments, not {len(arguments)}")
-        values = [a for a in arguments if not isinstance(a, Value)]
+        values = [float(a) for a in arguments if not isinstance(a, Value)]
         if len(values) == len(arguments):
-            return function.value(*(float(v) for v in values))
+            return function.value(*values)
         return Value(self, self.operation(name, *(self.materialise(a) for a in arguments)), 1)
 
     def materialise(self, value: Scalar) -> int:
@@ -124,7 +126,12 @@ class Store:
         return self._node((name, *arguments), name, arguments, level)
 
     def _node(
-        self, key: object, name: str, arguments: tuple[int, ...], level: int, payload: Number | Symbol | None = None
+        self,
+        key: object,
+        name: str,
+        arguments: tuple[int, ...],
+        level: int,
+        payload: Number | Symbol | None = None,
     ) -> int:
         index = self._known.get(key)
         if index is None:
@@ -198,9 +205,8 @@ class Value:
         if not isinstance(other, Value):
             if other == 0:
                 return self
-            constant = store.number(abs(other))
-            positive = other > 0
-            if positive == (self.sign > 0):
+            constant = store.number(other if other > 0 else -other)
+            if (other > 0) == (self.sign > 0):
                 return Value(store, store.operation("+", self.index, constant), self.sign)
             return Value(store, store.operation("-", self.index, constant), self.sign)
         i, j, si, sj = self.index, other.index, self.sign, other.sign
@@ -236,7 +242,7 @@ def _scale(value: Value, factor: Number) -> Scalar:
     if factor == 0:
         return 0
     sign = value.sign if factor > 0 else -value.sign
-    factor = abs(factor)
+    factor = factor if factor > 0 else -factor
     if factor == 1:
         return Value(value.store, value.index, sign)
     store, index = value.store, value.index
@@ -266,9 +272,11 @@ MAX_EXPANDED_EXPONENT = 16
 
 def power(x: Scalar, exponent: Scalar) -> Scalar:
     """x**exponent; small whole exponents become products."""
-    if not isinstance(x, Value) and not isinstance(exponent, Value):
+    if isinstance(exponent, Value):
+        return call("pow", x, exponent)
+    if not isinstance(x, Value):
         return math.pow(x, exponent)
-    if not isinstance(exponent, Value) and exponent == int(exponent) and abs(exponent) <= MAX_EXPANDED_EXPONENT:
+    if exponent == int(exponent) and -MAX_EXPANDED_EXPONENT <= exponent <= MAX_EXPANDED_EXPONENT:
         count = abs(int(exponent))
         result: Scalar = 1
         square: Scalar = x
@@ -279,7 +287,7 @@ def power(x: Scalar, exponent: Scalar) -> Scalar:
             if count:
                 square = square * square
         return result if exponent >= 0 else reciprocal(result)
-    if not isinstance(exponent, Value) and exponent == Fraction(1, 2):
+    if exponent == Fraction(1, 2):
         return call("sqrt", x)
     return call("pow", x, exponent)
 

@@ -7,7 +7,7 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from lamc.scene import Scene
 
 Array = npt.NDArray[np.float64]
+Named = TypeVar("Named", "Body", "Joint")
 
 MAX_NAME_LENGTH = 200
 FREE_LIMITS = (-math.pi, math.pi)
@@ -33,11 +34,11 @@ class Plate:
     z_top: float  # m
 
 
-def same_record(a: object, b: object) -> bool:
+def same_record(a: Any, b: Any) -> bool:
     """Field-wise equality of two dataclass instances whose fields may be arrays."""
     if type(a) is not type(b):
-        return NotImplemented
-    return all(np.array_equal(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))  # type: ignore[arg-type]
+        return False
+    return all(bool(np.array_equal(getattr(a, f.name), getattr(b, f.name))) for f in fields(a))
 
 
 def checked_name(name: object, what: str) -> str:
@@ -167,7 +168,9 @@ class Joint:
         lower = checked_number(lower, f"the lower limit of {what}")
         upper = checked_number(upper, f"the upper limit of {what}")
         if lower >= upper:
-            raise DesignError(f"the limits of {what} are ({lower:g}, {upper:g}) rad; the lower must be below the upper")
+            raise DesignError(
+                f"the limits of {what} are ({lower:g}, {upper:g}) rad; the lower must be below the upper"
+            )
         put("limits", (lower, upper))
         if self.parent == self.child:
             raise TopologyError(f"{what} joins {self.parent!r} to itself; a hinge needs two different bodies")
@@ -250,7 +253,7 @@ def _unique(names: Iterable[str], what: str) -> set[str]:
     return seen
 
 
-def _named(items: Sequence[Any], name: str, what: str) -> Any:
+def _named(items: "Sequence[Named]", name: str, what: str) -> "Named":
     for item in items:
         if item.name == name:
             return item

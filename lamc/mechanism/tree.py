@@ -126,7 +126,9 @@ def _least_depth(mechanism: Mechanism) -> dict[str, Joint]:
     level = sorted(fixed)
     while level:
         following: list[str] = []
-        reachable = sorted({j.name: j for body in level for j in at[body]}.values(), key=lambda j: geometric_key(j, size))
+        reachable = sorted(
+            {j.name: j for body in level for j in at[body]}.values(), key=lambda j: geometric_key(j, size)
+        )
         for joint in reachable:
             for near, far in ((joint.parent, joint.child), (joint.child, joint.parent)):
                 if near in level and far not in fixed and far not in carrier:
@@ -210,12 +212,9 @@ def _origins(mechanism: Mechanism, steps: list[_Step], axes: list[Array]) -> lis
         across = np.cross(zp, z)
         sine2 = float(across @ across)
         between = point - base
-        if sine2 > ROUND_OFF:
-            slide = float(np.cross(between, zp) @ across) / sine2  # foot of the common perpendicular
-        else:
-            slide = -float(between @ z)  # parallel lines: perpendicular to both
-        if abs(slide) > reach:
-            slide = -float(between @ z)
+        nearest = -float(between @ z)  # for parallel lines: perpendicular to both
+        foot = float(np.cross(between, zp) @ across) / sine2 if sine2 > ROUND_OFF else nearest
+        slide = foot if abs(foot) <= reach else nearest  # the foot of the common perpendicular, if it is near
         origins.append(point + slide * z)
     return origins
 

@@ -1,0 +1,42 @@
+"""Other scalars in the place of some: staged values rebuilt, with folding, so that what becomes zero disappears."""
+
+from collections.abc import Mapping, Sequence
+
+from lamc.mechanics.staging import LEAVES, NUMBER, Scalar, Store, Symbol, Value, call, cos, reciprocal, sin
+
+
+def substitute(values: Sequence[Scalar], replacements: Mapping[Value, Scalar]) -> list[Scalar]:
+    """`values` with each key of `replacements` (a symbol, as a rule) replaced."""
+    stores = [v.store for v in values if isinstance(v, Value)]
+    if not stores:
+        return list(values)
+    store = stores[0]
+    rebuilt: dict[int, Scalar] = {x.index: x.sign * new for x, new in replacements.items()}
+    for index in store.live(values):
+        if index not in rebuilt:
+            rebuilt[index] = _node(store, index, [rebuilt[i] for i in store.arguments[index]])
+    return [v.sign * rebuilt[v.index] if isinstance(v, Value) else v for v in values]
+
+
+def _node(store: Store, index: int, a: list[Scalar]) -> Scalar:
+    operation = store.operations[index]
+    if operation in LEAVES:
+        payload = store.payloads[index]
+        return Value(store, index, 1) if operation != NUMBER or isinstance(payload, Symbol) else payload
+    match operation:
+        case "+":
+            return a[0] + a[1]
+        case "-":
+            return a[0] - a[1]
+        case "*":
+            return a[0] * a[1]
+        case "neg":
+            return -a[0]
+        case "reciprocal":
+            return reciprocal(a[0])
+        case "sin":
+            return sin(a[0])
+        case "cos":
+            return cos(a[0])
+        case name:
+            return call(name, *a)

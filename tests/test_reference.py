@@ -49,7 +49,7 @@ def test_newton_euler_agrees_with_maximal_coordinates_on_random_trees(
     assert relative(recursion, maximal) < 1e-11
 
 
-@pytest.mark.parametrize(("kind", "n"), [("mixed", 4), ("space", 2), ("space", 1)])
+@pytest.mark.parametrize(("kind", "n"), [("mixed", 4), ("space", 1)])
 def test_newton_euler_agrees_with_kanes_method(kind: str, n: int) -> None:
     mechanism = random_tree(n, seed=n, kind=kind)
     effects = (*ALL_PASSIVE, FORMULA) if n > 1 else ALL_PASSIVE
@@ -149,7 +149,7 @@ def test_unit_plates_of_the_paper_fold_as_published() -> None:
 
 @pytest.mark.parametrize("voice", [NewtonEuler, MaximalCoordinates])
 @pytest.mark.parametrize(
-    ("case", "last"), [("double_pendulum", 3.0), ("mass_ratio", 2.0), ("triple_stiff_e2", 0.5)]
+    ("case", "last"), [("double_pendulum", 3.0), ("mass_ratio", 2.0), ("triple_stiff_e2", 0.1)]
 )
 def test_reference_cases(shared: Path, case: str, last: float, voice: Any) -> None:
     cases = {c["id"]: c for c in json.loads((shared / "reference" / "dynamics.json").read_text())["cases"]}

@@ -43,7 +43,7 @@ def compare(mechanism: Mechanism, seed: int) -> None:
         assert np.abs(found - newton.acceleration(q, u, 0.3)).max() <= 1e-10 * size
 
 
-@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
 def test_three_voices_agree_on_random_trees(mechanism: Mechanism, seed: int) -> None:
     compare(mechanism, seed)
@@ -56,7 +56,7 @@ def test_three_voices_agree_on_many_random_trees(mechanism: Mechanism, seed: int
     compare(mechanism, seed)
 
 
-@pytest.mark.parametrize(("kind", "n"), [("parallel", 45), ("laminate", 20), ("mixed", 35)])
+@pytest.mark.parametrize(("kind", "n"), [("parallel", 45), ("laminate", 20)])
 def test_three_voices_agree_where_the_c_is_laid_out_in_loops(kind: str, n: int) -> None:
     compare(random_tree(n, seed=n, kind=kind), seed=1)
 

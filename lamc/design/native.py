@@ -185,6 +185,8 @@ class _Reader:
         ]
         if len(flexible) == 1:
             return flexible[0]
+        if any(layer.material not in materials for layer in self.model.layers):
+            return None  # a problem already, and perhaps the cause
         self.problems.add(
             path,
             f"the hinge names no layer, and {len(flexible)} layers are flexible; say which bends: layer: …",

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator
 
 from lamc.design.inert import ListNode, MapNode, Node, ScalarNode
+from lamc.design.units import LARGEST
 from lamc.errors import UnsupportedError
 
 MM = 1000.0  # mm per m: dividing by it rounds once, so 19.8 mm is the float nearest to 0.0198 m
@@ -71,7 +72,7 @@ def number(node: Node, what: str, *, minimum: float = -math.inf, above: float = 
         result = float(value)
     except OverflowError:
         result = math.inf
-    if not math.isfinite(result) or result < minimum or result <= above:
+    if not abs(result) < LARGEST or result < minimum or result <= above:
         bound = (
             f" and at least {minimum:g}"
             if minimum > -math.inf
@@ -79,7 +80,7 @@ def number(node: Node, what: str, *, minimum: float = -math.inf, above: float = 
             if above > -math.inf
             else ""
         )
-        raise node.error(f"{what} is {result!r}; it must be finite{bound}")
+        raise node.error(f"{what} is {result!r}; it must be finite, below {LARGEST:g}{bound}")
     return result
 
 

@@ -102,7 +102,9 @@ def vertex(node: Node) -> tuple[float, float]:
         pair = items(node, "a vertex")[1:3]
     if len(pair) != 2:
         raise node.error("a vertex needs an id, x and y")
-    return number(pair[0], "the vertex's x") / MM, number(pair[1], "the vertex's y") / MM
+    x, y = number(pair[0], "the vertex's x") / MM, number(pair[1], "the vertex's y") / MM
+    shapes.check_coordinates([x, y], "the vertex")
+    return x, y
 
 
 def straight_runs(points: Points) -> list[Line]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -20,6 +21,7 @@ from lamc.errors import DesignError
 Points = Sequence[tuple[float, float]]
 
 CIRCLE_SEGMENTS = 128
+FARTHEST = 1e6  # m; overlays of what lies beyond it lose digits, and nobody folds it
 
 
 def polygon(exterior: Points, holes: Sequence[Points] = ()) -> Polygon:
@@ -30,24 +32,16 @@ def polygon(exterior: Points, holes: Sequence[Points] = ()) -> Polygon:
     """
     for ring in (exterior, *holes):
         _check_ring(ring)
-    shape = Polygon(exterior, holes)
-    if not shape.is_valid:
-        raise DesignError(f"the polygon is not simple: {_reason(shape)}; redraw it so that no edges cross")
-    if not shape.area > 0.0:
-        raise DesignError("the polygon encloses no area; its corners lie on one line")
-    return shape
+    return _checked(Polygon(exterior, holes), "polygon")
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float) -> Polygon:
     """The rectangle between two opposite corners, in any order. Raises DesignError where it has no area."""
-    if not all(math.isfinite(v) for v in (x0, y0, x1, y1)):
-        raise DesignError(
-            f"the rectangle has corners ({x0:g}, {y0:g}) and ({x1:g}, {y1:g}) m; they must be finite"
-        )
+    check_coordinates([x0, y0, x1, y1], "the rectangle")
     if x0 == x1 or y0 == y1:
         raise DesignError("the rectangle encloses no area; its corners must differ in x and in y")
     left, right, low, high = min(x0, x1), max(x0, x1), min(y0, y1), max(y0, y1)
-    return Polygon([(left, low), (right, low), (right, high), (left, high)])
+    return _checked(Polygon([(left, low), (right, low), (right, high), (left, high)]), "rectangle")
 
 
 def circle(x: float, y: float, radius: float) -> Polygon:
@@ -56,20 +50,19 @@ def circle(x: float, y: float, radius: float) -> Polygon:
     Its corners lie 0.02 % of the radius outside the circle, the middles of its edges 0.01 % inside.
     Raises DesignError unless the radius is positive and all is finite.
     """
-    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(radius) and radius > 0.0):
-        raise DesignError(
-            f"the circle at ({x:g}, {y:g}) m has radius {radius:g} m; it must be finite and above 0"
-        )
+    check_coordinates([x, y, radius], "the circle")
+    if not radius > 0.0:
+        raise DesignError(f"the circle at ({x:g}, {y:g}) m has radius {radius:g} m; it must be above 0")
     turn = 2.0 * math.pi / CIRCLE_SEGMENTS
     corner = radius * math.sqrt(turn / math.sin(turn))
     angles = turn * np.arange(CIRCLE_SEGMENTS)
-    return Polygon(np.column_stack([x + corner * np.cos(angles), y + corner * np.sin(angles)]))
+    points = np.column_stack([x + corner * np.cos(angles), y + corner * np.sin(angles)])
+    return _checked(Polygon(points), "circle")
 
 
 def line(start: tuple[float, float], end: tuple[float, float]) -> Line:
     """A hinge line. Raises DesignError where its ends coincide or are not finite."""
-    if not all(math.isfinite(v) for v in (*start, *end)):
-        raise DesignError(f"the hinge line runs from {start} to {end} m; its ends must be finite")
+    check_coordinates([*start, *end], "the hinge line")
     if start == end:
         raise DesignError(
             f"the hinge line starts and ends at ({start[0]:g}, {start[1]:g}) m; it needs two different ends"
@@ -121,12 +114,29 @@ def _stops(
     return [*stops, end]
 
 
+def _checked(shape: Polygon, what: str) -> Polygon:
+    if not shape.is_valid:
+        raise DesignError(f"the {what} is not simple: {_reason(shape)}; redraw it so that no edges cross")
+    if not shape.area > 0.0:
+        raise DesignError(f"the {what} encloses no area; its corners lie on one line, or are too close")
+    return shape
+
+
+def check_coordinates(values: npt.ArrayLike, what: str) -> None:
+    """Raises DesignError where a coordinate, m, is not finite or farther away than any design."""
+    array = np.asarray(values, dtype=np.float64)
+    wrong = array[~(np.abs(array) <= FARTHEST)]
+    if len(wrong):
+        raise DesignError(
+            f"{what} has a coordinate of {wrong[0]:g} m; it must be finite and within {FARTHEST:g} m"
+        )
+
+
 def _check_ring(ring: Points) -> None:
     if len(ring) == 0:
         raise DesignError("the polygon is empty; it needs at least three corners")
     array = np.asarray(ring, dtype=np.float64)
-    if not np.isfinite(array).all():
-        raise DesignError("the polygon has a corner whose coordinates are not finite")
+    check_coordinates(array, "the polygon")
     count = len(np.unique(array, axis=0))
     if count < 3:
         raise DesignError(f"the polygon has {count} different corners; it needs at least three")

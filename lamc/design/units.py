@@ -13,6 +13,8 @@ from typing import Any
 from lamc.errors import DesignError
 
 LONGEST = 80
+LARGEST = 1e30  # in SI; products of what is below it stay within floating point
+_ROUND_OFF = 1e-14
 
 _QUANTITY = re.compile(
     r"\s*(?P<number>[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]{1,4})?)\s*(?P<unit>.*?)\s*\Z",
@@ -110,15 +112,19 @@ def _check_unit(unit: str, quantity: Quantity) -> None:
 
 
 def _scaled(number: float, unit: str, quantity: Quantity) -> float:
-    if unit == quantity.unit:
-        return number
-    factor = _factor(unit, quantity)
-    inverse = round(1.0 / factor) if 1e-18 < factor < 1.0 else 0
-    # 19.8 mm is 0.0198 m to the last digit: dividing by a whole number rounds once, times 1e-3 twice.
-    exact = inverse and abs(inverse * factor - 1.0) < 1e-15
-    result = number / inverse if exact else number * factor
-    if not math.isfinite(result):
-        raise DesignError(f"the {quantity.name} {number!r} {unit} is beyond any number")
+    factor = 1.0 if unit == quantity.unit else _factor(unit, quantity)
+    # pint's factors carry round-off (g/cm^3 is 999.9999999999999 kg/m^3); those of SI prefixes are whole, or
+    # one over a whole number. Dividing by a whole number rounds once: 19.8 mm is 0.0198 m to the last digit.
+    if factor >= 1.0:
+        whole = round(factor)
+        result = number * (whole if abs(whole / factor - 1.0) < _ROUND_OFF else factor)
+    else:
+        whole = round(min(1.0 / factor, 1e18))
+        result = number / whole if abs(whole * factor - 1.0) < _ROUND_OFF else number * factor
+    if not abs(result) < LARGEST:
+        raise DesignError(
+            f"the {quantity.name} {number!r} {unit} is {LARGEST:g} {quantity.unit} or more; no design is"
+        )
     return result
 
 

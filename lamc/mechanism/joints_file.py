@@ -7,6 +7,7 @@ WKT; the older one a tuple of four, lengths in mm, shapes keyed by material obje
 import re
 from pathlib import PurePath
 
+import numpy as np
 import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
@@ -183,7 +184,8 @@ def wkt_polygons(node: Node) -> list[Polygon]:
     if not _WKT.match(text):
         raise node.error(f"{text[:40]!r} is not a POLYGON or MULTIPOLYGON in well-known text")
     try:
-        geometry: BaseGeometry = shapely.force_2d(shapely.from_wkt(text))
+        with np.errstate(over="ignore"):  # what overflows to infinity is refused below
+            geometry: BaseGeometry = shapely.force_2d(shapely.from_wkt(text))
     except (shapely.errors.ShapelyError, ValueError) as error:
         raise node.error(f"{text[:40]!r} is not well-known text: {str(error)[:120]}") from error
     try:

@@ -52,7 +52,7 @@ class Problems:
         return None
 
     def raise_if_any(self) -> None:
-        """Raises the one DesignError, or DesignErrors for several, ordered by place."""
+        """Raises DesignErrors with what was found, ordered by place; nothing where all is well."""
         found = sorted(self._found, key=lambda e: e.place or Place())
         if len(found) > _SHOWN_PROBLEMS:
             more = DesignError(f"… and {len(found) - _SHOWN_PROBLEMS} problems more", found[-1].place)

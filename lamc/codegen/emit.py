@@ -7,6 +7,7 @@ cffi reads, taken from those same headers. The same program gives the same bytes
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -68,13 +69,15 @@ def declarations_of(header: str) -> str:
     return "".join(_DECLARATIONS.findall(header))
 
 
-def _runtime() -> dict[str, str]:
-    """The runtime's files, flat."""
+@cache
+def _runtime() -> Mapping[str, str]:
+    """The runtime's files, flat; read once."""
     root = data_dir("runtime_c")
     paths = sorted([*(root / "include").glob("*.h"), *(root / "src").glob("*.[ch]")])
     return {path.name: path.read_text(encoding="utf-8") for path in paths}
 
 
+@cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(data_dir("templates")),

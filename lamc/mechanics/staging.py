@@ -15,13 +15,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
-from typing import TypeAlias
+from typing import TypeAlias, Union
 
 from lamc.codegen.program import Section, Space
 from lamc.mechanics.functions import FUNCTIONS
 
 Number: TypeAlias = int | float | Fraction
-Scalar: TypeAlias = "Value | int | float | Fraction"
+Scalar: TypeAlias = Union["Value", int, float, Fraction]
 
 NUMBER = "number"
 CONSTANT = "constant"  # a number of the design, kept apart; see Store.constant

@@ -1,0 +1,55 @@
+# lamc: everything a newcomer needs is `make demo` and `make test`. Each sets up its own environment first.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= out/demo
+STAMP := $(VENV)/.lamc-installed
+
+.PHONY: demo test test-all lint types format bench clean check-tools
+
+demo: $(STAMP)
+	$(BIN)/python -m lamc split lamc/examples/pendulum.cad --out $(OUT)
+	$(BIN)/python -m lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --out $(OUT)
+	$(BIN)/python -m lamc check lamc/examples/pendulum.cad
+	@echo
+	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, the animation, results.csv"
+
+test: $(STAMP)
+	$(MAKE) -C runtime_c test sanitize cxx
+	$(BIN)/python -m pytest -q -n 2 -m "not slow"
+
+test-all: $(STAMP)
+	$(MAKE) -C runtime_c test sanitize cxx
+	$(BIN)/python -m pytest -q -n 2
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/tests/*.[ch]
+
+types: $(STAMP)
+	$(BIN)/mypy
+
+format: $(STAMP)
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/tests/*.[ch]
+
+bench: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
+	$(BIN)/python benchmarks/spine.py
+
+clean:
+	rm -rf $(VENV) out build dist
+
+check-tools:
+	@command -v $(PYTHON) >/dev/null || { echo "lamc needs Python 3.11 or newer, and '$(PYTHON)' is not there: install python3, or set PYTHON=…"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "lamc needs Python 3.11 or newer; '$(PYTHON)' is older: set PYTHON=…"; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "Python's venv module is missing: install it (Debian: apt install python3-venv)"; exit 1; }
+	@command -v $${CC:-cc} >/dev/null || { echo "a C compiler is missing: install gcc or clang (Debian: apt install gcc libc6-dev), or set CC=…"; exit 1; }
+
+$(STAMP): pyproject.toml packaging_hook.py | check-tools
+	@test -x $(BIN)/python || { echo "Setting up $(VENV) (once) …"; $(PYTHON) -m venv $(VENV); }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,lint]'
+	@touch $@

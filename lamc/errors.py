@@ -68,6 +68,12 @@ class SimulationError(LamcError):
     exit_code = 3
 
 
+class RequestError(SimulationError):
+    """What a run was asked for makes no sense: an unknown parameter, a time that runs backwards."""
+
+    exit_code = 2
+
+
 class EmitError(LamcError):
     """An expression has no C form."""
 

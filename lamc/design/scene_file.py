@@ -6,7 +6,7 @@ In: plain data. Out: a `Scene`, or a `Scene` as plain data. No effect is known h
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import partial
-from typing import Any, Protocol, cast
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -17,13 +17,6 @@ from lamc.effects.base import Effect
 from lamc.effects.registry import by_name
 from lamc.errors import DesignError
 from lamc.scene import Scene
-
-
-class _Readable(Protocol):
-    """An effect class as files see it."""
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> Effect: ...
 
 
 def read_scene(data: object) -> Scene:
@@ -69,7 +62,7 @@ def make_effect(name: str, value: object, where: str, *, prefix: bool = True) ->
         text = f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(known))}"
         raise DesignError(f"{where}: {text}" if prefix else text)
     try:
-        return cast(type[_Readable], known[name]).from_data(value, where)
+        return known[name].from_data(value, where)
     except DesignError as error:
         # `from_data` begins its messages with `where`; the collector of a file's problems adds it again.
         text = error.message.removeprefix(f"{where}: ")

@@ -13,10 +13,21 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class Effect(Protocol):
-    """One physical effect. Implementations are frozen dataclasses.
+    """One physical effect. Implementations are frozen dataclasses; a user's own need no more than this.
 
     name     lower-case identifier, the effect's name in scene files, tables and energies
-    summary  one line for people
+    summary  one line for people; with `source`, an attribute that may be left out, it heads the effect's C
+
+    A force of one's own, in sympy, on the tip of one body:
+
+        @dataclass(frozen=True)
+        class TipDrag:
+            name: ClassVar[str] = "tip_drag"
+            summary: ClassVar[str] = "Drag on the tip"
+
+            def contribute(self, loads):
+                u = sympy.Symbol("u_h1")
+                loads.hinge_torque("h1", -0.01 * u * sympy.Abs(u))
     """
 
     name: ClassVar[str]
@@ -25,6 +36,17 @@ class Effect(Protocol):
     def contribute(self, loads: "Loads") -> None:
         """Adds the effect's loads. Raises DesignError if it names bodies or joints that are not there."""
 
+
+class RegisteredEffect(Effect, Protocol):
+    """An effect of lamc's own, which scene files can name and designs can ask for."""
+
     @classmethod
-    def default_for(cls, mechanism: "Mechanism") -> "tuple[Effect | None, str]":
+    def default_for(cls, mechanism: "Mechanism") -> tuple[Effect | None, str]:
         """The effect as the mechanism itself asks for it (None: not at all), and why, in a few words."""
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> Effect:
+        """The effect from a scene file's plain data; `where` names the place for errors.
+
+        Raises DesignError if the data does not fit.
+        """

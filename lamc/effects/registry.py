@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from lamc.effects.base import Effect
+from lamc.effects.base import Effect, RegisteredEffect
 from lamc.effects.gravity import Gravity
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.torque import Torque
 from lamc.mechanism.records import Mechanism
 from lamc.scene import Scene
 
-EFFECTS: tuple[type[Effect], ...] = (Gravity, HingeStiffness, RestAngle, HingeDamping, Torque)
+EFFECTS: tuple[type[RegisteredEffect], ...] = (Gravity, HingeStiffness, RestAngle, HingeDamping, Torque)
 
 
 class Choice(NamedTuple):
@@ -22,7 +22,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-def by_name() -> Mapping[str, type[Effect]]:
+def by_name() -> Mapping[str, type[RegisteredEffect]]:
     """The effects by the name that scene files use."""
     return MappingProxyType({kind.name: kind for kind in EFFECTS})
 

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from lamc.errors import SimulationError
+from lamc.errors import RequestError
 from lamc.run.request import Array, did_you_mean, finite
 
 
@@ -98,14 +98,12 @@ class Model:
     def motion(self, parameters: Mapping[str, float]) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.
 
-        Raises SimulationError for a name that is not there and for a value that is not finite.
+        Raises RequestError for a name that is not there and for a value that is not finite.
         """
         values = dict(zip(self.parameters, self.defaults, strict=True))
         for name, value in parameters.items():
             if name not in values:
-                raise SimulationError(
-                    f"no parameter is named {name!r}; {did_you_mean(name, self.parameters)}"
-                )
+                raise RequestError(f"no parameter is named {name!r}; {did_you_mean(name, self.parameters)}")
             unit = self.parameter_units[self.parameters.index(name)]
             values[name] = finite(value, f"parameter {name!r}", f"a number in {unit}")
         padding = [0.0] if not values else []

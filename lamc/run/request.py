@@ -13,7 +13,7 @@ from enum import IntEnum
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import SimulationError
+from lamc.errors import RequestError
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -72,35 +72,35 @@ def checked_request(
     max_step: float | None,
     progress: Progress | None,
 ) -> Request:
-    """The request, or SimulationError with the argument, its value and the rule."""
+    """The request, or RequestError with the argument, its value and the rule."""
     end = finite(t_end, "t_end", "a time in seconds, zero or later")
     if end < 0.0:
-        raise SimulationError(f"t_end is {end!r} s; a run starts at t = 0 and cannot end before")
+        raise RequestError(f"t_end is {end!r} s; a run starts at t = 0 and cannot end before")
     relative = finite(rtol, "rtol", f"between {MIN_RTOL:g} and 1")
     if not MIN_RTOL <= relative <= 1.0:
-        raise SimulationError(
+        raise RequestError(
             f"rtol is {relative!r}; it must lie between {MIN_RTOL:g} (below, round-off hides the error) and 1"
         )
     absolute = finite(atol, "atol", "zero or more, in rad and rad/s")
     if absolute < 0.0:
-        raise SimulationError(f"atol is {absolute!r}; it must be zero or more")
+        raise RequestError(f"atol is {absolute!r}; it must be zero or more")
     longest = math.inf if max_step is None else finite(max_step, "max_step", "a time above zero")
     if longest <= 0.0:
-        raise SimulationError(f"max_step is {longest!r} s; it must be above zero (leave it out for no limit)")
+        raise RequestError(f"max_step is {longest!r} s; it must be above zero (leave it out for no limit)")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int | np.integer) or max_steps <= 0:
-        raise SimulationError(f"max_steps is {max_steps!r}; it must be a whole number above zero")
+        raise RequestError(f"max_steps is {max_steps!r}; it must be a whole number above zero")
     steps = min(int(max_steps), 2**62)  # what the C counter holds
     return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress)
 
 
 def finite(value: object, name: str, rule: str) -> float:
-    """`value` as a finite float, or SimulationError that tells the rule."""
+    """`value` as a finite float, or RequestError that tells the rule."""
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError) as error:
-        raise SimulationError(f"{name} is {value!r}; it must be a number: {rule}") from error
+        raise RequestError(f"{name} is {value!r}; it must be a number: {rule}") from error
     if not math.isfinite(number):
-        raise SimulationError(f"{name} is {number!r}; it must be finite: {rule}")
+        raise RequestError(f"{name} is {number!r}; it must be finite: {rule}")
     return number
 
 
@@ -111,18 +111,18 @@ def _times(t_eval: npt.ArrayLike | None, t_end: float) -> Array | None:
     try:
         times = np.array(t_eval, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
-        raise SimulationError("t_eval must be a sequence of times in seconds") from error
+        raise RequestError("t_eval must be a sequence of times in seconds") from error
     if times.ndim != 1:
-        raise SimulationError(f"t_eval has shape {times.shape}; it must be one-dimensional")
+        raise RequestError(f"t_eval has shape {times.shape}; it must be one-dimensional")
     outside = times[~((times >= 0.0) & (times <= t_end))]
     if outside.size:
-        raise SimulationError(
+        raise RequestError(
             f"t_eval holds {float(outside[0])!r} s; every time must lie within 0 … {t_end:g} s"
         )
     falling = np.flatnonzero(np.diff(times) <= 0.0)
     if falling.size:
         i = int(falling[0])
-        raise SimulationError(
+        raise RequestError(
             f"t_eval goes from {float(times[i])!r} to {float(times[i + 1])!r} s at position {i + 1}; "
             "it must ascend: sort it and drop repeated times"
         )

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
-from lamc.errors import SimulationError
+from lamc.errors import RequestError
 from lamc.mechanism.records import Mechanism
 from lamc.run import integrators
 from lamc.run.model import CompiledModule, Model, Motion
@@ -52,7 +52,7 @@ class Simulator:
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
 
-        Raises SimulationError if the scene starts a joint that is not there.
+        Raises RequestError if the scene starts a joint that is not there.
         """
         self.mechanism = mechanism
         self.scene = scene
@@ -119,7 +119,7 @@ class Simulator:
         progress    called with (t, t_end) now and then
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
-        `message`) and keeps every row up to there; so does Ctrl-C. Raises SimulationError for arguments
+        `message`) and keeps every row up to there; so does Ctrl-C. Raises RequestError for arguments
         that make no run.
         """
         request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
@@ -159,7 +159,7 @@ class Simulator:
         parameters: Mapping[str, float] = NO_PARAMETERS,
     ) -> Array:
         """Joint accelerations, shape (…, n), rad/s², at angles q (…, n), rad, rates u (…, n), rad/s, and
-        times t (…), s. The leading shapes broadcast. Raises SimulationError for other shapes."""
+        times t (…), s. The leading shapes broadcast. Raises RequestError for other shapes."""
         times, rows, shape = self._states(q, u, t)
         return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.joints))
 
@@ -190,13 +190,11 @@ class Simulator:
         angles, rates, times = (np.asarray(a, dtype=np.float64) for a in (q, u, t))
         for array, name in ((angles, "q"), (rates, "u")):
             if array.ndim == 0 or array.shape[-1] != n:
-                raise SimulationError(
-                    f"{name} has shape {array.shape}; its last length must be {n}, the joints"
-                )
+                raise RequestError(f"{name} has shape {array.shape}; its last length must be {n}, the joints")
         try:
             shape = np.broadcast_shapes(angles.shape[:-1], rates.shape[:-1], times.shape)
         except ValueError as error:
-            raise SimulationError(
+            raise RequestError(
                 f"q {angles.shape}, u {rates.shape} and t {times.shape} do not broadcast to one shape"
             ) from error
         halves = [np.broadcast_to(half, (*shape, n)) for half in (angles, rates)]
@@ -228,7 +226,7 @@ def _start(scene: Scene, joints: tuple[str, ...]) -> Array:
     for values, what, offset in ((scene.angles, "angle", 0), (scene.rates, "rate", len(joints))):
         for name, value in values.items():
             if name not in joints:
-                raise SimulationError(
+                raise RequestError(
                     f"the scene gives an initial {what} to joint {name!r}, which is not there; "
                     f"{did_you_mean(name, joints)}"
                 )

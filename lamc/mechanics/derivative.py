@@ -36,7 +36,7 @@ def _node(store: Store, index: int, moving: Mapping[int, Scalar]) -> Scalar:
     speeds = [moving[i] for i in arguments]
     if all(not isinstance(s, Value) and s == 0 for s in speeds):
         return 0
-    values: list[Scalar] = [Value(store, i, 1) for i in arguments]
+    values = [store.scalar(i) for i in arguments]
     return _RULES[operation](values, Value(store, index, 1), speeds)
 
 

@@ -121,6 +121,14 @@ class Store:
             return self.number(value)
         return value.index if value.sign > 0 else self.operation("neg", value.index)
 
+    def scalar(self, index: int) -> Scalar:
+        """The node as it takes part in operators: numbers plain, so that they fold."""
+        if self.operations[index] == NUMBER:
+            number = self.payloads[index]
+            assert not isinstance(number, Symbol)
+            return number
+        return Value(self, index, 1)
+
     def operation(self, name: str, *arguments: int) -> int:
         level = max(self.levels[i] for i in arguments)
         return self._node((name, *arguments), name, arguments, level)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from lamc.mechanics.staging import LEAVES, NUMBER, Scalar, Store, Symbol, Value, call, cos, reciprocal, sin
+from lamc.mechanics.staging import LEAVES, Scalar, Store, Value, call, cos, reciprocal, sin
 
 
 def substitute(values: Sequence[Scalar], replacements: Mapping[Value, Scalar]) -> list[Scalar]:
@@ -21,8 +21,7 @@ def substitute(values: Sequence[Scalar], replacements: Mapping[Value, Scalar]) -
 def _node(store: Store, index: int, a: list[Scalar]) -> Scalar:
     operation = store.operations[index]
     if operation in LEAVES:
-        payload = store.payloads[index]
-        return Value(store, index, 1) if operation != NUMBER or isinstance(payload, Symbol) else payload
+        return store.scalar(index)
     match operation:
         case "+":
             return a[0] + a[1]

@@ -4,6 +4,7 @@
 a user wrote. Text never becomes sympy here: only objects pass.
 """
 
+import math
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -74,8 +75,18 @@ def node_expression(store: Store, index: int, arguments: list[sp.Expr]) -> sp.Ex
 def from_sympy(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
     """`expr` staged; its symbols are looked up by name in `inputs`.
 
-    Raises ExpressionError for a symbol that is not there and for a function that has no C form.
+    Raises ExpressionError for a symbol that is not there, a function that has no C form, a constant that is not
+    finite, and for what is no sympy expression.
     """
+    try:
+        return _staged(expr, inputs)
+    except (ArithmeticError, ValueError) as error:
+        raise ExpressionError(f"a constant part of the expression has no finite value ({error})") from error
+
+
+def _staged(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
+    if not isinstance(expr, sp.Basic):
+        raise ExpressionError(f"{expr!r} is a {type(expr).__name__}; give a number or a sympy expression")
     if isinstance(expr, sp.Symbol):
         if expr.name not in inputs:
             raise ExpressionError(f"the expression uses {expr.name!r}; known are {', '.join(sorted(inputs))}")
@@ -83,8 +94,10 @@ def from_sympy(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
     if isinstance(expr, sp.Rational):
         return int(expr) if expr.is_Integer else Fraction(int(expr.p), int(expr.q))
     if isinstance(expr, sp.Number | sp.NumberSymbol):
+        if not math.isfinite(float(expr)):
+            raise ValueError(f"{expr} is not finite")
         return float(expr)
-    arguments = [from_sympy(a, inputs) for a in expr.args]
+    arguments = [_staged(a, inputs) for a in expr.args]
     result = arguments[0] if arguments else 0
     if isinstance(expr, sp.Add):
         for argument in arguments[1:]:

@@ -9,9 +9,9 @@ STAMP := $(VENV)/.lamc-installed
 .PHONY: demo test test-all lint types format bench clean check-tools
 
 demo: $(STAMP)
-	$(BIN)/python -m lamc split lamc/examples/pendulum.cad --out $(OUT)
-	$(BIN)/python -m lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --out $(OUT)
-	$(BIN)/python -m lamc check lamc/examples/pendulum.cad
+	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
+	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --out $(OUT)
+	$(BIN)/lamc check lamc/examples/pendulum.cad
 	@echo
 	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, the animation, results.csv"
 

@@ -14,6 +14,7 @@ from types import MappingProxyType
 import jinja2
 
 from lamc._version import __version__
+from lamc.allocation import collector_paused
 from lamc.codegen.layout import CFunction, arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
@@ -47,6 +48,7 @@ class CParameter:
     default: str
 
 
+@collector_paused
 def emit(program: Program) -> SourceTree:
     """C of `program`. Raises EmitError where an operation has no C form."""
     runtime = _runtime()

@@ -8,6 +8,7 @@ import hashlib
 from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
+from lamc.allocation import collector_paused
 from lamc.codegen.program import Function, Operand, Program, Section, Shape, Space, Statement
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.staging import Level, Scalar, Store, Symbol, Value
@@ -25,6 +26,7 @@ POSES = (
 )
 
 
+@collector_paused
 def lower(equations: Equations) -> Program:
     """The program of `equations`."""
     store = equations.store

@@ -5,7 +5,7 @@ byte by byte, comments lose whatever could end them.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 MAX_IDENTIFIER = 40
 
@@ -22,14 +22,13 @@ RESERVED = frozenset(
 )
 
 
-def identifier(name: str, taken: Iterable[str] = ()) -> str:
+def identifier(name: str, taken: Container[str] = ()) -> str:
     """A lower-case C identifier that resembles `name` and is neither reserved nor in `taken`."""
     core = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:MAX_IDENTIFIER].strip("_")
     if not core or not core[0].isalpha():
         core = f"x_{core}".rstrip("_")
-    used = set(taken)
     candidate, number = core, 1
-    while candidate in used or candidate in RESERVED:
+    while candidate in taken or candidate in RESERVED:
         number += 1
         candidate = f"{core}_{number}"
     return candidate
@@ -37,12 +36,10 @@ def identifier(name: str, taken: Iterable[str] = ()) -> str:
 
 def identifiers(names: Iterable[str]) -> list[str]:
     """One identifier each, all different."""
-    result: list[str] = []
-    taken: set[str] = set()
+    result: dict[str, None] = {}
     for name in names:
-        result.append(identifier(name, taken))
-        taken.add(result[-1])
-    return result
+        result[identifier(name, result)] = None
+    return list(result)
 
 
 def string_literal(text: str) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 MAX_PAIRS_FOR_MASS_MATRIX = 60
 
 
+@collector_paused
 def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
     """Equations of motion of `tree` under `effects`. Raises DesignError where an effect does not fit."""
     store = Store()

@@ -28,13 +28,13 @@ class Parameters:
 
     store: Store
     records: list[Parameter] = field(default_factory=list)
+    _places: dict[str, int] = field(default_factory=dict)
 
     def add(self, name: str, default: float, unit: str, meaning: str, effect: str = "") -> Scalar:
-        for index, record in enumerate(self.records):
-            if record.name == name:
-                return self.store.symbol(name, Space.PARAMETER, index)
-        self.records.append(Parameter(name, float(default), unit, meaning, effect))
-        return self.store.symbol(name, Space.PARAMETER, len(self.records) - 1)
+        index = self._places.setdefault(name, len(self.records))
+        if index == len(self.records):
+            self.records.append(Parameter(name, float(default), unit, meaning, effect))
+        return self.store.symbol(name, Space.PARAMETER, index)
 
 
 @dataclass(frozen=True)

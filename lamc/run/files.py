@@ -35,8 +35,8 @@ def columns(result: "Result") -> dict[str, Array]:
     return table
 
 
-def write_csv(result: "Result", path: Path) -> Path:
-    """Writes the table with 17 digits, which read back exactly, and the manifest. Returns the path."""
+def write_csv(result: "Result", path: Path, *, manifest: bool = True) -> Path:
+    """Writes the table with 17 digits, which read back exactly, and the manifest if asked. Returns the path."""
     table = columns(result)
 
     def write(file: IO[str]) -> None:
@@ -44,13 +44,14 @@ def write_csv(result: "Result", path: Path) -> Path:
         writer.writerow(table)
         writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
 
-    _write_manifest(result, path, list(table))
+    if manifest:
+        _write_manifest(result, path, list(table))
     _write_text(path, write)
     return path
 
 
-def write_npz(result: "Result", path: Path) -> Path:
-    """Writes the arrays and the manifest. Returns the path."""
+def write_npz(result: "Result", path: Path, *, manifest: bool = True) -> Path:
+    """Writes the arrays, and the manifest if asked. Returns the path."""
     arrays: dict[str, Any] = {
         "t": result.t,
         "q": result.q,
@@ -61,7 +62,8 @@ def write_npz(result: "Result", path: Path) -> Path:
         "joints": np.array(result.joints, dtype=np.str_),
         "energy_names": np.array(list(result.energies), dtype=np.str_),
     }
-    _write_manifest(result, path, list(arrays))
+    if manifest:
+        _write_manifest(result, path, list(arrays))
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, **arrays)
     return path

@@ -1,0 +1,342 @@
+"""The command line: `lamc VERB FILE [options]`.
+
+In: words. Out: a call of one function in `lamc.commands`, and its exit code: 0, 2 bad input, 3 failed simulation,
+4 failed build, 130 after Ctrl-C, 1 a bug of lamc. What computes is imported when a verb runs, so that `--help` is
+quick.
+"""
+
+import functools
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import click
+
+from lamc._version import __version__
+from lamc.commands.terminal import INTERRUPTED, Terminal, printable
+
+Function = Callable[..., Any]
+
+_SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110, "show_default": True}
+
+
+class Cli(click.Group):
+    """A group whose errors are one line, and whose commands return exit codes."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Runs a verb and ends the process with its exit code."""
+        for stream in (sys.stdout, sys.stderr):
+            if hasattr(stream, "reconfigure"):  # an old terminal may lack a sign such as °
+                stream.reconfigure(errors="replace")
+        try:
+            code = super().main(args, prog_name or "lamc", complete_var, standalone_mode=False, **extra)
+        except click.UsageError as error:
+            where = error.ctx.command_path if error.ctx is not None else "lamc"
+            told = " ".join(error.format_message().split())
+            click.echo(printable(f"error: {told} (see `{where} --help`)"), err=True)
+            code = error.exit_code
+        except click.ClickException as error:
+            click.echo(printable(f"error: {error.format_message()}"), err=True)
+            code = 2
+        except (click.Abort, KeyboardInterrupt):
+            click.echo("error: interrupted", err=True)
+            code = INTERRUPTED
+        if not standalone_mode:
+            return code
+        sys.exit(code if isinstance(code, int) else 0)
+
+
+def together(*options: Function) -> Function:
+    """Several click decorators as one; the first is shown first."""
+    return lambda function: functools.reduce(lambda f, option: option(f), reversed(options), function)
+
+
+def speaking(function: Function) -> Function:
+    """Adds --json, --quiet and --debug, hands the function a Terminal, and turns its errors into exit codes."""
+
+    @click.option(
+        "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else there."
+    )
+    @click.option("--quiet", is_flag=True, help="Print errors only.")
+    @click.option("--debug", is_flag=True, help="Show the traceback of errors.")
+    @functools.wraps(function)
+    def wrapped(*, as_json: bool, quiet: bool, debug: bool, **given: Any) -> int:
+        terminal = Terminal(as_json, quiet, debug)
+        return terminal.guard(lambda: function(terminal=terminal, **given))
+
+    return wrapped
+
+
+design = together(
+    click.argument("file", required=False),
+    click.option("--example", metavar="NAME", help="An example that comes with lamc, instead of FILE."),
+)
+compiler = together(
+    click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
+    click.option("--fast", is_flag=True, help="Let the compiler use this machine's own instructions."),
+)
+effects = together(
+    click.option(
+        "--with", "with_", metavar="EFFECT", multiple=True, help="Add an effect: NAME or NAME=VALUE."
+    ),
+    click.option("--without", metavar="EFFECT", multiple=True, help="Leave an effect out."),
+)
+folder = click.option(
+    "--out",
+    metavar="DIR",
+    help="Folder to write to.  [default: out/<name of the design>]",
+    show_default=False,
+)
+
+
+@click.group(cls=Cli, context_settings=_SETTINGS, invoke_without_command=True)
+@click.version_option(__version__, "--version", "-V", prog_name="lamc")
+@click.pass_context
+def main(context: click.Context) -> None:
+    """Compiles laminate designs (flat layers, materials, hinge lines) into fast native simulators.
+
+    FILE is a native design or mechanism (YAML), a popupCAD design (.cad) or a popupCAD joint definition (.joints);
+    its content decides, not its name.
+
+    \b
+    Try:
+      lamc run --example pendulum      simulate, and write results, pictures and a film
+      lamc check --example pendulum    compare generated C, interpreter and an independent formulation
+      lamc doctor                      see whether this machine has what lamc needs
+
+    Exit codes: 2 bad input, 3 failed simulation, 4 failed build, 130 after Ctrl-C.
+    """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+
+
+@main.command()
+@design
+@click.option("--t-end", type=float, default=10.0, metavar="SECONDS", help="End of the run.")
+@click.option(
+    "--points", type=int, default=2001, metavar="N", help="Rows of the results, evenly spread; 0: every step."
+)
+@click.option("--rtol", type=float, default=1e-9, help="Relative tolerance of a step.")
+@click.option("--atol", type=float, default=1e-11, help="Absolute tolerance of a step, rad and rad/s.")
+@click.option(
+    "--integrator", default="auto", metavar="NAME", help="auto, rk45, or scipy:LSODA, scipy:Radau, ..."
+)
+@click.option(
+    "--angle", "angles", metavar="HINGE=ANGLE", multiple=True, help="Initial angle: 0.3 (rad) or '20 deg'."
+)
+@click.option(
+    "--rate", "rates", metavar="HINGE=RATE", multiple=True, help="Initial rate: 1.5 (rad/s) or '90 deg/s'."
+)
+@click.option(
+    "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
+)
+@effects
+@compiler
+@click.option("--no-animation", is_flag=True, help="Make no film.")
+@folder
+@speaking
+def run(
+    file: str | None,
+    example: str | None,
+    t_end: float,
+    points: int,
+    rtol: float,
+    atol: float,
+    integrator: str,
+    angles: tuple[str, ...],
+    rates: tuple[str, ...],
+    settings: tuple[str, ...],
+    with_: tuple[str, ...],
+    without: tuple[str, ...],
+    cc: str | None,
+    fast: bool,
+    no_animation: bool,
+    out: str | None,
+    terminal: Terminal,
+) -> int:
+    """Simulate a design; write results, pictures and a film.
+
+    Writes results.npz, results.csv, angles_energy.png, folded.png, an animation and manifest.json. Ctrl-C ends the
+    run and keeps what was computed.
+
+    \b
+    Examples:
+      lamc run pendulum.cad
+      lamc run flaps.yaml --t-end 2 --angle left='20 deg' --set left.stiffness=0.002
+      lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
+    """
+    from lamc.commands.inputs import SceneChanges, Source
+    from lamc.commands.run import RunOrder
+    from lamc.commands.run import run as work
+
+    changes = SceneChanges(with_, without, angles, rates)
+    order = RunOrder(
+        source=Source(file, example, cc, fast),
+        changes=changes,
+        settings=settings,
+        t_end=t_end,
+        rtol=rtol,
+        atol=atol,
+        integrator=integrator,
+        points=points,
+        animation=not no_animation,
+        out=out,
+    )
+    return work(order, terminal)
+
+
+@main.command()
+@design
+@effects
+@click.option("--equations", is_flag=True, help="Write the equations too: equations.txt and equations.tex.")
+@click.option(
+    "--out",
+    metavar="DIR",
+    help="Folder for the C.  [default: out/<name of the design>_c]",
+    show_default=False,
+)
+@speaking
+def build(
+    file: str | None,
+    example: str | None,
+    with_: tuple[str, ...],
+    without: tuple[str, ...],
+    equations: bool,
+    out: str | None,
+    terminal: Terminal,
+) -> int:
+    """Write the generated C into a folder that compiles by itself.
+
+    Tells what one evaluation costs. Files that lamc did not write are never overwritten.
+
+    \b
+    Examples:
+      lamc build pendulum.cad --out pendulum_c
+      lamc build pendulum.cad --equations
+    """
+    from lamc.commands.build import build as work
+    from lamc.commands.inputs import SceneChanges, Source
+
+    return work(
+        Source(file, example), SceneChanges(with_, without), out, equations=equations, terminal=terminal
+    )
+
+
+@main.command()
+@design
+@effects
+@compiler
+@click.option("--states", type=int, default=20, metavar="N", help="Random states to compare at.")
+@click.option("--t-end", type=float, default=1.0, metavar="SECONDS", help="End of the run that is compared.")
+@speaking
+def check(
+    file: str | None,
+    example: str | None,
+    with_: tuple[str, ...],
+    without: tuple[str, ...],
+    cc: str | None,
+    fast: bool,
+    states: int,
+    t_end: float,
+    terminal: Terminal,
+) -> int:
+    """Compare generated C, interpreter and an independent formulation.
+
+    Exit code 3 if any difference is beyond its limit.
+
+    \b
+    Example:
+      lamc check pendulum.cad
+    """
+    from lamc.commands.check import check as work
+    from lamc.commands.inputs import SceneChanges, Source
+
+    return work(Source(file, example, cc, fast), SceneChanges(with_, without), states, t_end, terminal)
+
+
+@main.command()
+@design
+@folder
+@speaking
+def split(file: str | None, example: str | None, out: str | None, terminal: Terminal) -> int:
+    """Find the bodies and hinges of a design; write them as files.
+
+    Prints the tables, writes a joint definition (.joints), a mechanism file and a picture of the steps.
+
+    \b
+    Example:
+      lamc split pendulum.cad --out parts
+    """
+    from lamc.commands.inputs import Source
+    from lamc.commands.split import split as work
+
+    return work(Source(file, example), out, terminal)
+
+
+@main.command()
+@design
+@effects
+@compiler
+@folder
+@speaking
+def bench(
+    file: str | None,
+    example: str | None,
+    with_: tuple[str, ...],
+    without: tuple[str, ...],
+    cc: str | None,
+    fast: bool,
+    out: str | None,
+    terminal: Terminal,
+) -> int:
+    """Measure symbolic evaluation against generated C on a design.
+
+    Compares sympy's subs and evalf, lambdified numpy, lamc's interpreter and the generated C; writes bench.json and
+    bench.png.
+
+    \b
+    Example:
+      lamc bench pendulum.cad
+    """
+    from lamc.commands.bench import bench as work
+    from lamc.commands.inputs import SceneChanges, Source
+
+    return work(Source(file, example, cc, fast), SceneChanges(with_, without), out, terminal)
+
+
+@main.command()
+@click.option("--debug", is_flag=True, help="Show the traceback of errors.")
+def schema(debug: bool) -> int:
+    """Print the JSON Schema of design and mechanism files.
+
+    \b
+    Example:
+      lamc schema > lamc.schema.json
+    """
+    from lamc.commands.schema import schema as work
+
+    return Terminal(debug=debug).guard(work)
+
+
+@main.command()
+@click.option("--cc", metavar="COMMAND", help="C compiler to try.")
+@speaking
+def doctor(cc: str | None, terminal: Terminal) -> int:
+    """See whether this machine has what lamc needs.
+
+    Exit code 4 without a C compiler that works, or a cache that can be written.
+    """
+    from lamc.commands.doctor import doctor as work
+
+    return work(cc, terminal)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,163 @@
+"""`lamc build`: leaves the generated C in a folder, and the equations as text if asked.
+
+In: a design and a folder. Out: files, and an account of what the C costs. Files that lamc did not write are never
+overwritten.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lamc.codegen.emit import SourceTree
+from lamc.codegen.program import Operations, Program
+from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of, output_folder
+from lamc.commands.terminal import Terminal
+from lamc.effects.registry import Choice
+from lamc.errors import LamcError
+from lamc.files import write_text
+from lamc.pipeline import Times, equations_of, sources_of
+from lamc.report.equations_text import equations_tex, equations_txt
+from lamc.report.run_text import duration
+
+if TYPE_CHECKING:
+    from lamc.mechanics.equations import Equations
+
+_MARK = "lamc"  # stands in the first lines of every file that lamc writes
+_HEAD = 400  # characters
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """What a build made."""
+
+    folder: Path
+    files: tuple[str, ...]
+    tree: SourceTree
+    program: Program
+    equations: "Equations"
+    account: tuple[Choice, ...]
+    times: Times
+
+
+def build(
+    source: Source, changes: SceneChanges, out: str | None, *, equations: bool, terminal: Terminal
+) -> int:
+    """Writes the C of a design, and with `equations` also equations.txt and equations.tex."""
+    times = Times()
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        loaded = load_source(source, times, progress)
+        mechanism = mechanism_of(loaded, times, progress)
+        scene, account = changed_scene(mechanism, changes)
+        derived = equations_of(mechanism, scene.effects or (), times)
+        program, tree = sources_of(derived, times)
+        texts = dict(sorted(tree.files.items()))
+        if equations:
+            with times.stage("write equations"):
+                texts |= {"equations.txt": equations_txt(derived, mechanism.name)}
+                texts |= {"equations.tex": equations_tex(derived, mechanism.name)}
+        with output_folder(out, loaded.name + "_c") as folder:
+            check_folder(folder, set(texts))
+            for name, text in texts.items():
+                write_text(folder / name, text)
+    made = Built(folder, tuple(texts), tree, program, derived, account, times)
+    terminal.say(_summary(made))
+    terminal.result(_data(made))
+    return 0
+
+
+def check_folder(folder: Path, names: set[str]) -> None:
+    """Raises LamcError if writing `names` into `folder` would touch or mix with what lamc did not write there."""
+    present = sorted(folder.iterdir())
+    if not present:
+        return
+    if not _is_own(folder / "lamc.h"):
+        raise LamcError(
+            f"the folder {str(folder)!r} holds {present[0].name!r} and is no folder of `lamc build`; "
+            "name an empty or a new one with --out"
+        )
+    for path in present:
+        if path.name in names and not _is_own(path):
+            raise LamcError(
+                f"{str(path)!r} was not written by lamc; move it, or name another folder with --out"
+            )
+        if path.suffix == ".c" and path.name not in names and _is_own(path):
+            raise LamcError(
+                f"the folder {str(folder)!r} holds the C of another design ({path.name}); "
+                "name another folder with --out"
+            )
+
+
+def _is_own(path: Path) -> bool:
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return _MARK in file.read(_HEAD)
+    except OSError:
+        return False
+
+
+def _summary(made: Built) -> str:
+    operations = _operations(made.program)
+    hinges = len(made.program.joints)
+    per_hinge = f", {operations.flops / hinges:.1f} per hinge" if hinges else ""
+    solvers = ", ".join(f"{way} {count}" for way, count in sorted(made.equations.solver_flops.items()))
+    model = f"{made.tree.prefix}.c"
+    size, lines = _size(made.tree.files[model])
+    runtime = sum(len(text.encode()) for name, text in made.tree.files.items() if name != model)
+    seconds = ", ".join(f"{name} {duration(value)}" for name, value in made.times.seconds.items())
+    return "\n".join(
+        [
+            f"folder    {made.folder}",
+            *(f"{'files' if k == 0 else '':<10}{name}" for k, name in enumerate(made.files)),
+            f"effects   {', '.join(c.name for c in made.account if c.effect is not None) or 'none'}",
+            f"solver    {made.equations.solver} (operations: {solvers})",
+            f"flops     {operations.flops} per right-hand side{per_hinge}: {_count(operations.additions, 'addition')}, "
+            f"{_count(operations.multiplications, 'multiplication')}, {_count(operations.reciprocals, 'division')}; "
+            f"and {_count(operations.calls, 'call')} of sin, cos and the like",
+            f"C size    {model} {size / 1000:.1f} kB, {lines} lines; runtime and headers {runtime / 1000:.1f} kB",
+            f"times     {seconds}",
+            f"compile   cd {made.folder} && cc -std=c11 -O2 *.c -lm -o {made.tree.prefix}",
+        ]
+    )
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _size(text: str) -> tuple[int, int]:
+    return len(text.encode()), text.count("\n")
+
+
+def _operations(program: Program) -> Operations:
+    return program.functions["acceleration"].operations
+
+
+def _data(made: Built) -> dict[str, Any]:
+    operations = _operations(made.program)
+    hinges = len(made.program.joints)
+    size, lines = _size(made.tree.files[f"{made.tree.prefix}.c"])
+    return {
+        "ok": True,
+        "design": made.program.name,
+        "folder": str(made.folder),
+        "files": list(made.files),
+        "prefix": made.tree.prefix,
+        "digest": made.program.digest,
+        "effects": [{"name": c.name, "in": c.effect is not None, "why": c.reason} for c in made.account],
+        "solver": made.equations.solver,
+        "solver_flops": dict(made.equations.solver_flops),
+        "flops": operations.flops,
+        "flops_per_hinge": operations.flops / hinges if hinges else None,
+        "additions": operations.additions,
+        "multiplications": operations.multiplications,
+        "divisions": operations.reciprocals,
+        "calls": operations.calls,
+        "model_bytes": size,
+        "model_lines": lines,
+        "parameters": [
+            {"name": p.name, "default": p.default, "unit": p.unit, "meaning": p.meaning, "effect": p.effect}
+            for p in made.program.parameters
+        ],
+        "seconds": dict(made.times.seconds),
+    }

@@ -1,0 +1,202 @@
+"""What the verbs share: the design that is named, the scene as the options change it, the folder to write to.
+
+In: words from the command line. Out: records, or LamcErrors that name the option. Nothing in a word is ever executed:
+values of effects are read as inert YAML, angles as numbers with units.
+"""
+
+import hashlib
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from lamc import examples
+from lamc.commands.terminal import Progress
+from lamc.design.inert import compose, plain
+from lamc.design.load import load
+from lamc.design.records import Design
+from lamc.design.scene_file import make_effect
+from lamc.design.split import split
+from lamc.design.units import ANGLE, ANGLE_RATE, Quantity, to_si
+from lamc.effects.base import Effect
+from lamc.effects.registry import Choice, by_name, choose
+from lamc.errors import DesignError, LamcError
+from lamc.mechanism.records import Mechanism
+from lamc.options import CompileOptions
+from lamc.pipeline import Times
+from lamc.run.request import did_you_mean
+from lamc.scene import Scene
+
+
+@dataclass(frozen=True)
+class Source:
+    """Which design, and how to compile it. Exactly one of `file` and `example` is given."""
+
+    file: str | None = None
+    example: str | None = None
+    compiler: str | None = None
+    fast: bool = False
+
+    @property
+    def options(self) -> CompileOptions:
+        return CompileOptions(compiler=self.compiler, fast=self.fast)
+
+    def path(self) -> Path:
+        """The file. Raises LamcError if none or two are named."""
+        if (self.file is None) == (self.example is None):
+            known = ", ".join(examples.names())
+            raise LamcError(f"name a FILE, or one of the examples with --example NAME: {known}")
+        return Path(self.file) if self.file is not None else examples.path(self.example or "")
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A design as read: the record, its file and the SHA-256 of the file's bytes."""
+
+    record: Design | Mechanism
+    path: Path
+    digest: str
+
+    @property
+    def name(self) -> str:
+        return self.record.name
+
+
+def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
+    """Reads the design. Raises LamcError as `lamc.load` does."""
+    path = source.path()
+    with times.stage("load"):
+        record = load(path, progress=lambda _name, part: progress.part(part, 1.0))
+    return Loaded(record, path, hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def mechanism_of(loaded: Loaded, times: Times, progress: Progress) -> Mechanism:
+    """The mechanism of what was read, split if it was a design."""
+    if isinstance(loaded.record, Mechanism):
+        return loaded.record
+    with times.stage("split"):
+        return split(loaded.record, lambda _name, part: progress.part(part, 1.0))
+
+
+@dataclass(frozen=True)
+class SceneChanges:
+    """What the options change in the design's own scene: words as they were typed."""
+
+    with_effects: Sequence[str] = ()  # NAME or NAME=VALUE
+    without_effects: Sequence[str] = ()
+    angles: Sequence[str] = ()  # JOINT=ANGLE
+    rates: Sequence[str] = ()  # JOINT=RATE
+
+
+def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, tuple[Choice, ...]]:
+    """The scene of the run, and the account of its effects: which act, which do not, and why."""
+    scene = mechanism.scene or Scene()
+    account: dict[str, list[Choice]] = {}
+    for choice in choose(mechanism, scene):
+        account.setdefault(choice.name, []).append(choice)
+    for name in changes.without_effects:
+        _check_effect(name, "--without")
+        account[name] = [Choice(name, None, "left out by --without")]
+    for text in changes.with_effects:
+        effect = _named_effect(text)
+        if effect.name in changes.without_effects:
+            raise DesignError(f"effect {effect.name!r} is named by --with and by --without; keep one of them")
+        account[effect.name] = [Choice(effect.name, effect, "added by --with")]
+    choices = tuple(choice for name in sorted(account) for choice in account[name])
+    joints = [joint.name for joint in mechanism.joints]
+    changed = Scene(
+        effects=tuple(choice.effect for choice in choices if choice.effect is not None),
+        angles={**scene.angles, **_quantities(changes.angles, "--angle", ANGLE, joints)},
+        rates={**scene.rates, **_quantities(changes.rates, "--rate", ANGLE_RATE, joints)},
+    )
+    return changed, choices
+
+
+def _check_effect(name: str, option: str) -> None:
+    if name not in by_name():
+        raise DesignError(
+            f"{option}: no effect is named {name[:40]!r}; {did_you_mean(name, sorted(by_name()))}"
+        )
+
+
+def _named_effect(text: str) -> Effect:
+    """The effect of "NAME" or "NAME=VALUE"; the value is YAML, as in a scene file."""
+    name, _, value = text.partition("=")
+    _check_effect(name, "--with")
+    data = plain(compose(value, f"--with {name}")) if value.strip() else None
+    return make_effect(name, data, f"--with {name}")
+
+
+def _quantities(texts: Sequence[str], option: str, kind: Quantity, joints: Sequence[str]) -> dict[str, float]:
+    """JOINT=VALUE, each with an optional unit, in SI."""
+    values = {}
+    for text in texts:
+        joint, value = split_pair(text, option, kind.example)
+        if joint not in joints:
+            raise DesignError(
+                f"{option} {text!r}: no joint is named {joint!r}; {did_you_mean(joint, joints)}"
+            )
+        try:
+            values[joint] = to_si(value, kind)
+        except DesignError as error:
+            raise DesignError(f"{option} {text!r}: {error.message}") from error
+    return values
+
+
+def parameters_of(texts: Sequence[str], known: Iterable[str]) -> Mapping[str, float]:
+    """NAME=NUMBER of --set, in the parameters' own units."""
+    names = list(known)
+    values = {}
+    for text in texts:
+        name, value = split_pair(text, "--set", "0.01")
+        if name not in names:
+            raise DesignError(f"--set {text!r}: no parameter is named {name!r}; {did_you_mean(name, names)}")
+        try:
+            values[name] = float(value)
+        except ValueError as error:
+            raise DesignError(f"--set {text!r}: {value!r} is not a number") from error
+    return values
+
+
+def split_pair(text: str, option: str, example: str) -> tuple[str, str]:
+    """NAME and VALUE of "NAME=VALUE"; the last "=" divides, since names may hold one."""
+    name, sign, value = text.rpartition("=")
+    if not sign or not name or not value:
+        raise DesignError(f"{option} {text!r} is not of the form NAME=VALUE, such as h1={example}")
+    return name, value
+
+
+def folder_name(name: str) -> str:
+    """A folder's name that resembles `name`: one path component, of letters, digits and "._-" only."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "_", name).strip("._")[:60] or "design"
+
+
+@contextmanager
+def output_folder(out: str | None, name: str) -> Iterator[Path]:
+    """The folder to write to, made if it is missing, and taken away again if nothing came to be in it.
+
+    It is made before the work begins, so that no result is lost to a bad name. Raises LamcError for a file and for a
+    place that cannot be written.
+    """
+    folder = Path(out) if out is not None else Path("out") / folder_name(name)
+    made: list[Path] = []
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise LamcError(f"{str(folder)!r} is a file; name a folder with --out")
+        made = [path for path in (folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        told = getattr(error, "strerror", None) or error
+        raise LamcError(
+            f"the folder {str(folder)!r} cannot be made: {told}; name another with --out"
+        ) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise LamcError(f"the folder {str(folder)!r} cannot be written to; name another with --out")
+    try:
+        yield folder
+    finally:
+        for path in made:
+            with suppress(OSError):  # not empty: it holds results
+                path.rmdir()

@@ -1,0 +1,201 @@
+"""`lamc run`: simulates a design and writes results, pictures and a film.
+
+In: a `RunOrder`. Out: files in a folder, a summary, an exit code. What was computed is written also where the run was
+interrupted or failed.
+"""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lamc._version import __version__
+from lamc.commands.inputs import (
+    Loaded,
+    SceneChanges,
+    Source,
+    changed_scene,
+    load_source,
+    mechanism_of,
+    output_folder,
+    parameters_of,
+)
+from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
+from lamc.effects.registry import Choice
+from lamc.errors import SimulationError
+from lamc.files import write_text
+from lamc.pipeline import Times
+from lamc.pipeline import compile as compile_design
+from lamc.report.animation import draw_animation
+from lamc.report.folded import draw_folded
+from lamc.report.plots import draw_angles_energy
+from lamc.report.run_text import RunReport, energy_drift, summary
+from lamc.run.files import write_csv, write_npz
+from lamc.run.request import Status
+from lamc.run.result import Result
+from lamc.run.simulator import Simulator
+
+FILES = (
+    "results.npz",
+    "results.csv",
+    "angles_energy.png",
+    "folded.png",
+    "animation.mp4",
+    "animation.gif",
+    "manifest.json",
+)
+
+
+@dataclass(frozen=True)
+class RunOrder:
+    """What `lamc run` was asked for."""
+
+    source: Source
+    changes: SceneChanges
+    settings: tuple[str, ...]  # NAME=NUMBER of parameters
+    t_end: float  # s
+    rtol: float
+    atol: float
+    integrator: str
+    points: int  # rows; 0: one after every step
+    animation: bool
+    out: str | None
+
+
+def run(order: RunOrder, terminal: Terminal) -> int:
+    """Runs, writes, reports. Returns 0, 3 for a run that failed, 130 after Ctrl-C."""
+    times = Times()
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        if order.points < 0 or order.points == 1:
+            raise SimulationError(f"--points is {order.points}; it must be 2 or more, or 0 for every step")
+        loaded = load_source(order.source, times, progress)
+        with output_folder(order.out, loaded.name) as folder:
+            mechanism = mechanism_of(loaded, times, progress)
+            scene, account = changed_scene(mechanism, order.changes)
+            simulator = compile_design(mechanism, scene, order.source.options, times)
+            parameters = parameters_of(order.settings, simulator.parameters)
+            with times.stage("run"):
+                result = _simulate(order, simulator, dict(parameters), progress)
+            report = _report(loaded, simulator, result, account, times)
+            files, interrupted = _write_all(order, report, folder, times, progress)
+    terminal.say(summary(report, folder, files))
+    terminal.result(_data(report) | {"folder": str(folder), "files": files})
+    return _ending(result, folder, terminal, interrupted=interrupted)
+
+
+def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bool) -> int:
+    """The exit code, and a word on stderr where it is not 0."""
+    if result.status == Status.CANCELLED:
+        terminal.error(f"{result.message}; see {folder}")
+        return INTERRUPTED
+    if interrupted:
+        terminal.error(f"interrupted while results were written; see {folder}")
+        return INTERRUPTED
+    if not result.success:
+        terminal.error(f"{result.message}; what was computed until then is in {folder}")
+        return SimulationError.exit_code
+    return 0
+
+
+def _simulate(
+    order: RunOrder, simulator: Simulator, parameters: dict[str, float], progress: Progress
+) -> Result:
+    spread = order.points and np.isfinite(order.t_end) and order.t_end > 0.0
+    return simulator.run(
+        t_end=order.t_end,
+        rtol=order.rtol,
+        atol=order.atol,
+        t_eval=np.linspace(0.0, order.t_end, order.points) if spread else None,
+        integrator=order.integrator,
+        parameters=parameters,
+        progress=progress.part,
+    )
+
+
+def _report(
+    loaded: Loaded, simulator: Simulator, result: Result, account: tuple[Choice, ...], times: Times
+) -> RunReport:
+    conservative = all(c.name in result.energies for c in account if c.effect is not None)
+    return RunReport(
+        source=str(loaded.path),
+        source_digest=loaded.digest,
+        simulator=simulator,
+        result=result,
+        account=account,
+        times=times,
+        drift=energy_drift(result) if conservative else None,
+    )
+
+
+def _write_all(
+    order: RunOrder, report: RunReport, folder: Path, times: Times, progress: Progress
+) -> tuple[list[str], bool]:
+    """Writes every file; the manifest comes last. Returns their names, and whether Ctrl-C cut it short."""
+    result = report.result
+    older = _own_files(folder)
+    files: list[str] = []
+    interrupted = False
+    try:
+        with times.stage("write results"):
+            files += [write_npz(result, folder / "results.npz", manifest=False).name]
+            files += [write_csv(result, folder / "results.csv", manifest=False).name]
+        if len(result.t):
+            with times.stage("draw"):
+                files += [draw_angles_energy(result, folder / "angles_energy.png").name]
+                files += [draw_folded(result, folder / "folded.png").name]
+        if order.animation and result.success and len(result.t) > 1 and result.joints:
+            with times.stage("animate"):
+                files += [draw_animation(result, folder, lambda k, n: progress.part(k, n)).name]
+    except KeyboardInterrupt:
+        interrupted = True
+    files.append("manifest.json")
+    manifest = _data(report) | {"files": files, "interrupted": interrupted}
+    write_text(folder / "manifest.json", json.dumps(plain(manifest), indent=2, ensure_ascii=False) + "\n")
+    for name in sorted(older - set(files)):  # a film of an earlier run must not pass for one of this run
+        (folder / name).unlink(missing_ok=True)
+    return files, interrupted
+
+
+def _own_files(folder: Path) -> set[str]:
+    """Files of an earlier run in this folder, by its manifest; only names that lamc itself gives."""
+    try:
+        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        listed = {str(name) for name in manifest["files"]} if "lamc_version" in manifest else set()
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+    return listed & set(FILES)
+
+
+def _data(report: RunReport) -> dict[str, Any]:
+    """The report as plain data: the manifest, and the answer to --json."""
+    result, mechanism, simulator = report.result, report.simulator.mechanism, report.simulator
+    return {
+        "ok": result.success,
+        "design": mechanism.name,
+        "lamc_version": __version__,
+        "source": report.source,
+        "source_sha256": report.source_digest,
+        "program_digest": result.provenance.digest,
+        "compiler": result.provenance.compiler,
+        "flags": list(result.provenance.flags),
+        "status": result.status.name.lower(),
+        "message": result.message,
+        "rows": len(result.t),
+        "t_reached": float(result.t[-1]) if len(result.t) else 0.0,
+        "bodies": [{"name": b.name, "fixed": b.fixed, "mass": b.mass} for b in mechanism.bodies],
+        "joints": list(simulator.joints),
+        "freedoms": len(simulator.joints),
+        "effects": [{"name": c.name, "in": c.effect is not None, "why": c.reason} for c in report.account],
+        "angles": dict(simulator.scene.angles),
+        "rates": dict(simulator.scene.rates),
+        "parameters": dict(result.provenance.parameters),
+        "parameter_units": dict(simulator.parameter_units),
+        "notes": list(report.notes),
+        "stats": asdict(result.stats),
+        "seconds": dict(report.times.seconds),
+        "from_cache": report.times.from_cache,
+        "energy_drift": report.drift,
+    }

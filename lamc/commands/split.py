@@ -1,0 +1,61 @@
+"""`lamc split`: the bodies and joints of a design as tables, files and a picture.
+
+In: a design, or a mechanism that is split already. Out: NAME.joints and split.png for a design, NAME.mechanism.yaml for
+both.
+"""
+
+from pathlib import Path
+
+from lamc.commands.inputs import Source, folder_name, load_source, output_folder
+from lamc.commands.terminal import Progress, Terminal
+from lamc.design.records import Design
+from lamc.design.split import split_steps
+from lamc.errors import DesignError
+from lamc.mechanism.joints_writer import write_split
+from lamc.mechanism.records import Mechanism
+from lamc.mechanism.yaml_file import write_mechanism
+from lamc.pipeline import Times
+from lamc.report.split_picture import draw_split
+from lamc.report.split_text import split_data, split_text
+
+
+def split(source: Source, out: str | None, terminal: Terminal) -> int:
+    """Splits, writes, prints."""
+    times = Times()
+    notes: list[str] = []
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        loaded = load_source(source, times, progress)
+        name = folder_name(loaded.name)
+        files: list[str] = []
+        with output_folder(out, loaded.name) as folder:
+            if isinstance(loaded.record, Design):
+                mechanism = _split_design(loaded.record, folder, name, files, notes, progress)
+            else:
+                mechanism = loaded.record
+                notes.append(
+                    "the file holds a mechanism already: no joint definition and no picture were made"
+                )
+            files.append(f"{name}.mechanism.yaml")
+            write_mechanism(mechanism, folder / files[-1])
+    terminal.say(split_text(mechanism, notes))
+    terminal.say(f"\nfiles   {folder}: {', '.join(files)}")
+    terminal.result({"ok": True, "folder": str(folder), "files": files, **split_data(mechanism, notes)})
+    return 0
+
+
+def _split_design(
+    design: Design, folder: Path, name: str, files: list[str], notes: list[str], progress: Progress
+) -> Mechanism:
+    progress.stage("split")
+    steps = split_steps(design, lambda _name, part: progress.part(part, 1.0))
+    notes += steps.notes
+    try:
+        write_split(steps, folder / f"{name}.joints")
+        files.append(f"{name}.joints")
+    except DesignError as error:  # the format cannot say it
+        notes.append(f"no joint definition was written: {error.message}")
+    progress.stage("draw")
+    draw_split(steps, folder / "split.png")
+    files.append("split.png")
+    return steps.mechanism

@@ -1,0 +1,196 @@
+"""How a command speaks: text for people, JSON for programs, progress, and errors of one line.
+
+In: what a command has to say. Out: on stdout the result (text, or nothing but JSON), on stderr progress and errors. It
+imports nothing heavy: rich only where there is a terminal to draw on.
+"""
+
+import json
+import math
+import os
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Protocol, Self
+
+import click
+
+from lamc.errors import DesignErrors, LamcError
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+_PLAIN_EVERY = 2.0  # s between two plain lines about the same work
+
+
+class Progress(Protocol):
+    """Told what is being done, and how far it is."""
+
+    def stage(self, name: str) -> None: ...
+    def part(self, done: float, total: float) -> None: ...
+
+
+class Silent:
+    """No progress at all."""
+
+    def stage(self, name: str) -> None:
+        """Says nothing."""
+
+    def part(self, done: float, total: float) -> None:
+        """Says nothing."""
+
+
+class PlainProgress:
+    """A line per stage, and one every few seconds within a long stage."""
+
+    def __init__(self) -> None:
+        self._name = ""
+        self._told = 0.0
+
+    def stage(self, name: str) -> None:
+        if name != self._name:
+            self._name, self._told = name, time.monotonic()
+            click.echo(f"{name} …", err=True)
+
+    def part(self, done: float, total: float) -> None:
+        now = time.monotonic()
+        if now - self._told >= _PLAIN_EVERY and total > 0.0:
+            self._told = now
+            click.echo(f"{self._name} … {100 * done / total:.0f} %", err=True)
+
+
+class BarProgress:
+    """One bar, drawn by rich, that vanishes when the work is done."""
+
+    def __init__(self) -> None:
+        from rich.console import Console  # heavy, and of use on a terminal only
+        from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress as RichProgress
+
+        columns = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=30),
+            TaskProgressColumn(),
+            TimeElapsedColumn(),
+        )
+        self._bar = RichProgress(*columns, console=Console(stderr=True), transient=True)
+        self._task = self._bar.add_task("starting", total=None)
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
+
+    def stage(self, name: str) -> None:
+        self._bar.reset(self._task, description=name, total=None)
+
+    def part(self, done: float, total: float) -> None:
+        self._bar.update(self._task, completed=done, total=total)
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Where a command's words go.
+
+    as_json  stdout carries one JSON document and nothing else
+    quiet    neither text nor progress; errors only
+    debug    errors come with their traceback
+    """
+
+    as_json: bool = False
+    quiet: bool = False
+    debug: bool = False
+
+    def say(self, text: str) -> None:
+        """The result for people."""
+        if not self.as_json and not self.quiet:
+            click.echo(printable(text))
+
+    def error(self, text: str) -> None:
+        """A failure that comes with a result, on stderr; other failures are raised."""
+        click.echo(printable(f"error: {text}"), err=True)
+
+    def result(self, data: Mapping[str, Any]) -> None:
+        """The result for programs: numbers that are not finite become null."""
+        if self.as_json:
+            click.echo(json.dumps(plain(data), indent=2, ensure_ascii=True, allow_nan=False))
+
+    @contextmanager
+    def progress(self) -> Iterator[Progress]:
+        """A bar on a terminal, plain lines elsewhere, nothing if quiet."""
+        if self.quiet:
+            yield Silent()
+        elif sys.stderr.isatty():
+            with BarProgress() as bar:
+                yield bar
+        else:
+            yield PlainProgress()
+
+    def guard(self, work: Callable[[], int]) -> int:
+        """The exit code of `work`; every exception becomes one line per problem on stderr and an exit code."""
+        try:
+            return work()
+        except KeyboardInterrupt:
+            self._complain(["interrupted; nothing more was written"], [], INTERRUPTED)
+            return INTERRUPTED
+        except LamcError as error:
+            problems = error.problems if isinstance(error, DesignErrors) else (error,)
+            self._complain([str(p) for p in problems], problems, error.exit_code)
+            return error.exit_code
+        except BrokenPipeError:
+            # The reader went away (`lamc schema | head`); without this, Python complains once more as it ends.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+        except (Exception, RecursionError) as error:
+            if self.debug:
+                traceback.print_exc()
+            told = " ".join(f"{type(error).__name__}: {error}".split())
+            line = f"this is a bug of lamc: {told[:300]}; please report it with the output of --debug"
+            self._complain([line], [], 1, traced=True)
+            return 1
+
+    def _complain(
+        self,
+        lines: list[str],
+        problems: tuple[LamcError, ...] | list[LamcError],
+        code: int,
+        *,
+        traced: bool = False,
+    ) -> None:
+        if self.debug and not traced:
+            traceback.print_exc()
+        for line in lines:
+            click.echo(printable(f"error: {line}"), err=True)
+        if self.as_json:
+            told = [_problem(p) for p in problems] or [{"message": line} for line in lines]
+            click.echo(json.dumps({"ok": False, "exit_code": code, "errors": told}, indent=2))
+
+
+def _problem(error: LamcError) -> dict[str, Any]:
+    place = error.place
+    return {
+        "kind": type(error).__name__,
+        "message": error.message,
+        "file": place.file if place else None,
+        "line": (place.line or None) if place else None,
+        "column": (place.column or None) if place else None,
+    }
+
+
+def printable(text: str) -> str:
+    """`text` without characters that could steer a terminal; line ends stay."""
+    return "".join(ch if ch.isprintable() or ch == "\n" else repr(ch)[1:-1] for ch in text)
+
+
+def plain(value: Any) -> Any:
+    """`value` in JSON's own types; a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,142 @@
+"""A film of the moving device: MP4 where ffmpeg is installed, else GIF.
+
+In: a `Result`. Out: one file, written whole or not at all. Short runs are slowed down and long ones sped up, and every
+frame says by how much.
+"""
+
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from lamc.errors import LamcError
+from lamc.mechanism.records import Array
+from lamc.report.plan_view import shortened
+from lamc.report.raster import Pixels
+from lamc.report.stage import Stage
+from lamc.run.files import replacing
+from lamc.run.result import Result
+
+FRAMES_PER_SECOND = 25  # the fastest that GIF players keep to: 40 ms a frame
+LONGEST, SHORTEST = 10.0, 2.0  # s, of the film
+_SIDE = 560  # pixels
+_MARGIN = 26  # pixels above the picture, for the time
+_TIMEOUT = 300  # s
+
+Progress = Callable[[int, int], None]
+
+
+def draw_animation(
+    result: Result, folder: Path, progress: Progress | None = None, *, ffmpeg: str | None = None
+) -> Path:
+    """Writes animation.mp4 into `folder`, or animation.gif without a working ffmpeg. Returns its path.
+
+    progress  told frames made and frames in all
+    ffmpeg    the program to use; None: the one on the search path
+
+    Raises LamcError if the file cannot be written.
+    """
+    times, speed = frame_times(result)
+    frames = _Frames(result, times, speed, progress)
+    program = ffmpeg or shutil.which("ffmpeg")
+    if program is not None:
+        path = folder / "animation.mp4"
+        with replacing(path) as temporary:
+            if _write_mp4(frames, temporary, program):
+                return path
+        path.unlink()
+    return _write_gif(frames, folder / "animation.gif")
+
+
+def frame_times(result: Result) -> tuple[Array, float]:
+    """Times of the frames, s, and how many simulated seconds pass in one second of the film."""
+    span = float(result.t[-1] - result.t[0]) if len(result.t) else 0.0
+    if span <= 0.0:
+        return np.array(result.t[:1]), 1.0
+    plays = span if SHORTEST <= span <= LONGEST else LONGEST if span > LONGEST else 2 * SHORTEST
+    count = max(2, round(plays * FRAMES_PER_SECOND))
+    return np.linspace(float(result.t[0]), float(result.t[-1]), count), span / plays
+
+
+class _Frames:
+    """The frames, drawn one by one as they are asked for."""
+
+    def __init__(self, result: Result, times: Array, speed: float, progress: Progress | None) -> None:
+        self._stage = Stage(result, times, _SIDE)
+        self._progress = progress
+        self._times = times
+        self._name = shortened(result.provenance.design, 40)
+        self._pace = "real time" if abs(speed - 1.0) < 1e-9 else f"{speed:.3g} × real time"
+        # matplotlib brings this font, so that the film looks alike everywhere
+        self._font = ImageFont.truetype(Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf", 14)
+        self.width, self.height = self._stage.width, self._stage.height + _MARGIN
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    def frame(self, index: int) -> Image.Image:
+        sheet = Image.new("RGB", (self.width, self.height), "white")
+        picture: Pixels = self._stage.draw(index)
+        sheet.paste(Image.fromarray(picture), (0, _MARGIN))
+        pen = ImageDraw.Draw(sheet)
+        pen.text((8, 5), self._name, fill="black", font=self._font)
+        text = f"t = {self._times[index]:.3f} s   {self._pace}"
+        pen.text((self.width - 8, 5), text, fill="black", font=self._font, anchor="ra")
+        return sheet
+
+    def __iter__(self) -> Iterator[Image.Image]:
+        for index in range(len(self)):
+            yield self.frame(index)
+            if self._progress is not None:
+                self._progress(index + 1, len(self))
+
+
+def _write_mp4(frames: _Frames, path: Path, program: str) -> bool:
+    """Pipes the frames to ffmpeg. False if it fails: an ffmpeg without encoders is no reason to stop."""
+    command = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
+    command += ["-s", f"{frames.width}x{frames.height}", "-r", str(FRAMES_PER_SECOND), "-i", "-", "-an"]
+    command += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path)]
+    try:
+        with subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        ) as process:
+            assert process.stdin is not None
+            try:
+                for frame in frames:
+                    process.stdin.write(frame.tobytes())
+                process.stdin.close()
+                return process.wait(_TIMEOUT) == 0
+            except BaseException:
+                process.kill()
+                raise
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+
+
+def _write_gif(frames: _Frames, path: Path) -> Path:
+    """One palette for all frames, made from a few of them, so that colours do not flicker."""
+    samples = [frames.frame(k) for k in np.unique(np.linspace(0, len(frames) - 1, 6).astype(int))]
+    strip = Image.new("RGB", (frames.width, frames.height * len(samples)))
+    for k, sample in enumerate(samples):
+        strip.paste(sample, (0, k * frames.height))
+    palette = strip.quantize(colors=128, method=Image.Quantize.MEDIANCUT)
+    pictures = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    duration = 1000 // FRAMES_PER_SECOND
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        try:
+            pictures[0].save(
+                file,
+                format="GIF",
+                save_all=True,
+                append_images=pictures[1:],
+                duration=duration,
+                loop=0,
+                optimize=False,
+            )
+        except ValueError as error:
+            raise LamcError(f"cannot write {str(path)!r}: {error}") from error
+    return path

@@ -1,0 +1,146 @@
+"""What `lamc run` tells at its end: bodies, hinges, effects, steps, times, files.
+
+In: a `RunReport`. Out: plain text. It measures nothing and prints nothing.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lamc.effects.registry import Choice
+from lamc.pipeline import Times
+from lamc.report.plan_view import shortened
+from lamc.run.result import Result
+from lamc.run.simulator import Simulator
+
+_NAMES = 6  # names in a list before it is cut
+_STAGES = ("load", "split", "load from cache", "plan", "derive", "lower", "emit", "compile", "run")
+
+
+@dataclass(frozen=True, eq=False)
+class RunReport:
+    """A run and all that belongs to it.
+
+    account  every effect, in or out, and why
+    drift    largest change of the energy, J; None where something may dissipate or drive
+    """
+
+    source: str
+    source_digest: str
+    simulator: Simulator
+    result: Result
+    account: tuple[Choice, ...]
+    times: Times
+    drift: float | None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know and cannot see."""
+        notes = []
+        limited = [joint.name for joint in self.simulator.mechanism.joints if joint.is_limited]
+        if limited and not any("limit" in c.name for c in self.account if c.effect is not None):
+            notes.append(f"the drawn limits of {names(limited)} are not simulated in this version")
+        result = self.result
+        if 2 < len(result.t) < result.stats.accepted / 2:
+            notes.append(
+                f"{result.stats.accepted} steps lie behind {len(result.t)} rows, so fast motion may not show; "
+                "--points 0 keeps every step"
+            )
+        return tuple(notes)
+
+
+def energy_drift(result: Result) -> float | None:
+    """Largest change of the energy from its start, J."""
+    return float(np.abs(result.energy - result.energy[0]).max()) if len(result.t) else None
+
+
+def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
+    """The whole summary, a labelled line for each matter."""
+    rows = [("device", _device(report))]
+    rows += _effects(report.account)
+    rows += [("note", note) for note in report.notes]
+    rows += [("run", _run(report.result)), ("steps", _steps(report.result)), ("times", _times(report.times))]
+    if report.drift is not None:
+        rows.append(("energy", _drift(report)))
+    rows.append(("files", f"{folder}: {', '.join(files)}"))
+    lines = []
+    before = ""
+    for label, text in rows:
+        lines.append(f"{label if label != before else '':<8}{text}")
+        before = label
+    return "\n".join(lines)
+
+
+def names(items: Sequence[str]) -> str:
+    """A few names, then how many there are."""
+    shown = ", ".join(shortened(item, 24) for item in items[:_NAMES])
+    return shown + (f", … ({len(items)} in all)" if len(items) > _NAMES else "")
+
+
+def _device(report: RunReport) -> str:
+    mechanism = report.simulator.mechanism
+    fixed = sum(body.fixed for body in mechanism.bodies)
+    joints, freedoms = len(mechanism.joints), len(report.simulator.joints)
+    return (
+        f"{shortened(mechanism.name, 40)}: {_count(len(mechanism.bodies), 'body', 'bodies')} ({fixed} fixed), "
+        f"{_count(joints, 'hinge', 'hinges')}, {_count(freedoms, 'degree', 'degrees')} of freedom"
+    )
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
+
+
+def _effects(account: Sequence[Choice]) -> list[tuple[str, str]]:
+    width = max((len(choice.name) for choice in account), default=0)
+    acting = [c for c in account if c.effect is not None]
+    idle = [c for c in account if c.effect is None]
+    return [
+        ("effects", f"{'in ' if c.effect is not None else 'out'}  {c.name:<{width}}  {c.reason}")
+        for c in acting + idle
+    ]
+
+
+def _run(result: Result) -> str:
+    stats = result.stats
+    pace = stats.real_time_factor
+    speed = f"{pace:.3g} × real time" if math.isfinite(pace) else "no time at all"
+    return f"{result.message}, in {duration(stats.wall_time)}: {speed}"
+
+
+def _steps(result: Result) -> str:
+    stats = result.stats
+    rejected = "rejected unknown" if stats.rejected is None else f"{stats.rejected} rejected"
+    return (
+        f"{stats.accepted} accepted, {rejected}, {stats.evaluations} evaluations "
+        f"({stats.integrator}, rtol {stats.rtol:g}, atol {stats.atol:g}); {len(result.t)} rows"
+    )
+
+
+def _times(times: Times) -> str:
+    """The stages in order; what came from the cache was not compiled."""
+    told = {"load from cache": "fetch from cache"} | (
+        {"compile": "find in cache"} if times.from_cache else {}
+    )
+    kept = [name for name in _STAGES if name in times.seconds]
+    if "compile" in kept:
+        kept.remove("load from cache")  # it looked, and found nothing
+    return ", ".join(f"{told.get(name, name)} {duration(times.seconds[name])}" for name in kept)
+
+
+def duration(seconds: float) -> str:
+    """A time in the unit that suits it."""
+    for scale, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if seconds >= scale:
+            return f"{seconds / scale:.3g} {unit}"
+    return f"{seconds * 1e9:.3g} ns"
+
+
+def _drift(report: RunReport) -> str:
+    assert report.drift is not None
+    largest = float(report.result.energies["kinetic"].max(initial=0.0))
+    part = f", {report.drift / largest:.1e} of the largest kinetic energy" if largest > 0.0 else ""
+    return f"nothing dissipates or drives: it changes by at most {report.drift:.2e} J{part}"

@@ -1,0 +1,184 @@
+"""A mechanism in motion before a camera: poses, the choice of view, and the drawing of one instant.
+
+In: a `Result` and times. Out: pixels. It writes no files; numbers between two rows of the result are interpolated for
+the eye, not for measurement.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry import MultiPoint
+
+from lamc.mechanism.records import Array
+from lamc.report.raster import Camera, Canvas, Pixels
+from lamc.report.solid import Lines, Solid, solid_of
+from lamc.report.style import body_colours
+from lamc.run.result import Result
+
+_LIGHT = np.array([-0.35, 0.55, 0.76])  # towards the light: right, up, towards the viewer
+_EDGE = (40, 40, 40)
+HINGE = (213, 94, 0)
+# The viewer stands on the side of negative y, so that x runs to the right, and above the ground.
+_AZIMUTHS = (-60.0, -45.0, -30.0, -15.0, 15.0, 30.0, 45.0, 60.0)
+_ELEVATIONS = (15.0, 30.0, 55.0)
+_SAMPLES = 8  # instants that the choice of view looks at
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Poses of all bodies, in the mechanism's order, at k instants: (k, bodies, 3), m, and (k, bodies, 3, 3)."""
+
+    t: Array
+    centres: Array
+    rotations: Array
+
+    def place(self, instant: int, points: Array, bodies: Array, drawn: Array) -> Array:
+        """Where points (n, 3) or (n, k, 3), m, given as drawn, of bodies (n,), are at an instant.
+
+        drawn  centres of mass as drawn, (bodies, 3), m
+        """
+        turns, centres = self.rotations[instant][bodies], self.centres[instant][bodies]
+        per_item = points.shape[1] if points.ndim == 3 else 1
+        flat = points.reshape(len(points), per_item, 3) - drawn[bodies][:, None]
+        placed: Array = np.einsum("nij,nkj->nki", turns, flat) + centres[:, None]
+        return placed.reshape(points.shape)
+
+
+def poses_at(result: Result, times: Array) -> Poses:
+    """Poses at the given times, s, by linear interpolation of the joint angles."""
+    bodies, moving = result.mechanism.bodies, result.motion.model.bodies
+    n = len(result.joints)
+    rows = np.zeros((len(times), 2 * n))
+    for k in range(n):
+        rows[:, k] = np.interp(times, result.t, result.q[:, k])
+    found = result.motion.poses(rows)
+    centres = np.tile(np.array([b.com for b in bodies]), (len(times), 1, 1))
+    rotations = np.tile(np.eye(3), (len(times), len(bodies), 1, 1))
+    for index, body in enumerate(bodies):
+        if body.name in moving:
+            pose = found[:, moving.index(body.name)]
+            centres[:, index], rotations[:, index] = pose[:, :3], pose[:, 3:].reshape(-1, 3, 3)
+    return Poses(times, centres, rotations)
+
+
+class Stage:
+    """A mechanism's shape, its poses, and one camera for all of them. `draw` gives the picture of an instant."""
+
+    def __init__(self, result: Result, times: Array, longest_side: int, *, oversampling: int = 2) -> None:
+        self.poses = poses_at(result, times)
+        self.solid: Solid = solid_of(result.mechanism)
+        self._drawn = np.array([b.com for b in result.mechanism.bodies])
+        self._oversampling = oversampling
+        self._gather()
+        self._colours = _rgb(result)
+        self.camera, self.width, self.height = self._compose(longest_side)
+
+    def _gather(self) -> None:
+        """All vertices of all faces in one array, so that posing is one product; `_rings` cuts it up again."""
+        faces = self.solid.faces
+        vertices = [ring for face in faces for ring in face.rings]
+        self._vertices = np.concatenate(vertices) if vertices else np.zeros((0, 3))
+        counts = [sum(len(ring) for ring in face.rings) for face in faces]
+        self._owner = np.repeat(np.array([f.body for f in faces], dtype=int), counts)
+        self._normals = np.array([f.normal for f in faces]).reshape(-1, 3)
+        self._faces_of = np.array([f.body for f in faces], dtype=int)
+        self._rings: list[list[slice]] = []
+        start = 0
+        for face in faces:
+            slices = []
+            for ring in face.rings:
+                slices.append(slice(start, start + len(ring)))
+                start += len(ring)
+            self._rings.append(slices)
+
+    def _outline(self, instant: int) -> Array:
+        """All points that the picture must hold at an instant, (n, 3), m."""
+        lines = (self.solid.sticks, self.solid.hinges)
+        parts = [self.poses.place(instant, self._vertices, self._owner, self._drawn)]
+        parts += [self._place(instant, each).reshape(-1, 3) for each in lines]
+        return np.concatenate([*parts, self.poses.centres[instant]])
+
+    def _place(self, instant: int, lines: Lines) -> Array:
+        return self.poses.place(instant, lines.segments, lines.bodies, self._drawn)
+
+    def _compose(self, longest_side: int) -> tuple[Camera, int, int]:
+        """The camera, and width and height of the image in pixels, both even."""
+        count = len(self.poses.t)
+        chosen = sorted({int(k) for k in np.linspace(0, count - 1, min(_SAMPLES, count))})
+        right, up, towards = self._best_view(chosen)
+        axes = np.stack([right, up, towards], axis=1)
+        seen = [self._outline(k) @ axes for k in range(count)]
+        low = np.min([s.min(axis=0) for s in seen], axis=0)
+        high = np.max([s.max(axis=0) for s in seen], axis=0)
+        extent = np.maximum((high - low)[:2], 0.05 * self.solid.size) * 1.08
+        ratio = float(np.clip(extent[1] / extent[0], 0.35, 1.0 if extent[1] <= extent[0] else 1.6))
+        width = longest_side if ratio <= 1.0 else int(longest_side / ratio)
+        height = int(width * ratio)
+        width, height = width - width % 2, height - height % 2
+        scale = float(min(width / extent[0], height / extent[1]))
+        centre = axes @ ((low + high) / 2)
+        return Camera(right, up, towards, centre, scale), width, height
+
+    def _best_view(self, instants: list[int]) -> tuple[Array, Array, Array]:
+        """The view in which the motion spreads widest while the faces are not seen edge on."""
+        points = [self._outline(k) for k in instants]
+        areas = np.array([face.area for face in self.solid.faces])
+        best, found = -1.0, _axes(_AZIMUTHS[2], _ELEVATIONS[1])
+        for elevation in _ELEVATIONS:
+            for azimuth in _AZIMUTHS:
+                axes = _axes(azimuth, elevation)
+                flat = np.concatenate(points) @ np.stack(axes[:2], axis=1)
+                spread = MultiPoint(shapely.points(flat)).convex_hull.area
+                visible = 1.0
+                if areas.sum() > 0.0:
+                    facing = [np.abs(self._turned_normals(k) @ axes[2]) @ areas for k in instants]
+                    visible = float(np.mean(facing)) / float(areas.sum())
+                score = spread * (0.15 + visible)
+                if score > best * (1 + 1e-9):
+                    best, found = score, axes
+        return found
+
+    def _turned_normals(self, instant: int) -> Array:
+        turned: Array = np.einsum("nij,nj->ni", self.poses.rotations[instant][self._faces_of], self._normals)
+        return turned
+
+    def draw(self, instant: int) -> Pixels:
+        """The picture of one instant, (height, width, 3)."""
+        canvas = Canvas(self.width, self.height, self._oversampling)
+        camera = self.camera
+        vertices = camera.project(self.poses.place(instant, self._vertices, self._owner, self._drawn))
+        normals = self._turned_normals(instant) @ np.stack([camera.right, camera.up, camera.towards], axis=1)
+        shades = 0.62 + 0.38 * np.clip(normals @ _LIGHT, 0.0, 1.0)
+        for k in np.flatnonzero(normals[:, 2] > 1e-6):
+            colour = self._colours[self._faces_of[k]] * shades[k]
+            red, green, blue = (int(c) for c in colour)
+            canvas.face([vertices[s] for s in self._rings[k]], normals[k], (red, green, blue))
+        self._draw_lines(canvas, instant)
+        return canvas.finish()
+
+    def _draw_lines(self, canvas: Canvas, instant: int) -> None:
+        solid, project = self.solid, self.camera.project
+        sticks = self._colours[solid.sticks.bodies].astype(np.uint8)
+        canvas.lines(project(self._place(instant, solid.sticks)), sticks, width=5.0, bias=0.0, solid=True)
+        edges = np.tile(np.array(_EDGE, dtype=np.uint8), (len(solid.edges.segments), 1))
+        canvas.lines(project(self._place(instant, solid.edges)), edges, width=0.8, bias=1.5)
+        hinges = np.tile(np.array(HINGE, dtype=np.uint8), (len(solid.hinges.segments), 1))
+        # Hinge lines lie at the mid-plane, inside the material; they are shown through it.
+        canvas.lines(project(self._place(instant, solid.hinges)), hinges, width=1.8, bias=np.inf)
+
+
+def _axes(azimuth: float, elevation: float) -> tuple[Array, Array, Array]:
+    """Right, up and towards the viewer. Azimuth, degrees, from the -y direction, positive to the viewer's right."""
+    a, e = np.radians(azimuth), np.radians(elevation)
+    towards = np.array([np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)])
+    right = np.array([np.cos(a), np.sin(a), 0.0])
+    return right, np.cross(towards, right), towards
+
+
+def _rgb(result: Result) -> Array:
+    """Colours of the bodies, (bodies, 3), 0 to 255."""
+    colours = body_colours(result.mechanism)
+    return np.array(
+        [[int(colours[b.name][k : k + 2], 16) for k in (1, 3, 5)] for b in result.mechanism.bodies], float
+    )

@@ -1,0 +1,77 @@
+"""Colours, line styles and the writing of figures, shared by all pictures.
+
+In: matplotlib figures and names from a design. Out: image files, written whole or not at all. It draws nothing
+itself and keeps no state; names are shown as they are, never read as markup or mathematics.
+"""
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+
+from lamc.mechanism.records import Mechanism
+from lamc.report.plan_view import shortened
+from lamc.run.files import replacing
+
+# Okabe and Ito's palette, which readers of all kinds of colour vision can tell apart; grey is for the world.
+PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")
+WORLD = "#9A9A9A"
+LINE_STYLES = ("-", "--", "-.", ":")
+DPI = 160
+
+
+def curve_style(index: int) -> tuple[str, str]:
+    """Colour and line style of curve `index`; the pairs repeat after 24. Yellow is too pale for lines."""
+    colours = PALETTE[:-1]
+    return colours[index % len(colours)], LINE_STYLES[index // len(colours) % len(LINE_STYLES)]
+
+
+def body_colours(mechanism: Mechanism) -> dict[str, str]:
+    """A colour per body: grey for the world, and different ones for bodies that share a hinge."""
+    neighbours: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
+    for joint in mechanism.joints:
+        neighbours[joint.parent].add(joint.child)
+        neighbours[joint.child].add(joint.parent)
+    colours: dict[str, str] = {}
+    moving = 0
+    for body in mechanism.bodies:
+        if body.fixed:
+            colours[body.name] = WORLD
+            continue
+        near = {colours[name] for name in neighbours[body.name] if name in colours}
+        turned = [PALETTE[(moving + k) % len(PALETTE)] for k in range(len(PALETTE))]
+        colours[body.name] = next((c for c in turned if c not in near), turned[0])
+        moving += 1
+    return colours
+
+
+def add_legend(axis: Axes, handles: Sequence[object], names: Sequence[str], columns: int = 1) -> Legend:
+    """A legend to the right of the axes. Names may begin with "_" or hold "$": they are shown as they are."""
+    legend = axis.legend(
+        handles=list(handles),
+        labels=[str(k) for k in range(len(names))],
+        loc="upper left",
+        bbox_to_anchor=(1.01, 1.02),
+        fontsize=8,
+        frameon=False,
+        ncols=columns,
+        borderaxespad=0.0,
+    )
+    for text, name in zip(legend.get_texts(), names, strict=True):
+        text.set_parse_math(False)
+        text.set_text(shortened(name, 24))
+    return legend
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Writes the figure as PNG in one step. Raises LamcError if it cannot."""
+    with mpl.rc_context({"axes.unicode_minus": True}), warnings.catch_warnings():
+        # A name may hold characters that the font lacks; they appear as boxes, and that is no news for a terminal.
+        warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
+        with replacing(path) as temporary:
+            figure.savefig(temporary, dpi=DPI, format="png", metadata={"Software": "lamc"})
+    return path

@@ -1,0 +1,5 @@
+"""`python -m lamc` is `lamc`."""
+
+from lamc.cli import main
+
+main()

@@ -1,0 +1,83 @@
+"""Every command and every program that the README shows does what it says."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lamc
+from lamc.examples import path as example
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def commands() -> list[str]:
+    """Shell lines of all blocks, and the commands of the first table on a design of the reader's own."""
+    lines = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    return [line for line in lines if line] + re.findall(r"\| `(lamc [^`]*)` \|", README)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with the files that the README speaks of."""
+    for name in ("design.cad", "pendulum.cad"):
+        shutil.copy(ROOT / "lamc" / "examples" / "pendulum.cad", tmp_path / name)
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", [c for c in commands() if c.startswith("lamc")])
+def test_each_lamc_command_of_the_readme_succeeds(command: str, folder: Path) -> None:
+    arguments = [sys.executable, "-m", "lamc", *command.split()[1:]]
+    if "run" in command.split():
+        arguments.append("--no-animation")  # the film has its own tests, and takes most of the time
+    done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("command", [c for c in commands() if c.startswith("make")])
+def test_each_make_target_of_the_readme_exists(command: str) -> None:
+    done = subprocess.run([*command.split(), "-n"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_readme_has_commands_of_both_kinds() -> None:
+    kinds = {command.split()[0] for command in commands()}
+    assert {"lamc", "make"} <= kinds
+
+
+def test_the_program_of_the_readme_runs(folder: Path) -> None:
+    (program,) = blocks("python")
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert (folder / "pendulum.csv").is_file()
+
+
+def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) -> None:
+    (text,) = blocks("yaml")
+    file = tmp_path / "flap.yaml"
+    file.write_text(text, encoding="utf-8")
+    sim = lamc.compile(lamc.load(file))
+    assert sim.joints == ("fold",)
+    result = sim.run(t_end=0.1)
+    assert result.success
+    assert result.angle("fold")[0] == pytest.approx(0.5235987755982988, abs=1e-15)  # 30°, one rounding
+
+
+def test_pictures_of_the_readme_are_there() -> None:
+    for name in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", README):
+        assert (ROOT / name).stat().st_size > 10_000
+
+
+def test_examples_that_the_readme_names_exist() -> None:
+    for name in re.findall(r"--example (\S+)", README):
+        assert example(name).is_file()

@@ -13,12 +13,12 @@ FIXTURES = Path(__file__).parent / "fixtures"
 
 @pytest.fixture(scope="module")
 def expected() -> dict[str, object]:
-    cases = json.loads((FIXTURES / "dynamics.json").read_text())["cases"]
+    cases = json.loads((FIXTURES / "reference" / "dynamics.json").read_text())["cases"]
     return next(c for c in cases if c["id"] == "popupcad_pendulum")
 
 
 def test_popupcad_pendulum_swings_as_computed_from_its_geometry_alone(expected: dict[str, object]) -> None:
-    sim = lamc.compile(lamc.load(FIXTURES / "pendulum.cad"))
+    sim = lamc.compile(lamc.load(FIXTURES / "designs" / "popupcad" / "pendulum.cad"))
     rows = expected["expected"]
     assert isinstance(rows, list)
     result = sim.run(t_end=10.0, rtol=1e-11, atol=1e-13, t_eval=[row["t"] for row in rows])
@@ -29,6 +29,6 @@ def test_popupcad_pendulum_swings_as_computed_from_its_geometry_alone(expected: 
 
 
 def test_popupcad_pendulum_weighs_what_its_polygons_say(expected: dict[str, object]) -> None:
-    mechanism = lamc.split(lamc.load(FIXTURES / "pendulum.cad"))
+    mechanism = lamc.split(lamc.load(FIXTURES / "designs" / "popupcad" / "pendulum.cad"))
     masses = [b.mass for b in mechanism.bodies if not b.fixed]
     assert np.allclose(masses, expected["masses"], rtol=0.0, atol=1e-12)  # the limit for masses

@@ -114,12 +114,15 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "digest": program.digest,
         "notes": [comment(n) for n in program.notes],
         "joints": [comment(j) for j in program.joints],
+        "cuts": [comment(j) for j in program.cuts],
+        "size": literal(program.size),
         "bodies": [comment(b) for b in program.bodies],
         "energies": [comment(e) for e in program.energies],
         "parameters": parameters,
         "constant_count": max(1, program.constant_count),
         "strings": {
             "joint_names": [string_literal(j) for j in program.joints],
+            "cut_names": [string_literal(j) for j in program.cuts] or ['""'],
             "body_names": [string_literal(b) for b in program.bodies],
             "parameter_names": [p.literal for p in parameters] or ['""'],
             "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
@@ -133,6 +136,8 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
 def _counts(program: Program) -> dict[str, int]:
     return {
         "joints": len(program.joints),
+        "cuts": len(program.cuts),
+        "closure": program.closure_count,
         "bodies": len(program.bodies),
         "parameters": len(program.parameters),
         "constants": program.constant_count,

@@ -44,6 +44,7 @@ class CFunction:
 
     name: str
     purpose: str
+    reads: tuple[str, ...]  # letters of its arguments
     operations: Operations
     routines: tuple[CRoutine, ...]
     tables: tuple[CTable, ...]
@@ -77,6 +78,7 @@ def _block(function: Function, printer: ShapePrinter, fields: list[str]) -> CFun
     return CFunction(
         name=function.name,
         purpose=comment(function.purpose),
+        reads=tuple(space.value for space in function.reads),
         operations=function.operations,
         routines=(),
         tables=(),
@@ -160,6 +162,7 @@ class _Long:
         return CFunction(
             name=function.name,
             purpose=comment(function.purpose),
+            reads=tuple(space.value for space in function.reads),
             operations=function.operations,
             routines=tuple(self.routines),
             tables=(

@@ -26,12 +26,26 @@ POSES = (
 )
 
 
+SYSTEM = ("system", "mass matrix, lower triangle by rows, kg m^2, then forces, N m", _STATE)
+CLOSURE = (
+    "closure",
+    "residuals of the loops (m), m, then their Jacobian (m, n), m/rad",
+    (Space.CONSTANT, Space.ANGLE),
+)
+CONSTRAINT = (
+    "constraint",
+    "Jacobian of the loops (m, n), m/rad, then their acceleration bias (m), m/s^2",
+    (Space.CONSTANT, Space.ANGLE, Space.RATE),
+)
+CUTS = ("cuts", "angles of the cut joints, rad, then their rates, rad/s", (Space.CONSTANT, Space.ANGLE, Space.RATE))
+
+
 @collector_paused
 def lower(equations: Equations) -> Program:
     """The program of `equations`."""
     store = equations.store
     jobs = [
-        (ACCELERATION, equations.acceleration),
+        *_motion_jobs(equations),
         (ENERGY, tuple(equations.energies.values())),
         (POSES, equations.poses),
     ]
@@ -53,13 +67,36 @@ def lower(equations: Equations) -> Program:
         parameters=equations.parameters,
         constant_count=len(constants),
         energies=tuple(equations.energies),
+        cuts=equations.cut_joints,
+        closure_count=len(equations.closure.residual) if equations.closure else 0,
+        size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
         notes=(_solver_note(equations),),
     )
     return _with_digest(program)
 
 
+def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    """What moves the mechanism: accelerations for a tree; for loops, what the runtime solves them from."""
+    closure = equations.closure
+    if closure is None:
+        return [(ACCELERATION, equations.acceleration)]
+    count = len(equations.joints)
+    lower_triangle = [equations.inertia.get((i, j), 0) for i in range(count) for j in range(i + 1)]
+    jacobian = [value for row in closure.jacobian for value in row]
+    cuts = [hinge.angle for hinge in closure.hinges] + [hinge.rate for hinge in closure.hinges]
+    return [
+        (SYSTEM, [*lower_triangle, *equations.forces]),
+        (CLOSURE, [*closure.residual, *jacobian]),
+        (CONSTRAINT, [*jacobian, *closure.bias]),
+        (CUTS, cuts),
+    ]
+
+
 def _solver_note(equations: Equations) -> str:
+    if equations.closure is not None:
+        rows = len(equations.closure.residual)
+        return f"{len(equations.cut_joints)} loops, held by {rows} closure equations; lamc's runtime solves with them."
     flops = ", ".join(f"{way} {count}" for way, count in sorted(equations.solver_flops.items()))
     return f"Accelerations by {equations.solver} (operations: {flops})."
 
@@ -146,6 +183,9 @@ def _canonical(program: Program) -> Iterable[str]:
             program.energies,
             program.constant_count,
             program.notes,
+            program.cuts,
+            program.closure_count,
+            program.size,
         )
     )
     for parameter in program.parameters:

@@ -101,6 +101,11 @@ class Program:
     functions, by name:
       "setup"         parameters → constants, shape (constant_count,)
       "acceleration"  t, q, u → du/dt, shape (n,), rad/s²
+                      a mechanism with loops has instead of it:
+      "system"        t, q, u → M, lower triangle by rows, kg·m², then f, N·m, of M u̇ = f without the loops
+      "closure"       q → residuals φ (m), m, then Jacobian J (m, n), m/rad
+      "constraint"    q, u → J (m, n), then bias γ (m), m/s², of J u̇ + γ = 0
+      "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s
       "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
       "poses"         q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
                       equal to world axes in the drawn configuration), shape (12 len(bodies),)
@@ -112,6 +117,9 @@ class Program:
     parameters: tuple[Parameter, ...]
     constant_count: int
     energies: tuple[str, ...]
+    cuts: tuple[str, ...]  # names of the joints that close loops
+    closure_count: int  # m, equations that hold the loops
+    size: float  # m, the mechanism's length scale
     functions: Mapping[str, Function]
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
     digest: str = ""  # of everything above

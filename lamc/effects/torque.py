@@ -51,7 +51,7 @@ class Torque:
                 names = {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate}
                 loads.hinge_torque(joint, stage(torque, names))
             else:
-                loads.joint_index(joint)
+                loads.hinge(joint)
                 loads.hinge_torque(joint, loads.parameter(f"{joint}.torque", torque, "N·m", "applied torque"))
 
     @classmethod

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
+from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 # than this it has lost in every mechanism measured (see benchmarks/solver_crossover.py), and is not tried.
 MAX_PAIRS_FOR_MASS_MATRIX = 60
 
+# With loops the runtime solves M u̇ = f together with the closure; the equations hold M, f and the closure.
+CONSTRAINED = "constraints"
+
 
 @collector_paused
 def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
@@ -38,8 +42,8 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
     names = tree.joint_names
     parameters = Parameters(store)
     time = store.symbol("t", Space.TIME, 0)
-    q: list[Scalar] = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
-    u: list[Scalar] = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
+    q = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
+    u = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
     with store.section(
         "Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"
     ):
@@ -47,13 +51,14 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
         inertias = [inertia for inertia, _ in pairs]
         base = regrouped(store, tree, inertias)
     placement = Placement(Kinematics(store, tree, q))
-    loads = Loads(placement, parameters, time, q, u)
+    hinges = cut_hinges(placement, u)
+    loads = Loads(placement, parameters, time, q, u, hinges)
     for effect in effects:
         with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
             effect.contribute(loads)
     problem = Problem(placement.kinematics, base, u, loads)
-    solutions, flops = _solutions(problem, count)
-    solver = min(flops, key=lambda name: flops[name])
+    solutions, flops = ({CONSTRAINED: ()}, {}) if hinges else _solutions(problem, count)
+    solver = min(solutions, key=lambda name: flops.get(name, 0))
     coms = [com for _, com in pairs]
     return Equations(
         tree=tree,
@@ -62,6 +67,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
         parameters=tuple(parameters.records),
         acceleration=tuple(solutions[solver]),
         problem=problem,
+        closure=close(hinges, q, u) if hinges else None,
         energies=_energies(placement, inertias, coms, u, loads),
         poses=tuple(_poses(placement, coms)),
         solver=solver,
@@ -134,13 +140,13 @@ def _less(wrench: Wrench, applied: Wrench | None) -> Wrench:
     return add(wrench[0], minus[0]), add(wrench[1], minus[1])
 
 
-def _solutions(problem: Problem, count: int) -> tuple[dict[str, list[Scalar]], dict[str, int]]:
+def _solutions(problem: Problem, count: int) -> tuple[dict[str, Sequence[Scalar]], dict[str, int]]:
     """Both ways to u̇ where both can be cheapest, with their operation counts."""
     tree, store = problem.kinematics.tree, problem.kinematics.store
     ways = ["elimination"]
     if sum(len(way_to_world(tree, i)) for i in range(count)) <= MAX_PAIRS_FOR_MASS_MATRIX:
         ways.append("mass matrix")
-    solutions = {way: problem.solve(way) for way in ways}
+    solutions: dict[str, Sequence[Scalar]] = {way: problem.solve(way) for way in ways}
     flops = {way: count_operations(store, values, Level.PARAMETER).flops for way, values in solutions.items()}
     return solutions, flops
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import sympy as sp
 
     from lamc.effects.base import Effect
+    from lamc.mechanics.closure import Closure
     from lamc.mechanics.derive import Problem
 
 
@@ -43,6 +44,8 @@ class Equations:
     energies      stored and kinetic energy by effect, J; "kinetic" first
     poses         per link: centre of mass (3) and rotation (9, by rows), world
     problem       M u̇ = f before it was solved
+    closure       residuals, Jacobian and bias of the loops; None for a tree. `acceleration` is then empty: the
+                  runtime solves M u̇ = f together with the closure
     solver        how u̇ was solved for; `solver_flops` what each way costs
     """
 
@@ -54,6 +57,7 @@ class Equations:
     problem: "Problem"
     energies: Mapping[str, Scalar]
     poses: tuple[Scalar, ...]
+    closure: "Closure | None"
     solver: str
     solver_flops: Mapping[str, int]
 
@@ -71,17 +75,34 @@ class Equations:
     def joints(self) -> tuple[str, ...]:
         return self.tree.joint_names
 
+    @property
+    def cut_joints(self) -> tuple[str, ...]:
+        """Names of the joints that close loops."""
+        return tuple(cut.joint.name for cut in self.tree.cuts)
+
     @cached_property
     def operations(self) -> Operations:
-        """Of one evaluation of u̇, parameter-only work excluded."""
-        return count_operations(self.store, self.acceleration, Level.PARAMETER)
+        """Of one evaluation of u̇ (with loops: of M, f, J and γ), parameter-only work excluded."""
+        return count_operations(self.store, list(self._results.values()), Level.PARAMETER)
 
     @cached_property
     def assignments(self) -> "tuple[Assignment, ...]":
-        """The equations, staged: every right-hand side holds symbols defined before it. Ends with udot_<joint>."""
-        return self.staged(
-            {f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)}
-        )
+        """The equations, staged: every right-hand side holds symbols defined before it.
+
+        Ends with udot_<joint>; with loops, with the entries of M, f, and of φ, J and γ of the closure.
+        """
+        return self.staged(self._results)
+
+    @cached_property
+    def _results(self) -> Mapping[str, Scalar]:
+        if self.closure is None:
+            return {f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)}
+        results = {f"M_{i}_{j}": value for (i, j), value in sorted(self.inertia.items())}
+        results |= {f"f_{i}": value for i, value in enumerate(self.forces)}
+        for row, (residual, bias) in enumerate(zip(self.closure.residual, self.closure.bias, strict=True)):
+            results |= {f"phi_{row}": residual, f"gamma_{row}": bias}
+            results |= {f"J_{row}_{j}": value for j, value in enumerate(self.closure.jacobian[row])}
+        return results
 
     @cached_property
     def mass_matrix(self) -> "sp.Matrix":

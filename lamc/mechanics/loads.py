@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Parameter, Space
 from lamc.errors import DesignError
-from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot
+from lamc.mechanics import closure
+from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
+from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
-from lamc.mechanics.staging import Number, Scalar, Store, Value
+from lamc.mechanics.staging import NO_LINK, Number, Scalar, Store, Value
 from lamc.mechanism.records import Array, Joint, Mechanism, checked_array
 from lamc.mechanism.tree import WORLD
 
@@ -60,6 +62,7 @@ class Loads:
         time: Scalar,
         q: Sequence[Scalar],
         u: Sequence[Scalar],
+        cut_hinges: Sequence[CutHinge] = (),
     ) -> None:
         self.placement = placement
         self.kinematics = placement.kinematics
@@ -76,6 +79,7 @@ class Loads:
         self._parameters = parameters
         self._store = parameters.store
         self._index = {link.joint.name: i for i, link in enumerate(tree.links)}
+        self._cuts = {hinge.cut.joint.name: hinge for hinge in cut_hinges}
         self._bodies = {link.body.name: i for i, link in enumerate(tree.links)}
         self._effect = ""
 
@@ -85,8 +89,8 @@ class Loads:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of q."""
-        return self.tree.joint_names
+        """Names of the joints: those of q in their order, then those that close loops."""
+        return (*self.tree.joint_names, *self._cuts)
 
     @contextmanager
     def effect(self, name: str, title: str, source: str) -> Iterator[None]:
@@ -104,24 +108,33 @@ class Loads:
 
     def hinge(self, joint: str) -> Hinge:
         """The hinge of that name. Raises DesignError with the names there are."""
-        index = self.joint_index(joint)
+        if joint in self._cuts:
+            closing = self._cuts[joint]
+            return Hinge(closing.cut.joint, closing.angle, closing.rate)
+        index = self._index.get(joint)
+        if index is None:
+            raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
         return Hinge(self.tree.links[index].joint, self._q[index], self._u[index])
 
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
-        for index, name in enumerate(self.joints):
-            self._store.link = index
+        for name in self.joints:
+            self._store.link = self._index.get(name, NO_LINK)
             yield self.hinge(name)
-
-    def joint_index(self, joint: str) -> int:
-        if joint not in self._index:
-            raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self._index))}")
-        return self._index[joint]
 
     def hinge_torque(self, joint: str, torque: "Scalar | sp.Expr") -> None:
         """Adds a torque about the joint's axis, N·m, on the child, and its opposite on the parent (eq. 15-17)."""
-        index = self.joint_index(joint)
-        self.hinge_torques[index] = self.hinge_torques[index] + self._scalar(torque)
+        name, value = self.hinge(joint).joint.name, self._scalar(torque)
+        if name in self._index:
+            index = self._index[name]
+            self.hinge_torques[index] = self.hinge_torques[index] + value
+            return
+        cut = self._cuts[name].cut
+        for side, sign in ((cut.child, 1), (cut.parent, -1)):
+            if side.link != WORLD:
+                axis = closure.constants(self._store, side.axes[:, 2])
+                moment = scale(sign * value, self.kinematics.in_carrier(side.link, axis))
+                self._book(side.link, ZERO, moment)
 
     def uniform_field(self, acceleration: Sequence["Scalar | sp.Expr"]) -> None:
         """Adds an acceleration, m/s², that acts on all mass alike; its potential energy is booked too."""
@@ -180,8 +193,9 @@ class Loads:
         from lamc.mechanics.sympy_view import from_sympy
 
         inputs: dict[str, Scalar] = {"t": self.time}
-        for i, joint in enumerate(self.joints):
-            inputs |= {f"q_{joint}": self._q[i], f"u_{joint}": self._u[i]}
+        for joint in self.joints:
+            hinge = self.hinge(joint)
+            inputs |= {f"q_{joint}": hinge.angle, f"u_{joint}": hinge.rate}
         return from_sympy(value, inputs)
 
     def _vector(self, values: Sequence["Scalar | sp.Expr"]) -> Vector3:
@@ -196,6 +210,10 @@ class Loads:
         carrier = self.placement.carrier(index)
         force, moment = rotate_back(carrier, force), rotate_back(carrier, moment)
         moment = add(moment, cross(self.kinematics.in_carrier(index, local), force))
+        self._book(index, force, moment)
+
+    def _book(self, index: int, force: Vector3, moment: Vector3) -> None:
+        """A wrench about the link's origin, carrier components."""
         before = self.wrenches.get(index, (ZERO, ZERO))
         self.wrenches[index] = (add(before[0], force), add(before[1], moment))
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import TopologyError, UnsupportedError
+from lamc.errors import TopologyError
 from lamc.mechanism.records import Array, Body, Joint, Mechanism
 
 # Relative size under which a geometric number is round-off of a zero: a few hundred ulps, far below any drawing.
@@ -50,11 +50,30 @@ class Link:
 
 
 @dataclass(frozen=True, eq=False)
+class Side:
+    """One side of a cut hinge: a point on its line and its directions, in the frame of the link that holds it."""
+
+    link: int  # index of the link, WORLD for a fixed body; then the frame is the world's
+    point: Array  # (3,), m
+    axes: Array  # (3, 3): columns x, y across the hinge and z along it, equal on both sides as drawn
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A hinge that closes a loop: it is no edge of the tree, and its two sides are held together by equations."""
+
+    joint: Joint
+    parent: Side
+    child: Side
+
+
+@dataclass(frozen=True, eq=False)
 class Tree:
-    """Links, parents before children; q[i] is the angle of links[i].joint."""
+    """Links, parents before children; q[i] is the angle of links[i].joint. `cuts` close its loops."""
 
     mechanism: Mechanism
     links: tuple[Link, ...]
+    cuts: tuple[Cut, ...] = ()
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -84,10 +103,10 @@ class _Step:
 def plan(mechanism: Mechanism) -> Tree:
     """The tree of `mechanism`.
 
-    Raises TopologyError if a body has no path to the world or a hinge joins two fixed bodies, UnsupportedError if
-    hinges close a loop.
+    Raises TopologyError if a body has no path to the world or a hinge joins two fixed bodies.
     """
-    steps = _depth_first(mechanism, _least_depth(mechanism))
+    carrier = _least_depth(mechanism)
+    steps = _depth_first(mechanism, carrier)
     children: list[list[int]] = [[] for _ in steps]
     for index, step in enumerate(steps):
         if step.parent != WORLD:
@@ -98,7 +117,30 @@ def plan(mechanism: Mechanism) -> Tree:
     links: list[Link] = []
     for index, step in enumerate(steps):
         links.append(_link(mechanism, step, links, axes[index], normals[index], origins[index], signs[index]))
-    return Tree(mechanism, tuple(links))
+    return Tree(mechanism, tuple(links), _cuts(mechanism, carrier, links))
+
+
+def _cuts(mechanism: Mechanism, carrier: dict[str, Joint], links: list[Link]) -> tuple[Cut, ...]:
+    """The joints that are not in the tree, by geometry."""
+    used = {joint.name for joint in carrier.values()}
+    place = {link.body.name: index for index, link in enumerate(links)}
+    size = mechanism.size
+    closing = sorted((j for j in mechanism.joints if j.name not in used), key=lambda j: geometric_key(j, size))
+    cuts: list[Cut] = []
+    for joint in closing:
+        x = _perpendicular(joint.axis, None)
+        x = x / np.linalg.norm(x)
+        axes = np.column_stack([x, np.cross(joint.axis, x), joint.axis])
+        sides = [_side(place.get(name, WORLD), joint.point, axes, links, size) for name in (joint.parent, joint.child)]
+        cuts.append(Cut(joint, sides[0], sides[1]))
+    return tuple(cuts)
+
+
+def _side(index: int, point: Array, axes: Array, links: list[Link], size: float) -> Side:
+    if index == WORLD:
+        return Side(WORLD, point, axes)
+    link = links[index]
+    return Side(index, snap(link.frame.T @ (point - link.origin), size), snap(link.frame.T @ axes, 1.0))
 
 
 def geometric_key(joint: Joint, size: float) -> tuple[tuple[float, ...], str]:
@@ -146,13 +188,6 @@ def _check_reached(mechanism: Mechanism, carrier: dict[str, Joint], fixed: set[s
         raise TopologyError(
             f"body {lost[0]!r}{more} has no path of hinges to a fixed body ({', '.join(sorted(fixed))}); "
             "add a hinge, fix the body or remove it"
-        )
-    used = {j.name for j in carrier.values()}
-    closing = sorted(j.name for j in mechanism.joints if j.name not in used)
-    if closing:
-        more = f" (and {len(closing) - 1} more)" if len(closing) > 1 else ""
-        raise UnsupportedError(
-            f"joint {closing[0]!r}{more} closes a loop of hinges; this version simulates trees only: remove the joint"
         )
 
 

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from lamc.errors import RequestError
+from lamc.run.closing import generic_rank
 from lamc.run.request import Array, did_you_mean, finite
 
 
@@ -43,6 +44,31 @@ class Motion:
         self.handle = model.ffi.new("lamc_motion *")
         self.handle.model = model.handle
         self.handle.constants = model.read(self._constants)  # self._constants keeps the memory alive
+        self._work = np.zeros(model.lib.lamc_motion_work_size(model.handle))
+        if model.cuts:
+            self.handle.work = model.write(self._work)
+            self.handle.rank = model.rank_of(self)
+
+    @property
+    def rank(self) -> int:
+        """Rank of the closure at a generic position; 0 for a tree."""
+        return int(self.handle.rank)
+
+    def closures(self, y: Array) -> Array:
+        """Rows of residuals φ (m) and Jacobian J (m·n, by rows) of the loops at states y (k, 2n)."""
+        model = self.model
+        out = np.zeros((len(y), model.closure_count * (len(model.joints) + 1)))
+        status = model.lib.lamc_motion_closures(self.handle, len(y), model.read(y), model.write(out))
+        assert status == model.lib.LAMC_OK
+        return out
+
+    def cut_states(self, y: Array) -> Array:
+        """Rows of angles (rad, within ±π) and then rates (rad/s) of the cut joints at states y (k, 2n)."""
+        model = self.model
+        out = np.zeros((len(y), 2 * len(model.cuts)))
+        status = model.lib.lamc_motion_cuts(self.handle, len(y), model.read(y), model.write(out))
+        assert status == model.lib.LAMC_OK
+        return out
 
     def accelerations(self, t: Array, y: Array) -> Array:
         """Joint accelerations, shape (m, n), rad/s², at times t (m,) s and states y (m, 2n)."""
@@ -88,12 +114,22 @@ class Model:
         self.name = self._text(handle.name)
         self.digest = self._text(handle.digest)
         self.joints = self._names(handle.joint_names, handle.joint_count)
+        self.cuts = self._names(handle.cut_names, handle.cut_count)
+        self.closure_count = int(handle.closure_count)
+        self.size = float(handle.size)
+        self._rank: int | None = None
         self.bodies = self._names(handle.body_names, handle.body_count)
         self.energies = self._names(handle.energy_names, handle.energy_count)
         self.parameters = self._names(handle.parameter_names, handle.parameter_count)
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
         self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
+
+    def rank_of(self, motion: "Motion") -> int:
+        """Rank of the closure at a generic position; it depends on geometry alone, and is found once."""
+        if self._rank is None:
+            self._rank = generic_rank(motion)
+        return self._rank
 
     def motion(self, parameters: Mapping[str, float]) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.

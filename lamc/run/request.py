@@ -30,6 +30,7 @@ class Status(IntEnum):
     NOT_FINITE = -2
     STEP_LIMIT = -3
     CANCELLED = -4
+    CLOSURE_LOST = -7
     FAILED = -6  # for a reason of its own, told in the message; scipy's integrators only
 
 

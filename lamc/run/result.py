@@ -110,12 +110,13 @@ class Result:
 
     def angle(self, joint: str) -> Array:
         """Angle of a joint, shape (m,), rad; zero as drawn, positive by the right-hand rule about its axis,
-        child relative to parent. Raises KeyError with the names there are."""
-        return self.q[:, self._column(joint)]
+        child relative to parent; within ±π for a joint that closes a loop. Raises KeyError with the names
+        there are."""
+        return self._of(joint, self.q, 0)
 
     def rate(self, joint: str) -> Array:
         """Rate of a joint, shape (m,), rad/s. Raises KeyError with the names there are."""
-        return self.u[:, self._column(joint)]
+        return self._of(joint, self.u, len(self.motion.model.cuts))
 
     @cached_property
     def energies(self) -> Mapping[str, Array]:
@@ -131,8 +132,23 @@ class Result:
 
     @cached_property
     def constraint_error(self) -> Array:
-        """Largest gap at any hinge that closes a loop, shape (m,), m; zero for a tree."""
-        return np.zeros(len(self.t))
+        """Largest gap at any hinge that closes a loop, shape (m,), m; zero for a tree.
+
+        The gap of a hinge is the distance between its two sides' points, or the mechanism's size times the angle
+        between their axes, whichever is larger. It is measured on the poses, not on the equations of closure.
+        """
+        worst = np.zeros(len(self.t))
+        for name in self.motion.model.cuts:
+            joint = self.mechanism.joint(name)
+            points, axes = [], []
+            for body in (joint.parent, joint.child):
+                com, rotation = self.pose(body)
+                points.append(com + rotation @ (joint.point - self.mechanism.body(body).com))
+                axes.append(rotation @ joint.axis)
+            distance = np.linalg.norm(points[1] - points[0], axis=1)
+            angle = np.arctan2(np.linalg.norm(np.cross(axes[0], axes[1]), axis=1), (axes[0] * axes[1]).sum(axis=1))
+            worst = np.maximum(worst, np.maximum(distance, self.motion.model.size * angle))
+        return worst
 
     def pose(self, body: str) -> tuple[Array, Array]:
         """Centre of mass, shape (m, 3), m, and rotation, shape (m, 3, 3), of a body in world axes.
@@ -179,7 +195,16 @@ class Result:
         poses.flags.writeable = False
         return poses
 
-    def _column(self, joint: str) -> int:
+    @cached_property
+    def _cut_states(self) -> Array:
+        return self.motion.cut_states(self._rows)
+
+    def _of(self, joint: str, values: Array, offset: int) -> Array:
+        """The column of a joint, in q or u, or among the states of the joints that close loops."""
+        cuts = self.motion.model.cuts
+        if joint in cuts:
+            return self._cut_states[:, offset + cuts.index(joint)]
         if joint not in self.joints:
-            raise KeyError(f"no joint is named {joint!r}; there are {', '.join(self.joints) or 'none'}")
-        return self.joints.index(joint)
+            names = ", ".join((*self.joints, *cuts)) or "none"
+            raise KeyError(f"no joint is named {joint!r}; there are {names}")
+        return values[:, self.joints.index(joint)]

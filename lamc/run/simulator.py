@@ -19,6 +19,7 @@ from lamc._version import __version__
 from lamc.errors import RequestError
 from lamc.mechanism.records import Mechanism
 from lamc.run import integrators
+from lamc.run.closing import LoopCount, closed_start, count_loops
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.request import Array, Progress, Status, Trajectory, checked_request, did_you_mean
 from lamc.run.result import Provenance, Result, RunStats
@@ -61,7 +62,7 @@ class Simulator:
         self._program = program
         self._module = module
         self._model = Model(module)
-        self.start: Array = _start(scene, self._model.joints)
+        _check_names(scene, self.joints + self.cut_joints)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
@@ -69,6 +70,29 @@ class Simulator:
     @property
     def joints(self) -> tuple[str, ...]:
         return self._model.joints
+
+    @property
+    def cut_joints(self) -> tuple[str, ...]:
+        """Names of the joints that close loops; their angles follow from the others."""
+        return self._model.cuts
+
+    @cached_property
+    def loops(self) -> LoopCount:
+        """Loops, equations, rank, redundancy and degrees of freedom."""
+        return count_loops(self._default_motion)
+
+    @cached_property
+    def start(self) -> Array:
+        """Initial state (2n,): the scene's angles and rates; those left out follow from closure, or are zero.
+
+        Raises DesignError where they cannot be had.
+        """
+        if self._model.cuts:
+            start = closed_start(self._default_motion, self.scene.angles, self.scene.rates)
+        else:
+            start = _start(self.scene, self.joints)
+        start.flags.writeable = False
+        return start
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -180,7 +204,9 @@ class Simulator:
         return self._model.motion(NO_PARAMETERS)
 
     def _motion(self, parameters: Mapping[str, float]) -> Motion:
-        return self._model.motion(parameters) if parameters else self._default_motion
+        if parameters or self._model.cuts:  # with loops a motion has working memory, which two threads cannot share
+            return self._model.motion(parameters)
+        return self._default_motion
 
     def _states(
         self, q: npt.ArrayLike, u: npt.ArrayLike, t: npt.ArrayLike
@@ -220,19 +246,22 @@ def _settled(value: Any) -> Any:
     return make() if make else value
 
 
-def _start(scene: Scene, joints: tuple[str, ...]) -> Array:
-    """Initial state (2n,): the scene's angles and rates, zero where it gives none."""
-    start = np.zeros(2 * len(joints))
-    for values, what, offset in ((scene.angles, "angle", 0), (scene.rates, "rate", len(joints))):
-        for name, value in values.items():
+def _check_names(scene: Scene, joints: tuple[str, ...]) -> None:
+    """Raises RequestError if the scene starts a joint that is not there."""
+    for values, what in ((scene.angles, "angle"), (scene.rates, "rate")):
+        for name in values:
             if name not in joints:
                 raise RequestError(
                     f"the scene gives an initial {what} to joint {name!r}, which is not there; "
                     f"{did_you_mean(name, joints)}"
                 )
-            start[offset + joints.index(name)] = value
-    start.flags.writeable = False
-    return start
+
+
+def _start(scene: Scene, joints: tuple[str, ...]) -> Array:
+    """Initial state (2n,) of a tree: the scene's angles and rates, zero where it gives none."""
+    angles = [scene.angles.get(name, 0.0) for name in joints]
+    rates = [scene.rates.get(name, 0.0) for name in joints]
+    return np.array([*angles, *rates], dtype=np.float64)
 
 
 def _message(trajectory: Trajectory, t_end: float, max_steps: int) -> str:
@@ -246,6 +275,7 @@ def _message(trajectory: Trajectory, t_end: float, max_steps: int) -> str:
         "however short the step; look at the torques and parameters",
         Status.STEP_LIMIT: f"stopped {at} of {t_end:g} s: {max_steps} steps were tried; raise max_steps, "
         "loosen rtol, or try integrator='scipy:Radau' where hinges are stiff",
+        Status.CLOSURE_LOST: f"stopped {at}: a loop came apart, no position nearby closes it; look at forces and rates",
         Status.CANCELLED: f"cancelled {at} of {t_end:g} s; what was computed is kept",
         Status.FAILED: f"stopped {at}: the integrator failed",
     }[trajectory.status]

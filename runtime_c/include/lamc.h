@@ -29,7 +29,8 @@ typedef enum lamc_status {
   LAMC_NOT_FINITE = -2,     /* NaN or infinity at the start, or at every step however short */
   LAMC_STEP_LIMIT = -3,     /* max_steps steps were taken */
   LAMC_CANCELLED = -4,      /* the cancel flag was raised */
-  LAMC_BAD_ARGUMENT = -5    /* an argument breaks the rule written beside it */
+  LAMC_BAD_ARGUMENT = -5,   /* an argument breaks the rule written beside it */
+  LAMC_CLOSURE_LOST = -7    /* a loop came apart: no position nearby closes it */
 } lamc_status;
 
 /* One line of English for people; never NULL, also for numbers that are no status. */
@@ -40,12 +41,16 @@ const char *lamc_status_message(lamc_status status);
 typedef struct lamc_model {
   const char *name;                   /* of the mechanism */
   const char *digest;                 /* of the program that the C was printed from, hexadecimal */
-  int joint_count;                    /* n */
+  double size;                        /* m, length scale: closure is judged relative to it */
+  int joint_count;                    /* n: joints that are coordinates */
+  int cut_count;                      /* joints that close loops; 0: a tree */
+  int closure_count;                  /* m: equations that hold the loops, redundant ones included */
   int body_count;                     /* moving bodies */
   int parameter_count;                /* numbers that can change without recompiling */
   int constant_count;                 /* numbers that depend on parameters only */
   int energy_count;                   /* kinetic first, then one for each effect that stores energy */
   const char *const *joint_names;     /* (joint_count,), UTF-8 */
+  const char *const *cut_names;       /* (cut_count,), UTF-8 */
   const char *const *body_names;      /* (body_count,), UTF-8 */
   const char *const *parameter_names; /* (parameter_count,), UTF-8 */
   const char *const *parameter_units; /* (parameter_count,), UTF-8 */
@@ -53,19 +58,41 @@ typedef struct lamc_model {
   const double *parameter_defaults;   /* (parameter_count,), in parameter_units */
   /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
   void (*setup)(const double *parameters, double *constants);
-  /* t s, q (joint_count,) rad, u (joint_count,) rad/s -> udot (joint_count,) rad/s^2 */
+  /* A tree: t s, q (n,) rad, u (n,) rad/s -> udot (n,) rad/s^2. NULL with loops, which have the four after it. */
   void (*acceleration)(const double *constants, double t, const double *q, const double *u, double *udot);
+  /* -> M lower triangle by rows (n (n + 1) / 2) kg m^2, f (n,) N m of M udot = f without the loops */
+  void (*system)(const double *constants, double t, const double *q, const double *u, double *system);
+  /* -> phi (m,) m, J (m, n) m/rad */
+  void (*closure)(const double *constants, const double *q, double *closure);
+  /* -> J (m, n) m/rad, gamma (m,) m/s^2 of J udot + gamma = 0 */
+  void (*constraint)(const double *constants, const double *q, const double *u, double *constraint);
+  /* -> angles (cut_count,) rad within -pi .. pi, rates (cut_count,) rad/s */
+  void (*cuts)(const double *constants, const double *q, const double *u, double *cuts);
   /* -> energies (energy_count,) J */
   void (*energy)(const double *constants, double t, const double *q, const double *u, double *energies);
   /* q -> poses (body_count, 12): centre of mass (3) m, rotation (3, 3) row-major, both in world axes */
   void (*poses)(const double *constants, const double *q, double *poses);
 } lamc_model;
 
-/* A model with its constants: what the functions below evaluate. */
+/* A model with its constants: what the functions below evaluate. One thread at a time for loops, which use work. */
 typedef struct lamc_motion {
   const lamc_model *model;
   const double *constants; /* (constant_count,), from model->setup */
+  double *work;            /* (lamc_motion_work_size(model),); NULL for a tree */
+  int rank;                /* of the closure at a generic position: no more equations are taken; <= closure_count */
 } lamc_motion;
+
+/* Doubles that `work` must hold; 0 for a tree. */
+long long lamc_motion_work_size(const lamc_model *model);
+
+/* Brings y = [q, u] of a motion with loops back to closure, by the smallest move in the mass metric: positions first,
+ * rates then. *moved is the largest move of an angle, rad. LAMC_CLOSURE_LOST where no near position closes. */
+lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved);
+
+/* Row by row: -> phi (count, m) m and J (count, m, n) m/rad, one after the other in each row */
+lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y, double *closures);
+/* -> angles (cut_count,) rad and rates (cut_count,) rad/s of the cut joints in each row */
+lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts);
 
 /* Row by row over states y (count, 2 n) at times t (count,); LAMC_BAD_ARGUMENT for NULL or count < 0. */
 /* -> udot (count, n), rad/s^2 */
@@ -84,6 +111,8 @@ typedef struct lamc_ode {
   int n; /* >= 0 */
   void (*rhs)(const void *context, double t, const double *y, double *dydt);
   const void *context;
+  /* Brings y back to what holds for all states; *moved tells how far. NULL: nothing has to hold. */
+  lamc_status (*settle)(const void *context, double t, double *y, double *moved);
 } lamc_ode;
 
 /* The motion as an equation in y = [q, u], n = 2 joint_count; `motion` must outlive it. */

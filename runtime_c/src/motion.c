@@ -3,7 +3,18 @@
  * In: a lamc_motion and states y = [q, u]. Out: accelerations, energies, poses. Never changes the motion. */
 #include "lamc.h"
 
+#include "loops.h"
+
 #include <stddef.h>
+
+/* udot of a tree, or under the closure of loops */
+static void accelerate(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
+  if (motion->model->cut_count == 0) {
+    motion->model->acceleration(motion->constants, t, q, u, udot);
+  } else {
+    lamc_loops_acceleration(motion, t, q, u, udot);
+  }
+}
 
 /* dy/dt of y = [q, u] is [u, udot] */
 static void motion_rhs(const void *context, double t, const double *y, double *dydt) {
@@ -11,7 +22,11 @@ static void motion_rhs(const void *context, double t, const double *y, double *d
   const int n = motion->model->joint_count;
   const double *u = y + n;
   for (int i = 0; i < n; i++) dydt[i] = u[i];
-  motion->model->acceleration(motion->constants, t, y, u, dydt + n);
+  accelerate(motion, t, y, u, dydt + n);
+}
+
+static lamc_status motion_settle(const void *context, double t, double *y, double *moved) {
+  return lamc_motion_settle((const lamc_motion *)context, t, y, moved);
 }
 
 lamc_ode lamc_motion_ode(const lamc_motion *motion) {
@@ -19,6 +34,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.n = 2 * motion->model->joint_count;
   ode.rhs = motion_rhs;
   ode.context = motion;
+  ode.settle = motion->model->cut_count == 0 ? NULL : motion_settle;
   return ode;
 }
 
@@ -35,7 +51,7 @@ lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count
   const int n = model->joint_count;
   for (long long row = 0; row < count; row++) {
     const double *q = y + 2 * n * row;
-    model->acceleration(motion->constants, t[row], q, q + n, udot + n * row);
+    accelerate(motion, t[row], q, q + n, udot + n * row);
   }
   return LAMC_OK;
 }
@@ -57,6 +73,28 @@ lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const 
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count; row++) {
     model->poses(motion->constants, y + 2 * model->joint_count * row, poses + 12 * model->body_count * row);
+  }
+  return LAMC_OK;
+}
+
+lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y, double *closures) {
+  if (!is_usable(motion, count, y, closures)) return LAMC_BAD_ARGUMENT;
+  const lamc_model *model = motion->model;
+  const int n = model->joint_count;
+  const long long width = (long long)model->closure_count * (n + 1);
+  for (long long row = 0; row < count && model->cut_count > 0; row++) {
+    model->closure(motion->constants, y + 2 * n * row, closures + width * row);
+  }
+  return LAMC_OK;
+}
+
+lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts) {
+  if (!is_usable(motion, count, y, cuts)) return LAMC_BAD_ARGUMENT;
+  const lamc_model *model = motion->model;
+  const int n = model->joint_count;
+  for (long long row = 0; row < count && model->cut_count > 0; row++) {
+    const double *q = y + 2 * n * row;
+    model->cuts(motion->constants, q, q + n, cuts + 2 * model->cut_count * row);
   }
   return LAMC_OK;
 }

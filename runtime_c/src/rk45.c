@@ -71,6 +71,16 @@ static void reject(lamc_rk45 *run, double h, double log_error) {
   run->rejected++;
 }
 
+/* After an accepted step: the new state brought back to what must hold, and its slope with it. */
+static lamc_status settle(lamc_rk45 *run) {
+  if (run->ode.settle == NULL) return LAMC_OK;
+  double *y = slot(run, SLOT_Y + run->side);
+  double moved = 0.0;
+  const lamc_status status = run->ode.settle(run->ode.context, run->t, y, &moved);
+  if (moved > 0.0) evaluate(run, run->t, y, slot(run, SLOT_SLOPE + run->side));
+  return status;
+}
+
 /* Tries one step. LAMC_OK if it was accepted, LAMC_PAUSED if it was not and a shorter one should be tried. */
 static lamc_status try_step(lamc_rk45 *run) {
   const double rest = run->t_end - run->t;
@@ -88,7 +98,7 @@ static lamc_status try_step(lamc_rk45 *run) {
   run->was_finite = is_finite(squared);
   if (run->was_finite && squared <= 1.0) {
     accept(run, h, is_last, log_error);
-    return LAMC_OK;
+    return settle(run);
   }
   reject(run, h, log_error);
   return LAMC_PAUSED;
@@ -231,6 +241,8 @@ static lamc_status write_rows(lamc_rk45 *run, lamc_rows *rows) {
       memcpy(y, lamc_rk45_state(run), (size_t)n * sizeof *y);
     } else {
       (void)lamc_rk45_interpolate(run, t, y); /* cannot fail: a row before t lies in the step just accepted */
+      double moved = 0.0; /* between the ends of a step the polynomial strays from closure by the tolerance */
+      if (run->ode.settle != NULL) (void)run->ode.settle(run->ode.context, t, y, &moved);
     }
     run->t_eval_next++;
   }

@@ -19,6 +19,8 @@ const char *lamc_status_message(lamc_status status) {
     return "cancelled";
   case LAMC_BAD_ARGUMENT:
     return "an argument is outside its range";
+  case LAMC_CLOSURE_LOST:
+    return "a loop came apart: no position nearby closes it";
   }
   return "unknown status";
 }

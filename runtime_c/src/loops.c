@@ -1,0 +1,247 @@
+/* loops.c: motion under the closure of loops, redundant equations and singular positions included.
+ *
+ * In:    M, f, J, gamma and phi from a model. Out: accelerations, and states brought back to closure.
+ * Never: assumes that the equations are independent; allocates.
+ *
+ * M = L L^T. The columns of W = L^-1 J^T are the equations in the mass metric; a QR with column pivoting orders them
+ * by what each adds, and stops at the rank of a generic position or where the rest is below 1e-6 of the first.
+ * Redundant equations differ from their partners at the level of drift only, so a test at machine precision would take
+ * them in and lock the mechanism. Forces then have the smallest norm, as they have in a compliant mechanism of equal
+ * joints. */
+#include "loops.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+static const double RANK_TOLERANCE = 1e-6;
+static const double CLOSED = 1e-13;     /* of the size: round-off of the residuals */
+static const double LOST = 1e-4;        /* of the size: no drift of a step comes near it */
+static const int MAX_ITERATIONS = 8;
+
+/* The parts of the work array */
+typedef struct parts {
+  int n, m;
+  double *l;        /* (n, n): Cholesky factor, lower */
+  double *f;        /* (n,) */
+  double *j;        /* (m, n) */
+  double *extra;    /* (m,): phi or gamma, by what was asked last */
+  double *q;        /* (m, n): row k is the k-th orthonormal direction; before, the equations in the mass metric */
+  double *r;        /* (m, m): r[k m + i], the part of equation i along direction k */
+  double *g;        /* (m,) */
+  double *order;    /* (m,): the equation that direction k was taken from, a whole number */
+  double *x;        /* (n,) */
+  double *raw;      /* what the model writes: the largest of its functions */
+} parts;
+
+static long long raw_size(long long n, long long m) {
+  const long long system = n * (n + 1) / 2 + n;
+  const long long closure = m * n + m;
+  return system > closure ? system : closure;
+}
+
+long long lamc_motion_work_size(const lamc_model *model) {
+  const long long n = model->joint_count;
+  const long long m = model->closure_count;
+  if (model->cut_count == 0) return 0;
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + raw_size(n, m);
+}
+
+static parts parts_of(const lamc_motion *motion) {
+  parts p;
+  p.n = motion->model->joint_count;
+  p.m = motion->model->closure_count;
+  const size_t n = (size_t)p.n;
+  const size_t m = (size_t)p.m;
+  p.l = motion->work;
+  p.f = p.l + n * n;
+  p.j = p.f + n;
+  p.extra = p.j + m * n;
+  p.q = p.extra + m;
+  p.r = p.q + m * n;
+  p.g = p.r + m * m;
+  p.order = p.g + m;
+  p.x = p.order + m;
+  p.raw = p.x + n;
+  return p;
+}
+
+static double dot(int n, const double *a, const double *b) {
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+/* M = L L^T from its lower triangle by rows. NaN where M is not positive, which every later result inherits. */
+static void factorise(const parts *p, const double *lower_triangle) {
+  const double *row = lower_triangle;
+  for (int i = 0; i < p->n; i++) {
+    double *li = p->l + (ptrdiff_t)i * p->n;
+    for (int k = 0; k <= i; k++) {
+      const double *lk = p->l + (ptrdiff_t)k * p->n;
+      const double rest = row[k] - dot(k, li, lk);
+      li[k] = k == i ? sqrt(rest) : rest / lk[k];
+    }
+    row += i + 1;
+  }
+}
+
+/* x = L^-1 x */
+static void solve_lower(const parts *p, double *x) {
+  for (int i = 0; i < p->n; i++) {
+    const double *li = p->l + (ptrdiff_t)i * p->n;
+    x[i] = (x[i] - dot(i, li, x)) / li[i];
+  }
+}
+
+/* x = L^-T x */
+static void solve_upper(const parts *p, double *x) {
+  for (int i = p->n - 1; i >= 0; i--) {
+    double sum = x[i];
+    for (int k = i + 1; k < p->n; k++) sum -= p->l[(ptrdiff_t)k * p->n + i] * x[k];
+    x[i] = sum / p->l[(ptrdiff_t)i * p->n + i];
+  }
+}
+
+static void swap(double *a, double *b, int count) {
+  for (int i = 0; i < count; i++) {
+    const double keep = a[i];
+    a[i] = b[i];
+    b[i] = keep;
+  }
+}
+
+/* Orthonormal directions of the equations in the mass metric; returns how many were taken. Modified Gram-Schmidt
+ * with the largest column next. */
+static int decompose(const parts *p, int rank) {
+  for (int i = 0; i < p->m; i++) {
+    double *w = p->q + (ptrdiff_t)i * p->n;
+    memcpy(w, p->j + (ptrdiff_t)i * p->n, (size_t)p->n * sizeof *w);
+    solve_lower(p, w);
+    p->order[i] = i;
+  }
+  const int most = rank < p->n ? rank : p->n;
+  double first = 0.0;
+  for (int k = 0; k < most; k++) {
+    int best = k;
+    double best_norm = -1.0;
+    for (int i = k; i < p->m; i++) {
+      const double *w = p->q + (ptrdiff_t)i * p->n;
+      const double norm = dot(p->n, w, w);
+      if (norm > best_norm) {
+        best_norm = norm;
+        best = i;
+      }
+    }
+    const double length = sqrt(best_norm);
+    if (k == 0) first = length;
+    if (!(length > RANK_TOLERANCE * first)) return k;
+    if (best != k) {
+      swap(p->q + (ptrdiff_t)k * p->n, p->q + (ptrdiff_t)best * p->n, p->n);
+      swap(p->order + k, p->order + best, 1);
+      for (int row = 0; row < k; row++) swap(p->r + (ptrdiff_t)row * p->m + k, p->r + (ptrdiff_t)row * p->m + best, 1);
+    }
+    double *direction = p->q + (ptrdiff_t)k * p->n;
+    for (int i = 0; i < p->n; i++) direction[i] /= length;
+    p->r[(ptrdiff_t)k * p->m + k] = length;
+    for (int i = k + 1; i < p->m; i++) {
+      double *w = p->q + (ptrdiff_t)i * p->n;
+      const double along = dot(p->n, direction, w);
+      p->r[(ptrdiff_t)k * p->m + i] = along;
+      for (int c = 0; c < p->n; c++) w[c] -= along * direction[c];
+    }
+  }
+  return most;
+}
+
+/* x such that the taken equations have the values -goal: components g along the directions, added to x after what x
+ * has along them is removed. */
+static void impose(const parts *p, int count, const double *goal, double *x) {
+  for (int k = 0; k < count; k++) {
+    double rest = -goal[(int)p->order[k]];
+    for (int i = 0; i < k; i++) rest -= p->r[(ptrdiff_t)i * p->m + k] * p->g[i];
+    p->g[k] = rest / p->r[(ptrdiff_t)k * p->m + k];
+  }
+  for (int k = 0; k < count; k++) {
+    const double *direction = p->q + (ptrdiff_t)k * p->n;
+    const double change = p->g[k] - dot(p->n, direction, x);
+    for (int i = 0; i < p->n; i++) x[i] += change * direction[i];
+  }
+}
+
+/* L of M, and f, at a state */
+static void evaluate_system(const lamc_motion *motion, const parts *p, double t, const double *q, const double *u) {
+  motion->model->system(motion->constants, t, q, u, p->raw);
+  factorise(p, p->raw);
+  memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
+}
+
+void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
+  const parts p = parts_of(motion);
+  const size_t entries = (size_t)p.m * (size_t)p.n;
+  evaluate_system(motion, &p, t, q, u);
+  motion->model->constraint(motion->constants, q, u, p.raw);
+  memcpy(p.j, p.raw, entries * sizeof *p.j);
+  memcpy(p.extra, p.raw + entries, (size_t)p.m * sizeof *p.extra);
+  const int count = decompose(&p, motion->rank);
+  memcpy(udot, p.f, (size_t)p.n * sizeof *udot);
+  solve_lower(&p, udot);
+  impose(&p, count, p.extra, udot);
+  solve_upper(&p, udot);
+}
+
+static double largest(int n, const double *v) {
+  double most = 0.0;
+  for (int i = 0; i < n; i++) {
+    if (!(fabs(v[i]) <= most)) most = fabs(v[i]);
+  }
+  return most;
+}
+
+/* phi and J at q */
+static void evaluate_closure(const lamc_motion *motion, const parts *p, const double *q) {
+  motion->model->closure(motion->constants, q, p->raw);
+  memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
+  memcpy(p->j, p->raw + p->m, (size_t)p->m * (size_t)p->n * sizeof *p->j);
+}
+
+lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved) {
+  const lamc_model *model = motion->model;
+  const parts p = parts_of(motion);
+  double *q = y;
+  double *u = y + p.n;
+  *moved = 0.0;
+  if (model->cut_count == 0) return LAMC_OK;
+  evaluate_system(motion, &p, t, q, u);
+  evaluate_closure(motion, &p, q);
+  int count = decompose(&p, motion->rank);
+  double gap = largest(p.m, p.extra);
+  for (int round = 0; round < MAX_ITERATIONS && gap > CLOSED * model->size; round++) {
+    memset(p.x, 0, (size_t)p.n * sizeof *p.x);
+    impose(&p, count, p.extra, p.x);
+    solve_upper(&p, p.x);
+    for (int i = 0; i < p.n; i++) q[i] += p.x[i];
+    *moved += largest(p.n, p.x);
+    evaluate_closure(motion, &p, q);
+    count = decompose(&p, motion->rank);
+    const double before = gap;
+    gap = largest(p.m, p.extra);
+    if (!(gap < 0.5 * before)) break; /* round-off, or a singular position: no closer from here */
+  }
+  if (!(gap <= LOST * model->size)) return LAMC_CLOSURE_LOST;
+  /* Rates: x = L^T u, without its parts along the equations */
+  for (int i = 0; i < p.n; i++) {
+    double sum = 0.0;
+    for (int k = i; k < p.n; k++) sum += p.l[(ptrdiff_t)k * p.n + i] * u[k];
+    p.x[i] = sum;
+  }
+  memset(p.extra, 0, (size_t)p.m * sizeof *p.extra);
+  impose(&p, count, p.extra, p.x);
+  solve_upper(&p, p.x);
+  for (int i = 0; i < p.n; i++) {
+    const double change = fabs(p.x[i] - u[i]);
+    if (change > *moved) *moved = change;
+    u[i] = p.x[i];
+  }
+  return LAMC_OK;
+}

@@ -15,6 +15,7 @@
 #include <string.h>
 
 static const double RANK_TOLERANCE = 1e-6;
+static const double NEAR_SINGULAR = 0.1; /* of the first: closer than this, states are settled before they are used */
 static const double CLOSED = 1e-13;     /* of the size: round-off of the residuals */
 static const double LOST = 1e-4;        /* of the size: no drift of a step comes near it */
 static const int MAX_ITERATIONS = 8;
@@ -31,6 +32,7 @@ typedef struct parts {
   double *g;        /* (m,) */
   double *order;    /* (m,): the equation that direction k was taken from, a whole number */
   double *x;        /* (n,) */
+  double *y;        /* (2 n,): a settled copy of a state */
   double *raw;      /* what the model writes: the largest of its functions */
 } parts;
 
@@ -44,7 +46,7 @@ long long lamc_motion_work_size(const lamc_model *model) {
   const long long n = model->joint_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + raw_size(n, m);
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + 2 * n + raw_size(n, m);
 }
 
 static parts parts_of(const lamc_motion *motion) {
@@ -62,7 +64,8 @@ static parts parts_of(const lamc_motion *motion) {
   p.g = p.r + m * m;
   p.order = p.g + m;
   p.x = p.order + m;
-  p.raw = p.x + n;
+  p.y = p.x + n;
+  p.raw = p.y + 2 * n;
   return p;
 }
 
@@ -176,14 +179,35 @@ static void evaluate_system(const lamc_motion *motion, const parts *p, double t,
   memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
 }
 
+/* M, f, J, gamma and the directions at a state; returns how many equations were taken */
+static int prepare(const lamc_motion *motion, const parts *p, double t, const double *q, const double *u) {
+  const size_t entries = (size_t)p->m * (size_t)p->n;
+  evaluate_system(motion, p, t, q, u);
+  motion->model->constraint(motion->constants, q, u, p->raw);
+  memcpy(p->j, p->raw, entries * sizeof *p->j);
+  memcpy(p->extra, p->raw + entries, (size_t)p->m * sizeof *p->extra);
+  return decompose(p, motion->rank);
+}
+
+/* 1 if an equation is about to become dependent: the state is near a singular position */
+static int is_near_singular(const lamc_motion *motion, const parts *p, int count) {
+  if (count < motion->rank) return 1;
+  return count > 0 && p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] < NEAR_SINGULAR * p->r[0];
+}
+
 void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
   const parts p = parts_of(motion);
-  const size_t entries = (size_t)p.m * (size_t)p.n;
-  evaluate_system(motion, &p, t, q, u);
-  motion->model->constraint(motion->constants, q, u, p.raw);
-  memcpy(p.j, p.raw, entries * sizeof *p.j);
-  memcpy(p.extra, p.raw + entries, (size_t)p.m * sizeof *p.extra);
-  const int count = decompose(&p, motion->rank);
+  int count = prepare(motion, &p, t, q, u);
+  if (is_near_singular(motion, &p, count)) {
+    /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last
+     * pivot that is an acceleration out of nothing. On closure it is none. */
+    double moved = 0.0;
+    memcpy(p.y, q, (size_t)p.n * sizeof *q);
+    memcpy(p.y + p.n, u, (size_t)p.n * sizeof *u);
+    if (lamc_motion_settle(motion, t, p.y, &moved) == LAMC_OK) {
+      count = prepare(motion, &p, t, p.y, p.y + p.n);
+    }
+  }
   memcpy(udot, p.f, (size_t)p.n * sizeof *udot);
   solve_lower(&p, udot);
   impose(&p, count, p.extra, udot);

@@ -47,7 +47,7 @@ class RunReport:
         if 2 < len(result.t) < result.stats.accepted / 2:
             notes.append(
                 f"{result.stats.accepted} steps lie behind {len(result.t)} rows, so fast motion may not show; "
-                "--points 0 keeps every step"
+                "raise --points (0 keeps every step)"
             )
         return tuple(notes)
 

@@ -21,7 +21,7 @@ _EDGE = (40, 40, 40)
 HINGE = (213, 94, 0)
 # The viewer stands on the side of negative y, so that x runs to the right, and above the ground.
 _AZIMUTHS = (-60.0, -45.0, -30.0, -15.0, 15.0, 30.0, 45.0, 60.0)
-_ELEVATIONS = (15.0, 30.0, 55.0)
+_ELEVATIONS = (15.0, 25.0, 35.0)
 _SAMPLES = 8  # instants that the choice of view looks at
 
 

@@ -12,7 +12,7 @@ from shapely.geometry import Point, Polygon, box
 import lamc
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 from lamc.report.animation import FRAMES_PER_SECOND, draw_animation, frame_times
-from lamc.report.equations_text import equations_tex, equations_txt, escaped, symbol_tex
+from lamc.report.equations_text import equations_tex, equations_txt, escaped, listing, symbol_tex
 from lamc.report.folded import draw_folded, instants, round_length
 from lamc.report.plots import draw_angles_energy
 from lamc.report.raster import Camera, Canvas
@@ -231,7 +231,7 @@ def test_short_runs_are_slowed_and_long_ones_sped_up(
 
 
 def test_every_symbol_of_the_text_is_defined_before_it_is_used(simulator: Simulator) -> None:
-    text = equations_txt(simulator.equations, "strip")
+    text = equations_txt(listing(simulator.equations, "strip"))
     chapter = text.split("Accelerations\n====")[1].split("Mass matrix and")[0]
     defined: set[str] = set()
     for line in chapter.splitlines():
@@ -243,7 +243,7 @@ def test_every_symbol_of_the_text_is_defined_before_it_is_used(simulator: Simula
 
 
 def test_latex_is_balanced_and_its_formulas_parse(simulator: Simulator) -> None:
-    text = equations_tex(simulator.equations, NASTY)
+    text = equations_tex(listing(simulator.equations, NASTY))
     for environment in ("document", "flalign*"):
         assert text.count(rf"\begin{{{environment}}}") == text.count(rf"\end{{{environment}}}") > 0
     bare = text.replace(r"\{", "").replace(r"\}", "")

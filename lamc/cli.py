@@ -5,98 +5,14 @@ In: words. Out: a call of one function in `lamc.commands`, and its exit code: 0,
 quick.
 """
 
-import functools
-import sys
-from collections.abc import Callable, Sequence
-from typing import Any
-
 import click
 
 from lamc._version import __version__
-from lamc.commands.terminal import INTERRUPTED, Terminal, printable
-
-Function = Callable[..., Any]
-
-_SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110, "show_default": True}
+from lamc.commands.options import SETTINGS, Cli, compiler, design, effects, folder, speaking
+from lamc.commands.terminal import Terminal
 
 
-class Cli(click.Group):
-    """A group whose errors are one line, and whose commands return exit codes."""
-
-    def main(
-        self,
-        args: Sequence[str] | None = None,
-        prog_name: str | None = None,
-        complete_var: str | None = None,
-        standalone_mode: bool = True,
-        **extra: Any,
-    ) -> Any:
-        """Runs a verb and ends the process with its exit code."""
-        for stream in (sys.stdout, sys.stderr):
-            if hasattr(stream, "reconfigure"):  # an old terminal may lack a sign such as °
-                stream.reconfigure(errors="replace")
-        try:
-            code = super().main(args, prog_name or "lamc", complete_var, standalone_mode=False, **extra)
-        except click.UsageError as error:
-            where = error.ctx.command_path if error.ctx is not None else "lamc"
-            told = " ".join(error.format_message().split())
-            click.echo(printable(f"error: {told} (see `{where} --help`)"), err=True)
-            code = error.exit_code
-        except click.ClickException as error:
-            click.echo(printable(f"error: {error.format_message()}"), err=True)
-            code = 2
-        except (click.Abort, KeyboardInterrupt):
-            click.echo("error: interrupted", err=True)
-            code = INTERRUPTED
-        if not standalone_mode:
-            return code
-        sys.exit(code if isinstance(code, int) else 0)
-
-
-def together(*options: Function) -> Function:
-    """Several click decorators as one; the first is shown first."""
-    return lambda function: functools.reduce(lambda f, option: option(f), reversed(options), function)
-
-
-def speaking(function: Function) -> Function:
-    """Adds --json, --quiet and --debug, hands the function a Terminal, and turns its errors into exit codes."""
-
-    @click.option(
-        "--json", "as_json", is_flag=True, help="Print one JSON document on stdout and nothing else there."
-    )
-    @click.option("--quiet", is_flag=True, help="Print errors only.")
-    @click.option("--debug", is_flag=True, help="Show the traceback of errors.")
-    @functools.wraps(function)
-    def wrapped(*, as_json: bool, quiet: bool, debug: bool, **given: Any) -> int:
-        terminal = Terminal(as_json, quiet, debug)
-        return terminal.guard(lambda: function(terminal=terminal, **given))
-
-    return wrapped
-
-
-design = together(
-    click.argument("file", required=False),
-    click.option("--example", metavar="NAME", help="An example that comes with lamc, instead of FILE."),
-)
-compiler = together(
-    click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
-    click.option("--fast", is_flag=True, help="Let the compiler use this machine's own instructions."),
-)
-effects = together(
-    click.option(
-        "--with", "with_", metavar="EFFECT", multiple=True, help="Add an effect: NAME or NAME=VALUE."
-    ),
-    click.option("--without", metavar="EFFECT", multiple=True, help="Leave an effect out."),
-)
-folder = click.option(
-    "--out",
-    metavar="DIR",
-    help="Folder to write to.  [default: out/<name of the design>]",
-    show_default=False,
-)
-
-
-@click.group(cls=Cli, context_settings=_SETTINGS, invoke_without_command=True)
+@click.group(cls=Cli, context_settings=SETTINGS, invoke_without_command=True)
 @click.version_option(__version__, "--version", "-V", prog_name="lamc")
 @click.pass_context
 def main(context: click.Context) -> None:
@@ -121,12 +37,18 @@ def main(context: click.Context) -> None:
 @design
 @click.option("--t-end", type=float, default=10.0, metavar="SECONDS", help="End of the run.")
 @click.option(
-    "--points", type=int, default=2001, metavar="N", help="Rows of the results, evenly spread; 0: every step."
+    "--points",
+    type=int,
+    metavar="N",
+    help="Rows of the results, evenly spread; 0: every step.  [default: 200 a second]",
 )
 @click.option("--rtol", type=float, default=1e-9, help="Relative tolerance of a step.")
 @click.option("--atol", type=float, default=1e-11, help="Absolute tolerance of a step, rad and rad/s.")
 @click.option(
     "--integrator", default="auto", metavar="NAME", help="auto, rk45, or scipy:LSODA, scipy:Radau, ..."
+)
+@click.option(
+    "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
 )
 @click.option(
     "--angle", "angles", metavar="HINGE=ANGLE", multiple=True, help="Initial angle: 0.3 (rad) or '20 deg'."
@@ -146,10 +68,11 @@ def run(
     file: str | None,
     example: str | None,
     t_end: float,
-    points: int,
+    points: int | None,
     rtol: float,
     atol: float,
     integrator: str,
+    max_steps: int,
     angles: tuple[str, ...],
     rates: tuple[str, ...],
     settings: tuple[str, ...],
@@ -186,6 +109,7 @@ def run(
         atol=atol,
         integrator=integrator,
         points=points,
+        max_steps=max_steps,
         animation=not no_animation,
         out=out,
     )

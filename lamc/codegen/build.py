@@ -79,6 +79,12 @@ def _maker(tree: SourceTree, compiler: Compiler, options: CompileOptions) -> Cal
         binding.set_source("binding", None)
         # What FFI.emit_python_code does, without the line that it prints.
         recompiler.make_py_source(binding, "binding", str(folder / BINDING))
+        try:
+            binding.dlopen(str(folder / LIBRARY))
+        except OSError as error:
+            raise BuildError(
+                f"the C compiler {compiler.command[0]!r} made a library that does not load: {error}"
+            ) from error
 
     return make
 

@@ -12,12 +12,14 @@ import os
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from lamc.errors import BuildError
 
 MANIFEST = "manifest.json"
+STALE = 86_400.0  # s; nothing is under way for longer than this
 
 
 def cache_root(environment: Mapping[str, str] | None = None) -> Path:
@@ -87,6 +89,15 @@ class Cache:
         except OSError as error:
             raise self._unwritable(error) from error
         self._check_owner(self.root)
+        self._sweep()
+
+    def _sweep(self) -> None:
+        """Removes what processes left that were killed on the way."""
+        latest = time.time() - STALE
+        for path in sorted([*self.root.glob(".new-*"), *self.root.glob(".old-*")]):
+            with contextlib.suppress(OSError):
+                if path.lstat().st_mtime < latest:
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def _check_owner(self, folder: Path) -> None:
         """Code is loaded from here, so nobody else may write here."""
@@ -110,8 +121,10 @@ class Cache:
                     raise
                 if intact(place):
                     return place
+                aside = Path(tempfile.mkdtemp(prefix=".old-", dir=self.root))
                 with contextlib.suppress(OSError):
-                    os.rename(place, Path(tempfile.mkdtemp(prefix=".old-", dir=self.root)) / "entry")
+                    os.rename(place, aside / "entry")
+                shutil.rmtree(aside, ignore_errors=True)
         raise BuildError(f"the cache entry {place} is damaged and cannot be replaced; delete it")
 
     def _unwritable(self, error: OSError) -> BuildError:

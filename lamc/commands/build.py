@@ -16,7 +16,7 @@ from lamc.effects.registry import Choice
 from lamc.errors import LamcError
 from lamc.files import write_text
 from lamc.pipeline import Times, equations_of, sources_of
-from lamc.report.equations_text import equations_tex, equations_txt
+from lamc.report.equations_text import equations_tex, equations_txt, listing
 from lamc.report.run_text import duration
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ def build(
         texts = dict(sorted(tree.files.items()))
         if equations:
             with times.stage("write equations"):
-                texts |= {"equations.txt": equations_txt(derived, mechanism.name)}
-                texts |= {"equations.tex": equations_tex(derived, mechanism.name)}
+                listed = listing(derived, mechanism.name)
+                texts |= {"equations.txt": equations_txt(listed), "equations.tex": equations_tex(listed)}
         with output_folder(out, loaded.name + "_c") as folder:
             check_folder(folder, set(texts))
             for name, text in texts.items():

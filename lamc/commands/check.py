@@ -2,7 +2,7 @@
 
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
 from lamc.commands.terminal import Terminal
-from lamc.errors import SimulationError
+from lamc.errors import LamcError, SimulationError
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.reference import check as compare
@@ -11,7 +11,7 @@ from lamc.reference import check as compare
 def check(source: Source, changes: SceneChanges, states: int, t_end: float, terminal: Terminal) -> int:
     """Prints the largest differences. Returns 0 if all are within their limits, else 3."""
     if states < 1 or not 0.0 < t_end < float("inf"):
-        raise SimulationError(f"--states is {states} and --t-end {t_end:g} s; both must be above zero")
+        raise LamcError(f"--states is {states} and --t-end {t_end:g} s; both must be above zero")
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage

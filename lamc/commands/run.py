@@ -24,7 +24,7 @@ from lamc.commands.inputs import (
 )
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
-from lamc.errors import SimulationError
+from lamc.errors import LamcError, SimulationError
 from lamc.files import write_text
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
@@ -47,6 +47,8 @@ FILES = (
     "manifest.json",
 )
 
+_FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result
+
 
 @dataclass(frozen=True)
 class RunOrder:
@@ -59,7 +61,8 @@ class RunOrder:
     rtol: float
     atol: float
     integrator: str
-    points: int  # rows; 0: one after every step
+    points: int | None  # rows; 0: one after every step; None: `default_rows`
+    max_steps: int
     animation: bool
     out: str | None
 
@@ -69,8 +72,8 @@ def run(order: RunOrder, terminal: Terminal) -> int:
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage
-        if order.points < 0 or order.points == 1:
-            raise SimulationError(f"--points is {order.points}; it must be 2 or more, or 0 for every step")
+        if order.points is not None and (order.points < 0 or order.points == 1):
+            raise LamcError(f"--points is {order.points}; it must be 2 or more, or 0 for every step")
         loaded = load_source(order.source, times, progress)
         with output_folder(order.out, loaded.name) as folder:
             mechanism = mechanism_of(loaded, times, progress)
@@ -103,16 +106,26 @@ def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bo
 def _simulate(
     order: RunOrder, simulator: Simulator, parameters: dict[str, float], progress: Progress
 ) -> Result:
-    spread = order.points and np.isfinite(order.t_end) and order.t_end > 0.0
+    points = default_rows(order.t_end, len(simulator.joints)) if order.points is None else order.points
+    spread = points and np.isfinite(order.t_end) and order.t_end > 0.0
     return simulator.run(
         t_end=order.t_end,
         rtol=order.rtol,
         atol=order.atol,
-        t_eval=np.linspace(0.0, order.t_end, order.points) if spread else None,
+        t_eval=np.linspace(0.0, order.t_end, points) if spread else None,
         integrator=order.integrator,
         parameters=parameters,
+        max_steps=order.max_steps,
         progress=progress.part,
     )
+
+
+def default_rows(t_end: float, joints: int) -> int:
+    """200 rows a second and 2001 at least, as long as that makes no file of a size that nobody wants."""
+    if not np.isfinite(t_end):
+        return 0
+    most = max(_FEWEST, min(100_001, _MOST_NUMBERS // (2 * joints + 2)))
+    return int(min(max(_FEWEST, 200 * t_end + 1), most))
 
 
 def _report(

@@ -13,15 +13,17 @@ from dataclasses import dataclass
 
 from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
-from lamc.mechanics.staging import Scalar, call, cos, power, sin
+from lamc.mechanics.staging import Scalar, Value, call, cos, power, sin
 
 MAX_LENGTH = 1000
 MAX_DEPTH = 40
 CONSTANTS: Mapping[str, float] = {"pi": math.pi}
 
 _TOKEN = re.compile(
-    r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^(),]))"
+    r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^(),]))",
+    re.ASCII,  # else ٣ would be a digit
 )
+_SPACE = re.compile(r"\s*", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,8 @@ class _Reader:
         value = self.sum()
         if self.token.kind != "end":
             raise self.error(f"{self.token.text!r} is not expected here")
+        if not isinstance(value, Value) and not math.isfinite(value):
+            raise self.error(f"the value is {value}; it must be finite", 1)
         return value
 
     def sum(self) -> Scalar:
@@ -102,6 +106,8 @@ class _Reader:
         token = self.token
         if token.kind == "number":
             self.position += 1
+            if not math.isfinite(float(token.text)):
+                raise self.error(f"{token.text} is too large for a number", token.column)
             return float(token.text)
         if token.kind == "name":
             self.position += 1
@@ -146,11 +152,12 @@ class _Reader:
 def _tokens(text: str) -> list[_Token]:
     tokens: list[_Token] = []
     position = 0
-    end = len(text.rstrip())
+    end = len(text.rstrip(" \t\n\r\f\v"))
     while position < end:
         match = _TOKEN.match(text, position)
         if match is None or match.end() > len(text):
-            column = position + len(text[position:]) - len(text[position:].lstrip()) + 1
+            gap = _SPACE.match(text, position)
+            column = (gap.end() if gap else position) + 1
             raise ExpressionError(
                 f"expression {text!r}, column {column}: {text[column - 1]!r} is not in the language"
             )

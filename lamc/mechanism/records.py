@@ -86,7 +86,8 @@ class Body:
 
     mass    kg; may be zero for a fixed body only
     com     centre of mass, shape (3,), m, world axes
-    inertia about the centre of mass, shape (3, 3), kg·m², world axes, symmetric, positive semi-definite
+    inertia about the centre of mass, shape (3, 3), kg·m², world axes, symmetric, positive semi-definite,
+            no principal moment above the sum of the other two
     fixed   True if the body is part of the world
     outline the plates the body is made of, for pictures; may be empty
     """
@@ -117,8 +118,14 @@ class Body:
         # 1e-9 relative: files carry inertia with ten digits or more; a wrong sign or axis is far beyond that.
         if not np.allclose(self.inertia, self.inertia.T, rtol=0.0, atol=1e-9 * size):
             raise DesignError(f"the inertia of {what} is not symmetric")
-        if np.linalg.eigvalsh(self.inertia).min() < -1e-9 * size:
+        moments = np.linalg.eigvalsh(self.inertia)
+        if moments.min() < -1e-9 * size:
             raise DesignError(f"the inertia of {what} has a negative principal moment; no real body has")
+        if moments[2] - moments[0] - moments[1] > 1e-9 * size:
+            raise DesignError(
+                f"the inertia of {what} has a principal moment of {moments[2]:g} kg·m², more than the other two "
+                "together; no real body has"
+            )
 
     __eq__ = same_record
     __hash__ = None  # type: ignore[assignment]

@@ -71,6 +71,7 @@ def draw_bench(bench: Bench, path: Path) -> Path:
     _bars(left, names, [row.evaluation * 1e-9 for row in bench.rows], [""] * len(names))
     marks = ["*" if row.extrapolated else "" for row in bench.rows]
     _bars(right, names, [row.second for row in bench.rows], marks)
+    left.invert_yaxis()  # both: the panels share it
     left.set_xlabel("time per right-hand side [s]")
     extrapolated = " (* extrapolated)" if any(marks) else ""
     right.set_xlabel(f"time per simulated second, RK45 at rtol 1e-6 [s]{extrapolated}")
@@ -81,7 +82,6 @@ def _bars(axis: Axes, names: list[str], seconds: list[float], marks: list[str]) 
     places: Any = range(len(names))
     axis.barh(places, seconds, color=_COLOURS, height=0.62)
     axis.set_yticks(places, names)
-    axis.invert_yaxis()
     axis.set_xscale("log")
     low, high = min(seconds) / 4, max(seconds) * 40  # room for the labels
     axis.set_xlim(low, high)

@@ -40,6 +40,11 @@ _SPECIAL = {
     "–": "--",
     "ω": r"$\omega$",
 }
+_LARGEST_MATRIX = (
+    12  # hinges; a larger matrix leaves the page, and its entries grow as the square of the hinges
+)
+# sympy's own order of terms. Sorting them by degree for the eye takes longer than all the rest.
+_ORDER = "none"
 _STATE = re.compile(r"(q|u|udot)_(.+)", re.DOTALL)
 _INDEXED = re.compile(r"(z|M|f)_?(\d+)(?:_(\d+))?")
 _PREAMBLE = r"""% Equations of motion, written by lamc {version}.
@@ -84,44 +89,58 @@ def _heading(assignment: "Assignment") -> str:
     return assignment.section + (f" ({'; '.join(notes)})" if notes else "")
 
 
-def _chapters(equations: "Equations") -> list[_Chapter]:
+@dataclass(frozen=True, eq=False)
+class Listing:
+    """The equations staged for reading; made once, written as text and as LaTeX."""
+
+    name: str
+    equations: "Equations"
+    chapters: tuple[_Chapter, ...]
+    shows_matrix: bool
+
+
+def listing(equations: "Equations", name: str) -> Listing:
+    """Accelerations, mass matrix and forces, energies of `equations`; `name` is the device's."""
     energies = equations.staged({f"energy_{name}": value for name, value in equations.energies.items()})
     flops = ", ".join(f"{way} {count}" for way, count in sorted(equations.solver_flops.items()))
-    return [
+    chapters = [
         _Chapter(
             "Accelerations",
             f"The joint accelerations udot, rad/s², as the generated C computes them: by {equations.solver} "
             f"(operations: {flops}).",
             equations.assignments,
-        ),
-        _Chapter(
-            "Mass matrix and generalised forces",
-            "The same motion as M udot = f, with M in kg·m² and f in N·m. The z are numbered anew.",
-            equations.mass_assignments,
-        ),
-        _Chapter("Energies", "In J, one for each effect that stores any. The z are numbered anew.", energies),
+        )
     ]
+    shows_matrix = 0 < len(equations.joints) <= _LARGEST_MATRIX
+    if shows_matrix:
+        about = "The same motion as M udot = f, with M in kg·m² and f in N·m. The z are numbered anew."
+        chapters.append(_Chapter("Mass matrix and generalised forces", about, equations.mass_assignments))
+    about = "In J, one for each effect that stores any. The z are numbered anew."
+    chapters.append(_Chapter("Energies", about, energies))
+    return Listing(name, equations, tuple(chapters), shows_matrix)
 
 
 # --- plain text -------------------------------------------------------------------------------------------------
 
 
-def equations_txt(equations: "Equations", name: str) -> str:
+def equations_txt(listing: Listing) -> str:
     """The equations as plain text."""
-    lines = [f"Equations of motion of {name}, by lamc {__version__}", ""]
+    equations = listing.equations
+    lines = [f"Equations of motion of {listing.name}, by lamc {__version__}", ""]
     lines.append("q_NAME: angle of joint NAME, rad.  u_NAME: its rate, rad/s.  t: time, s.")
     lines += ["", "Parameters"]
     width = max((len(p.name) for p in equations.parameters), default=0)
     lines += [f"  {p.name:<{width}}  = {p.default!r} {p.unit}  ({p.meaning})" for p in equations.parameters]
-    for chapter in _chapters(equations):
+    for chapter in listing.chapters:
         lines += ["", chapter.title, "=" * len(chapter.title), chapter.about]
         for heading, assignments in chapter.sections():
             lines += ["", f"-- {heading}"]
-            lines += [f"{a.symbol} = {sp.sstr(a.expression)}" for a in assignments]
-    lines += ["", "M = ["]
-    lines += [f"  {sp.sstr(row)}" for row in equations.mass_matrix.tolist()]
-    lines += ["]", f"f = {sp.sstr(list(equations.generalised_forces))}", ""]
-    return "\n".join(lines)
+            lines += [f"{a.symbol} = {sp.sstr(a.expression, order=_ORDER)}" for a in assignments]
+    if listing.shows_matrix:
+        lines += ["", "M = ["]
+        lines += [f"  {sp.sstr(row)}" for row in equations.mass_matrix.tolist()]
+        lines += ["]", f"f = {sp.sstr(list(equations.generalised_forces))}"]
+    return "\n".join([*lines, ""])
 
 
 # --- LaTeX ------------------------------------------------------------------------------------------------------
@@ -134,12 +153,13 @@ class _Printer(LatexPrinter):  # type: ignore[misc]  # sympy has no types
         return symbol_tex(expr.name)
 
 
-def equations_tex(equations: "Equations", name: str) -> str:
+def equations_tex(listing: Listing) -> str:
     """The equations as a LaTeX document, for pdflatex, lualatex or xelatex."""
-    printer = _Printer({"mul_symbol": "dot"})
+    equations = listing.equations
+    printer = _Printer({"mul_symbol": "dot", "order": _ORDER})
     count = len(equations.joints)
     parts = [_PREAMBLE.format(version=__version__, columns=max(count, 10))]
-    parts += [rf"\section*{{Equations of motion of {escaped(name)}}}", ""]
+    parts += [rf"\section*{{Equations of motion of {escaped(listing.name)}}}", ""]
     parts += [
         r"$q$ are the joint angles, rad, $u$ their rates, rad/s, and $t$ is the time, s. "
         r"Hinge names stand as indices.",
@@ -147,11 +167,11 @@ def equations_tex(equations: "Equations", name: str) -> str:
     ]
     if equations.parameters:
         parts += [r"\subsection*{Parameters}", *_parameter_lines(equations)]
-    for chapter in _chapters(equations):
+    for chapter in listing.chapters:
         parts += [rf"\section*{{{escaped(chapter.title)}}}", escaped(chapter.about), ""]
         for heading, assignments in chapter.sections():
             parts += [rf"\subsection*{{{escaped(heading)}}}", *_formulas(assignments, printer)]
-    if 0 < count <= 12:  # a wider matrix leaves the page
+    if listing.shows_matrix:
         matrix = printer.doprint(equations.mass_matrix)
         parts += [rf"\[ M = {matrix}, \qquad f = {printer.doprint(equations.generalised_forces)} \]"]
     return "\n".join([*parts, r"\end{document}", ""])

@@ -113,15 +113,26 @@ def round_length(longest: float) -> float:
 def _triad(axis: Axes, stage: Stage, corner: Array) -> None:
     """The world's axes around `corner`, pixels."""
     camera = stage.camera
-    length = 0.07 * max(stage.width, stage.height)
-    for direction, name in zip(np.eye(3), "xyz", strict=True):
-        tip: Array = corner + length * np.array([direction @ camera.right, -(direction @ camera.up)])
+    length = 0.09 * min(stage.width, 2 * stage.height)
+    arrows = length * np.column_stack([np.eye(3) @ camera.right, -(np.eye(3) @ camera.up)])
+    corners = np.vstack([arrows, np.zeros(2)])
+    origin = corner - (corners.min(axis=0) + corners.max(axis=0)) / 2
+    for arrow, name in zip(arrows, "xyz", strict=True):
         axis.annotate(
-            "", _xy(tip), _xy(corner), arrowprops={"arrowstyle": "-|>", "color": "#333333", "linewidth": 1.0}
+            "",
+            _xy(origin + arrow),
+            _xy(origin),
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": "#333333",
+                "linewidth": 1.0,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
         )
-        beyond = corner + 1.3 * (tip - corner)
-        if float(np.linalg.norm(tip - corner)) > 0.15 * length:
-            axis.text(*_xy(beyond), name, fontsize=8, ha="center", va="center", color="#333333")
+        beyond = origin + arrow + 0.25 * length * arrow / max(float(np.linalg.norm(arrow)), 1e-9)
+        axis.text(*_xy(beyond), name, fontsize=8, ha="center", va="center", color="#333333")
 
 
 def _xy(point: Array) -> tuple[float, float]:

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
@@ -21,6 +22,7 @@ NAMED_CURVES = (
     24  # with more joints than this, colour goes by position and a colour bar takes the legend's place
 )
 _WIDTH, _HEIGHT = 9.0, 6.4  # inches
+_ENERGY_UNITS = ((1e3, "kJ"), (1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ"), (1e-9, "nJ"), (1e-12, "pJ"))
 
 
 def draw_angles_energy(result: Result, path: Path) -> Path:
@@ -82,8 +84,6 @@ def _marks(rows: int, index: int, count: int) -> tuple[str, list[int]]:
 
 
 def _draw_many(figure: Figure, axis: Axes, t: Any, degrees: Any) -> None:
-    import matplotlib as mpl
-
     count = degrees.shape[1]
     colours = mpl.colormaps["viridis"]
     for index in range(count):
@@ -93,15 +93,19 @@ def _draw_many(figure: Figure, axis: Axes, t: Any, degrees: Any) -> None:
 
 
 def _draw_energies(axis: Axes, result: Result) -> None:
-    axis.set_ylabel("energy [J]")
+    largest = max(
+        (float(np.abs(v).max(initial=0.0)) for v in (*result.energies.values(), result.energy)), default=0.0
+    )
+    scale, unit = next(((s, u) for s, u in _ENERGY_UNITS if largest >= s), (1.0, "J"))
+    axis.set_ylabel(f"energy [{unit}]")
     axis.set_title("Energies by effect, and in all", fontsize=10, loc="left")
     lines: list[Any] = []
     names = []
     for index, (name, values) in enumerate(result.energies.items()):
         colour, _ = curve_style(index)
         lines += axis.plot(
-            result.t, values, color=colour, linestyle=("-.", "--", ":", "-")[index % 4], linewidth=1.5
+            result.t, values / scale, color=colour, linestyle=("-.", "--", ":", "-")[index % 4], linewidth=1.5
         )
         names.append(name.replace("_", " "))
-    lines += axis.plot(result.t, result.energy, color="black", linewidth=1.8)
+    lines += axis.plot(result.t, result.energy / scale, color="black", linewidth=1.8)
     add_legend(axis, lines, [*names, "total"])

@@ -47,7 +47,7 @@ class RunReport:
         if 2 < len(result.t) < result.stats.accepted / 2:
             notes.append(
                 f"{result.stats.accepted} steps lie behind {len(result.t)} rows, so fast motion may not show; "
-                "--points 0 keeps every step"
+                "raise --points (0 keeps every step)"
             )
         return tuple(notes)
 
@@ -133,7 +133,7 @@ def _times(times: Times) -> str:
 
 def duration(seconds: float) -> str:
     """A time in the unit that suits it."""
-    for scale, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+    for scale, unit in ((86400.0, "d"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if seconds >= scale:
             return f"{seconds / scale:.3g} {unit}"
     return f"{seconds * 1e9:.3g} ns"

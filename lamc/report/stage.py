@@ -21,7 +21,7 @@ _EDGE = (40, 40, 40)
 HINGE = (213, 94, 0)
 # The viewer stands on the side of negative y, so that x runs to the right, and above the ground.
 _AZIMUTHS = (-60.0, -45.0, -30.0, -15.0, 15.0, 30.0, 45.0, 60.0)
-_ELEVATIONS = (15.0, 30.0, 55.0)
+_ELEVATIONS = (15.0, 25.0, 35.0)
 _SAMPLES = 8  # instants that the choice of view looks at
 
 
@@ -70,6 +70,8 @@ class Stage:
         self.solid: Solid = solid_of(result.mechanism)
         self._drawn = np.array([b.com for b in result.mechanism.bodies])
         self._oversampling = oversampling
+        spans = np.linalg.norm(np.diff(self.solid.hinges.segments, axis=1), axis=2)
+        self._hinge_length = float(np.median(spans)) if spans.size else 0.0  # m
         self._gather()
         self._colours = _rgb(result)
         self.camera, self.width, self.height = self._compose(longest_side)
@@ -164,8 +166,9 @@ class Stage:
         edges = np.tile(np.array(_EDGE, dtype=np.uint8), (len(solid.edges.segments), 1))
         canvas.lines(project(self._place(instant, solid.edges)), edges, width=0.8, bias=1.5)
         hinges = np.tile(np.array(HINGE, dtype=np.uint8), (len(solid.hinges.segments), 1))
-        # Hinge lines lie at the mid-plane, inside the material; they are shown through it.
-        canvas.lines(project(self._place(instant, solid.hinges)), hinges, width=1.8, bias=np.inf)
+        # Hinge lines lie at the mid-plane, inside the material; they are shown through it, and short ones thinner.
+        width = float(np.clip(self._hinge_length * self.camera.scale / 16, 0.5, 1.8))
+        canvas.lines(project(self._place(instant, solid.hinges)), hinges, width=width, bias=np.inf)
 
 
 def _axes(azimuth: float, elevation: float) -> tuple[Array, Array, Array]:

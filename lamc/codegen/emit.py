@@ -129,8 +129,14 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
             "energy_names": [string_literal(e) for e in program.energies],
         },
         "counts": _counts(program),
+        "loop_work": _loop_work(len(program.joints), program.closure_count),
         "functions": [_function(f, printer, fields) for f in program.functions.values()],
     }
+
+
+def _loop_work(n: int, m: int) -> int:
+    """Room for the runtime's work on loops; `lamc_motion_work_size` is the judge, and main.c asks it."""
+    return n * n + 4 * n + 2 * m * n + m * m + 3 * m + max(n * (n + 1) // 2 + n, m * n + m)
 
 
 def _counts(program: Program) -> dict[str, int]:

@@ -117,9 +117,9 @@ class Program:
     parameters: tuple[Parameter, ...]
     constant_count: int
     energies: tuple[str, ...]
-    cuts: tuple[str, ...]  # names of the joints that close loops
-    closure_count: int  # m, equations that hold the loops
-    size: float  # m, the mechanism's length scale
     functions: Mapping[str, Function]
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
+    cuts: tuple[str, ...] = ()  # names of the joints that close loops
+    closure_count: int = 0  # m, equations that hold the loops
+    size: float = 1.0  # m, the mechanism's length scale
     digest: str = ""  # of everything above

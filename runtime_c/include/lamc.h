@@ -79,7 +79,7 @@ typedef struct lamc_motion {
   const lamc_model *model;
   const double *constants; /* (constant_count,), from model->setup */
   double *work;            /* (lamc_motion_work_size(model),); NULL for a tree */
-  int rank;                /* of the closure at a generic position: no more equations are taken; <= closure_count */
+  int rank; /* of the closure at a generic position: no more equations are taken; <= closure_count */
 } lamc_motion;
 
 /* Doubles that `work` must hold; 0 for a tree. */
@@ -90,7 +90,8 @@ long long lamc_motion_work_size(const lamc_model *model);
 lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved);
 
 /* Row by row: -> phi (count, m) m and J (count, m, n) m/rad, one after the other in each row */
-lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y, double *closures);
+lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y,
+                                 double *closures);
 /* -> angles (cut_count,) rad and rates (cut_count,) rad/s of the cut joints in each row */
 lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts);
 

@@ -15,25 +15,26 @@
 #include <string.h>
 
 static const double RANK_TOLERANCE = 1e-6;
-static const double NEAR_SINGULAR = 0.1; /* of the first: closer than this, states are settled before they are used */
-static const double CLOSED = 1e-13;     /* of the size: round-off of the residuals */
-static const double LOST = 1e-4;        /* of the size: no drift of a step comes near it */
+static const double NEAR_SINGULAR =
+    0.1; /* of the first: closer than this, states are settled before they are used */
+static const double CLOSED = 1e-13; /* of the size: round-off of the residuals */
+static const double LOST = 1e-4;    /* of the size: no drift of a step comes near it */
 static const int MAX_ITERATIONS = 8;
 
 /* The parts of the work array */
 typedef struct parts {
   int n, m;
-  double *l;        /* (n, n): Cholesky factor, lower */
-  double *f;        /* (n,) */
-  double *j;        /* (m, n) */
-  double *extra;    /* (m,): phi or gamma, by what was asked last */
-  double *q;        /* (m, n): row k is the k-th orthonormal direction; before, the equations in the mass metric */
-  double *r;        /* (m, m): r[k m + i], the part of equation i along direction k */
-  double *g;        /* (m,) */
-  double *order;    /* (m,): the equation that direction k was taken from, a whole number */
-  double *x;        /* (n,) */
-  double *y;        /* (2 n,): a settled copy of a state */
-  double *raw;      /* what the model writes: the largest of its functions */
+  double *l;     /* (n, n): Cholesky factor, lower */
+  double *f;     /* (n,) */
+  double *j;     /* (m, n) */
+  double *extra; /* (m,): phi or gamma, by what was asked last */
+  double *q; /* (m, n): row k is the k-th orthonormal direction; before, the equations in the mass metric */
+  double *r; /* (m, m): r[k m + i], the part of equation i along direction k */
+  double *g; /* (m,) */
+  double *order; /* (m,): the equation that direction k was taken from, a whole number */
+  double *x;     /* (n,) */
+  double *y;     /* (2 n,): a settled copy of a state */
+  double *raw;   /* what the model writes: the largest of its functions */
 } parts;
 
 static long long raw_size(long long n, long long m) {
@@ -142,7 +143,8 @@ static int decompose(const parts *p, int rank) {
     if (best != k) {
       swap(p->q + (ptrdiff_t)k * p->n, p->q + (ptrdiff_t)best * p->n, p->n);
       swap(p->order + k, p->order + best, 1);
-      for (int row = 0; row < k; row++) swap(p->r + (ptrdiff_t)row * p->m + k, p->r + (ptrdiff_t)row * p->m + best, 1);
+      for (int row = 0; row < k; row++)
+        swap(p->r + (ptrdiff_t)row * p->m + k, p->r + (ptrdiff_t)row * p->m + best, 1);
     }
     double *direction = p->q + (ptrdiff_t)k * p->n;
     for (int i = 0; i < p->n; i++) direction[i] /= length;
@@ -173,7 +175,8 @@ static void impose(const parts *p, int count, const double *goal, double *x) {
 }
 
 /* L of M, and f, at a state */
-static void evaluate_system(const lamc_motion *motion, const parts *p, double t, const double *q, const double *u) {
+static void evaluate_system(const lamc_motion *motion, const parts *p, double t, const double *q,
+                            const double *u) {
   motion->model->system(motion->constants, t, q, u, p->raw);
   factorise(p, p->raw);
   memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
@@ -195,7 +198,8 @@ static int is_near_singular(const lamc_motion *motion, const parts *p, int count
   return count > 0 && p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] < NEAR_SINGULAR * p->r[0];
 }
 
-void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
+void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
+                             double *udot) {
   const parts p = parts_of(motion);
   int count = prepare(motion, &p, t, q, u);
   if (is_near_singular(motion, &p, count)) {

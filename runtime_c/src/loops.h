@@ -5,6 +5,7 @@
 #include "lamc.h"
 
 /* udot (n,) of a motion with loops */
-void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u, double *udot);
+void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
+                             double *udot);
 
 #endif /* LAMC_LOOPS_H */

@@ -77,7 +77,8 @@ lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const 
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y, double *closures) {
+lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y,
+                                 double *closures) {
   if (!is_usable(motion, count, y, closures)) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   const int n = model->joint_count;

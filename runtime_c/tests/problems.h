@@ -59,7 +59,7 @@ static inline void ends_at_one(const void *context, double t, const double *y, d
 }
 
 static inline lamc_ode make_ode(int n, void (*rhs)(const void *, double, const double *, double *)) {
-  lamc_ode ode = {n, rhs, 0};
+  lamc_ode ode = {n, rhs, 0, 0};
   return ode;
 }
 

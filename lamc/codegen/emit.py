@@ -121,12 +121,13 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "parameters": parameters,
         "constant_count": max(1, program.constant_count),
         "strings": {
-            "joint_names": [string_literal(j) for j in program.joints],
+            # C has no empty arrays: where there is nothing to name, one empty name stands.
+            "joint_names": [string_literal(j) for j in program.joints] or ['""'],
             "cut_names": [string_literal(j) for j in program.cuts] or ['""'],
-            "body_names": [string_literal(b) for b in program.bodies],
+            "body_names": [string_literal(b) for b in program.bodies] or ['""'],
             "parameter_names": [p.literal for p in parameters] or ['""'],
             "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
-            "energy_names": [string_literal(e) for e in program.energies],
+            "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
         "counts": _counts(program),
         "loop_work": _loop_work(len(program.joints), program.closure_count),

@@ -1,0 +1,134 @@
+/* driven: equations of motion in C.
+ *
+ * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
+ * Program digest df956e278ffa9420b90ba902f86c0d6d9387a1c627d814806955804b8ee67f3c
+ * Accelerations by elimination (operations: elimination 9, mass matrix 9).
+ *
+ * Operations per call (+ - *, reciprocals, library calls):
+ *   setup               6 of which 1 reciprocals; 0 library calls
+ *   acceleration        9 of which 0 reciprocals; 3 library calls
+ *   energy              3 of which 0 reciprocals; 0 library calls
+ *   poses               2 of which 0 reciprocals; 2 library calls
+ */
+#include "driven.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* everything that depends on parameters only; once per change of parameters */
+void driven_setup(const driven_parameters *p, double *out) {
+  /* Inertia about the hinges, base parameters (parallel axes; Gautier & Khalil 1990) */
+  const double z0 = 0.5*(p->flap_inertia_xx + p->flap_inertia_zz) + p->flap_com_y*(p->flap_mass*p->flap_com_y);
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z1 = 1.0/z0;
+  out[0] = z1;
+  out[1] = z0;
+  out[2] = p->flap_com_y;
+}
+
+/* accelerations of the joints, rad/s^2 */
+void driven_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
+  /* Applied hinge torques (eq. 17) [torque] */
+  const double z0 = sin(314.1592653589793*t);
+  const double z1 = fabs(u[0]);
+  const double z2 = fmax(q[0], 0.0);
+  const double z3 = (0.01*z0 - 0.0001*u[0]*z1) + z2*(z2*z2);
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z4 = z3*c[0];
+  out[0] = z4;
+}
+
+/* energies by effect, J; kinetic first */
+void driven_energy(const double *c, double t, const double *q, const double *u, double *out) {
+  (void)t;
+  (void)q;
+  /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
+  const double z0 = 0.5*(u[0]*(u[0]*c[1]));
+  out[0] = z0;
+}
+
+/* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
+void driven_poses(const double *c, const double *q, double *out) {
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  /* Positions and rotations of the links (eq. 1-4) */
+  const double z2 = c[2]*z0;
+  const double z3 = c[2]*z1;
+  out[0] = -z2;
+  out[1] = -z3;
+  out[2] = 0.0;
+  out[3] = z0;
+  out[4] = -z1;
+  out[5] = 0.0;
+  out[6] = z1;
+  out[7] = z0;
+  out[8] = 0.0;
+  out[9] = 0.0;
+  out[10] = 0.0;
+  out[11] = 1.0;
+}
+
+static const char *const joint_names[] = {
+    "hinge",
+};
+
+static const char *const body_names[] = {
+    "flap",
+};
+
+static const char *const parameter_names[] = {
+    "flap.mass",
+    "flap.com_y",
+    "flap.inertia_xx",
+    "flap.inertia_zz",
+};
+
+static const char *const parameter_units[] = {
+    "kg",
+    "m",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+};
+
+static const char *const energy_names[] = {
+    "kinetic",
+};
+
+static const double parameter_defaults[] = {
+    0.25, /* flap.mass, kg */
+    (-0.5), /* flap.com_y, m */
+    0.02, /* flap.inertia_xx, kg*m^2 */
+    0.02, /* flap.inertia_zz, kg*m^2 */
+};
+
+void driven_default_parameters(driven_parameters *parameters) {
+  parameters->flap_mass = parameter_defaults[0];
+  parameters->flap_com_y = parameter_defaults[1];
+  parameters->flap_inertia_xx = parameter_defaults[2];
+  parameters->flap_inertia_zz = parameter_defaults[3];
+}
+
+/* The struct as the array that it also is. */
+static void setup_from_array(const double *parameters, double *constants) {
+  driven_setup((const driven_parameters *)(const void *)parameters, constants);
+}
+
+const lamc_model *driven_model(void) {
+  static const lamc_model model = {
+      "driven",
+      "df956e278ffa9420b90ba902f86c0d6d9387a1c627d814806955804b8ee67f3c",
+      1, 1, 4, 3, 1,
+      joint_names,
+      body_names,
+      parameter_names,
+      parameter_units,
+      energy_names,
+      parameter_defaults,
+      setup_from_array,
+      driven_acceleration,
+      driven_energy,
+      driven_poses,
+  };
+  return &model;
+}

@@ -1,0 +1,68 @@
+/* driven: equations of motion in C.
+ *
+ * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
+ * Program digest df956e278ffa9420b90ba902f86c0d6d9387a1c627d814806955804b8ee67f3c
+ *
+ * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
+ * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
+ *
+ *   joint  name
+ *       0  hinge
+ *
+ *   body   name (moving bodies, in the order of poses)
+ *       0  flap
+ */
+#ifndef DRIVEN_H
+#define DRIVEN_H
+
+#include "lamc.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* lamc: declarations begin */
+
+/* Sizes of the arrays below. */
+enum {
+  driven_joint_count = 1,
+  driven_body_count = 1,
+  driven_parameter_count = 4,
+  driven_constant_count = 3,
+  driven_energy_count = 1
+};
+
+/* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
+ * array of driven_parameter_count doubles in this order. */
+typedef struct driven_parameters {
+  double flap_mass; /* flap.mass: mass, kg; 0.25 */
+  double flap_com_y; /* flap.com_y: centre of mass from the hinge, along y of the link's frame, m; (-0.5) */
+  double flap_inertia_xx; /* flap.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.02 */
+  double flap_inertia_zz; /* flap.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.02 */
+} driven_parameters;
+
+/* The values of the design. */
+void driven_default_parameters(driven_parameters *parameters);
+
+/* -> constants (3,): everything that depends on parameters only. Call it once per change. */
+void driven_setup(const driven_parameters *parameters, double *constants);
+
+/* t s, q (1,) rad, u (1,) rad/s -> udot (1,) rad/s^2 */
+void driven_acceleration(const double *constants, double t, const double *q, const double *u, double *udot);
+
+/* -> energies (1,) J: kinetic */
+void driven_energy(const double *constants, double t, const double *q, const double *u, double *energies);
+
+/* -> poses (1, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
+void driven_poses(const double *constants, const double *q, double *poses);
+
+/* All of the above with names, for lamc's runtime. The model is constant and lives as long as the program. */
+const lamc_model *driven_model(void);
+
+/* lamc: declarations end */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* DRIVEN_H */

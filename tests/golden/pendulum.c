@@ -1,0 +1,360 @@
+/* pendulum: equations of motion in C.
+ *
+ * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
+ * Program digest b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317
+ * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
+ *
+ * Operations per call (+ - *, reciprocals, library calls):
+ *   setup              38 of which 1 reciprocals; 0 library calls
+ *   acceleration      106 of which 2 reciprocals; 6 library calls
+ *   energy             76 of which 0 reciprocals; 6 library calls
+ *   poses              16 of which 0 reciprocals; 6 library calls
+ */
+#include "pendulum.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* everything that depends on parameters only; once per change of parameters */
+void pendulum_setup(const pendulum_parameters *p, double *out) {
+  /* Inertia about the hinges, base parameters (parallel axes; Gautier & Khalil 1990) */
+  const double z0 = 0.5*(p->link_1_inertia_xx - (p->link_1_inertia_yy + p->link_1_inertia_zz));
+  const double z1 = p->link_1_mass*p->link_1_com_y;
+  const double z2 = 0.5*(p->link_1_inertia_yy - (p->link_1_inertia_xx + p->link_1_inertia_zz)) - p->link_1_com_y*z1;
+  const double z3 = z0 + z2;
+  const double z4 = 0.5*(p->link_2_inertia_xx - (p->link_2_inertia_yy + p->link_2_inertia_zz));
+  const double z5 = p->link_2_mass*p->link_2_com_y;
+  const double z6 = 0.5*(p->link_2_inertia_yy - (p->link_2_inertia_xx + p->link_2_inertia_zz)) - p->link_2_com_y*z5;
+  const double z7 = z4 + z6;
+  const double z8 = p->link_3_mass*p->link_3_com_y;
+  const double z9 = 0.5*(p->link_3_inertia_xx - (p->link_3_inertia_yy + p->link_3_inertia_zz)) + (0.5*(p->link_3_inertia_yy - (p->link_3_inertia_xx + p->link_3_inertia_zz)) - p->link_3_com_y*z8);
+  const double z10 = z5 + p->link_3_mass;
+  const double z11 = p->link_2_mass + p->link_3_mass;
+  const double z12 = z1 + z11;
+  const double z13 = z0 + (z2 - z11);
+  const double z14 = z4 + (z6 - p->link_3_mass);
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z15 = 1.0/z9;
+  out[0] = z8;
+  out[1] = z9;
+  out[2] = z10;
+  out[3] = z12;
+  out[4] = z13;
+  out[5] = z14;
+  out[6] = p->gravity_z;
+  out[7] = p->h1_damping;
+  out[8] = p->h2_damping;
+  out[9] = p->h3_damping;
+  out[10] = p->h1_stiffness;
+  out[11] = p->h2_stiffness;
+  out[12] = p->h3_stiffness;
+  out[13] = z15;
+  out[14] = p->link_1_mass;
+  out[15] = p->link_1_com_y;
+  out[16] = z3;
+  out[17] = p->link_2_mass;
+  out[18] = p->link_2_com_y;
+  out[19] = z5;
+  out[20] = z7;
+  out[21] = p->link_3_mass;
+  out[22] = p->link_3_com_y;
+  out[23] = 0.5;
+}
+
+/* accelerations of the joints, rad/s^2 */
+void pendulum_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
+  (void)t;
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = q[0] + q[1];
+  const double z3 = cos(z2);
+  const double z4 = sin(z2);
+  const double z5 = q[2] - z2;
+  const double z6 = cos(z5);
+  const double z7 = sin(z5);
+  /* Inertia in carrier frames (eq. 7-11) */
+  const double z8 = c[2]*z4;
+  const double z9 = c[2]*z3;
+  const double z10 = c[0]*z7;
+  const double z11 = c[0]*z6;
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z12 = u[0]*u[0];
+  const double z13 = z0*z12;
+  const double z14 = c[6] - z1*z12;
+  const double z15 = u[0] + u[1];
+  const double z16 = z15*z15;
+  const double z17 = u[2] - z15;
+  const double z18 = z17*z17;
+  /* Inertia forces and applied loads (eq. 18) */
+  const double z19 = z10*z18;
+  const double z20 = z11*z18;
+  const double z21 = z10*(z13 + z3*z16) - z11*(z14 - z4*z16);
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z22 = (u[2]*c[9] + q[2]*c[12]) + z21;
+  const double z23 = z3*z11;
+  const double z24 = z4*z10;
+  const double z25 = z0*(z9 + z11);
+  const double z26 = z1*(z8 - z10);
+  /* Generalised forces (eq. 18) */
+  const double z27 = (z8*z13 + z9*z14) - (z21 - (z4*z20 + z3*z19));
+  const double z28 = z1*(z9*z16 + z20) - z0*(z8*z16 - z19);
+  const double z29 = (u[0]*c[7] + q[0]*c[10]) + (c[6]*(c[3]*z0) + (z27 + z28));
+  /* Mass matrix (Kane, eq. 19) */
+  const double z30 = c[1] - (z23 - z24);
+  const double z31 = z30 + (z1*z10 - z0*z11);
+  const double z32 = c[5] - (2.0*z23 - (c[1] + 2.0*z24));
+  /* Solution of M u? = f by L?DL (Kane, eq. 19) */
+  const double z33 = c[13]*z30;
+  const double z34 = (z32 - (z25 + z26)) - z31*z33;
+  const double z35 = c[13]*z31;
+  const double z36 = (c[4] - (2.0*z25 + (2.0*z26 - z32))) - z31*z35;
+  const double z37 = 1.0/(z32 - z30*z33);
+  const double z38 = z34*z37;
+  const double z39 = 1.0/(z36 - z34*z38);
+  const double z40 = ((u[1]*c[8] + q[1]*c[11]) + z27) + z22*z33;
+  const double z41 = z39*((z29 + z22*z35) - z38*z40);
+  const double z42 = z37*z40 - z38*z41;
+  const double z43 = (c[13]*z22 + z33*z42) + z35*z41;
+  out[0] = z41;
+  out[1] = z42;
+  out[2] = z43;
+}
+
+/* energies by effect, J; kinetic first */
+void pendulum_energy(const double *c, double t, const double *q, const double *u, double *out) {
+  (void)t;
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = q[0] + q[1];
+  const double z3 = cos(z2);
+  const double z4 = sin(z2);
+  const double z5 = q[2] - z2;
+  const double z6 = cos(z5);
+  const double z7 = sin(z5);
+  /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
+  const double z8 = 0.5*(c[10]*(q[0]*q[0])) + 0.5*(c[11]*(q[1]*q[1]));
+  const double z9 = z8 + 0.5*(c[12]*(q[2]*q[2]));
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z10 = u[0] + u[1];
+  const double z11 = u[2] - z10;
+  /* Velocities (eq. 13-14) */
+  const double z12 = u[0]*z0;
+  const double z13 = u[0]*z1;
+  const double z14 = z12 + z3*z10;
+  const double z15 = z13 + z4*z10;
+  /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
+  const double z16 = z12*(z10*(c[19]*z3)) + z13*(z10*(c[19]*z4));
+  const double z17 = 0.5*(c[17]*(z12*z12 + z13*z13)) + z16;
+  const double z18 = 0.5*(u[0]*(u[0]*c[16])) - (z17 - 0.5*z10*(c[20]*z10));
+  const double z19 = z14*((c[0]*z6)*z11) - z15*(c[0]*z7)*z11;
+  const double z20 = 0.5*(c[21]*(z14*z14 + z15*z15)) - z19;
+  const double z21 = z18 - (z20 - 0.5*z11*(c[1]*z11));
+  /* Potential energy (-? m a*r) [gravity] */
+  const double z22 = z1 - c[23];
+  const double z23 = c[14]*(c[6]*(c[23] - c[15]*z1)) - c[17]*c[6]*(z22 + c[18]*z4);
+  const double z24 = z23 - c[21]*c[6]*((z4 + z22) - c[22]*z7);
+  out[0] = -z21;
+  out[1] = z9;
+  out[2] = -z24;
+}
+
+/* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
+void pendulum_poses(const double *c, const double *q, double *out) {
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = q[0] + q[1];
+  const double z3 = cos(z2);
+  const double z4 = sin(z2);
+  const double z5 = q[2] - z2;
+  const double z6 = cos(z5);
+  const double z7 = sin(z5);
+  /* Potential energy (-? m a*r) [gravity] */
+  const double z8 = c[15]*z0;
+  const double z9 = c[23] - c[15]*z1;
+  const double z10 = z1 - c[23];
+  const double z11 = z0 + c[18]*z3;
+  const double z12 = z10 + c[18]*z4;
+  const double z13 = (z0 + z3) + c[22]*z6;
+  const double z14 = (z4 + z10) - c[22]*z7;
+  out[0] = z8;
+  out[1] = c[23];
+  out[2] = z9;
+  out[3] = z0;
+  out[4] = 0.0;
+  out[5] = z1;
+  out[6] = 0.0;
+  out[7] = 1.0;
+  out[8] = 0.0;
+  out[9] = -z1;
+  out[10] = 0.0;
+  out[11] = z0;
+  out[12] = z11;
+  out[13] = c[23];
+  out[14] = -z12;
+  out[15] = z3;
+  out[16] = 0.0;
+  out[17] = z4;
+  out[18] = 0.0;
+  out[19] = 1.0;
+  out[20] = 0.0;
+  out[21] = -z4;
+  out[22] = 0.0;
+  out[23] = z3;
+  out[24] = z13;
+  out[25] = c[23];
+  out[26] = -z14;
+  out[27] = z6;
+  out[28] = 0.0;
+  out[29] = -z7;
+  out[30] = 0.0;
+  out[31] = 1.0;
+  out[32] = 0.0;
+  out[33] = z7;
+  out[34] = 0.0;
+  out[35] = z6;
+}
+
+static const char *const joint_names[] = {
+    "h1",
+    "h2",
+    "h3",
+};
+
+static const char *const body_names[] = {
+    "link_1",
+    "link_2",
+    "link_3",
+};
+
+static const char *const parameter_names[] = {
+    "link_1.mass",
+    "link_1.com_y",
+    "link_1.inertia_xx",
+    "link_1.inertia_yy",
+    "link_1.inertia_zz",
+    "link_2.mass",
+    "link_2.com_y",
+    "link_2.inertia_xx",
+    "link_2.inertia_yy",
+    "link_2.inertia_zz",
+    "link_3.mass",
+    "link_3.com_y",
+    "link_3.inertia_xx",
+    "link_3.inertia_yy",
+    "link_3.inertia_zz",
+    "gravity.z",
+    "h1.damping",
+    "h2.damping",
+    "h3.damping",
+    "h1.stiffness",
+    "h2.stiffness",
+    "h3.stiffness",
+};
+
+static const char *const parameter_units[] = {
+    "kg",
+    "m",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg",
+    "m",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg",
+    "m",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "m/s\302\262",
+    "N\302\267m\302\267s/rad",
+    "N\302\267m\302\267s/rad",
+    "N\302\267m\302\267s/rad",
+    "N\302\267m/rad",
+    "N\302\267m/rad",
+    "N\302\267m/rad",
+};
+
+static const char *const energy_names[] = {
+    "kinetic",
+    "hinge_stiffness",
+    "gravity",
+};
+
+static const double parameter_defaults[] = {
+    0.9999836000000001, /* link_1.mass, kg */
+    0.5, /* link_1.com_y, m */
+    0.16666120008019952, /* link_1.inertia_xx, kg*m^2 */
+    0.16666364533333336, /* link_1.inertia_yy, kg*m^2 */
+    0.16666091208019948, /* link_1.inertia_zz, kg*m^2 */
+    0.9999836, /* link_2.mass, kg */
+    0.5, /* link_2.com_y, m */
+    0.16666120008019944, /* link_2.inertia_xx, kg*m^2 */
+    0.1666636453333333, /* link_2.inertia_yy, kg*m^2 */
+    0.16666091208019945, /* link_2.inertia_zz, kg*m^2 */
+    0.9999918, /* link_3.mass, kg */
+    0.5000040999935202, /* link_3.com_y, m */
+    0.16666393335662322, /* link_3.inertia_xx, kg*m^2 */
+    0.16666515599999998, /* link_3.inertia_yy, kg*m^2 */
+    0.16666378935662324, /* link_3.inertia_zz, kg*m^2 */
+    (-9.81), /* gravity.z, m/s^2 */
+    10.0, /* h1.damping, N*m*s/rad */
+    10.0, /* h2.damping, N*m*s/rad */
+    10.0, /* h3.damping, N*m*s/rad */
+    100.0, /* h1.stiffness, N*m/rad */
+    100.0, /* h2.stiffness, N*m/rad */
+    100.0, /* h3.stiffness, N*m/rad */
+};
+
+void pendulum_default_parameters(pendulum_parameters *parameters) {
+  parameters->link_1_mass = parameter_defaults[0];
+  parameters->link_1_com_y = parameter_defaults[1];
+  parameters->link_1_inertia_xx = parameter_defaults[2];
+  parameters->link_1_inertia_yy = parameter_defaults[3];
+  parameters->link_1_inertia_zz = parameter_defaults[4];
+  parameters->link_2_mass = parameter_defaults[5];
+  parameters->link_2_com_y = parameter_defaults[6];
+  parameters->link_2_inertia_xx = parameter_defaults[7];
+  parameters->link_2_inertia_yy = parameter_defaults[8];
+  parameters->link_2_inertia_zz = parameter_defaults[9];
+  parameters->link_3_mass = parameter_defaults[10];
+  parameters->link_3_com_y = parameter_defaults[11];
+  parameters->link_3_inertia_xx = parameter_defaults[12];
+  parameters->link_3_inertia_yy = parameter_defaults[13];
+  parameters->link_3_inertia_zz = parameter_defaults[14];
+  parameters->gravity_z = parameter_defaults[15];
+  parameters->h1_damping = parameter_defaults[16];
+  parameters->h2_damping = parameter_defaults[17];
+  parameters->h3_damping = parameter_defaults[18];
+  parameters->h1_stiffness = parameter_defaults[19];
+  parameters->h2_stiffness = parameter_defaults[20];
+  parameters->h3_stiffness = parameter_defaults[21];
+}
+
+/* The struct as the array that it also is. */
+static void setup_from_array(const double *parameters, double *constants) {
+  pendulum_setup((const pendulum_parameters *)(const void *)parameters, constants);
+}
+
+const lamc_model *pendulum_model(void) {
+  static const lamc_model model = {
+      "pendulum",
+      "b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317",
+      3, 3, 22, 24, 3,
+      joint_names,
+      body_names,
+      parameter_names,
+      parameter_units,
+      energy_names,
+      parameter_defaults,
+      setup_from_array,
+      pendulum_acceleration,
+      pendulum_energy,
+      pendulum_poses,
+  };
+  return &model;
+}

@@ -1,0 +1,90 @@
+/* pendulum: equations of motion in C.
+ *
+ * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
+ * Program digest b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317
+ *
+ * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
+ * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
+ *
+ *   joint  name
+ *       0  h1
+ *       1  h2
+ *       2  h3
+ *
+ *   body   name (moving bodies, in the order of poses)
+ *       0  link_1
+ *       1  link_2
+ *       2  link_3
+ */
+#ifndef PENDULUM_H
+#define PENDULUM_H
+
+#include "lamc.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* lamc: declarations begin */
+
+/* Sizes of the arrays below. */
+enum {
+  pendulum_joint_count = 3,
+  pendulum_body_count = 3,
+  pendulum_parameter_count = 22,
+  pendulum_constant_count = 24,
+  pendulum_energy_count = 3
+};
+
+/* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
+ * array of pendulum_parameter_count doubles in this order. */
+typedef struct pendulum_parameters {
+  double link_1_mass; /* link_1.mass: mass, kg; 0.9999836000000001 */
+  double link_1_com_y; /* link_1.com_y: centre of mass from the hinge, along y of the link's frame, m; 0.5 */
+  double link_1_inertia_xx; /* link_1.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.16666120008019952 */
+  double link_1_inertia_yy; /* link_1.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2; 0.16666364533333336 */
+  double link_1_inertia_zz; /* link_1.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.16666091208019948 */
+  double link_2_mass; /* link_2.mass: mass, kg; 0.9999836 */
+  double link_2_com_y; /* link_2.com_y: centre of mass from the hinge, along y of the link's frame, m; 0.5 */
+  double link_2_inertia_xx; /* link_2.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.16666120008019944 */
+  double link_2_inertia_yy; /* link_2.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2; 0.1666636453333333 */
+  double link_2_inertia_zz; /* link_2.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.16666091208019945 */
+  double link_3_mass; /* link_3.mass: mass, kg; 0.9999918 */
+  double link_3_com_y; /* link_3.com_y: centre of mass from the hinge, along y of the link's frame, m; 0.5000040999935202 */
+  double link_3_inertia_xx; /* link_3.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.16666393335662322 */
+  double link_3_inertia_yy; /* link_3.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2; 0.16666515599999998 */
+  double link_3_inertia_zz; /* link_3.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.16666378935662324 */
+  double gravity_z; /* gravity.z: gravitational acceleration along world z, m/s^2; (-9.81) */
+  double h1_damping; /* h1.damping: viscous damping of the hinge, N*m*s/rad; 10.0 */
+  double h2_damping; /* h2.damping: viscous damping of the hinge, N*m*s/rad; 10.0 */
+  double h3_damping; /* h3.damping: viscous damping of the hinge, N*m*s/rad; 10.0 */
+  double h1_stiffness; /* h1.stiffness: torsional stiffness of the hinge, N*m/rad; 100.0 */
+  double h2_stiffness; /* h2.stiffness: torsional stiffness of the hinge, N*m/rad; 100.0 */
+  double h3_stiffness; /* h3.stiffness: torsional stiffness of the hinge, N*m/rad; 100.0 */
+} pendulum_parameters;
+
+/* The values of the design. */
+void pendulum_default_parameters(pendulum_parameters *parameters);
+
+/* -> constants (24,): everything that depends on parameters only. Call it once per change. */
+void pendulum_setup(const pendulum_parameters *parameters, double *constants);
+
+/* t s, q (3,) rad, u (3,) rad/s -> udot (3,) rad/s^2 */
+void pendulum_acceleration(const double *constants, double t, const double *q, const double *u, double *udot);
+
+/* -> energies (3,) J: kinetic, hinge_stiffness, gravity */
+void pendulum_energy(const double *constants, double t, const double *q, const double *u, double *energies);
+
+/* -> poses (3, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
+void pendulum_poses(const double *constants, const double *q, double *poses);
+
+/* All of the above with names, for lamc's runtime. The model is constant and lives as long as the program. */
+const lamc_model *pendulum_model(void);
+
+/* lamc: declarations end */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* PENDULUM_H */

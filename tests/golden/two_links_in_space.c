@@ -1,0 +1,338 @@
+/* two links in space: equations of motion in C.
+ *
+ * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
+ * Program digest e3cd28fba26585dca15f8e6a95f600f1b0e0cfb2c6c56dc8b2a679cb8dacbfc1
+ * Accelerations by mass matrix (operations: elimination 108, mass matrix 100).
+ *
+ * Operations per call (+ - *, reciprocals, library calls):
+ *   setup              43 of which 1 reciprocals; 0 library calls
+ *   acceleration      100 of which 1 reciprocals; 4 library calls
+ *   energy             65 of which 0 reciprocals; 4 library calls
+ *   poses              46 of which 0 reciprocals; 4 library calls
+ */
+#include "two_links_in_space.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* everything that depends on parameters only; once per change of parameters */
+void two_links_in_space_setup(const two_links_in_space_parameters *p, double *out) {
+  /* Inertia about the hinges, base parameters (parallel axes; Gautier & Khalil 1990) */
+  const double z0 = 0.5*(p->upper_inertia_yy - (p->upper_inertia_xx + p->upper_inertia_zz));
+  const double z1 = p->upper_mass*p->upper_com_x;
+  const double z2 = 0.5*(p->upper_inertia_xx - (p->upper_inertia_yy + p->upper_inertia_zz)) - p->upper_com_x*z1;
+  const double z3 = z0 + z2;
+  const double z4 = 0.5*(p->lower_inertia_xx - (p->lower_inertia_yy + p->lower_inertia_zz));
+  const double z5 = p->lower_mass*p->lower_com_y;
+  const double z6 = p->lower_mass*p->lower_com_z;
+  const double z7 = 0.5*(p->lower_inertia_yy - (p->lower_inertia_xx + p->lower_inertia_zz)) - p->lower_com_y*z5;
+  const double z8 = 0.5*(p->lower_inertia_zz - (p->lower_inertia_xx + p->lower_inertia_yy)) - p->lower_com_z*z6;
+  const double z9 = p->lower_inertia_yz - p->lower_com_z*z5;
+  const double z10 = z4 + z7;
+  const double z11 = z6*(-0.8);
+  const double z12 = 0.6*0.6;
+  const double z13 = z1 + p->lower_mass;
+  const double z14 = (z2 - p->lower_mass) + (z0 + z8*((-0.8)*(-0.8)));
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z15 = 1.0/z10;
+  /* Mass matrix (Kane, eq. 19) */
+  const double z16 = z10*0.6;
+  const double z17 = z4 - z7;
+  /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
+  const double z18 = z7 + z8;
+  const double z19 = z4 + z8;
+  /* Potential energy (-? m a*r) [gravity] */
+  const double z20 = p->lower_com_z*0.6;
+  /* Positions and rotations of the links (eq. 1-4) */
+  const double z21 = 0.6*0.8;
+  out[0] = z4;
+  out[1] = z5;
+  out[2] = z7;
+  out[3] = z9;
+  out[4] = 0.6;
+  out[5] = z11;
+  out[6] = z13;
+  out[7] = z14;
+  out[8] = 0.8;
+  out[9] = p->gravity_z;
+  out[10] = p->shoulder_damping;
+  out[11] = p->shoulder_stiffness;
+  out[12] = p->elbow_stiffness;
+  out[13] = z15;
+  out[14] = z16;
+  out[15] = z17;
+  out[16] = p->upper_mass;
+  out[17] = p->upper_com_x;
+  out[18] = z3;
+  out[19] = p->lower_mass;
+  out[20] = p->lower_com_y;
+  out[21] = p->lower_com_z;
+  out[22] = z6;
+  out[23] = z10;
+  out[24] = z18;
+  out[25] = z19;
+  out[26] = z12;
+  out[27] = z20;
+  out[28] = (-0.6);
+  out[29] = z21;
+}
+
+/* accelerations of the joints, rad/s^2 */
+void two_links_in_space_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
+  (void)t;
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = cos(q[1]);
+  const double z3 = sin(q[1]);
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z4 = z1*c[9];
+  const double z5 = z0*c[9];
+  const double z6 = u[0]*c[8];
+  const double z7 = z3*z6;
+  const double z8 = z2*z6;
+  const double z9 = u[1]*z7;
+  const double z10 = u[1] + u[0]*c[4];
+  const double z11 = z2*(z4 - u[0]*u[0]) + z3*(c[4]*z5);
+  const double z12 = z7*z7;
+  const double z13 = z7*z8;
+  const double z14 = z7*z10;
+  const double z15 = z12 + z10*z10;
+  const double z16 = u[1]*z8 + z8*z10;
+  /* Inertia forces and applied loads (eq. 18) */
+  const double z17 = (c[2]*z16 - c[3]*(z12 + z8*z8)) + c[3]*z15;
+  const double z18 = c[0]*z13 - (c[2]*z13 - c[3]*(z9 - z14));
+  const double z19 = z18 + c[1]*z11;
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z20 = q[1]*c[12] - z19;
+  const double z21 = c[1]*z3;
+  /* Generalised forces (eq. 18) */
+  const double z22 = c[4]*(z2*(c[1]*z15) - z3*c[1]*z13);
+  const double z23 = z3*(z17 + c[1]*(c[8]*z5)) + z2*(c[3]*z13 - c[0]*(z9 + z14));
+  const double z24 = (c[8]*(c[1]*z16) + z22) + (c[8]*z23 + c[4]*z19);
+  const double z25 = (u[0]*c[10] + q[0]*c[11]) + ((c[6]*z5 - c[5]*z4) - z24);
+  /* Mass matrix (Kane, eq. 19) */
+  const double z26 = c[3]*z2;
+  const double z27 = c[4]*z21 - (c[8]*z26 - c[14]);
+  const double z28 = z3*(z3*c[15]);
+  const double z29 = c[2] + z28;
+  const double z30 = z29 - c[8]*(c[8]*z29 + 2.0*(c[4]*z26));
+  /* Solution of M u? = f by L?DL (Kane, eq. 19) */
+  const double z31 = c[13]*z27;
+  const double z32 = (c[7] + (z30 + ((c[0] - z28) + 2.0*z21))) - z27*z31;
+  const double z33 = 1.0/z32;
+  const double z34 = z33*(z25 - z20*z31);
+  const double z35 = c[13]*z20 - z31*z34;
+  out[0] = z34;
+  out[1] = z35;
+}
+
+/* energies by effect, J; kinetic first */
+void two_links_in_space_energy(const double *c, double t, const double *q, const double *u, double *out) {
+  (void)t;
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = cos(q[1]);
+  const double z3 = sin(q[1]);
+  /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
+  const double z4 = 0.5*(c[11]*(q[0]*q[0])) + 0.5*(c[12]*(q[1]*q[1]));
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z5 = u[0]*c[8];
+  const double z6 = u[0]*c[4];
+  const double z7 = z3*z5;
+  const double z8 = z2*z5;
+  const double z9 = u[1] + z6;
+  /* Velocities (eq. 13-14) */
+  const double z10 = z3*z6;
+  const double z11 = z2*z6;
+  /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
+  const double z12 = z7*(z7*c[24]) + z8*(z8*c[25] - c[3]*z9);
+  const double z13 = c[19]*(z5*z5 + (z10*z10 + z11*z11));
+  const double z14 = z10*(c[22]*z8 - c[1]*z9) - z11*c[22]*z7;
+  const double z15 = 0.5*(z9*(c[3]*z8 - c[23]*z9) - z12);
+  const double z16 = (0.5*z13 - (z5*(c[1]*z7) - z14)) + z15;
+  const double z17 = 0.5*(u[0]*(u[0]*c[18])) - z16;
+  /* Potential energy (-? m a*r) [gravity] */
+  const double z18 = c[20]*(z2*(c[4]*z0) - z1*z3) - c[21]*z0*c[8];
+  const double z19 = c[16]*(c[9]*(c[17]*z1)) + c[19]*(c[9]*(z1 + z18));
+  out[0] = -z17;
+  out[1] = z4;
+  out[2] = z19;
+}
+
+/* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
+void two_links_in_space_poses(const double *c, const double *q, double *out) {
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = cos(q[1]);
+  const double z3 = sin(q[1]);
+  /* Potential energy (-? m a*r) [gravity] */
+  const double z4 = c[17]*z0;
+  const double z5 = c[17]*z1;
+  const double z6 = c[4]*z1;
+  const double z7 = z1*c[8];
+  const double z8 = c[4]*z0;
+  const double z9 = z0*c[8];
+  const double z10 = z0*z2 - z3*z6;
+  const double z11 = z2*z6 + z0*z3;
+  const double z12 = z3*c[8];
+  const double z13 = z2*c[8];
+  const double z14 = z1*z2 + z3*z8;
+  const double z15 = z2*z8 - z1*z3;
+  const double z16 = c[20]*z13 + c[27];
+  const double z17 = z0 - (c[20]*z11 - c[21]*z7);
+  const double z18 = z1 + (c[20]*z15 - c[21]*z9);
+  /* Positions and rotations of the links (eq. 1-4) */
+  const double z19 = c[8]*z11 - c[4]*z7;
+  const double z20 = z11*c[28] - c[8]*z7;
+  const double z21 = c[26] + c[8]*z13;
+  const double z22 = z13*c[28] + c[29];
+  const double z23 = c[8]*z15 - c[4]*z9;
+  const double z24 = z15*c[28] - c[8]*z9;
+  out[0] = z4;
+  out[1] = 0.0;
+  out[2] = -z5;
+  out[3] = z0;
+  out[4] = 0.0;
+  out[5] = z1;
+  out[6] = 0.0;
+  out[7] = 1.0;
+  out[8] = 0.0;
+  out[9] = -z1;
+  out[10] = 0.0;
+  out[11] = z0;
+  out[12] = z17;
+  out[13] = z16;
+  out[14] = -z18;
+  out[15] = z10;
+  out[16] = -z19;
+  out[17] = -z20;
+  out[18] = z12;
+  out[19] = z21;
+  out[20] = z22;
+  out[21] = -z14;
+  out[22] = -z23;
+  out[23] = -z24;
+}
+
+static const char *const joint_names[] = {
+    "shoulder",
+    "elbow",
+};
+
+static const char *const body_names[] = {
+    "upper",
+    "lower",
+};
+
+static const char *const parameter_names[] = {
+    "upper.mass",
+    "upper.com_x",
+    "upper.inertia_xx",
+    "upper.inertia_yy",
+    "upper.inertia_zz",
+    "upper.inertia_xz",
+    "lower.mass",
+    "lower.com_y",
+    "lower.com_z",
+    "lower.inertia_xx",
+    "lower.inertia_yy",
+    "lower.inertia_zz",
+    "lower.inertia_yz",
+    "gravity.z",
+    "shoulder.damping",
+    "shoulder.stiffness",
+    "elbow.stiffness",
+};
+
+static const char *const parameter_units[] = {
+    "kg",
+    "m",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg",
+    "m",
+    "m",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "kg\302\267m\302\262",
+    "m/s\302\262",
+    "N\302\267m\302\267s/rad",
+    "N\302\267m/rad",
+    "N\302\267m/rad",
+};
+
+static const char *const energy_names[] = {
+    "kinetic",
+    "hinge_stiffness",
+    "gravity",
+};
+
+static const double parameter_defaults[] = {
+    1.0, /* upper.mass, kg */
+    0.5, /* upper.com_x, m */
+    0.02, /* upper.inertia_xx, kg*m^2 */
+    0.1, /* upper.inertia_yy, kg*m^2 */
+    0.1, /* upper.inertia_zz, kg*m^2 */
+    0.001, /* upper.inertia_xz, kg*m^2 */
+    0.5, /* lower.mass, kg */
+    0.2, /* lower.com_y, m */
+    0.15, /* lower.com_z, m */
+    0.05, /* lower.inertia_xx, kg*m^2 */
+    0.024399999999999998, /* lower.inertia_yy, kg*m^2 */
+    0.03560000000000001, /* lower.inertia_zz, kg*m^2 */
+    (-0.019200000000000002), /* lower.inertia_yz, kg*m^2 */
+    (-9.81), /* gravity.z, m/s^2 */
+    0.125, /* shoulder.damping, N*m*s/rad */
+    2.0, /* shoulder.stiffness, N*m/rad */
+    1.5, /* elbow.stiffness, N*m/rad */
+};
+
+void two_links_in_space_default_parameters(two_links_in_space_parameters *parameters) {
+  parameters->upper_mass = parameter_defaults[0];
+  parameters->upper_com_x = parameter_defaults[1];
+  parameters->upper_inertia_xx = parameter_defaults[2];
+  parameters->upper_inertia_yy = parameter_defaults[3];
+  parameters->upper_inertia_zz = parameter_defaults[4];
+  parameters->upper_inertia_xz = parameter_defaults[5];
+  parameters->lower_mass = parameter_defaults[6];
+  parameters->lower_com_y = parameter_defaults[7];
+  parameters->lower_com_z = parameter_defaults[8];
+  parameters->lower_inertia_xx = parameter_defaults[9];
+  parameters->lower_inertia_yy = parameter_defaults[10];
+  parameters->lower_inertia_zz = parameter_defaults[11];
+  parameters->lower_inertia_yz = parameter_defaults[12];
+  parameters->gravity_z = parameter_defaults[13];
+  parameters->shoulder_damping = parameter_defaults[14];
+  parameters->shoulder_stiffness = parameter_defaults[15];
+  parameters->elbow_stiffness = parameter_defaults[16];
+}
+
+/* The struct as the array that it also is. */
+static void setup_from_array(const double *parameters, double *constants) {
+  two_links_in_space_setup((const two_links_in_space_parameters *)(const void *)parameters, constants);
+}
+
+const lamc_model *two_links_in_space_model(void) {
+  static const lamc_model model = {
+      "two links in space",
+      "e3cd28fba26585dca15f8e6a95f600f1b0e0cfb2c6c56dc8b2a679cb8dacbfc1",
+      2, 2, 17, 30, 3,
+      joint_names,
+      body_names,
+      parameter_names,
+      parameter_units,
+      energy_names,
+      parameter_defaults,
+      setup_from_array,
+      two_links_in_space_acceleration,
+      two_links_in_space_energy,
+      two_links_in_space_poses,
+  };
+  return &model;
+}

@@ -57,9 +57,9 @@ class Equations:
     problem: "Problem"
     energies: Mapping[str, Scalar]
     poses: tuple[Scalar, ...]
-    closure: "Closure | None"
     solver: str
     solver_flops: Mapping[str, int]
+    closure: "Closure | None" = None
 
     @cached_property
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:

@@ -68,7 +68,7 @@ print(text.hexdigest())
 def test_the_same_design_gives_the_same_bytes_whatever_the_hash_seed() -> None:
     root = Path(__file__).resolve().parent.parent
     digests = set()
-    for seed in ("0", "1", "4242"):
+    for seed in ("0", "4242"):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(root)}
         done = subprocess.run(
             [sys.executable, "-c", _PRINT_DIGEST],

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317
+ * Program digest 933a933a40b2286fde6880a9c5b3ef037402fb83322d5ff04e37ee2890a3e717
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

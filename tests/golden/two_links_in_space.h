@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest e3cd28fba26585dca15f8e6a95f600f1b0e0cfb2c6c56dc8b2a679cb8dacbfc1
+ * Program digest 59ac8ddc35c306da7eebb72537e5faa7955f21781bff59a327219339784f5681
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

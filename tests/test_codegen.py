@@ -298,7 +298,7 @@ def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(
     assert (name in WITH_LOOPS) == (
         len(program.functions["acceleration"].statements) > MAX_BLOCK_AT_EVERY_STEP
     )
-    assert (name in WITH_LOOPS) == ("_kernel_0(" in tree.files[f"{tree.prefix}.c"])
+    assert (name in WITH_LOOPS) == ("acceleration_kernel_0(" in tree.files[f"{tree.prefix}.c"])
     write_sources(tree, tmp_path)
     strict = (*STRICT, "-O1", "-ffp-contract=off")
     cc(tmp_path, *strict, "-c", *tree.compiled)

@@ -11,9 +11,12 @@ from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import Function, Operand, Operations, Space, Statement
 from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment, lay_out
 
-# Statements in one block. Up to here straight code is as quick as it gets (40 parallel hinges: a third quicker than
-# kernels) and gcc takes about a second; beyond, kernels build and run quicker.
-MAX_BLOCK = 1500
+# Statements in one block. What runs at every step is straight code as long as that is quicker than kernels (40
+# parallel hinges: by a third); gcc then takes about a second. What runs once per row is kept short to compile.
+MAX_BLOCK = 400
+MAX_BLOCK_AT_EVERY_STEP = 1500
+AT_EVERY_STEP = ("acceleration",)
+SHORT_INDEX, LONG_INDEX, MAX_SHORT_INDEX = "unsigned short", "unsigned int", 65535  # C promises no more
 PART = 250  # statements in one part of what does not repeat in a long function
 MAX_PERIOD = 4  # like links in turns: signs that alternate from link to link make two classes of one
 MAX_PLAIN_OUTPUTS = 64  # more outputs than this are copied by loops
@@ -48,6 +51,7 @@ class CFunction:
     operations: Operations
     routines: tuple[CRoutine, ...]
     tables: tuple[CTable, ...]
+    index_type: str  # C type of the entries of all tables
     literals: tuple[str, ...]  # numbers that differ from link to link
     crossing_count: int  # values that pass between routines; 0: there are none, all is in the body
     body: tuple[str, ...]
@@ -56,7 +60,8 @@ class CFunction:
 
 def arrange(function: Function, printer: ShapePrinter, fields: list[str]) -> CFunction:
     """`function` as lines of C; `fields` are the members of the parameter struct."""
-    if len(function.statements) <= MAX_BLOCK:
+    limit = MAX_BLOCK_AT_EVERY_STEP if function.name in AT_EVERY_STEP else MAX_BLOCK
+    if len(function.statements) <= limit:
         return _block(function, printer, fields)
     return _Long(function, printer, fields).arranged()
 
@@ -82,6 +87,7 @@ def _block(function: Function, printer: ShapePrinter, fields: list[str]) -> CFun
         operations=function.operations,
         routines=(),
         tables=(),
+        index_type=SHORT_INDEX,
         literals=(),
         crossing_count=0,
         body=(*lines, *_outputs(function, name)),
@@ -172,11 +178,18 @@ class _Long:
                 ),
                 *self.output_tables,
             ),
+            index_type=SHORT_INDEX if self._largest_index() <= MAX_SHORT_INDEX else LONG_INDEX,
             literals=tuple(literal(v) for v in self.literals),
             crossing_count=self.layout.size,
             body=tuple(self.body),
             unused=_unused(function, called),
         )
+
+    def _largest_index(self) -> int:
+        """No table holds more than this."""
+        operands = [o.index for s in self.function.statements for o in s.operands]
+        outputs = [operand.index for _, operand in self.function.outputs]
+        return max(self.layout.size, len(self.literals), len(outputs), *operands, *outputs)
 
     def _outside(self, operand: Operand) -> str:
         if operand.space is Space.LOCAL:

@@ -1,7 +1,8 @@
 """Which nodes of a store get a name: the statements of a straight-line program.
 
-A node is named when it is used more than once, when it is a function call or a reciprocal, or when the
-expression that it would be part of grows long. All others are written inside the one statement that uses them.
+A node is named when it is used more than once, when it is a function call or a reciprocal, when the expression that
+it would be part of grows long, or when it is what an effect hands to the rest of the equations, so that every effect
+can be seen in the C. All others are written inside the one statement that uses them.
 """
 
 from collections.abc import Sequence
@@ -26,10 +27,15 @@ def group(store: Store, outputs: Sequence[Scalar], outer: Level) -> Grouping:
     """Statements for `outputs`; nodes up to level `outer` are taken as given."""
     live = _within(store, outputs, outer)
     uses = dict.fromkeys(live, 0)
+    handed_over: set[int] = set()
     for index in live:
         if store.levels[index] > outer:
+            section = store.section_of[index]
             for argument in store.arguments[index]:
                 uses[argument] += 1
+                own = store.section_of[argument]
+                if own != section and store.sections[own].effect:
+                    handed_over.add(argument)
     for value in outputs:
         if isinstance(value, Value):
             uses[value.index] += 2
@@ -43,7 +49,8 @@ def group(store: Store, outputs: Sequence[Scalar], outer: Level) -> Grouping:
             leaves.append(index)
             continue
         count = sum(operands[i] for i in store.arguments[index])
-        inline = operation in (*BINARY, "neg") and uses[index] == 1 and count <= MAX_OPERANDS
+        short = operation in (*BINARY, "neg") and uses[index] == 1 and count <= MAX_OPERANDS
+        inline = short and index not in handed_over
         if inline:
             operands[index] = count
         else:

@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest df956e278ffa9420b90ba902f86c0d6d9387a1c627d814806955804b8ee67f3c
+ * Program digest 3bbac1bcc9345656d6a7b32eaae9c3799bb3829823dc7da1f1b8b4df28495c9a
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -73,6 +73,10 @@ static const char *const joint_names[] = {
     "hinge",
 };
 
+static const char *const cut_names[] = {
+    "",
+};
+
 static const char *const body_names[] = {
     "flap",
 };
@@ -117,9 +121,17 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "df956e278ffa9420b90ba902f86c0d6d9387a1c627d814806955804b8ee67f3c",
-      1, 1, 4, 3, 1,
+      "3bbac1bcc9345656d6a7b32eaae9c3799bb3829823dc7da1f1b8b4df28495c9a",
+      0.5,
+      1,
+      0,
+      0,
+      1,
+      4,
+      3,
+      1,
       joint_names,
+      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -127,6 +139,10 @@ const lamc_model *driven_model(void) {
       parameter_defaults,
       setup_from_array,
       driven_acceleration,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
       driven_energy,
       driven_poses,
   };

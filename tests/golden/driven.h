@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest df956e278ffa9420b90ba902f86c0d6d9387a1c627d814806955804b8ee67f3c
+ * Program digest 3bbac1bcc9345656d6a7b32eaae9c3799bb3829823dc7da1f1b8b4df28495c9a
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -26,6 +26,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   driven_joint_count = 1,
+  driven_cut_count = 0,
+  driven_closure_count = 0,
   driven_body_count = 1,
   driven_parameter_count = 4,
   driven_constant_count = 3,

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317
+ * Program digest 948bb80fd68d411b499131ba3a511a2f0189b7c92744113b7951954d8d97d513
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -73,52 +73,60 @@ void pendulum_acceleration(const double *c, double t, const double *q, const dou
   const double z5 = q[2] - z2;
   const double z6 = cos(z5);
   const double z7 = sin(z5);
+  /* Hinge damping (T = -c u, eq. 16) [hinge_damping] */
+  const double z8 = u[0]*c[7];
+  const double z9 = u[1]*c[8];
+  const double z10 = u[2]*c[9];
+  /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
+  const double z11 = z8 + q[0]*c[10];
+  const double z12 = z9 + q[1]*c[11];
+  const double z13 = z10 + q[2]*c[12];
   /* Inertia in carrier frames (eq. 7-11) */
-  const double z8 = c[2]*z4;
-  const double z9 = c[2]*z3;
-  const double z10 = c[0]*z7;
-  const double z11 = c[0]*z6;
+  const double z14 = c[2]*z4;
+  const double z15 = c[2]*z3;
+  const double z16 = c[0]*z7;
+  const double z17 = c[0]*z6;
   /* Velocities and bias accelerations (eq. 13-14) */
-  const double z12 = u[0]*u[0];
-  const double z13 = z0*z12;
-  const double z14 = c[6] - z1*z12;
-  const double z15 = u[0] + u[1];
-  const double z16 = z15*z15;
-  const double z17 = u[2] - z15;
-  const double z18 = z17*z17;
+  const double z18 = u[0]*u[0];
+  const double z19 = z0*z18;
+  const double z20 = c[6] - z1*z18;
+  const double z21 = u[0] + u[1];
+  const double z22 = z21*z21;
+  const double z23 = u[2] - z21;
+  const double z24 = z23*z23;
   /* Inertia forces and applied loads (eq. 18) */
-  const double z19 = z10*z18;
-  const double z20 = z11*z18;
-  const double z21 = z10*(z13 + z3*z16) - z11*(z14 - z4*z16);
+  const double z25 = z16*z24;
+  const double z26 = z17*z24;
+  const double z27 = z16*(z19 + z3*z22) - z17*(z20 - z4*z22);
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
-  const double z22 = (u[2]*c[9] + q[2]*c[12]) + z21;
-  const double z23 = z3*z11;
-  const double z24 = z4*z10;
-  const double z25 = z0*(z9 + z11);
-  const double z26 = z1*(z8 - z10);
+  const double z28 = z13 + z27;
+  const double z29 = z3*z17;
+  const double z30 = z4*z16;
+  const double z31 = z0*(z15 + z17);
+  const double z32 = z1*(z14 - z16);
   /* Generalised forces (eq. 18) */
-  const double z27 = (z8*z13 + z9*z14) - (z21 - (z4*z20 + z3*z19));
-  const double z28 = z1*(z9*z16 + z20) - z0*(z8*z16 - z19);
-  const double z29 = (u[0]*c[7] + q[0]*c[10]) + (c[6]*(c[3]*z0) + (z27 + z28));
+  const double z33 = (z14*z19 + z15*z20) - (z27 - (z4*z26 + z3*z25));
+  const double z34 = z1*(z15*z22 + z26) - z0*(z14*z22 - z25);
   /* Mass matrix (Kane, eq. 19) */
-  const double z30 = c[1] - (z23 - z24);
-  const double z31 = z30 + (z1*z10 - z0*z11);
-  const double z32 = c[5] - (2.0*z23 - (c[1] + 2.0*z24));
+  const double z35 = c[1] - (z29 - z30);
+  const double z36 = z35 + (z1*z16 - z0*z17);
+  const double z37 = c[5] - (2.0*z29 - (c[1] + 2.0*z30));
   /* Solution of M u? = f by L?DL (Kane, eq. 19) */
-  const double z33 = c[13]*z30;
-  const double z34 = (z32 - (z25 + z26)) - z31*z33;
-  const double z35 = c[13]*z31;
-  const double z36 = (c[4] - (2.0*z25 + (2.0*z26 - z32))) - z31*z35;
-  const double z37 = 1.0/(z32 - z30*z33);
-  const double z38 = z34*z37;
-  const double z39 = 1.0/(z36 - z34*z38);
-  const double z40 = ((u[1]*c[8] + q[1]*c[11]) + z27) + z22*z33;
-  const double z41 = z39*((z29 + z22*z35) - z38*z40);
-  const double z42 = z37*z40 - z38*z41;
-  const double z43 = (c[13]*z22 + z33*z42) + z35*z41;
-  out[0] = z41;
-  out[1] = z42;
-  out[2] = z43;
+  const double z38 = c[13]*z35;
+  const double z39 = (z37 - (z31 + z32)) - z36*z38;
+  const double z40 = c[13]*z36;
+  const double z41 = (c[4] - (2.0*z31 + (2.0*z32 - z37))) - z36*z40;
+  const double z42 = 1.0/(z37 - z35*z38);
+  const double z43 = z39*z42;
+  const double z44 = 1.0/(z41 - z39*z43);
+  const double z45 = (z12 + z33) + z28*z38;
+  const double z46 = (z11 + (c[6]*(c[3]*z0) + (z33 + z34))) + z28*z40;
+  const double z47 = z44*(z46 - z43*z45);
+  const double z48 = z42*z45 - z43*z47;
+  const double z49 = (c[13]*z28 + z38*z48) + z40*z47;
+  out[0] = z47;
+  out[1] = z48;
+  out[2] = z49;
 }
 
 /* energies by effect, J; kinetic first */
@@ -221,6 +229,10 @@ static const char *const joint_names[] = {
     "h1",
     "h2",
     "h3",
+};
+
+static const char *const cut_names[] = {
+    "",
 };
 
 static const char *const body_names[] = {
@@ -343,9 +355,17 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317",
-      3, 3, 22, 24, 3,
+      "948bb80fd68d411b499131ba3a511a2f0189b7c92744113b7951954d8d97d513",
+      2.5000040999935202,
+      3,
+      0,
+      0,
+      3,
+      22,
+      24,
+      3,
       joint_names,
+      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -353,6 +373,10 @@ const lamc_model *pendulum_model(void) {
       parameter_defaults,
       setup_from_array,
       pendulum_acceleration,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
       pendulum_energy,
       pendulum_poses,
   };

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest b972d8f80f84433e3e5b1540bd8bedc1e650cdc59a9951ce8a706e89ffe03317
+ * Program digest 948bb80fd68d411b499131ba3a511a2f0189b7c92744113b7951954d8d97d513
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -30,6 +30,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   pendulum_joint_count = 3,
+  pendulum_cut_count = 0,
+  pendulum_closure_count = 0,
   pendulum_body_count = 3,
   pendulum_parameter_count = 22,
   pendulum_constant_count = 24,

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest e3cd28fba26585dca15f8e6a95f600f1b0e0cfb2c6c56dc8b2a679cb8dacbfc1
+ * Program digest ee59e0038bd79b05694b853e86a3bd38763917e523ad3763e64d7b420977b94d
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 100).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -85,46 +85,51 @@ void two_links_in_space_acceleration(const double *c, double t, const double *q,
   const double z1 = sin(q[0]);
   const double z2 = cos(q[1]);
   const double z3 = sin(q[1]);
+  /* Hinge damping (T = -c u, eq. 16) [hinge_damping] */
+  const double z4 = u[0]*c[10];
+  /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
+  const double z5 = z4 + q[0]*c[11];
+  const double z6 = q[1]*c[12];
   /* Velocities and bias accelerations (eq. 13-14) */
-  const double z4 = z1*c[9];
-  const double z5 = z0*c[9];
-  const double z6 = u[0]*c[8];
-  const double z7 = z3*z6;
-  const double z8 = z2*z6;
-  const double z9 = u[1]*z7;
-  const double z10 = u[1] + u[0]*c[4];
-  const double z11 = z2*(z4 - u[0]*u[0]) + z3*(c[4]*z5);
-  const double z12 = z7*z7;
-  const double z13 = z7*z8;
-  const double z14 = z7*z10;
-  const double z15 = z12 + z10*z10;
-  const double z16 = u[1]*z8 + z8*z10;
+  const double z7 = z1*c[9];
+  const double z8 = z0*c[9];
+  const double z9 = u[0]*c[8];
+  const double z10 = z3*z9;
+  const double z11 = z2*z9;
+  const double z12 = u[1]*z10;
+  const double z13 = u[1] + u[0]*c[4];
+  const double z14 = z2*(z7 - u[0]*u[0]) + z3*(c[4]*z8);
+  const double z15 = z10*z10;
+  const double z16 = z10*z11;
+  const double z17 = z10*z13;
+  const double z18 = z15 + z13*z13;
+  const double z19 = u[1]*z11 + z11*z13;
   /* Inertia forces and applied loads (eq. 18) */
-  const double z17 = (c[2]*z16 - c[3]*(z12 + z8*z8)) + c[3]*z15;
-  const double z18 = c[0]*z13 - (c[2]*z13 - c[3]*(z9 - z14));
-  const double z19 = z18 + c[1]*z11;
+  const double z20 = (c[2]*z19 - c[3]*(z15 + z11*z11)) + c[3]*z18;
+  const double z21 = c[0]*z16 - (c[2]*z16 - c[3]*(z12 - z17));
+  const double z22 = z21 + c[1]*z14;
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
-  const double z20 = q[1]*c[12] - z19;
-  const double z21 = c[1]*z3;
+  const double z23 = z6 - z22;
+  const double z24 = c[1]*z3;
   /* Generalised forces (eq. 18) */
-  const double z22 = c[4]*(z2*(c[1]*z15) - z3*c[1]*z13);
-  const double z23 = z3*(z17 + c[1]*(c[8]*z5)) + z2*(c[3]*z13 - c[0]*(z9 + z14));
-  const double z24 = (c[8]*(c[1]*z16) + z22) + (c[8]*z23 + c[4]*z19);
-  const double z25 = (u[0]*c[10] + q[0]*c[11]) + ((c[6]*z5 - c[5]*z4) - z24);
+  const double z25 = c[4]*(z2*(c[1]*z18) - z3*c[1]*z16);
+  const double z26 = z3*(z20 + c[1]*(c[8]*z8)) + z2*(c[3]*z16 - c[0]*(z12 + z17));
+  const double z27 = (c[8]*(c[1]*z19) + z25) + (c[8]*z26 + c[4]*z22);
   /* Mass matrix (Kane, eq. 19) */
-  const double z26 = c[3]*z2;
-  const double z27 = c[4]*z21 - (c[8]*z26 - c[14]);
-  const double z28 = z3*(z3*c[15]);
-  const double z29 = c[2] + z28;
-  const double z30 = z29 - c[8]*(c[8]*z29 + 2.0*(c[4]*z26));
+  const double z28 = c[3]*z2;
+  const double z29 = c[4]*z24 - (c[8]*z28 - c[14]);
+  const double z30 = z3*(z3*c[15]);
+  const double z31 = c[2] + z30;
+  const double z32 = z31 - c[8]*(c[8]*z31 + 2.0*(c[4]*z28));
   /* Solution of M u? = f by L?DL (Kane, eq. 19) */
-  const double z31 = c[13]*z27;
-  const double z32 = (c[7] + (z30 + ((c[0] - z28) + 2.0*z21))) - z27*z31;
-  const double z33 = 1.0/z32;
-  const double z34 = z33*(z25 - z20*z31);
-  const double z35 = c[13]*z20 - z31*z34;
-  out[0] = z34;
-  out[1] = z35;
+  const double z33 = c[13]*z29;
+  const double z34 = (c[7] + (z32 + ((c[0] - z30) + 2.0*z24))) - z29*z33;
+  const double z35 = 1.0/z34;
+  const double z36 = (z5 + ((c[6]*z8 - c[5]*z7) - z27)) - z23*z33;
+  const double z37 = z35*z36;
+  const double z38 = c[13]*z23 - z33*z37;
+  out[0] = z37;
+  out[1] = z38;
 }
 
 /* energies by effect, J; kinetic first */
@@ -220,6 +225,10 @@ void two_links_in_space_poses(const double *c, const double *q, double *out) {
 static const char *const joint_names[] = {
     "shoulder",
     "elbow",
+};
+
+static const char *const cut_names[] = {
+    "",
 };
 
 static const char *const body_names[] = {
@@ -321,9 +330,17 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "e3cd28fba26585dca15f8e6a95f600f1b0e0cfb2c6c56dc8b2a679cb8dacbfc1",
-      2, 2, 17, 30, 3,
+      "ee59e0038bd79b05694b853e86a3bd38763917e523ad3763e64d7b420977b94d",
+      1.0307764064044151,
+      2,
+      0,
+      0,
+      2,
+      17,
+      30,
+      3,
       joint_names,
+      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -331,6 +348,10 @@ const lamc_model *two_links_in_space_model(void) {
       parameter_defaults,
       setup_from_array,
       two_links_in_space_acceleration,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
       two_links_in_space_energy,
       two_links_in_space_poses,
   };

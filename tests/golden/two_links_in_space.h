@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest e3cd28fba26585dca15f8e6a95f600f1b0e0cfb2c6c56dc8b2a679cb8dacbfc1
+ * Program digest ee59e0038bd79b05694b853e86a3bd38763917e523ad3763e64d7b420977b94d
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -28,6 +28,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   two_links_in_space_joint_count = 2,
+  two_links_in_space_cut_count = 0,
+  two_links_in_space_closure_count = 0,
   two_links_in_space_body_count = 2,
   two_links_in_space_parameter_count = 17,
   two_links_in_space_constant_count = 30,

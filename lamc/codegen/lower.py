@@ -37,7 +37,11 @@ CONSTRAINT = (
     "Jacobian of the loops (m, n), m/rad, then their acceleration bias (m), m/s^2",
     (Space.CONSTANT, Space.ANGLE, Space.RATE),
 )
-CUTS = ("cuts", "angles of the cut joints, rad, then their rates, rad/s", (Space.CONSTANT, Space.ANGLE, Space.RATE))
+CUTS = (
+    "cuts",
+    "angles of the cut joints, rad, then their rates, rad/s",
+    (Space.CONSTANT, Space.ANGLE, Space.RATE),
+)
 
 
 @collector_paused

@@ -63,7 +63,9 @@ def close(hinges: Sequence[CutHinge], q: Sequence[Value], u: Sequence[Value]) ->
     every = [r for hinge in hinges for r in hinge.residual]
     with store.section("Jacobian of the closure", source="dφ/dq"):
         columns = [derivatives(every, {angle: 1}) for angle in q]
-    rows = [i for i in range(len(every)) if any(isinstance(column[i], Value) or column[i] for column in columns)]
+    rows = [
+        i for i in range(len(every)) if any(isinstance(column[i], Value) or column[i] for column in columns)
+    ]
     residual = [every[i] for i in rows]
     with store.section("Acceleration bias of the closure", source="d²φ/dt² for u̇ = 0"):
         bias = derivatives(derivatives(residual, speeds), speeds)

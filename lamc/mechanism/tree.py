@@ -125,13 +125,18 @@ def _cuts(mechanism: Mechanism, carrier: dict[str, Joint], links: list[Link]) ->
     used = {joint.name for joint in carrier.values()}
     place = {link.body.name: index for index, link in enumerate(links)}
     size = mechanism.size
-    closing = sorted((j for j in mechanism.joints if j.name not in used), key=lambda j: geometric_key(j, size))
+    closing = sorted(
+        (j for j in mechanism.joints if j.name not in used), key=lambda j: geometric_key(j, size)
+    )
     cuts: list[Cut] = []
     for joint in closing:
         x = _perpendicular(joint.axis, None)
         x = x / np.linalg.norm(x)
         axes = np.column_stack([x, np.cross(joint.axis, x), joint.axis])
-        sides = [_side(place.get(name, WORLD), joint.point, axes, links, size) for name in (joint.parent, joint.child)]
+        sides = [
+            _side(place.get(name, WORLD), joint.point, axes, links, size)
+            for name in (joint.parent, joint.child)
+        ]
         cuts.append(Cut(joint, sides[0], sides[1]))
     return tuple(cuts)
 

@@ -160,7 +160,9 @@ def _rates(motion: "Motion", q: Array, rates: Mapping[str, float]) -> Array:
     model = motion.model
     n = len(q)
     rows, goals = [closure(motion, q)[1]], [np.zeros(model.closure_count)]
-    cut_rates = motion.cut_states(np.concatenate([np.tile(q, (n, 1)), np.eye(n)], axis=1))[:, len(model.cuts) :]
+    cut_rates = motion.cut_states(np.concatenate([np.tile(q, (n, 1)), np.eye(n)], axis=1))[
+        :, len(model.cuts) :
+    ]
     for name, value in rates.items():
         if name in model.joints:
             rows.append(np.eye(n)[[model.joints.index(name)]] * model.size)

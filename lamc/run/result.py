@@ -146,7 +146,9 @@ class Result:
                 points.append(com + rotation @ (joint.point - self.mechanism.body(body).com))
                 axes.append(rotation @ joint.axis)
             distance = np.linalg.norm(points[1] - points[0], axis=1)
-            angle = np.arctan2(np.linalg.norm(np.cross(axes[0], axes[1]), axis=1), (axes[0] * axes[1]).sum(axis=1))
+            angle = np.arctan2(
+                np.linalg.norm(np.cross(axes[0], axes[1]), axis=1), (axes[0] * axes[1]).sum(axis=1)
+            )
             worst = np.maximum(worst, np.maximum(distance, self.motion.model.size * angle))
         return worst
 

@@ -204,7 +204,9 @@ class Simulator:
         return self._model.motion(NO_PARAMETERS)
 
     def _motion(self, parameters: Mapping[str, float]) -> Motion:
-        if parameters or self._model.cuts:  # with loops a motion has working memory, which two threads cannot share
+        if (
+            parameters or self._model.cuts
+        ):  # with loops a motion has working memory, which two threads cannot share
             return self._model.motion(parameters)
         return self._default_motion
 

@@ -21,7 +21,7 @@ from lamc._version import __version__
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache
 from lamc.codegen.toolchain import find_compiler
-from lamc.errors import SimulationError
+from lamc.errors import SimulationError, UnsupportedError
 from lamc.mechanism.records import Array, Mechanism
 from lamc.options import CompileOptions
 from lamc.pipeline import Times, effects_of, equations_of, sources_of
@@ -97,6 +97,10 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
     times = Times(observer=observer)
     effects = effects_of(mechanism, scene)
     equations = equations_of(mechanism, effects, times)
+    if equations.closure is not None:
+        raise UnsupportedError(
+            f"joint {equations.cut_joints[0]!r} closes a loop; this version measures trees only: remove the joint"
+        )
     program, tree = sources_of(equations, times)
     derive = times.seconds["plan"] + times.seconds["derive"]
     compiler = find_compiler(options.compiler)

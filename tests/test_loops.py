@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 
 import lamc
+from lamc.codegen.build import write_sources
+from lamc.pipeline import sources_of
+from lamc.reference import check
 from lamc.run.simulator import Simulator
+from tests.ctools import STRICT, cc, needs_cc, output_of
 from tests.mechanisms import from_reference
 
 CASES = (
@@ -136,3 +140,20 @@ def test_accelerations_keep_the_loops_closed(cases: dict[str, Any]) -> None:
         m = sim._model.closure_count
         # Third order in h at most: h³ u³ and the like, with u of some 10 rad/s and lengths of 0.05 m.
         assert max(np.abs(g[:m]).max() for g in gaps) < 0.1 * (h * 50.0) ** 3
+
+
+def test_check_refuses_loops_by_the_name_of_a_joint(cases: dict[str, Any]) -> None:
+    sim = simulator(cases["fourbar_crank"])
+    with pytest.raises(lamc.UnsupportedError, match=rf"joint '{sim.cut_joints[0]}' closes a loop"):
+        check(sim)
+
+
+@needs_cc
+def test_c_of_a_mechanism_with_loops_is_strict_and_clean_under_sanitizers(
+    cases: dict[str, Any], tmp_path: Path
+) -> None:
+    sim = simulator(cases["miura22"])
+    _, tree = sources_of(sim.equations)
+    write_sources(tree, tmp_path)
+    cc(tmp_path, *STRICT, "-O1", "-fsanitize=address,undefined", *tree.compiled, "main.c", "-o", "run", "-lm")
+    assert output_of(tmp_path / "run").count("\n") == 102  # a header and 101 rows

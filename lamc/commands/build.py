@@ -130,7 +130,15 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _operations(program: Program) -> Operations:
-    return program.functions["acceleration"].operations
+    """Of one right-hand side; with loops, of what the runtime solves it from."""
+    names = ("acceleration", "system", "constraint")
+    parts = [program.functions[name].operations for name in names if name in program.functions]
+    return Operations(
+        additions=sum(p.additions for p in parts),
+        multiplications=sum(p.multiplications for p in parts),
+        reciprocals=sum(p.reciprocals for p in parts),
+        calls=sum(p.calls for p in parts),
+    )
 
 
 def _data(made: Built) -> dict[str, Any]:

@@ -76,7 +76,7 @@ def close(hinges: Sequence[CutHinge], q: Sequence[Value], u: Sequence[Value]) ->
 def _cut_hinge(placement: Placement, cut: Cut, motions: list[Motion], size: Scalar) -> CutHinge:
     kinematics = placement.kinematics
     common = _last_common(kinematics, cut.parent.link, cut.child.link)
-    point_a, (xa, ya, za) = _seen(placement, cut.parent, common)
+    point_a, (xa, ya, _) = _seen(placement, cut.parent, common)
     point_b, (xb, _, zb) = _seen(placement, cut.child, common)
     distance = (point_b[0] - point_a[0], point_b[1] - point_a[1], point_b[2] - point_a[2])
     residual = (*distance, size * dot(xa, zb), size * dot(ya, zb))

@@ -13,6 +13,7 @@ import numpy as np
 from lamc.effects.registry import Choice
 from lamc.pipeline import Times
 from lamc.report.plan_view import shortened
+from lamc.run.closing import LoopCount
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
@@ -83,10 +84,18 @@ def names(items: Sequence[str]) -> str:
 def _device(report: RunReport) -> str:
     mechanism = report.simulator.mechanism
     fixed = sum(body.fixed for body in mechanism.bodies)
-    joints, freedoms = len(mechanism.joints), len(report.simulator.joints)
+    joints, loops = len(mechanism.joints), report.simulator.loops
     return (
         f"{shortened(mechanism.name, 40)}: {_count(len(mechanism.bodies), 'body', 'bodies')} ({fixed} fixed), "
-        f"{_count(joints, 'hinge', 'hinges')}, {_count(freedoms, 'degree', 'degrees')} of freedom"
+        f"{_count(joints, 'hinge', 'hinges')}, {_count(loops.freedoms, 'degree', 'degrees')} of freedom"
+        + (f"; {_loops(loops)}" if loops.loops else "")
+    )
+
+
+def _loops(count: LoopCount) -> str:
+    return (
+        f"{_count(count.loops, 'loop', 'loops')}: {count.equations} equations of rank {count.rank}, "
+        f"{count.redundant} redundant"
     )
 
 

@@ -144,7 +144,7 @@ def _close_with_cuts(
         count = len(motion.model.cuts)
         for index, value in cut_angles.items():
             off = float(np.remainder(cuts[0, index] - value + np.pi, 2 * np.pi) - np.pi)
-            residual = np.append(residual, size * off)
+            residual = np.concatenate([residual, np.array([size * off])])
             jacobian = np.vstack([jacobian, size * cuts[:, count + index]])
         gap = float(np.abs(residual).max())
         if gap <= 1e-2 * CLOSED * size or not free.any():
@@ -159,7 +159,8 @@ def _rates(motion: "Motion", q: Array, rates: Mapping[str, float]) -> Array:
     """Rates with J u = 0 and the given ones; of these the smallest."""
     model = motion.model
     n = len(q)
-    rows, goals = [closure(motion, q)[1]], [np.zeros(model.closure_count)]
+    rows: list[Array] = [closure(motion, q)[1]]
+    goals: list[Array] = [np.zeros(model.closure_count)]
     cut_rates = motion.cut_states(np.concatenate([np.tile(q, (n, 1)), np.eye(n)], axis=1))[
         :, len(model.cuts) :
     ]
@@ -170,7 +171,7 @@ def _rates(motion: "Motion", q: Array, rates: Mapping[str, float]) -> Array:
             rows.append(cut_rates[:, [model.cuts.index(name)]].T * model.size)
         goals.append(np.array([value * model.size]))
     matrix, goal = np.vstack(rows), np.concatenate(goals)
-    u: Array = np.linalg.lstsq(matrix, goal, rcond=1e-9)[0]
+    u = np.asarray(np.linalg.lstsq(matrix, goal, rcond=1e-9)[0], dtype=np.float64)
     off = float(np.abs(matrix @ u - goal).max(initial=0.0))
     if off > 1e-8 * max(1e-300, float(np.abs(goal).max(initial=0.0))):
         names = ", ".join(f"{k} = {v:g}" for k, v in sorted(rates.items()))

@@ -1,4 +1,4 @@
-/* loops.c: motion under the closure of loops, redundant equations and singular positions included.
+/* loops.c, of lamc: motion under the closure of loops, redundant equations and singular positions included.
  *
  * In:    M, f, J, gamma and phi from a model. Out: accelerations, and states brought back to closure.
  * Never: assumes that the equations are independent; allocates.

@@ -1,4 +1,4 @@
-/* loops.h: what motion.c asks of loops.c. */
+/* loops.h, of lamc: what motion.c asks of loops.c. */
 #ifndef LAMC_LOOPS_H
 #define LAMC_LOOPS_H
 

@@ -110,7 +110,7 @@ def _summary(made: Built) -> str:
             f"folder    {made.folder}",
             *(f"{'files' if k == 0 else '':<10}{name}" for k, name in enumerate(made.files)),
             f"effects   {', '.join(c.name for c in made.account if c.effect is not None) or 'none'}",
-            f"solver    {made.equations.solver} (operations: {solvers})",
+            f"solver    {made.equations.solver}" + (f" (operations: {solvers})" if solvers else ""),
             f"flops     {operations.flops} per right-hand side{per_hinge}: {_count(operations.additions, 'addition')}, "
             f"{_count(operations.multiplications, 'multiplication')}, {_count(operations.reciprocals, 'division')}; "
             f"and {_count(operations.calls, 'call')} of sin, cos and the like",

@@ -1,15 +1,20 @@
 """Each effect alone against a closed form, and the account of which effects act."""
 
 import math
+import pickle
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pytest
+import sympy
 from scipy.special import ellipk
 
 import lamc
 from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
 from lamc.effects.registry import EFFECTS, by_name, choose
 from lamc.errors import DesignError, ExpressionError
+from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.scene import Scene
 from tests.ctools import needs_cc
@@ -248,3 +253,85 @@ def test_scene_files_give_effects_by_name() -> None:
     assert Gravity.from_data([0, 0, -1.62], "") == Gravity((0.0, 0.0, -1.62))
     assert Torque.from_data({"hip": 1, "knee": "t"}, "") == Torque({"hip": 1.0, "knee": "t"})
     assert HingeStiffness.from_data(True, "") == HingeStiffness()
+
+
+@dataclass(frozen=True)
+class DistanceSpring:
+    """A user's own effect: a spring from a point of the last body to a point of the world, in sympy."""
+
+    name: ClassVar[str] = "distance_spring"
+    summary: ClassVar[str] = "Spring between two points"
+
+    def contribute(self, loads: Loads) -> None:
+        k = loads.parameter("spring.stiffness", 3.0, "N/m", "stiffness")
+        tip = loads.position("body1", (2.0, 0.0, 0.0))
+        stretch = [sympy.sympify(x) - end for x, end in zip(tip, (1.0, 0.5, -1.0), strict=True)]
+        length = sympy.sqrt(sum(d**2 for d in stretch))
+        loads.stored_energy(k * (length - 0.2) ** 2 / 2)
+        loads.force("body1", (2.0, 0.0, 0.0), [-k * (length - 0.2) * d / length for d in stretch])
+
+
+def test_a_force_in_sympy_may_use_parameters_positions_and_functions() -> None:
+    """A conservative force keeps the energy that it books: sign, factor and point are right, or it drifts."""
+    mechanism = chain(2, "space", seed=3)
+    sim = lamc.compile(mechanism, lamc.Scene(effects=(DistanceSpring(),), rates={"h0": 1.0, "h1": -2.0}))
+    assert sim.parameters["spring.stiffness"] == 3.0
+    for parameters in ({}, {"spring.stiffness": 40.0}):
+        result = sim.run(t_end=2.0, rtol=1e-11, atol=1e-13, parameters=parameters)
+        drift = np.abs(result.energy - result.energy[0]).max()
+        assert drift < 1e-8 * np.abs(result.energy).max()  # rtol times some hundred steps
+
+
+@dataclass(frozen=True)
+class Odd:
+    """An effect that hands over what it was made with."""
+
+    value: object
+    name: ClassVar[str] = "odd"
+    summary: ClassVar[str] = "Odd"
+
+    def contribute(self, loads: Loads) -> None:
+        loads.hinge_torque("h0", self.value)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "value", [float("nan"), float("inf"), sympy.nan, "text", sympy.cot(sympy.Symbol("q_h0"))]
+)
+def test_what_is_no_load_is_refused_in_one_line(value: object) -> None:
+    with pytest.raises(lamc.LamcError) as caught:
+        lamc.compile(chain(1), lamc.Scene(effects=(Odd(value),)))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("value", [np.float32(0.5), np.int64(2), 3, 0.25])
+def test_numbers_of_every_kind_are_loads(value: object) -> None:
+    sim = lamc.compile(chain(1), lamc.Scene(effects=(Odd(value),)))
+    still = lamc.compile(chain(1), lamc.Scene(effects=()))
+    assert sim.acceleration([0.0], [0.0])[0] != still.acceleration([0.0], [0.0])[0]
+
+
+def test_a_parameter_name_that_is_taken_is_refused() -> None:
+    @dataclass(frozen=True)
+    class Thief:
+        name: ClassVar[str] = "thief"
+        summary: ClassVar[str] = "Thief"
+
+        def contribute(self, loads: Loads) -> None:
+            loads.parameter("body0.mass", 1.25e-3, "N", "not a mass")
+
+    with pytest.raises(lamc.DesignError, match=r"'body0\.mass' is there already"):
+        lamc.compile(chain(1), lamc.Scene(effects=(Thief(),)))
+
+
+def test_a_hinge_that_moves_no_inertia_is_refused_by_name() -> None:
+    rod = lamc.Body("rod", mass=1.0, inertia=np.diag([0.1, 0.1, 0.0]))
+    mechanism = lamc.Mechanism(
+        bodies=(lamc.Body("w", fixed=True), rod), joints=(lamc.Joint("h", "w", "rod"),)
+    )
+    with pytest.raises(lamc.TopologyError, match=r"joint 'h' moves nothing that has inertia .*'rod'"):
+        lamc.compile(mechanism)
+
+
+def test_scenes_and_torques_survive_pickling() -> None:
+    torque = lamc.Torque({"h0": "0.1*t", "h1": 0.5})
+    assert pickle.loads(pickle.dumps(torque)) == torque

@@ -117,7 +117,7 @@ class Cache:
                 os.rename(fresh, place)
                 return place
             except OSError:
-                if not place.is_dir():
+                if not place.exists():
                     raise
                 if intact(place):
                     return place

@@ -8,6 +8,7 @@ from lamc.effects.base import Effect, RegisteredEffect
 from lamc.effects.gravity import Gravity
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.torque import Torque
+from lamc.errors import DesignError
 from lamc.mechanism.records import Mechanism
 from lamc.scene import Scene
 
@@ -31,7 +32,13 @@ def choose(mechanism: Mechanism, scene: Scene) -> tuple[Choice, ...]:
     """Which effects act in the scene and which do not, sorted by name, so that no order of listing matters."""
     choices: list[Choice] = []
     if scene.effects is not None:
-        called = {e.name for e in scene.effects}
+        names = [e.name for e in scene.effects]
+        called = set(names)
+        for name in names:
+            if names.count(name) > 1:
+                raise DesignError(
+                    f"two effects of the scene are named {name!r}; names keep their energies apart"
+                )
         choices += [Choice(e.name, e, "the scene calls for it") for e in scene.effects]
         choices += [
             Choice(k.name, None, "the scene does not call for it") for k in EFFECTS if k.name not in called

@@ -11,7 +11,7 @@ from lamc.effects.expression import stage
 from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Store
-from lamc.mechanism.records import Mechanism, checked_number
+from lamc.mechanism.records import Mechanism, checked_name, checked_number
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,17 @@ class Torque:
         if not isinstance(self.torques, Mapping):
             raise DesignError(f"torques are {self.torques!r}; give a mapping from joint name to torque")
         checked: dict[str, float | str] = {}
-        for joint, torque in sorted(self.torques.items()):
+        for joint, torque in sorted(self.torques.items(), key=lambda item: str(item[0])):
+            checked_name(joint, "the joint of a torque")
             if isinstance(torque, str):
                 _check(joint, torque)
                 checked[joint] = torque
             else:
                 checked[joint] = checked_number(torque, f"the torque of joint {joint!r}")
         object.__setattr__(self, "torques", MappingProxyType(checked))
+
+    def __reduce__(self) -> tuple[type["Torque"], tuple[dict[str, float | str]]]:
+        return Torque, (dict(self.torques),)
 
     def __hash__(self) -> int:
         return hash(tuple(self.torques.items()))

@@ -9,10 +9,11 @@ counted from the bias (all hinge accelerations zero, gravity included), so no ve
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from lamc.errors import TopologyError
 from lamc.mechanics.algebra import ZERO, Matrix3, Symmetric, Vector3, add, cross, dot, skew, total
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Bias, Kinematics
-from lamc.mechanics.staging import Scalar, reciprocal
+from lamc.mechanics.staging import Scalar, Value, reciprocal
 from lamc.mechanism.tree import WORLD
 
 Wrench = tuple[Vector3, Vector3]  # force N, moment about the origin N·m; carrier components
@@ -82,6 +83,7 @@ def solve_by_elimination(
     with store.section("Elimination of the hinges, tips first", source="Kane, eq. 19"):
         for index in reversed(range(len(tree.links))):
             store.link = index
+            _check_inertia(kinematics, index, carried[index])
             hinge, remainder = eliminate(carried[index], torques[index])
             solved.append(hinge)
             parent = tree.links[index].parent
@@ -90,6 +92,16 @@ def solve_by_elimination(
     solved.reverse()
     with store.section("Hinge accelerations, world first", source="Kane, eq. 19"):
         return _substitute_back(kinematics, solved)
+
+
+def _check_inertia(kinematics: Kinematics, index: int, link: Carried) -> None:
+    """Raises TopologyError if nothing that the hinge moves has inertia about it: no torque could then be too small."""
+    if not isinstance(link.rotational.zz, Value) and link.rotational.zz == 0:
+        joint, body = kinematics.tree.links[index].joint.name, kinematics.tree.links[index].body.name
+        raise TopologyError(
+            f"joint {joint!r} moves nothing that has inertia about its hinge line (body {body!r} lies on it); give "
+            "the body inertia about that line, or move its centre of mass off it"
+        )
 
 
 def eliminate(link: Carried, torque: Scalar) -> tuple[Solved, Carried]:

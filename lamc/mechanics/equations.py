@@ -36,7 +36,7 @@ class Assignment:
         return f"{self.symbol} = {self.expression}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Equations:
     """Equations of motion of one scene.
 
@@ -60,6 +60,11 @@ class Equations:
     solver: str
     solver_flops: Mapping[str, int]
     closure: "Closure | None" = None
+
+    def __repr__(self) -> str:
+        return (
+            f"<Equations of {self.tree.mechanism.name!r}: {len(self.joints)} joints, solved by {self.solver}>"
+        )
 
     @cached_property
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:

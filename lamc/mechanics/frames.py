@@ -72,7 +72,7 @@ class System:
             return value
         own = [self.time, *self.angles, *self.rates, *self.accelerations, *self.constants]
         known: dict[str, Scalar] = {str(self.show(symbol)): symbol for symbol in own}
-        return from_sympy(value, known | dict(symbols or {}))
+        return from_sympy(value, known | dict(symbols or {}), self.store)
 
 
 class Frame:

@@ -5,6 +5,7 @@ uniform field, wrenches on links and energies, in the order in which they came. 
 as lamc's: see `Effect` in `lamc/effects/base.py`.
 """
 
+import numbers
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -16,8 +17,8 @@ from lamc.mechanics import closure
 from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
 from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
-from lamc.mechanics.staging import NO_LINK, Number, Scalar, Store, Value
-from lamc.mechanism.records import Array, Joint, Mechanism, checked_array
+from lamc.mechanics.staging import NO_LINK, Scalar, Store, Value
+from lamc.mechanism.records import Array, Joint, Mechanism, checked_array, checked_number
 from lamc.mechanism.tree import WORLD
 
 if TYPE_CHECKING:
@@ -33,9 +34,18 @@ class Parameters:
     _places: dict[str, int] = field(default_factory=dict)
 
     def add(self, name: str, default: float, unit: str, meaning: str, effect: str = "") -> Scalar:
+        """The symbol of a parameter. Raises DesignError for a default that is not finite, and for a name that stands
+        for something else already."""
         index = self._places.setdefault(name, len(self.records))
+        value = checked_number(default, f"the default of parameter {name!r}")
         if index == len(self.records):
-            self.records.append(Parameter(name, float(default), unit, meaning, effect))
+            self.records.append(Parameter(name, value, unit, meaning, effect))
+        known = self.records[index]
+        if (known.default, known.unit) != (value, unit):
+            raise DesignError(
+                f"parameter {name!r} is there already, with {known.default:g} {known.unit} ({known.meaning}); "
+                "choose another name"
+            )
         return self.store.symbol(name, Space.PARAMETER, index)
 
 
@@ -51,7 +61,8 @@ class Hinge:
 class Loads:
     """Collects the loads of one scene on one tree.
 
-    Scalars are `Value`s, plain numbers, or sympy expressions in t and, by joint name, q_<joint> and u_<joint>.
+    Scalars are `Value`s, plain numbers, or sympy expressions in t and, by joint name, q_<joint> and u_<joint>, and in
+    whatever this record gave: sympy.sqrt(loads.parameter(…)) is an expression like any other.
     Vectors are triples in world axes.
     """
 
@@ -188,15 +199,17 @@ class Loads:
 
     def _scalar(self, value: "Scalar | sp.Expr") -> Scalar:
         """Sympy expressions are staged; their symbols are t, and q_<joint> and u_<joint> by joint name."""
-        if isinstance(value, Value | Number):
+        if isinstance(value, Value):
             return value
+        if isinstance(value, numbers.Real):
+            return checked_number(value, f"a number that effect {self._effect!r} gives")
         from lamc.mechanics.sympy_view import from_sympy
 
         inputs: dict[str, Scalar] = {"t": self.time}
         for joint in self.joints:
             hinge = self.hinge(joint)
             inputs |= {f"q_{joint}": hinge.angle, f"u_{joint}": hinge.rate}
-        return from_sympy(value, inputs)
+        return from_sympy(value, inputs, self._store)
 
     def _vector(self, values: Sequence["Scalar | sp.Expr"]) -> Vector3:
         if len(values) != 3:

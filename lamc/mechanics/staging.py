@@ -10,15 +10,19 @@ structural zeros disappear by themselves. Integers and Fractions stay exact unti
 """
 
 import math
+import numbers
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
-from typing import TypeAlias, Union
+from typing import TYPE_CHECKING, TypeAlias, Union
 
 from lamc.codegen.program import Section, Space
 from lamc.mechanics.functions import FUNCTIONS
+
+if TYPE_CHECKING:
+    import sympy as sp
 
 Number: TypeAlias = int | float | Fraction
 Scalar: TypeAlias = Union["Value", int, float, Fraction]
@@ -29,6 +33,7 @@ SYMBOL = "symbol"
 LEAVES = (NUMBER, CONSTANT, SYMBOL)
 BINARY = ("+", "-", "*")
 NO_LINK = -1
+STAGED = "lamc:"  # begins the names of sympy symbols that stand for values of a store
 
 
 class Level(IntEnum):
@@ -194,7 +199,8 @@ class Value:
     def __mul__(self, other: Scalar) -> Scalar:
         store = self.store
         if not isinstance(other, Value):
-            return _scale(self, other)
+            factor = _plain(other)
+            return NotImplemented if factor is None else _scale(self, factor)
         i, j = self.index, other.index
         sign = self.sign * other.sign
         operations, arguments = store.operations, store.arguments
@@ -211,10 +217,13 @@ class Value:
     def __add__(self, other: Scalar) -> Scalar:
         store = self.store
         if not isinstance(other, Value):
-            if other == 0:
+            term = _plain(other)
+            if term is None:
+                return NotImplemented
+            if term == 0:
                 return self
-            constant = store.number(other if other > 0 else -other)
-            if (other > 0) == (self.sign > 0):
+            constant = store.number(term if term > 0 else -term)
+            if (term > 0) == (self.sign > 0):
                 return Value(store, store.operation("+", self.index, constant), self.sign)
             return Value(store, store.operation("-", self.index, constant), self.sign)
         i, j, si, sj = self.index, other.index, self.sign, other.sign
@@ -241,8 +250,24 @@ class Value:
     def __pow__(self, exponent: Scalar) -> Scalar:
         return power(self, exponent)
 
+    def __abs__(self) -> Scalar:
+        return call("abs", self)
+
+    def _sympy_(self) -> "sp.Symbol":
+        """A symbol that stands for this value where sympy takes it up; `from_sympy` finds the value again."""
+        import sympy as sp  # whoever calls this has imported it already
+
+        return sp.Symbol(f"{STAGED}{self.index if self.sign > 0 else -1 - self.index}")
+
     def __repr__(self) -> str:
         return f"Value({'-' if self.sign < 0 else ''}#{self.index})"
+
+
+def _plain(number: object) -> Number | None:
+    """A number of any kind as one of Python's, or None for what is none: sympy then has its turn."""
+    if isinstance(number, Number):
+        return number
+    return float(number) if isinstance(number, numbers.Real) else None
 
 
 def _scale(value: Value, factor: Number) -> Scalar:

@@ -12,7 +12,7 @@ import sympy as sp
 
 from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
-from lamc.mechanics.staging import LEAVES, Scalar, Store, Symbol, Value, call, power
+from lamc.mechanics.staging import LEAVES, STAGED, Scalar, Store, Symbol, Value, call, power
 
 # sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
 _CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}
@@ -22,7 +22,9 @@ def number(value: float | Fraction) -> sp.Number:
     """Exact numbers stay exact."""
     if isinstance(value, Fraction):
         return sp.Rational(value.numerator, value.denominator)
-    return sp.Integer(value) if isinstance(value, int) else sp.Float(value, 17)
+    if isinstance(value, int) or (value.is_integer() and abs(value) < 2**53):
+        return sp.Integer(int(value))  # "x", not "1.0*x"
+    return sp.Float(value, 17)
 
 
 def expression(value: Scalar, named: Mapping[int, sp.Symbol]) -> sp.Expr:
@@ -72,22 +74,25 @@ def node_expression(store: Store, index: int, arguments: list[sp.Expr]) -> sp.Ex
             return getattr(sp, FUNCTIONS[operation].sympy_name)(*arguments)
 
 
-def from_sympy(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
-    """`expr` staged; its symbols are looked up by name in `inputs`.
+def from_sympy(expr: sp.Expr, inputs: Mapping[str, Scalar], store: Store | None = None) -> Scalar:
+    """`expr` staged; its symbols are looked up by name in `inputs`, values that sympy took up in `store`.
 
     Raises ExpressionError for a symbol that is not there, a function that has no C form, a constant that is not
     finite, and for what is no sympy expression.
     """
     try:
-        return _staged(expr, inputs)
+        return _staged(expr, inputs, store)
     except (ArithmeticError, ValueError) as error:
         raise ExpressionError(f"a constant part of the expression has no finite value ({error})") from error
 
 
-def _staged(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
+def _staged(expr: sp.Expr, inputs: Mapping[str, Scalar], store: Store | None) -> Scalar:
     if not isinstance(expr, sp.Basic):
         raise ExpressionError(f"{expr!r} is a {type(expr).__name__}; give a number or a sympy expression")
     if isinstance(expr, sp.Symbol):
+        if store is not None and expr.name.startswith(STAGED):
+            index = int(expr.name.removeprefix(STAGED))
+            return Value(store, index, 1) if index >= 0 else Value(store, -1 - index, -1)
         if expr.name not in inputs:
             raise ExpressionError(f"the expression uses {expr.name!r}; known are {', '.join(sorted(inputs))}")
         return inputs[expr.name]
@@ -97,7 +102,7 @@ def _staged(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
         if not math.isfinite(float(expr)):
             raise ValueError(f"{expr} is not finite")
         return float(expr)
-    arguments = [_staged(a, inputs) for a in expr.args]
+    arguments = [_staged(a, inputs, store) for a in expr.args]
     result = arguments[0] if arguments else 0
     if isinstance(expr, sp.Add):
         for argument in arguments[1:]:
@@ -113,7 +118,9 @@ def _staged(expr: sp.Expr, inputs: Mapping[str, Scalar]) -> Scalar:
         return call("exp", arguments[0])
     name = _CALLS.get(expr.func)
     if name is None:
-        raise ExpressionError(f"the expression uses {expr.func.__name__}, which has no C form in lamc")
+        raise ExpressionError(
+            f"the expression uses {expr.func.__name__}, which has no C form; {', '.join(FUNCTIONS)} have"
+        )
     while len(arguments) > 2:  # sympy's Min and Max take any number of arguments
         arguments = [call(name, arguments[0], arguments[1]), *arguments[2:]]
     return call(name, *arguments)

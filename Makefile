@@ -6,12 +6,13 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
 
-.PHONY: demo test test-all lint types format bench clean check-tools
+.PHONY: demo test test-all lint types format bench pictures clean check-tools
 
 demo: $(STAMP)
 	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
 	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --out $(OUT)
 	$(BIN)/lamc check lamc/examples/pendulum.cad
+	$(BIN)/lamc bench lamc/examples/pendulum.cad --out $(OUT)
 	@echo
 	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, the animation, results.csv"
 
@@ -38,7 +39,11 @@ format: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
-	$(BIN)/python benchmarks/spine.py
+	$(BIN)/python -m benchmarks.spine
+
+pictures: $(STAMP)
+	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --no-animation --out out/pictures
+	cp out/pictures/folded.png docs/pendulum.png
 
 clean:
 	rm -rf $(VENV) out build dist

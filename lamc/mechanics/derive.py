@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from lamc.effects.base import Effect
 
 # The mass-matrix form grows with the square of the depth; with more pairs of hinges on common ways to the world
-# than this it has lost in every mechanism measured (see benchmarks/solver_crossover.py), and is not tried.
+# than this it has lost in every mechanism measured (`python -m benchmarks.solver_crossover`), and is not tried.
 MAX_PAIRS_FOR_MASS_MATRIX = 60
 
 # With loops the runtime solves M u̇ = f together with the closure; the equations hold M, f and the closure.

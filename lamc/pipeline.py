@@ -20,6 +20,8 @@ from lamc.design.records import Design
 from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS, choose
+from lamc.errors import BuildError, DesignError
+from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
 from lamc.options import CompileOptions
@@ -94,6 +96,7 @@ def compile(  # noqa: A001  the public name is lamc.compile
 
     Raises DesignError and its leaves for what cannot be simulated, BuildError without a working compiler or cache.
     """
+    _check_arguments(design, scene, options, times)
     options = options or CompileOptions()
     times = times or Times()
     if isinstance(design, Design):
@@ -130,6 +133,24 @@ def compile(  # noqa: A001  the public name is lamc.compile
         if alias:
             cache.remember(alias, key)
     return Simulator(mechanism, scene, effects, equations, lambda: sources()[0], module)
+
+
+def _check_arguments(design: object, scene: object, options: object, times: object) -> None:
+    """Raises DesignError or BuildError for an argument of another type."""
+    if isinstance(design, str | Path):
+        raise DesignError(
+            f"{str(design)!r} is no design but a path; write lamc.compile(lamc.load({str(design)!r}))"
+        )
+    if not isinstance(design, Design | Mechanism):
+        raise DesignError(
+            f"the design is {shown(design)}; it must be a Design or a Mechanism, as lamc.load gives"
+        )
+    if not isinstance(scene, Scene | None):
+        raise DesignError(f"the scene is {shown(scene)}; it must be a Scene, or None")
+    if not isinstance(options, CompileOptions | None):
+        raise BuildError(f"options is {shown(options)}; it must be CompileOptions(…), or None")
+    if not isinstance(times, Times | None):
+        raise BuildError(f"times is {shown(times)}; it must be a Times, or None")
 
 
 def _input_digest(

@@ -1,21 +1,49 @@
 """The `Scene`: which effects act, and how the mechanism starts. Nothing here knows any effect by name."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lamc.errors import DesignError
-from lamc.mechanism.records import checked_number
+from lamc.mechanism.checks import checked_number, shown
 
 if TYPE_CHECKING:
     from lamc.effects.base import Effect
 
 
-def _angles(values: Mapping[str, float], what: str) -> Mapping[str, float]:
+_NEEDED = ("name", "summary", "contribute")  # what `lamc.effects.base.Effect` asks for
+
+
+def _angles(values: Mapping[str, float], argument: str, what: str) -> Mapping[str, float]:
+    if not isinstance(values, Mapping):
+        raise DesignError(
+            f"{argument} of a scene is {shown(values)}; it must map joint names to numbers, as in {{'h1': 0.1}}"
+        )
     return MappingProxyType(
         {str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()}
     )
+
+
+def _effects(values: "Iterable[Effect]") -> "tuple[Effect, ...]":
+    if isinstance(values, type) or hasattr(values, "contribute"):
+        name = values.__name__ if isinstance(values, type) else type(values).__name__
+        raise DesignError(f"effects of a scene is {shown(values)}, no tuple; write effects=({name}(),)")
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise DesignError(f"effects of a scene is {shown(values)}; it must be None or a tuple of effects")
+    effects = tuple(values)
+    for effect in effects:
+        if isinstance(effect, type):
+            raise DesignError(
+                f"effects of a scene holds the class {effect.__name__}; make one: {effect.__name__}()"
+            )
+        missing = [each for each in _NEEDED if not hasattr(effect, each)]
+        if missing:
+            raise DesignError(
+                f"effects of a scene holds {shown(effect)}, which is no effect (it has no {missing[0]!r}); "
+                "make an instance of one, such as those in lamc.effects"
+            )
+    return effects
 
 
 @dataclass(frozen=True)
@@ -25,6 +53,8 @@ class Scene:
     effects  None: what the design itself asks for; a tuple: exactly these, and an empty one means none
     angles   initial joint angles by joint name, rad; joints left out start at zero (the drawn angle)
     rates    initial joint rates by joint name, rad/s; joints left out start at zero
+
+    Raises DesignError for what are no effects, no numbers, or an effect twice.
     """
 
     effects: "tuple[Effect, ...] | None" = None
@@ -33,11 +63,15 @@ class Scene:
 
     def __post_init__(self) -> None:
         if self.effects is not None:
-            effects = tuple(self.effects)
+            effects = _effects(self.effects)
             kinds = [type(e) for e in effects]
             for kind in kinds:
                 if kinds.count(kind) > 1 and not getattr(kind, "repeatable", False):
                     raise DesignError(f"the scene calls for {kind.__name__} twice; once is all it can act")
             object.__setattr__(self, "effects", effects)
-        object.__setattr__(self, "angles", _angles(self.angles, "initial angle"))
-        object.__setattr__(self, "rates", _angles(self.rates, "initial rate"))
+        object.__setattr__(self, "angles", _angles(self.angles, "angles", "initial angle"))
+        object.__setattr__(self, "rates", _angles(self.rates, "rates", "initial rate"))
+
+    def __reduce__(self) -> "tuple[type[Scene], tuple[Any, ...]]":
+        """Copies and pickles go by the arguments: the read-only views of angles and rates cannot."""
+        return type(self), (self.effects, dict(self.angles), dict(self.rates))

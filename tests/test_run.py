@@ -1,9 +1,11 @@
 """Simulator and Result on a hand-written rod pendulum: physics, arguments, ends, names, files."""
 
+import copy
 import csv
 import json
 import math
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -17,8 +19,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from lamc.errors import LamcError, SimulationError
+from lamc.errors import LamcError, RequestError, SimulationError
 from lamc.mechanism.records import Body, Joint, Mechanism
+from lamc.run import rk45
 from lamc.run.integrators import NAMES
 from lamc.run.request import Status
 from lamc.run.scipy_methods import METHODS
@@ -312,6 +315,40 @@ def test_ctrl_c_is_answered_and_keeps_what_there_is(
     assert answered < 0.1
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals work differently there")
+def test_ctrl_c_is_answered_with_a_million_rows(sim: Simulator, interrupt: list[float]) -> None:
+    # Steps of at most 1 µs, each with a row: some 400 000 of them before the signal.
+    result = sim.run(t_end=1e7, max_steps=2**40, max_step=1e-6)
+    answered = time.perf_counter() - interrupt[0]
+    assert result.status == Status.CANCELLED
+    assert len(result.t) == result.stats.accepted + 1 > 10_000
+    assert (np.diff(result.t) > 0.0).all()
+    # 0.1 s is the promise; putting the chunks together takes some 0.01 s of it.
+    assert answered < 0.1
+
+
+def test_rows_are_the_same_across_chunks(sim: Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = sim.run(t_end=20.0)
+    monkeypatch.setattr(rk45, "CHUNK", 21)  # seven rows of the rod
+    pieces = sim.run(t_end=20.0)
+    assert (whole.t == pieces.t).all()
+    assert (whole.y == pieces.y).all()
+    assert len(whole.t) > 100
+
+
+@pytest.mark.parametrize("integrator", ["rk45", "scipy:DOP853", "scipy:LSODA"])
+def test_a_run_that_stops_between_rows_ends_with_the_last_state(sim: Simulator, integrator: str) -> None:
+    free = sim.run(t_end=100.0, max_steps=20, integrator=integrator)
+    sparse = sim.run(t_end=100.0, max_steps=20, t_eval=[0.0, 50.0, 100.0], integrator=integrator)
+    assert (sparse.t == [0.0, free.t[-1]]).all()
+    assert (sparse.y[:, -1] == free.y[:, -1]).all()
+    assert f"t = {sparse.t[-1]:.9g} s" in sparse.message
+    none = sim.run(t_end=100.0, max_steps=20, t_eval=[], integrator=integrator)
+    assert (none.t == free.t[-1:]).all()
+    failed = sim.run(t_end=2.0, t_eval=[2.0], parameters={"nan_after": -1.0}, integrator=integrator)
+    assert (failed.t == [0.0]).all()
+
+
 def test_an_interrupt_in_the_progress_callback_cancels(sim: Simulator) -> None:
     def stop(t: float, t_end: float) -> None:
         raise KeyboardInterrupt
@@ -373,6 +410,15 @@ def test_other_threads_run_while_the_integrator_does(sim: Simulator) -> None:
         ({"parameters": {"lenght": 1.0}}, "did you mean 'length'"),
         ({"parameters": {"length": math.nan}}, "'length' is nan"),
         ({"parameters": {"length": "long"}}, "number in m"),
+        ({"parameters": {"length": 10**400}}, "which no float holds"),
+        ({"parameters": {"rod.mass": 0.0}}, "parameter 'rod.mass' is 0 kg; a mass must be above zero"),
+        ({"parameters": {"rod.mass": -1}}, "parameter 'rod.mass' is -1 kg; a mass must be above zero"),
+        ({"parameters": 5}, "parameters is 5; it must map names to numbers"),
+        ({"parameters": None}, "may be left out for the defaults"),
+        ({"progress": 5}, "progress is 5; it must be a function"),
+        ({"t_eval": [10**400]}, "sequence of times"),
+        ({"t_end": 10**400}, "which no float holds"),
+        ({"integrator": 5}, "no integrator is named 5"),
     ],
 )
 def test_arguments_that_make_no_run_are_refused(sim: Simulator, arguments: dict, words: str) -> None:
@@ -396,6 +442,17 @@ def test_states_of_the_wrong_shape_are_refused(sim: Simulator) -> None:
     for q, u in (([0.0, 0.0], [0.0]), (0.0, 0.0), ([[0.0]] * 2, [[0.0]] * 3)):
         with pytest.raises(SimulationError, match="shape"):
             sim.acceleration(q, u)
+    for wrong in ("x", [[0.0], [0.0, 0.0]], [10**400], {}):
+        with pytest.raises(RequestError, match=r"q is .*; it must be an array of numbers"):
+            sim.energy(wrong, [0.0])
+
+
+def test_what_holds_compiled_code_copies_to_itself_and_is_not_pickled(sim: Simulator) -> None:
+    result = sim.run(t_end=0.1)
+    for thing in (sim, result):
+        assert copy.deepcopy(thing) is copy.copy(thing) is thing
+        with pytest.raises(LamcError, match="cannot be pickled; pickle the mechanism and the scene"):
+            pickle.dumps(thing)
 
 
 def test_unknown_names_list_those_there_are(sim: Simulator) -> None:

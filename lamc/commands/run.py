@@ -47,7 +47,8 @@ FILES = (
     "manifest.json",
 )
 
-_FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result
+_FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result, by default
+_LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
 
 
 @dataclass(frozen=True)
@@ -72,13 +73,13 @@ def run(order: RunOrder, terminal: Terminal) -> int:
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage
-        if order.points is not None and (order.points < 0 or order.points == 1):
-            raise LamcError(f"--points is {order.points}; it must be 2 or more, or 0 for every step")
+        _check_points(order.points, 0)
         loaded = load_source(order.source, times, progress)
         with output_folder(order.out, loaded.name) as folder:
             mechanism = mechanism_of(loaded, times, progress)
             scene, account = changed_scene(mechanism, order.changes)
             simulator = compile_design(mechanism, scene, order.source.options, times)
+            _check_points(order.points, len(simulator.joints))
             parameters = parameters_of(order.settings, simulator.parameters)
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
@@ -87,6 +88,19 @@ def run(order: RunOrder, terminal: Terminal) -> int:
     terminal.say(summary(report, folder, files))
     terminal.result(_data(report) | {"folder": str(folder), "files": files})
     return _ending(result, folder, terminal, interrupted=interrupted)
+
+
+def _check_points(points: int | None, joints: int) -> None:
+    """Raises LamcError for a number of rows that makes no table, or one that no memory should be asked for."""
+    if points is None:
+        return
+    if points < 0 or points == 1:
+        raise LamcError(f"--points is {points}; it must be 2 or more, or 0 for every step")
+    most = _LIMIT_NUMBERS // (2 * joints + 2)
+    if points > most:
+        raise LamcError(
+            f"--points is {points}; at most {most} rows are written, {_LIMIT_NUMBERS} numbers in all: ask for fewer"
+        )
 
 
 def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bool) -> int:

@@ -4,6 +4,7 @@ In: a path. Out: a record. The content decides which format it is, not the suffi
 executed, and every failure is a LamcError with the place.
 """
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from lamc.design.records import Design, Material
 from lamc.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.files import read_bytes
 from lamc.mechanism import joints_file
+from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.yaml_file import read_mechanism
 
@@ -46,6 +48,10 @@ def load(
     Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
     or impossible, and UnsupportedError for one that is well formed and beyond this version.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise DesignError(f"the path is {shown(path)}; it must be a string or a pathlib.Path")
+    if materials is not None and not isinstance(materials, Mapping):
+        raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     path = Path(path)
     data = read_bytes(path, limits.bytes)
     text = _text(data, str(path))

@@ -22,6 +22,7 @@ from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, nam
 from lamc.design.records import Design
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
 from lamc.errors import DesignError, TopologyError
+from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 
 Progress = Callable[[str, float], None]
@@ -43,6 +44,10 @@ def split(design: Design, progress: Progress | None = None) -> Mechanism:
 
 def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
     """What `split` does, with every step's result. Same arguments and errors."""
+    if isinstance(design, Mechanism):
+        raise DesignError(f"{design.name!r} is a Mechanism already; use it as it is, only a Design is split")
+    if not isinstance(design, Design):
+        raise DesignError(f"the design is {shown(design)}; split takes the Design that lamc.load gives")
     tell = progress or _silent
     tell("checking the drawing", 0.0)
     check_design(design)

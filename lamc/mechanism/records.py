@@ -7,21 +7,21 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 from shapely.geometry import Polygon
 
 from lamc.errors import DesignError, TopologyError
+from lamc.mechanism.checks import Array as Array
+from lamc.mechanism.checks import checked_array as checked_array
+from lamc.mechanism.checks import checked_flag, checked_range, checked_records, shown
+from lamc.mechanism.checks import checked_name as checked_name
+from lamc.mechanism.checks import checked_number as checked_number
+from lamc.scene import Scene
 
-if TYPE_CHECKING:
-    from lamc.scene import Scene
-
-Array = npt.NDArray[np.float64]
 Named = TypeVar("Named", "Body", "Joint")
 
-MAX_NAME_LENGTH = 200
 FREE_LIMITS = (-math.pi, math.pi)
 
 
@@ -39,45 +39,6 @@ def same_record(a: Any, b: Any) -> bool:
     if type(a) is not type(b):
         return False
     return all(bool(np.array_equal(getattr(a, f.name), getattr(b, f.name))) for f in fields(a))
-
-
-def checked_name(name: object, what: str) -> str:
-    """`name` as a usable name, or DesignError."""
-    if not isinstance(name, str) or not name.strip():
-        raise DesignError(f"{what} has the name {name!r}; a name is a string that is not empty")
-    if len(name) > MAX_NAME_LENGTH:
-        raise DesignError(
-            f"{what} {name[:24] + '…'!r} has a name of {len(name)} characters; at most {MAX_NAME_LENGTH} are allowed"
-        )
-    if not name.isprintable():
-        raise DesignError(f"{what} {name!r} has characters in its name that do not print; rename it")
-    return name
-
-
-def checked_array(value: object, shape: tuple[int, ...], what: str) -> Array:
-    """`value` as a read-only array of finite floats of the given shape, or DesignError."""
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise DesignError(f"{what} is {value!r}; it must hold {shape} numbers") from error
-    if array.shape != shape:
-        raise DesignError(f"{what} has shape {array.shape}; it must have shape {shape}")
-    if not np.isfinite(array).all():
-        raise DesignError(f"{what} is {array.tolist()}; every number must be finite")
-    array.flags.writeable = False
-    return array
-
-
-def checked_number(value: object, what: str, *, minimum: float = -math.inf) -> float:
-    """`value` as a finite float, at least `minimum`, or DesignError."""
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError) as error:
-        raise DesignError(f"{what} is {value!r}; it must be a number") from error
-    if not math.isfinite(number) or number < minimum:
-        rule = "finite" if minimum == -math.inf else f"finite and at least {minimum:g}"
-        raise DesignError(f"{what} is {number!r}; it must be {rule}")
-    return number
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +67,8 @@ class Body:
         put("mass", checked_number(self.mass, f"the mass of {what}", minimum=0.0))
         put("com", checked_array(self.com, (3,), f"the centre of mass of {what}"))
         put("inertia", checked_array(self.inertia, (3, 3), f"the inertia of {what}"))
-        put("outline", tuple(self.outline))
-        put("fixed", bool(self.fixed))
+        put("outline", checked_records(self.outline, Plate, "outline", what))
+        put("fixed", checked_flag(self.fixed, f"fixed of {what}"))
         if not self.fixed:
             self._check_inertia(what)
 
@@ -171,14 +132,7 @@ class Joint:
         put("stiffness", checked_number(self.stiffness, f"the stiffness of {what}", minimum=0.0))
         put("damping", checked_number(self.damping, f"the damping of {what}", minimum=0.0))
         put("rest_angle", checked_number(self.rest_angle, f"the rest angle of {what}"))
-        lower, upper = self.limits
-        lower = checked_number(lower, f"the lower limit of {what}")
-        upper = checked_number(upper, f"the upper limit of {what}")
-        if lower >= upper:
-            raise DesignError(
-                f"the limits of {what} are ({lower:g}, {upper:g}) rad; the lower must be below the upper"
-            )
-        put("limits", (lower, upper))
+        put("limits", checked_range(self.limits, what))
         if self.parent == self.child:
             raise TopologyError(f"{what} joins {self.parent!r} to itself; a hinge needs two different bodies")
 
@@ -195,20 +149,23 @@ class Joint:
 class Mechanism:
     """Bodies and joints; what `split` gives, or written by hand.
 
-    Raises DesignError for duplicate names and TopologyError for a joint to a body that is not there and where
-    nothing is fixed.
+    Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
+    there and where nothing is fixed.
     """
 
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
     name: str = "mechanism"
-    scene: "Scene | None" = None
+    scene: Scene | None = None
 
     def __post_init__(self) -> None:
         put = _setter(self)
         put("name", checked_name(self.name, "the mechanism"))
-        put("bodies", tuple(self.bodies))
-        put("joints", tuple(self.joints))
+        what = f"mechanism {self.name!r}"
+        put("bodies", checked_records(self.bodies, Body, "bodies", what))
+        put("joints", checked_records(self.joints, Joint, "joints", what))
+        if self.scene is not None and not isinstance(self.scene, Scene):
+            raise DesignError(f"scene of {what} is {shown(self.scene)}; it must be a Scene, or None")
         names = _unique((b.name for b in self.bodies), "bodies")
         _unique((j.name for j in self.joints), "joints")
         for joint in self.joints:

@@ -6,13 +6,14 @@ Out: arrays. Never: integrates; interprets names or physics.
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NoReturn, Protocol, Self
 
 import numpy as np
 
-from lamc.errors import RequestError
+from lamc.errors import UnsupportedError
 from lamc.run.closing import generic_rank
-from lamc.run.request import Array, did_you_mean, finite
+from lamc.run.parameters import checked_parameters
+from lamc.run.request import Array
 
 
 class CompiledModule(Protocol):
@@ -30,7 +31,23 @@ class CompiledModule(Protocol):
     def flags(self) -> tuple[str, ...]: ...
 
 
-class Motion:
+class Unchanging:
+    """Base of what holds compiled code. It never changes, so a copy is the thing itself; it cannot be pickled."""
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Self:
+        return self
+
+    def __reduce__(self) -> NoReturn:
+        raise UnsupportedError(
+            f"a {type(self).__name__} holds compiled code of this process and cannot be pickled; pickle the mechanism "
+            "and the scene and compile them there (the cache makes it quick), or write a result with to_npz"
+        )
+
+
+class Motion(Unchanging):
     """A model with one set of parameters: what an integrator evaluates and a `Result` asks for more.
 
     States are rows y = [q, u], shape (m, 2n), rad and rad/s.
@@ -103,7 +120,7 @@ class Motion:
         assert status == self.model.lib.LAMC_OK
 
 
-class Model:
+class Model(Unchanging):
     """The names, counts and defaults of a compiled mechanism."""
 
     def __init__(self, module: CompiledModule) -> None:
@@ -134,14 +151,11 @@ class Model:
     def motion(self, parameters: Mapping[str, float]) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.
 
-        Raises RequestError for a name that is not there and for a value that is not finite.
+        Raises RequestError for a name that is not there and for a value that its quantity cannot have.
         """
         values = dict(zip(self.parameters, self.defaults, strict=True))
-        for name, value in parameters.items():
-            if name not in values:
-                raise RequestError(f"no parameter is named {name!r}; {did_you_mean(name, self.parameters)}")
-            unit = self.parameter_units[self.parameters.index(name)]
-            values[name] = finite(value, f"parameter {name!r}", f"a number in {unit}")
+        units = dict(zip(self.parameters, self.parameter_units, strict=True))
+        values |= checked_parameters(parameters, units)
         padding = [0.0] if not values else []
         return Motion(self, np.array([*values.values(), *padding]))
 

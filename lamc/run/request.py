@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.errors import RequestError
+from lamc.mechanism.checks import shown
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -50,10 +51,14 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """What an integrator gives back; every row is good, also where the run ended early."""
+    """What an integrator gives back; every row is good, also where the run ended early.
+
+    The last row of a run that ended early is the last state reached, whether or not a row was due there.
+    """
 
     t: Array  # (m,), s
-    y: Array  # (m, 2n)
+    q: Array  # (m, n), rad
+    u: Array  # (m, n), rad/s
     t_reached: float  # s
     status: Status
     note: str  # the integrator's own words on a failure; may be empty
@@ -89,7 +94,9 @@ def checked_request(
     if longest <= 0.0:
         raise RequestError(f"max_step is {longest!r} s; it must be above zero (leave it out for no limit)")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int | np.integer) or max_steps <= 0:
-        raise RequestError(f"max_steps is {max_steps!r}; it must be a whole number above zero")
+        raise RequestError(f"max_steps is {shown(max_steps)}; it must be a whole number above zero")
+    if progress is not None and not callable(progress):
+        raise RequestError(f"progress is {shown(progress)}; it must be a function of (t, t_end), or None")
     steps = min(int(max_steps), 2**62)  # what the C counter holds
     return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress)
 
@@ -99,7 +106,11 @@ def finite(value: object, name: str, rule: str) -> float:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError) as error:
-        raise RequestError(f"{name} is {value!r}; it must be a number: {rule}") from error
+        raise RequestError(f"{name} is {shown(value)}; it must be a number: {rule}") from error
+    except OverflowError as error:
+        raise RequestError(
+            f"{name} is {shown(value)}, which no float holds; it must be finite: {rule}"
+        ) from error
     if not math.isfinite(number):
         raise RequestError(f"{name} is {number!r}; it must be finite: {rule}")
     return number
@@ -111,7 +122,7 @@ def _times(t_eval: npt.ArrayLike | None, t_end: float) -> Array | None:
         return None
     try:
         times = np.array(t_eval, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise RequestError("t_eval must be a sequence of times in seconds") from error
     if times.ndim != 1:
         raise RequestError(f"t_eval has shape {times.shape}; it must be one-dimensional")

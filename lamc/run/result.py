@@ -16,7 +16,7 @@ import numpy as np
 
 from lamc.mechanism.records import Mechanism
 from lamc.run import files, frames
-from lamc.run.model import Motion
+from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array, Status
 
 if TYPE_CHECKING:
@@ -54,13 +54,15 @@ class Provenance:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Unchanging):
     """A run, complete or not. m rows at times t, n joints.
 
     t, q, u  times (m,), s; joint angles (m, n), rad; joint rates (m, n), rad/s, in the order of `joints`
     status   how it ended: 0 (`Status.REACHED_END`) or a negative `Status`; every row is good in any case
     message  the same for people
     stats    what it took
+
+    Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
     As `solve_ivp` has it: `t`, `y` (2n, m), `status`, `message`, `success`, `nfev`.
     """

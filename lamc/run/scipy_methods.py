@@ -48,10 +48,11 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
     """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is."""
     output = _Output(request)
     evaluations = accepted = 0
-    t_reached = last_step = 0.0
+    last_step = 0.0
+    reached = (0.0, request.y0)  # one assignment, so that an interrupt cannot part time and state
     note = ""
     if not np.isfinite(motion.rhs(0.0, request.y0)).all():
-        return _trajectory(output, 0.0, Status.NOT_FINITE, note, 1, 0, 0.0, request)
+        return _trajectory(output, reached, Status.NOT_FINITE, note, 1, 0, 0.0)
     if request.t_end == 0.0 or not len(request.y0):  # scipy cannot treat an empty state
         return _nothing_moves(request, output)
     solver = METHODS[method](
@@ -75,16 +76,16 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
                     status = _failure(motion, solver)
                     break
                 accepted += 1
-                t_reached, last_step = float(solver.t), float(solver.t - solver.t_old)
+                reached, last_step = (float(solver.t), solver.y.copy()), float(solver.t - solver.t_old)
                 output.after(solver)
                 if request.progress is not None:
-                    request.progress(t_reached, request.t_end)
+                    request.progress(reached[0], request.t_end)
     except KeyboardInterrupt:
         status = Status.CANCELLED
     except ValueError as error:  # the linear algebra of implicit methods refuses NaN
         status, note = Status.NOT_FINITE, str(error)
     evaluations = int(solver.nfev)
-    return _trajectory(output, t_reached, status, note, evaluations, accepted, last_step, request)
+    return _trajectory(output, reached, status, note, evaluations, accepted, last_step)
 
 
 def _failure(motion: Motion, solver: RK45) -> Status:
@@ -101,21 +102,29 @@ def _nothing_moves(request: Request, output: _Output) -> Trajectory:
     if request.t_end == 0.0:
         times = times[:1]
     y = np.tile(request.y0, (len(times), 1))
-    return Trajectory(times, y, request.t_end, Status.REACHED_END, "", 1, 0, None, 0.0)
+    q, u = _halves(y)
+    return Trajectory(times, q, u, request.t_end, Status.REACHED_END, "", 1, 0, None, 0.0)
 
 
 def _trajectory(
     output: _Output,
-    t_reached: float,
+    reached: tuple[float, Array],
     status: Status,
     note: str,
     evaluations: int,
     accepted: int,
     last_step: float,
-    request: Request,
 ) -> Trajectory:
+    t_reached, y_reached = reached
     t = np.concatenate([np.zeros(0), *output.t])
-    y = np.concatenate([np.zeros((0, len(request.y0))), *output.y])
-    return Trajectory(
-        t[: len(y)], y[: len(t)], t_reached, status, note, evaluations, accepted, None, last_step
-    )
+    y = np.concatenate([np.zeros((0, len(y_reached))), *output.y])[: len(t)]
+    if status < 0 and (not len(t) or t_reached > t[-1]):
+        t, y = np.append(t, t_reached), np.vstack([y, y_reached])
+    q, u = _halves(y)
+    return Trajectory(t, q, u, t_reached, status, note, evaluations, accepted, None, last_step)
+
+
+def _halves(y: Array) -> tuple[Array, Array]:
+    """Angles and rates (m, n) of states (m, 2n)."""
+    n = y.shape[1] // 2
+    return y[:, :n].copy(), y[:, n:].copy()

@@ -17,10 +17,11 @@ import numpy.typing as npt
 
 from lamc._version import __version__
 from lamc.errors import RequestError
+from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
 from lamc.run import integrators
 from lamc.run.closing import LoopCount, closed_start, count_loops
-from lamc.run.model import CompiledModule, Model, Motion
+from lamc.run.model import CompiledModule, Model, Motion, Unchanging
 from lamc.run.request import Array, Progress, Status, Trajectory, checked_request, did_you_mean
 from lamc.run.result import Provenance, Result, RunStats
 from lamc.scene import Scene
@@ -28,7 +29,7 @@ from lamc.scene import Scene
 NO_PARAMETERS: Mapping[str, float] = MappingProxyType({})
 
 
-class Simulator:
+class Simulator(Unchanging):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from
@@ -143,19 +144,18 @@ class Simulator:
         progress    called with (t, t_end) now and then
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
-        `message`) and keeps every row up to there; so does Ctrl-C. Raises RequestError for arguments
-        that make no run.
+        `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
+        Raises RequestError for arguments that make no run.
         """
         request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
         motion = self._motion(parameters)
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
-        n = len(self.joints)
         return Result(
             t=trajectory.t,
-            q=np.ascontiguousarray(trajectory.y[:, :n]),
-            u=np.ascontiguousarray(trajectory.y[:, n:]),
+            q=trajectory.q,
+            u=trajectory.u,
             status=trajectory.status,
             message=_message(trajectory, request.t_end, request.max_steps),
             stats=RunStats(
@@ -204,9 +204,8 @@ class Simulator:
         return self._model.motion(NO_PARAMETERS)
 
     def _motion(self, parameters: Mapping[str, float]) -> Motion:
-        if (
-            parameters or self._model.cuts
-        ):  # with loops a motion has working memory, which two threads cannot share
+        # With loops a motion has working memory, which two threads cannot share.
+        if parameters is not NO_PARAMETERS or self._model.cuts:
             return self._model.motion(parameters)
         return self._default_motion
 
@@ -215,7 +214,7 @@ class Simulator:
     ) -> tuple[Array, Array, tuple[int, ...]]:
         """Times (m,), rows (m, 2n) and the leading shape."""
         n = len(self.joints)
-        angles, rates, times = (np.asarray(a, dtype=np.float64) for a in (q, u, t))
+        angles, rates, times = (_numbers(a, name) for a, name in ((q, "q"), (u, "u"), (t, "t")))
         for array, name in ((angles, "q"), (rates, "u")):
             if array.ndim == 0 or array.shape[-1] != n:
                 raise RequestError(f"{name} has shape {array.shape}; its last length must be {n}, the joints")
@@ -240,6 +239,14 @@ class Simulator:
             effects=tuple(effect.name for effect in self.effects),
             parameters=dict(zip(names, motion.parameters[: len(names)].tolist(), strict=True)),
         )
+
+
+def _numbers(values: npt.ArrayLike, name: str) -> Array:
+    """`values` as an array of floats, or RequestError."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RequestError(f"{name} is {shown(values)}; it must be an array of numbers") from error
 
 
 def _settled(value: Any) -> Any:

@@ -40,7 +40,11 @@ class HingeStiffness:
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         count = sum(1 for j in mechanism.joints if j.stiffness)
-        return (cls(), f"{count} hinges have a stiffness") if count else (None, "no hinge has a stiffness")
+        return (
+            (cls(), f"{count} {'hinge has a stiffness' if count == 1 else 'hinges have a stiffness'}")
+            if count
+            else (None, "no hinge has a stiffness")
+        )
 
     @classmethod
     def from_data(cls, value: object, where: str) -> Self:
@@ -72,7 +76,11 @@ class RestAngle:
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         count = sum(1 for j in mechanism.joints if j.stiffness and j.rest_angle)
-        return (cls(), f"{count} hinges rest at an angle") if count else (None, "every hinge rests as drawn")
+        return (
+            (cls(), f"{count} {'hinge rests at an angle' if count == 1 else 'hinges rest at an angle'}")
+            if count
+            else (None, "every hinge rests as drawn")
+        )
 
     @classmethod
     def from_data(cls, value: object, where: str) -> Self:
@@ -99,7 +107,11 @@ class HingeDamping:
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         count = sum(1 for j in mechanism.joints if j.damping)
-        return (cls(), f"{count} hinges are damped") if count else (None, "no hinge is damped")
+        return (
+            (cls(), f"{count} {'hinge is damped' if count == 1 else 'hinges are damped'}")
+            if count
+            else (None, "no hinge is damped")
+        )
 
     @classmethod
     def from_data(cls, value: object, where: str) -> Self:

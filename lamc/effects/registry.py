@@ -7,12 +7,20 @@ from typing import NamedTuple
 from lamc.effects.base import Effect, RegisteredEffect
 from lamc.effects.gravity import Gravity
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
+from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.errors import DesignError
 from lamc.mechanism.records import Mechanism
 from lamc.scene import Scene
 
-EFFECTS: tuple[type[RegisteredEffect], ...] = (Gravity, HingeStiffness, RestAngle, HingeDamping, Torque)
+EFFECTS: tuple[type[RegisteredEffect], ...] = (
+    Gravity,
+    HingeStiffness,
+    RestAngle,
+    HingeDamping,
+    Spring,
+    Torque,
+)
 
 
 class Choice(NamedTuple):
@@ -34,8 +42,9 @@ def choose(mechanism: Mechanism, scene: Scene) -> tuple[Choice, ...]:
     if scene.effects is not None:
         names = [e.name for e in scene.effects]
         called = set(names)
-        for name in names:
-            if names.count(name) > 1:
+        for effect in scene.effects:
+            name = effect.name
+            if names.count(name) > 1 and not getattr(effect, "repeatable", False):
                 raise DesignError(
                     f"two effects of the scene are named {name!r}; names keep their energies apart"
                 )

@@ -117,6 +117,11 @@ class Loads:
         """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…")."""
         return self._parameters.add(name, default, unit, meaning, self._effect)
 
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters that there are so far."""
+        return tuple(record.name for record in self._parameters.records)
+
     def hinge(self, joint: str) -> Hinge:
         """The hinge of that name. Raises DesignError with the names there are."""
         if joint in self._cuts:

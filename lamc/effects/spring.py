@@ -1,0 +1,102 @@
+"""A spring, with damper if wished, between a point of one body and a point of another."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from lamc.effects.base import Effect
+from lamc.errors import DesignError
+from lamc.mechanics.algebra import Vector3, dot
+from lamc.mechanics.loads import Loads
+from lamc.mechanics.staging import Scalar, call
+from lamc.mechanism.records import Mechanism, checked_array, checked_name, checked_number
+
+_FIELDS = ("body_a", "point_a", "body_b", "point_b", "stiffness", "rest_length", "damping")
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Pulls its two points together when it is longer than its rest length; several may act in one scene.
+
+    point_a, point_b  where the points are in the drawn configuration, m, world axes
+    stiffness         N/m
+    rest_length       m; a spring of no length has no direction, so with a rest length the points must stay apart
+    damping           N·s/m, of the rate of change of the length
+    """
+
+    body_a: str
+    point_a: tuple[float, float, float]
+    body_b: str
+    point_b: tuple[float, float, float]
+    stiffness: float
+    rest_length: float = 0.0
+    damping: float = 0.0
+
+    name: ClassVar[str] = "spring"
+    summary: ClassVar[str] = "Springs between points"
+    source: ClassVar[str] = "F = -(k (l - l0) + c dl/dt) along the line, eq. 18"
+    repeatable: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        for field in ("body_a", "body_b"):
+            checked_name(getattr(self, field), "the body of a spring")
+        for field in ("point_a", "point_b"):
+            x, y, z = (float(v) for v in checked_array(getattr(self, field), (3,), f"{field} of a spring"))
+            object.__setattr__(self, field, (x, y, z))
+        for field in ("stiffness", "rest_length", "damping"):
+            value = checked_number(getattr(self, field), f"the {field} of a spring", minimum=0.0)
+            object.__setattr__(self, field, value)
+
+    def contribute(self, loads: Loads) -> None:
+        between = _difference(
+            loads.position(self.body_b, self.point_b), loads.position(self.body_a, self.point_a)
+        )
+        label = f"spring.{self.body_a}.{self.body_b}"
+        taken = sum(
+            1 for name in loads.parameter_names if name.startswith(label) and name.endswith(".stiffness")
+        )
+        label = f"{label}.{taken + 1}" if taken else label
+        k = loads.parameter(f"{label}.stiffness", self.stiffness, "N/m", "stiffness of the spring")
+        square = dot(between, between)
+        length = call("sqrt", square) if self.rest_length or self.damping else 0
+        pull: Scalar = k  # force over length
+        if self.rest_length:
+            rest = loads.parameter(
+                f"{label}.rest_length", self.rest_length, "m", "length at which it does not pull"
+            )
+            pull = k - k * rest / length
+            stretch = length - rest
+            loads.stored_energy(0.5 * (k * (stretch * stretch)))
+        else:
+            loads.stored_energy(0.5 * (k * square))
+        if self.damping:
+            c = loads.parameter(f"{label}.damping", self.damping, "N·s/m", "damping of the spring's length")
+            closing = _difference(
+                loads.velocity(self.body_b, self.point_b), loads.velocity(self.body_a, self.point_a)
+            )
+            pull = pull + c * dot(between, closing) / square
+        force = [pull * x for x in between]
+        loads.force(self.body_a, self.point_a, force)
+        loads.force(self.body_b, self.point_b, [-f for f in force])
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no spring is called for"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "Spring":
+        """From a scene file: a mapping of the fields above."""
+        if (
+            not isinstance(value, Mapping)
+            or not set(value) <= set(_FIELDS)
+            or not set(_FIELDS[:5]) <= set(value)
+        ):
+            needed = ", ".join(_FIELDS[:5])
+            raise DesignError(
+                f"{where}: spring is {value!r}; give {needed}, and rest_length and damping if wished"
+            )
+        return cls(**{str(k): v for k, v in value.items()})
+
+
+def _difference(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector3:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])

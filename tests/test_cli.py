@@ -188,7 +188,7 @@ def test_a_failed_run_keeps_its_rows_and_ends_with_3(tmp_path: Path) -> None:
     (line,) = [line for line in result.stderr.splitlines() if line.startswith("error:")]
     assert "t = 0.5 s" in line
     with np.load("o/results.npz") as arrays:
-        assert len(arrays["t"]) == 50  # rows at 0, 0.01, … 0.49; the torque ends at 0.5 s
+        assert len(arrays["t"]) == 51  # rows at 0, 0.01, … 0.49, and the last state: the torque ends at 0.5 s
         assert np.isfinite(arrays["q"]).all()
 
 
@@ -381,6 +381,15 @@ def test_build_overwrites_its_own_files_only(tmp_path: Path) -> None:
     assert call("build", "p.yaml", "--out", "c").exit_code == 2
 
 
+def test_build_takes_away_equations_of_an_earlier_build(tmp_path: Path) -> None:
+    pendulum(tmp_path / "p.yaml")
+    assert call("build", "p.yaml", "--out", "c", "--equations").exit_code == 0
+    (tmp_path / "c" / "equations.tex").write_text("my own notes on lamc", encoding="utf-8")
+    assert call("build", "p.yaml", "--out", "c").exit_code == 0
+    assert not (tmp_path / "c" / "equations.txt").exists()
+    assert (tmp_path / "c" / "equations.tex").exists()
+
+
 def test_check_prints_a_table_and_passes(tmp_path: Path) -> None:
     pendulum(tmp_path / "p.yaml")
     result = call("check", "p.yaml", "--states", "3", "--t-end", "0.2")
@@ -410,6 +419,36 @@ def test_split_writes_files_that_read_back_to_the_same_mechanism(tmp_path: Path)
     text = call("split", str(tmp_path / "parts" / "flaps.mechanism.yaml"), "--out", "again")
     assert text.exit_code == 0
     assert "left" in text.stdout
+
+
+def test_split_writes_the_newer_form_of_an_older_joint_definition(shared: Path, tmp_path: Path) -> None:
+    old = shared / "designs" / "flaps_old.joints"
+    assert call("split", str(old), "--out", "a").exit_code == 0
+    assert call("split", "a/flaps_old.mechanism.yaml", "--out", "b").exit_code == 0
+    given = lamc.load(old)
+    assert isinstance(given, lamc.Mechanism)
+    for folder in ("a", "b"):  # from the file's own layers, and from those that its plates tell
+        assert (tmp_path / folder / "bodies.png").stat().st_size > 5000
+        again = lamc.load(tmp_path / folder / "flaps_old.joints")
+        assert isinstance(again, lamc.Mechanism)
+        for x, y in zip(given.bodies, again.bodies, strict=True):
+            assert (x.name, x.fixed) == (y.name, y.fixed)
+            # Sums of the same few products: round-off is some 1e-16, and 1e-12 leaves room.
+            assert y.mass == pytest.approx(x.mass, rel=1e-12)
+            assert y.com == pytest.approx(x.com, abs=1e-12 * 0.05)
+            assert y.inertia == pytest.approx(x.inertia, abs=1e-12 * float(np.abs(x.inertia).max()))
+        for a, b in zip(given.joints, again.joints, strict=True):
+            assert (a.name, a.parent, a.child, a.stiffness) == (b.name, b.parent, b.child, b.stiffness)
+            assert b.point == pytest.approx(a.point, abs=1e-12 * 0.05)
+            assert b.axis == pytest.approx(a.axis, abs=1e-12)
+            assert (*b.limits, b.rest_angle) == pytest.approx((*a.limits, a.rest_angle), abs=1e-12)
+
+
+def test_split_of_a_mechanism_without_plates_says_why_there_is_no_picture(tmp_path: Path) -> None:
+    pendulum(tmp_path / "p.yaml")
+    result = call("split", "p.yaml", "--out", "s")
+    assert result.exit_code == 0
+    assert "no joint definition and no picture" in result.stdout
 
 
 def test_bench_shows_four_ways_that_agree(tmp_path: Path) -> None:

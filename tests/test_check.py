@@ -1,5 +1,6 @@
 """`check` passes what is right and catches what is wrong. The interpreter plays the compiled side here."""
 
+import importlib
 import json
 from types import SimpleNamespace
 from typing import Any
@@ -131,3 +132,42 @@ def test_an_effect_that_the_numeric_voice_does_not_know_is_named() -> None:
     subject.effects = (*ALL_PASSIVE, SimpleNamespace(name="wind"))
     with pytest.raises(UnsupportedError, match="'wind'"):
         check(subject)
+
+
+def test_a_run_that_is_too_slow_is_not_called_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.import_module("lamc.reference.check"), "SECONDS", 1e-9)
+    stages: list[str] = []
+    report = check(
+        Interpreted(chain(2, "space", seed=1), np.zeros(4)),
+        states=2,
+        t_end=0.2,
+        progress=lambda stage, fraction: stages.append(stage) if 0.0 <= fraction <= 1.0 else None,
+    )
+    rows = [c for c in report.comparisons if c.quantity == "angles of the run"]
+    assert [(c.compared, c.failed) for c in rows] == [(False, False)] * 2
+    assert "exact" not in next(line for line in report.table().splitlines() if "not compared" in line)
+    assert report.passed
+    assert json.loads(json.dumps(report.to_dict(), allow_nan=False))["comparisons"][-1]["passed"] is None
+    assert {"compare random states", "compare states of the run"} <= set(stages)
+
+
+def test_a_value_that_is_not_finite_is_told_with_its_place() -> None:
+    subject = Interpreted(chain(1, "space", seed=1), np.zeros(2))
+    plain = subject.acceleration
+
+    def poisoned(q: Array, u: Array, t: float = 0.0) -> Array:
+        return plain(q, u, t) * (np.nan if abs(q[0]) > 2.0 else 1.0)
+
+    subject.acceleration = poisoned  # type: ignore[method-assign]
+    report = check(subject, states=20, t_end=0.01)
+    (note,) = report.notes
+    assert "not finite at state" in note
+    assert "by C;" in note
+    assert "slow" not in report.table()
+
+
+def test_a_voice_that_is_left_out_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.import_module("lamc.reference.check"), "MAXIMAL_BODIES", 1)
+    report = check(Interpreted(chain(2, "space", seed=1), np.zeros(4)), states=1, t_end=0.01)
+    assert any('"maximal" is left out' in note for note in report.notes)
+    assert "maximal" not in {c.voices[1] for c in report.comparisons}

@@ -192,7 +192,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "hinge_stiffness",
         "rest_angle",
     ]
-    assert full["hinge_stiffness"][1] == "1 hinges have a stiffness"
+    assert full["hinge_stiffness"][1] == "1 hinge has a stiffness"
     # a rest angle without a spring does nothing
     assert not account(pendulum(rest_angle=REST), Scene())["rest_angle"][0]
 

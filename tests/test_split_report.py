@@ -48,7 +48,7 @@ def test_picture_shows_each_body_in_a_colour_of_its_own(tmp_path: Path) -> None:
     colours, counts = np.unique(pixels, return_counts=True)
     # Each square body covers about 1.8 % of the picture.
     large = {f"{c:06x}" for c, n in zip(colours, counts, strict=True) if n > 0.01 * len(pixels)}
-    assert {"56b4e9", "009e73", "f0e442"} <= large
+    assert {"0072b2", "e69f00", "009e73"} <= large
 
 
 def test_names_that_look_like_markup_are_drawn_as_they_are(tmp_path: Path) -> None:

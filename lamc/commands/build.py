@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations
 
 _MARK = "lamc"  # stands in the first lines of every file that lamc writes
+_SIGNED = "by lamc "  # stands at the top of the equations; what is taken away must bear it
 _HEAD = 400  # characters
+_EQUATIONS = ("equations.txt", "equations.tex")
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +57,12 @@ def build(
         if equations:
             with times.stage("write equations"):
                 listed = listing(derived, mechanism.name)
-                texts |= {"equations.txt": equations_txt(listed), "equations.tex": equations_tex(listed)}
+                texts |= dict(zip(_EQUATIONS, (equations_txt(listed), equations_tex(listed)), strict=True))
         with output_folder(out, loaded.name + "_c") as folder:
             check_folder(folder, set(texts))
             for name, text in texts.items():
                 write_text(folder / name, text)
+            _remove_stale(folder, set(texts))
     made = Built(folder, tuple(texts), tree, program, derived, account, times)
     terminal.say(_summary(made))
     terminal.result(_data(made))
@@ -88,10 +91,18 @@ def check_folder(folder: Path, names: set[str]) -> None:
             )
 
 
-def _is_own(path: Path) -> bool:
+def _remove_stale(folder: Path, names: set[str]) -> None:
+    """Takes away equations of an earlier build, which are not those of the C that was just written."""
+    for name in _EQUATIONS:
+        path = folder / name
+        if name not in names and path.is_file() and not path.is_symlink() and _is_own(path, _SIGNED):
+            path.unlink()
+
+
+def _is_own(path: Path, mark: str = _MARK) -> bool:
     try:
         with path.open(encoding="utf-8", errors="replace") as file:
-            return _MARK in file.read(_HEAD)
+            return mark in file.read(_HEAD)
     except OSError:
         return False
 

@@ -1,20 +1,24 @@
 """`lamc split`: the bodies and joints of a design as tables, files and a picture.
 
-In: a design, or a mechanism that is split already. Out: NAME.joints and split.png for a design, NAME.mechanism.yaml for
-both.
+In: a design, or a mechanism that is split already. Out: NAME.mechanism.yaml; NAME.joints and a picture where there are
+polygons: split.png of a design, bodies.png of a mechanism.
 """
 
 from pathlib import Path
 
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
+from lamc.design.load import load_definition
 from lamc.design.records import Design
 from lamc.design.split import split_steps
 from lamc.errors import DesignError
-from lamc.mechanism.joints_writer import write_split
+from lamc.mechanism.joint_definition import drawn_layers, drawn_lines
+from lamc.mechanism.joints_layers import layers_of
+from lamc.mechanism.joints_writer import write_joints, write_split
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
+from lamc.report.bodies_picture import draw_bodies
 from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
 
@@ -33,9 +37,7 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
                 mechanism = _split_design(loaded.record, folder, name, files, notes, progress)
             else:
                 mechanism = loaded.record
-                notes.append(
-                    "the file holds a mechanism already: no joint definition and no picture were made"
-                )
+                _export_mechanism(mechanism, loaded.path, folder, name, files, notes)
             files.append(f"{name}.mechanism.yaml")
             write_mechanism(mechanism, folder / files[-1])
     terminal.say(split_text(mechanism, notes))
@@ -59,3 +61,30 @@ def _split_design(
     draw_split(steps, folder / "split.png")
     files.append("split.png")
     return steps.mechanism
+
+
+def _export_mechanism(
+    mechanism: Mechanism, source: Path, folder: Path, name: str, files: list[str], notes: list[str]
+) -> None:
+    """The joint definition and the picture of a mechanism whose bodies have plates; else a note."""
+    if not any(body.outline for body in mechanism.bodies):
+        notes.append("the file holds a mechanism already: no joint definition and no picture were made")
+        return
+    target = folder / f"{name}.joints"
+    definition = load_definition(source)
+    lines = drawn_lines(definition) if definition is not None else {}
+    try:
+        if target.resolve() == source.resolve():
+            raise DesignError("it would replace the file that was read; name another folder with --out")
+        layers = drawn_layers(definition) if definition is not None else layers_of(mechanism)
+        write_joints(mechanism, layers, target, lines=lines)
+        files.append(target.name)
+        if definition is None:
+            notes.append(
+                "the file holds a mechanism already: the layers of the joint definition are those of its plates, "
+                "and their densities follow from the masses"
+            )
+    except DesignError as error:  # the format cannot say it
+        notes.append(f"no joint definition was written: {error.message}")
+    draw_bodies(mechanism, lines, folder / "bodies.png")
+    files.append("bodies.png")

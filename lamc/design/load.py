@@ -26,6 +26,7 @@ from lamc.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.files import read_bytes
 from lamc.mechanism import joints_file
 from lamc.mechanism.checks import shown
+from lamc.mechanism.joint_definition import JointDefinition
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.yaml_file import read_mechanism
 
@@ -62,6 +63,16 @@ def load(
         raise
     except RecursionError as error:
         raise DesignError("the file nests too deeply to be read", Place(str(path))) from error
+
+
+def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> JointDefinition | None:
+    """The joint definition in the file at `path`, layers and drawn lines included; None for another format.
+
+    For a file that `load` has read. Raises DesignError as `load` does.
+    """
+    path = Path(path)
+    node = compose(_text(read_bytes(path, limits.bytes), str(path)), str(path), limits=limits)
+    return joints_file.read_definition(node) if joints_file.is_joint_definition(node) else None
 
 
 def _record(node: Node, materials: Mapping[str, Material], progress: Progress | None) -> Design | Mechanism:

@@ -59,7 +59,7 @@ def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> fl
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise DesignError(
-            f"{_shown(value)} is not a {quantity.name}; write a number in {quantity.unit or 'plain form'}, "
+            f"{_shown(value)} is not {_a(quantity.name)}; write a number in {quantity.unit or 'plain form'}, "
             f"or with its unit, such as {quantity.example!r}"
         )
     if isinstance(value, str):
@@ -69,6 +69,10 @@ def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> fl
     if not math.isfinite(number):
         raise DesignError(f"the {quantity.name} is {number!r}; it must be finite")
     return _scaled(number, unit or bare_unit or quantity.unit, quantity)
+
+
+def _a(noun: str) -> str:
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
 
 
 def length_unit(text: object) -> str:
@@ -89,11 +93,11 @@ def _as_float(value: int | float) -> float:
 
 def _split(text: str, quantity: Quantity) -> tuple[float, str]:
     if len(text) > LONGEST:
-        raise DesignError(f"a {quantity.name} of {len(text)} characters; at most {LONGEST} are allowed")
+        raise DesignError(f"{_a(quantity.name)} of {len(text)} characters; at most {LONGEST} are allowed")
     match = _QUANTITY.match(text)
     if match is None:
         raise DesignError(
-            f"{text!r} is not a {quantity.name}; write a number and a unit, such as {quantity.example!r}"
+            f"{text!r} is not {_a(quantity.name)}; write a number and a unit, such as {quantity.example!r}"
         )
     unit = match["unit"]
     _check_unit(unit, quantity)
@@ -136,7 +140,7 @@ def _factor(unit: str, quantity: Quantity) -> float:
         given = registry.parse_units(unit.replace("°", "degree").replace("·", "*"))
     except Exception as error:  # pint's tokenizer and evaluator fail in many ways, all meaning the same here
         raise DesignError(
-            f"{unit!r} is not a unit that lamc knows; a {quantity.name} looks like {quantity.example!r}"
+            f"{unit!r} is not a unit that lamc knows; {_a(quantity.name)} looks like {quantity.example!r}"
         ) from error
     expected = registry.parse_units(quantity.unit)
     if given.dimensionality != expected.dimensionality:

@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.design.popupcad_layers import LayerSpec
-from lamc.design.records import Line
+from lamc.design.records import Layer, Line
 from lamc.errors import DesignError, Place, TopologyError
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 
@@ -70,6 +70,19 @@ def assemble(definition: JointDefinition) -> Mechanism:
     return Mechanism(ordered, _joints(definition, names), definition.name)
 
 
+def drawn_lines(definition: JointDefinition) -> dict[str, Line]:
+    """The drawn line, m, of each joint by the name that `assemble` gives it."""
+    names = name_joints(_marks(definition), [joint.name for joint in definition.joints])
+    return {name: joint.line for name, joint in zip(names, definition.joints, strict=True)}
+
+
+def drawn_layers(definition: JointDefinition) -> tuple[Layer, ...]:
+    """The layers as `write_joints` takes them: bottom to top, with nothing drawn in them."""
+    return tuple(
+        Layer(spec.name, spec.material, spec.thickness, MultiPolygon()) for spec in definition.layers
+    )
+
+
 def _check_ids(definition: JointDefinition) -> None:
     seen: set[str] = set()
     for body in definition.bodies:
@@ -116,7 +129,7 @@ def _joints(definition: JointDefinition, names: Mapping[str, str]) -> tuple[Join
     def nearness(body: str) -> tuple[int, str]:
         return depth.get(body, len(depth)), names[body]
 
-    marks = [JointMark(*(np.array([*end, joint.z]) for end in joint.line)) for joint in definition.joints]
+    marks = _marks(definition)
     given = name_joints(marks, [joint.name for joint in definition.joints])
     joints: list[Joint] = []
     for i in joint_order(marks):
@@ -138,6 +151,10 @@ def _joints(definition: JointDefinition, names: Mapping[str, str]) -> tuple[Join
             raise type(error)(error.message, item.place) from error
         joints.append(joint)
     return tuple(joints)
+
+
+def _marks(definition: JointDefinition) -> list[JointMark]:
+    return [JointMark(*(np.array([*end, joint.z]) for end in joint.line)) for joint in definition.joints]
 
 
 def _depths(definition: JointDefinition) -> dict[str, int]:

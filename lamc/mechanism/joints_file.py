@@ -45,12 +45,16 @@ def read_joints(node: Node) -> Mechanism:
 
     Raises DesignError for a damaged file, TopologyError for an impossible mechanism.
     """
-    refuse_stored_code(node)
-    definition = _read_current(node) if isinstance(node, MapNode) else _read_old(node)
     try:
-        return assemble(definition)
+        return assemble(read_definition(node))
     except DesignError as error:
         raise (type(error)(error.message, node.place) if error.place is None else error) from error
+
+
+def read_definition(node: Node) -> JointDefinition:
+    """What the file says, layers and lines included. Raises DesignError for a damaged file."""
+    refuse_stored_code(node)
+    return _read_current(node) if isinstance(node, MapNode) else _read_old(node)
 
 
 def _name(node: Node) -> str:

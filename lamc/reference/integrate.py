@@ -36,6 +36,10 @@ _STAGES = (
 _WEIGHTS = np.array([35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84])
 
 
+class EndOfRun(Exception):  # noqa: N818 - a signal, not an error
+    """An acceleration raises it to end `simulate` early, with the times reached so far."""
+
+
 @dataclass(frozen=True)
 class Run:
     """Angles q (m, n), rad, and rates u (m, n), rad/s, at times t (m,), s, in the order of `joints`."""
@@ -90,7 +94,8 @@ def simulate(
 ) -> Run:
     """A run from state `start` = (q, u), shape (2n,), at t = 0, with the solution at `t_eval` (ascending, s).
 
-    It ends early, with the times reached so far, once `max_evaluations` are spent. Raises SimulationError if
+    It ends early, with the times reached so far, once `max_evaluations` are spent, and when `acceleration` raises
+    EndOfRun after the first evaluations, which the solver makes as it begins. Raises SimulationError if
     the solver gives up and DesignError for a method scipy does not have.
     """
     if method not in METHODS:
@@ -103,7 +108,10 @@ def simulate(
     solver = METHODS[method](slope, 0.0, np.asarray(start), float(t_eval[-1]), rtol=rtol, atol=atol)
     rows = [np.asarray(start) for t in t_eval if t <= 0.0]
     while len(rows) < len(t_eval) and solver.nfev < max_evaluations:
-        message = solver.step()
+        try:
+            message = solver.step()
+        except EndOfRun:
+            break
         if solver.status == "failed":
             raise SimulationError(f"the reference run stopped at t = {solver.t:g} s: {message}")
         reached = int(np.searchsorted(t_eval, solver.t, side="right"))

@@ -24,7 +24,7 @@ def bench_table(bench: Bench) -> str:
     rows = [_cells(row, fastest) for row in bench.rows]
     widths = [max(len(row[k]) for row in (_HEADS, *rows)) for k in range(len(_HEADS))]
     lines = [
-        f"{shortened(bench.design, 40)}: {bench.hinges} hinges, effects: {', '.join(bench.effects) or 'none'}",
+        f"{shortened(bench.design, 40)}: {_hinges(bench)}, effects: {', '.join(bench.effects) or 'none'}",
         "",
     ]
     for row in (_HEADS, tuple("-" * w for w in widths), *rows):
@@ -58,12 +58,16 @@ def _cells(row: Row, fastest: Row) -> tuple[str, ...]:
     )
 
 
+def _hinges(bench: Bench) -> str:
+    return f"{bench.hinges} hinge{'' if bench.hinges == 1 else 's'}"
+
+
 def draw_bench(bench: Bench, path: Path) -> Path:
     """Bars on logarithmic scales: time per evaluation, time per simulated second. Raises LamcError as `save` does."""
     figure = Figure(figsize=(10.5, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     figure.suptitle(
-        f"{shortened(bench.design, 50)}: symbolic against generated ({bench.hinges} hinges)",
+        f"{shortened(bench.design, 50)}: symbolic against generated ({_hinges(bench)})",
         fontsize=12,
         parse_math=False,
     )

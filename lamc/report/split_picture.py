@@ -37,10 +37,10 @@ from lamc.report.plan_view import (
     thinned,
     view_of,
 )
+from lamc.report.style import WORLD, body_colours
 
-# Okabe and Ito's palette, which readers of all kinds of colour vision can tell apart; grey is for the world.
-PALETTE = ("#E69F00", "#56B4E9", "#009E73", "#F0E442", "#CC79A7", "#0072B2", "#D55E00")
-WORLD, MATERIAL, HOLE, SLIT_COLOUR, LINE = "#9A9A9A", "#C9D6DF", "#D55E00", "#0072B2", "#000000"
+# Holes and slits have colours that no body has.
+MATERIAL, HOLE, SLIT_COLOUR, LINE = "#C9D6DF", "#B00020", "#3B2C85", "#000000"
 SUFFIXES = (".png", ".svg", ".pdf")
 _PANEL = 4.6  # inches, width of a panel's drawing
 
@@ -166,9 +166,10 @@ def _draw_bodies(axis: Axes, steps: SplitSteps, view: View) -> str:
     fixed = sum(body.fixed for body in steps.bodies)
     _headline(axis, f"4  bodies: {len(steps.bodies) - fixed} moving, {fixed} fixed")
     points = np.array([_middle(body, view) for body in steps.bodies])
-    for body, colour in zip(steps.bodies, _colours(steps), strict=True):
+    colours = body_colours(steps.mechanism)
+    for body in steps.bodies:
         for polygons in body.polygons:
-            fill(axis, polygons, view, face=colour, edge="none")
+            fill(axis, polygons, view, face=colours[body.name], edge="none")
         outline = shapely.union_all([thinned(MultiPolygon(p), view) for p in body.polygons])
         parts = [p for p in shapely.get_parts(outline) if isinstance(p, Polygon)]
         fill(axis, parts, view, face="none", edge="white", line=1.0)
@@ -188,22 +189,6 @@ def _hinge_lines(axis: Axes, steps: SplitSteps, view: View, *, labels: bool) -> 
     middles = [shapely.intersection(hinge.line, box).centroid for hinge in steps.hinges]
     points = np.array([(p.x, p.y) for p in middles])
     return label(axis, points, [hinge.name for hinge in steps.hinges], view, "hinge", bold=False)
-
-
-def _colours(steps: SplitSteps) -> list[str]:
-    """A colour per body: grey for the world, and different ones for bodies that share a hinge."""
-    index = {body.name: i for i, body in enumerate(steps.bodies)}
-    neighbours: list[set[int]] = [set() for _ in steps.bodies]
-    for connection in steps.connections:
-        a, b = index[connection.parent], index[connection.child]
-        neighbours[a].add(b)
-        neighbours[b].add(a)
-    colours: list[str] = []
-    for i, body in enumerate(steps.bodies):
-        near = {colours[j] for j in neighbours[i] if j < i}
-        free = [c for k in range(len(PALETTE)) if (c := PALETTE[(i + k) % len(PALETTE)]) not in near]
-        colours.append(WORLD if body.fixed else (free or list(PALETTE))[0])
-    return colours
 
 
 def _middle(body: SplitBody, view: View) -> tuple[float, float]:

@@ -1,0 +1,133 @@
+"""Runs of the reference voices beside the run of the C, within a bound of time.
+
+In: the C's result and the accelerations of the other voices. Out: comparisons of the angles, and notes on what could
+not be compared and why. Clocks are read here to bound the work; they never enter a comparison.
+"""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lamc.errors import SimulationError
+from lamc.reference.check_report import Comparison, Largest
+from lamc.reference.integrate import Acceleration, EndOfRun, Run, simulate
+
+Array = npt.NDArray[np.float64]
+Progress = Callable[[str, float], None]  # the stage, and the fraction of it that is done
+
+MOTION = 1e-8
+NUDGE = 1e-8  # rad: far above the integrators' errors, far below what is not linear
+_NOT_FINITE = (
+    15  # accelerations without a value that a run may try before it ends; a step too far tries a few
+)
+_REASON = "errors of two integrators, times what the motion itself makes of a small change of its start"
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What one run of another voice may cost: evaluations and seconds, whichever ends first."""
+
+    evaluations: int
+    seconds: float
+
+
+class Watched:
+    """An acceleration that tells how far the run is and ends it when its budget is spent or nothing is finite."""
+
+    def __init__(
+        self, voice: Acceleration, budget: Budget, t_end: float, tell: Callable[[float], None]
+    ) -> None:
+        self._voice, self._budget, self._t_end, self._tell = voice, budget, t_end, tell
+        self._started = time.perf_counter()
+        self._calls = self._missing = 0
+        self.why = ""
+
+    def __call__(self, q: Array, u: Array, t: float) -> Array:
+        spent = max(
+            self._calls / self._budget.evaluations,
+            (time.perf_counter() - self._started) / self._budget.seconds,
+        )
+        if spent >= 1.0:
+            self.why = f"a run may take {self._budget.evaluations} evaluations or {self._budget.seconds:g} s"
+            raise EndOfRun
+        self._calls += 1
+        self._tell(min(1.0, max(spent, t / self._t_end if t < self._t_end else 1.0)))
+        value = self._voice(q, u, t)
+        if not np.isfinite(value).all():
+            self._missing += 1
+            self.why = f"its accelerations are not finite at t = {t:.3g} s"
+            if self._missing >= _NOT_FINITE:
+                raise EndOfRun
+        return value
+
+
+def motions(
+    voices: dict[str, Acceleration],
+    budgets: dict[str, Budget],
+    joints: Sequence[str],
+    result: Any,
+    tell: Progress,
+) -> tuple[list[Comparison], list[str]]:
+    """Angles of the C's run against scipy's DOP853 on the voices of `budgets`, Newton-Euler among them."""
+    notes = [] if result.success else [f"the run of the C did not reach its end: {result.message}"]
+    start = np.concatenate([result.q[0], result.u[0]])
+    plain, why = _run("Newton-Euler", voices, budgets, start, joints, result.t, tell)
+    nudged = plain
+    if len(plain.t) > 1:
+        moved = start + np.repeat([NUDGE, 0.0], len(joints))
+        nudged, _ = _run("Newton-Euler", voices, budgets, moved, joints, result.t, tell)
+    comparisons: list[Comparison] = []
+    for name in budgets:
+        run, reason = plain, why
+        if name != "Newton-Euler":
+            run, reason = _run(name, voices, budgets, start, joints, result.t[: len(nudged.t)], tell)
+            reason = reason or why
+        rows = min(len(run.t), len(nudged.t), len(result.t))
+        if rows < 2:
+            said = reason or (result.message if not result.success else "the run has one row")
+            comparisons.append(_not_compared(name, f"beyond t = 0: {said}"))
+            continue
+        growth = float(np.abs(nudged.q[:rows] - plain.q[:rows]).max(initial=NUDGE)) / NUDGE
+        largest = Largest(joints, ("C", name))
+        for k in range(rows):
+            largest.add(result.q[k], run.q[k], f"t = {run.t[k]:.3g} s", scale=1.0)
+        comparisons.append(largest.comparison("angles of the run", MOTION * growth, _REASON))
+        if rows < len(result.t):
+            notes.append(
+                f"angles of the run, C / {name}: compared up to t = {run.t[rows - 1]:.3g} s only: "
+                f"{reason or 'the run from a start nearby ends there'}"
+            )
+    return comparisons, notes
+
+
+def _run(
+    name: str,
+    voices: dict[str, Acceleration],
+    budgets: dict[str, Budget],
+    start: Array,
+    joints: Sequence[str],
+    times: Array,
+    tell: Progress,
+) -> tuple[Run, str]:
+    """The run of one voice as far as it came, and why it ended before the last of `times`."""
+    watched = Watched(voices[name], budgets[name], float(times[-1]), lambda f: tell(f"run {name}", f))
+    n = len(joints)
+    at_start = Run(times[:1], start[None, :n], start[None, n:], tuple(joints), 0)
+    if len(times) < 2:
+        return at_start, ""
+    try:
+        run = simulate(watched, start, joints, times, 1e-11, 1e-13, "DOP853")
+    except EndOfRun:
+        run = at_start
+    except SimulationError as error:
+        return at_start, watched.why or error.message
+    return run, watched.why if len(run.t) < len(times) else ""
+
+
+def _not_compared(name: str, reason: str) -> Comparison:
+    return Comparison("angles of the run", ("C", name), math.nan, MOTION, "", "", reason, compared=False)

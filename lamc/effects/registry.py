@@ -42,11 +42,10 @@ def choose(mechanism: Mechanism, scene: Scene) -> tuple[Choice, ...]:
     if scene.effects is not None:
         names = [e.name for e in scene.effects]
         called = set(names)
-        for effect in scene.effects:
-            name = effect.name
-            if names.count(name) > 1 and not getattr(effect, "repeatable", False):
+        for called_for in scene.effects:
+            if names.count(called_for.name) > 1 and not getattr(called_for, "repeatable", False):
                 raise DesignError(
-                    f"two effects of the scene are named {name!r}; names keep their energies apart"
+                    f"two effects of the scene are named {called_for.name!r}; names keep their energies apart"
                 )
         choices += [Choice(e.name, e, "the scene calls for it") for e in scene.effects]
         choices += [

@@ -3,7 +3,8 @@
 `lamc.reference.sympy_kane` (sympy's own KanesMethod) is not imported here, because sympy.physics takes long.
 """
 
-from lamc.reference.check import Report, check
+from lamc.reference.check import check
+from lamc.reference.check_report import Report
 from lamc.reference.integrate import Run, fixed_steps, initial_state, simulate, voice
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates

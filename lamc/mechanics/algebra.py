@@ -87,13 +87,16 @@ def inward(turn: Turn, v: Vector3) -> Vector3:
 
 
 def inward_symmetric(turn: Turn, a: Symmetric) -> Symmetric:
-    """R a Rᵀ, with the 2×2 block by w = s (a - d) + 2 c b: (a - s w, d + s w, c w - b), 4 products for 7."""
+    """R a Rᵀ, with the 2×2 block by w = s (a - d) + 2 c b: (a - s w, d + s w, c w - b), 4 products for 7.
+
+    2 c is shared by all tensors that take the same turn, and of a fold it is a constant.
+    """
     c, s = turn.cos, turn.sin
     if turn.axis == "z":
-        w = s * (a.xx - a.yy) + 2 * (c * a.xy)
+        w = s * (a.xx - a.yy) + (2 * c) * a.xy
         sw = s * w
         return Symmetric(a.xx - sw, a.yy + sw, a.zz, c * w - a.xy, c * a.xz - s * a.yz, s * a.xz + c * a.yz)
-    w = s * (a.yy - a.zz) + 2 * (c * a.yz)
+    w = s * (a.yy - a.zz) + (2 * c) * a.yz
     sw = s * w
     return Symmetric(a.xx, a.yy - sw, a.zz + sw, c * a.xy - s * a.xz, s * a.xy + c * a.xz, c * w - a.yz)
 

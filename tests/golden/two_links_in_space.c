@@ -1,12 +1,12 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest ee59e0038bd79b05694b853e86a3bd38763917e523ad3763e64d7b420977b94d
- * Accelerations by mass matrix (operations: elimination 108, mass matrix 100).
+ * Program digest d0dd9a65c9b765d7c9111098154dc771c225856705a25f17f403f4c9b8b875ba
+ * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
  * Operations per call (+ - *, reciprocals, library calls):
- *   setup              43 of which 1 reciprocals; 0 library calls
- *   acceleration      100 of which 1 reciprocals; 4 library calls
+ *   setup              44 of which 1 reciprocals; 0 library calls
+ *   acceleration       99 of which 1 reciprocals; 4 library calls
  *   energy             65 of which 0 reciprocals; 4 library calls
  *   poses              46 of which 0 reciprocals; 4 library calls
  */
@@ -35,16 +35,17 @@ void two_links_in_space_setup(const two_links_in_space_parameters *p, double *ou
   const double z14 = (z2 - p->lower_mass) + (z0 + z8*((-0.8)*(-0.8)));
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
   const double z15 = 1.0/z10;
+  const double z16 = 2.0*0.6;
   /* Mass matrix (Kane, eq. 19) */
-  const double z16 = z10*0.6;
-  const double z17 = z4 - z7;
+  const double z17 = z10*0.6;
+  const double z18 = z4 - z7;
   /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
-  const double z18 = z7 + z8;
-  const double z19 = z4 + z8;
+  const double z19 = z7 + z8;
+  const double z20 = z4 + z8;
   /* Potential energy (-? m a*r) [gravity] */
-  const double z20 = p->lower_com_z*0.6;
+  const double z21 = p->lower_com_z*0.6;
   /* Positions and rotations of the links (eq. 1-4) */
-  const double z21 = 0.6*0.8;
+  const double z22 = 0.6*0.8;
   out[0] = z4;
   out[1] = z5;
   out[2] = z7;
@@ -61,20 +62,21 @@ void two_links_in_space_setup(const two_links_in_space_parameters *p, double *ou
   out[13] = z15;
   out[14] = z16;
   out[15] = z17;
-  out[16] = p->upper_mass;
-  out[17] = p->upper_com_x;
-  out[18] = z3;
-  out[19] = p->lower_mass;
-  out[20] = p->lower_com_y;
-  out[21] = p->lower_com_z;
-  out[22] = z6;
-  out[23] = z10;
-  out[24] = z18;
+  out[16] = z18;
+  out[17] = p->upper_mass;
+  out[18] = p->upper_com_x;
+  out[19] = z3;
+  out[20] = p->lower_mass;
+  out[21] = p->lower_com_y;
+  out[22] = p->lower_com_z;
+  out[23] = z6;
+  out[24] = z10;
   out[25] = z19;
-  out[26] = z12;
-  out[27] = z20;
-  out[28] = (-0.6);
-  out[29] = z21;
+  out[26] = z20;
+  out[27] = z12;
+  out[28] = z21;
+  out[29] = (-0.6);
+  out[30] = z22;
 }
 
 /* accelerations of the joints, rad/s^2 */
@@ -117,19 +119,18 @@ void two_links_in_space_acceleration(const double *c, double t, const double *q,
   const double z27 = (c[8]*(c[1]*z19) + z25) + (c[8]*z26 + c[4]*z22);
   /* Mass matrix (Kane, eq. 19) */
   const double z28 = c[3]*z2;
-  const double z29 = c[4]*z24 - (c[8]*z28 - c[14]);
-  const double z30 = z3*(z3*c[15]);
+  const double z29 = c[4]*z24 - (c[8]*z28 - c[15]);
+  const double z30 = z3*(z3*c[16]);
   const double z31 = c[2] + z30;
-  const double z32 = z31 - c[8]*(c[8]*z31 + 2.0*(c[4]*z28));
+  const double z32 = (z31 - c[8]*(c[8]*z31 + c[14]*z28)) + ((c[0] - z30) + 2.0*z24);
   /* Solution of M u? = f by L?DL (Kane, eq. 19) */
   const double z33 = c[13]*z29;
-  const double z34 = (c[7] + (z32 + ((c[0] - z30) + 2.0*z24))) - z29*z33;
-  const double z35 = 1.0/z34;
-  const double z36 = (z5 + ((c[6]*z8 - c[5]*z7) - z27)) - z23*z33;
-  const double z37 = z35*z36;
-  const double z38 = c[13]*z23 - z33*z37;
-  out[0] = z37;
-  out[1] = z38;
+  const double z34 = 1.0/((c[7] + z32) - z29*z33);
+  const double z35 = (z5 + ((c[6]*z8 - c[5]*z7) - z27)) - z23*z33;
+  const double z36 = z34*z35;
+  const double z37 = c[13]*z23 - z33*z36;
+  out[0] = z36;
+  out[1] = z37;
 }
 
 /* energies by effect, J; kinetic first */
@@ -152,15 +153,15 @@ void two_links_in_space_energy(const double *c, double t, const double *q, const
   const double z10 = z3*z6;
   const double z11 = z2*z6;
   /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
-  const double z12 = z7*(z7*c[24]) + z8*(z8*c[25] - c[3]*z9);
-  const double z13 = c[19]*(z5*z5 + (z10*z10 + z11*z11));
-  const double z14 = z10*(c[22]*z8 - c[1]*z9) - z11*c[22]*z7;
-  const double z15 = 0.5*(z9*(c[3]*z8 - c[23]*z9) - z12);
+  const double z12 = z7*(z7*c[25]) + z8*(z8*c[26] - c[3]*z9);
+  const double z13 = c[20]*(z5*z5 + (z10*z10 + z11*z11));
+  const double z14 = z10*(c[23]*z8 - c[1]*z9) - z11*c[23]*z7;
+  const double z15 = 0.5*(z9*(c[3]*z8 - c[24]*z9) - z12);
   const double z16 = (0.5*z13 - (z5*(c[1]*z7) - z14)) + z15;
-  const double z17 = 0.5*(u[0]*(u[0]*c[18])) - z16;
+  const double z17 = 0.5*(u[0]*(u[0]*c[19])) - z16;
   /* Potential energy (-? m a*r) [gravity] */
-  const double z18 = c[20]*(z2*(c[4]*z0) - z1*z3) - c[21]*z0*c[8];
-  const double z19 = c[16]*(c[9]*(c[17]*z1)) + c[19]*(c[9]*(z1 + z18));
+  const double z18 = c[21]*(z2*(c[4]*z0) - z1*z3) - c[22]*z0*c[8];
+  const double z19 = c[17]*(c[9]*(c[18]*z1)) + c[20]*(c[9]*(z1 + z18));
   out[0] = -z17;
   out[1] = z4;
   out[2] = z19;
@@ -174,8 +175,8 @@ void two_links_in_space_poses(const double *c, const double *q, double *out) {
   const double z2 = cos(q[1]);
   const double z3 = sin(q[1]);
   /* Potential energy (-? m a*r) [gravity] */
-  const double z4 = c[17]*z0;
-  const double z5 = c[17]*z1;
+  const double z4 = c[18]*z0;
+  const double z5 = c[18]*z1;
   const double z6 = c[4]*z1;
   const double z7 = z1*c[8];
   const double z8 = c[4]*z0;
@@ -186,16 +187,16 @@ void two_links_in_space_poses(const double *c, const double *q, double *out) {
   const double z13 = z2*c[8];
   const double z14 = z1*z2 + z3*z8;
   const double z15 = z2*z8 - z1*z3;
-  const double z16 = c[20]*z13 + c[27];
-  const double z17 = z0 - (c[20]*z11 - c[21]*z7);
-  const double z18 = z1 + (c[20]*z15 - c[21]*z9);
+  const double z16 = c[21]*z13 + c[28];
+  const double z17 = z0 - (c[21]*z11 - c[22]*z7);
+  const double z18 = z1 + (c[21]*z15 - c[22]*z9);
   /* Positions and rotations of the links (eq. 1-4) */
   const double z19 = c[8]*z11 - c[4]*z7;
-  const double z20 = z11*c[28] - c[8]*z7;
-  const double z21 = c[26] + c[8]*z13;
-  const double z22 = z13*c[28] + c[29];
+  const double z20 = z11*c[29] - c[8]*z7;
+  const double z21 = c[27] + c[8]*z13;
+  const double z22 = z13*c[29] + c[30];
   const double z23 = c[8]*z15 - c[4]*z9;
-  const double z24 = z15*c[28] - c[8]*z9;
+  const double z24 = z15*c[29] - c[8]*z9;
   out[0] = z4;
   out[1] = 0.0;
   out[2] = -z5;
@@ -330,14 +331,14 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "ee59e0038bd79b05694b853e86a3bd38763917e523ad3763e64d7b420977b94d",
+      "d0dd9a65c9b765d7c9111098154dc771c225856705a25f17f403f4c9b8b875ba",
       1.0307764064044151,
       2,
       0,
       0,
       2,
       17,
-      30,
+      31,
       3,
       joint_names,
       cut_names,

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest ee59e0038bd79b05694b853e86a3bd38763917e523ad3763e64d7b420977b94d
+ * Program digest d0dd9a65c9b765d7c9111098154dc771c225856705a25f17f403f4c9b8b875ba
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -32,7 +32,7 @@ enum {
   two_links_in_space_closure_count = 0,
   two_links_in_space_body_count = 2,
   two_links_in_space_parameter_count = 17,
-  two_links_in_space_constant_count = 30,
+  two_links_in_space_constant_count = 31,
   two_links_in_space_energy_count = 3
 };
 
@@ -61,7 +61,7 @@ typedef struct two_links_in_space_parameters {
 /* The values of the design. */
 void two_links_in_space_default_parameters(two_links_in_space_parameters *parameters);
 
-/* -> constants (30,): everything that depends on parameters only. Call it once per change. */
+/* -> constants (31,): everything that depends on parameters only. Call it once per change. */
 void two_links_in_space_setup(const two_links_in_space_parameters *parameters, double *constants);
 
 /* t s, q (2,) rad, u (2,) rad/s -> udot (2,) rad/s^2 */

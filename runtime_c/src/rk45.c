@@ -242,7 +242,12 @@ static lamc_status write_rows(lamc_rk45 *run, lamc_rows *rows) {
     } else {
       (void)lamc_rk45_interpolate(run, t, y); /* cannot fail: a row before t lies in the step just accepted */
       double moved = 0.0; /* between the ends of a step the polynomial strays from closure by the tolerance */
-      if (run->ode.settle != NULL) (void)run->ode.settle(run->ode.context, t, y, &moved);
+      const lamc_status settled =
+          run->ode.settle == NULL ? LAMC_OK : run->ode.settle(run->ode.context, t, y, &moved);
+      if (settled != LAMC_OK) {
+        rows->count--; /* a row that does not close is no result */
+        return settled;
+      }
     }
     run->t_eval_next++;
   }

@@ -15,10 +15,10 @@ import jinja2
 
 from lamc._version import __version__
 from lamc.allocation import collector_paused
-from lamc.codegen.layout import CFunction, arrange
+from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
-from lamc.codegen.program import Function, Program
+from lamc.codegen.program import Program
 from lamc.resources import data_dir
 
 _DECLARATIONS = re.compile(
@@ -131,7 +131,7 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         },
         "counts": _counts(program),
         "loop_work": _loop_work(len(program.joints), program.closure_count),
-        "functions": [_function(f, printer, fields) for f in program.functions.values()],
+        "functions": [arrange(f, printer, fields) for f in program.functions.values()],
     }
 
 
@@ -150,7 +150,3 @@ def _counts(program: Program) -> dict[str, int]:
         "constants": program.constant_count,
         "energies": len(program.energies),
     }
-
-
-def _function(function: Function, printer: ShapePrinter, fields: list[str]) -> CFunction:
-    return arrange(function, printer, fields)

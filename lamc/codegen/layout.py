@@ -12,7 +12,7 @@ from lamc.codegen.program import Function, Operand, Operations, Space, Statement
 from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment, lay_out
 
 # Statements in one block. What runs at every step is straight code as long as that is quicker than kernels (40
-# parallel hinges: by a third); gcc then takes about a second. What runs once per row is kept short to compile.
+# parallel hinges: nearly twice as quick); gcc then takes about a second. What runs once per row compiles quickly.
 MAX_BLOCK = 400
 MAX_BLOCK_AT_EVERY_STEP = 1500
 AT_EVERY_STEP = ("acceleration", "system", "constraint", "closure")
@@ -164,7 +164,6 @@ class _Long:
         self._finish_part()
         function = self.function
         self.body += self._copies()
-        called = set(function.reads)
         return CFunction(
             name=function.name,
             purpose=comment(function.purpose),
@@ -182,7 +181,7 @@ class _Long:
             literals=tuple(literal(v) for v in self.literals),
             crossing_count=self.layout.size,
             body=tuple(self.body),
-            unused=_unused(function, called),
+            unused=(),  # every argument is handed on to the routines
         )
 
     def _largest_index(self) -> int:
@@ -199,12 +198,10 @@ class _Long:
     def _kernel(self, number: int, kernel: KernelClass) -> CRoutine:
         lines = [heading(self.function, kernel.section)]
         arrays: dict[int, str] = {}
-        spaces: dict[int, Space] = {}
         for _, operands in kernel.pattern:
             for operand in operands:
                 if isinstance(operand, External) and operand.space is not Space.TIME:
                     arrays[operand.slot] = _ARRAY[operand.space]
-                    spaces[operand.slot] = operand.space
         lines += [f"const double e{slot} = {array}[i[{slot + 1}]];" for slot, array in sorted(arrays.items())]
 
         for position, (shape, operands) in enumerate(kernel.pattern):

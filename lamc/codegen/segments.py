@@ -91,12 +91,11 @@ def lay_out(function: Function) -> Layout:
         classes.append(KernelClass(pattern, first.section, tuple(stored)))
     place: dict[int, int] = {}
     for segment, kernel in zip(segments, class_of, strict=True):
-        kept = range(segment.start, segment.stop)
         if kernel is not None:
             for position in classes[kernel].stored:
                 place[segment.start + position] = len(place)
         else:
-            for index in kept:
+            for index in range(segment.start, segment.stop):
                 if index in crossing:
                     place[index] = len(place)
     return Layout(tuple(segments), tuple(class_of), tuple(classes), place, len(place))

@@ -212,13 +212,14 @@ def test_an_effect_acts_once() -> None:
 
 
 def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
+    needs = {"spring": ("a", (0, 0, 0), "b", (1, 0, 0), 1.0)}  # the only one that cannot stand alone
     assert len(by_name()) == len(EFFECTS)
     for name, kind in by_name().items():
         assert name == kind.name
         assert name.isidentifier()
         assert name == name.lower()
         assert kind.summary
-        assert callable(kind.contribute)
+        assert isinstance(kind(*needs.get(name, ())), Effect)
 
 
 @pytest.mark.parametrize(

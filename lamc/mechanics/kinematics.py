@@ -148,8 +148,10 @@ class Kinematics:
                 motions.append(Motion(omega, velocity))
         return motions
 
-    def biases(self, u: Sequence[Scalar], base: Sequence[Vector3]) -> list[Bias]:
-        """Accelerations with all hinge accelerations zero.
+    def biases(
+        self, u: Sequence[Scalar], base: Sequence[Vector3], accelerations: Sequence[Scalar] | None = None
+    ) -> list[Bias]:
+        """Accelerations with the hinge accelerations given, rad/s^2, or all zero.
 
         base[i], used for links on the world, is the acceleration of the world in the link's drawn frame: the
         negative of a uniform field, so that the field acts on every mass without a term of its own.
@@ -168,7 +170,8 @@ class Kinematics:
                     omega, alpha = omegas[link.parent], alphas[link.parent]
                 omega, alpha = self.to_child(i, omega), self.to_child(i, alpha)
                 rate = link.angle_sign * u[i]
-                alpha = (alpha[0] + omega[1] * rate, alpha[1] - omega[0] * rate, alpha[2])
+                own = link.angle_sign * accelerations[i] if accelerations else 0
+                alpha = (alpha[0] + omega[1] * rate, alpha[1] - omega[0] * rate, alpha[2] + own)
                 omega = (omega[0], omega[1], omega[2] + rate)
                 omegas.append(omega)
                 alphas.append(alpha)

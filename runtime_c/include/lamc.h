@@ -30,7 +30,9 @@ typedef enum lamc_status {
   LAMC_STEP_LIMIT = -3,     /* max_steps steps were taken */
   LAMC_CANCELLED = -4,      /* the cancel flag was raised */
   LAMC_BAD_ARGUMENT = -5,   /* an argument breaks the rule written beside it */
-  LAMC_CLOSURE_LOST = -7    /* a loop came apart: no position nearby closes it */
+  LAMC_CLOSURE_LOST = -7,   /* a loop came apart: no position nearby closes it */
+  LAMC_RANK_LOST = -8,      /* the motion stays at a singular position, where it is not determined */
+  LAMC_EVENTS_PILE_UP = -9  /* impacts or switches follow each other ever faster (Zeno) */
 } lamc_status;
 
 /* One line of English for people; never NULL, also for numbers that are no status. */
@@ -49,13 +51,17 @@ typedef struct lamc_model {
   int parameter_count;                /* numbers that can change without recompiling */
   int constant_count;                 /* numbers that depend on parameters only */
   int energy_count;                   /* kinetic first, then one for each effect that stores energy */
+  int guard_count;                    /* conditions whose passing of zero is an event */
   const char *const *joint_names;     /* (joint_count,), UTF-8 */
   const char *const *cut_names;       /* (cut_count,), UTF-8 */
   const char *const *body_names;      /* (body_count,), UTF-8 */
   const char *const *parameter_names; /* (parameter_count,), UTF-8 */
   const char *const *parameter_units; /* (parameter_count,), UTF-8 */
   const char *const *energy_names;    /* (energy_count,), UTF-8 */
+  const char *const *guard_names;     /* (guard_count,), UTF-8 */
   const double *parameter_defaults;   /* (parameter_count,), in parameter_units */
+  const int *guard_modes; /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
+  double jacobian_cost;   /* operations of jacobian over those of an acceleration */
   /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
   void (*setup)(const double *parameters, double *constants);
   /* A tree: t s, q (n,) rad, u (n,) rad/s -> udot (n,) rad/s^2. NULL with loops, which have the four after it. */
@@ -72,17 +78,28 @@ typedef struct lamc_model {
   void (*energy)(const double *constants, double t, const double *q, const double *u, double *energies);
   /* q -> poses (body_count, 12): centre of mass (3) m, rotation (3, 3) row-major, both in world axes */
   void (*poses)(const double *constants, const double *q, double *poses);
+  /* A tree: -> M lower triangle by rows (n (n + 1) / 2) kg m^2. NULL where nothing below needs it. */
+  void (*inertia)(const double *constants, const double *q, double *inertia);
+  /* At udot, and lambda (m,) N of M udot = f + J^T lambda, -> (n + m, 2 n + 1) derivatives by q, u and t of the residuals
+   * M udot - f - J^T lambda (n,) and J udot + gamma (m,). NULL: not worked out, differences are taken instead. */
+  void (*jacobian)(const double *constants, double t, const double *q, const double *u, const double *udot,
+                   const double *lambda, double *jacobian);
+  /* -> guards (guard_count,) rad, negative where nothing happens, then their rates (guard_count,) rad/s */
+  void (*guards)(const double *constants, double t, const double *q, const double *u, double *guards);
+  /* -> restitutions (guard_count,), then derivatives of the guards by q (guard_count, n) */
+  void (*impacts)(const double *constants, double t, const double *q, double *impacts);
 } lamc_model;
 
-/* A model with its constants: what the functions below evaluate. One thread at a time for loops, which use work. */
+/* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use
+ * work and constants. */
 typedef struct lamc_motion {
   const lamc_model *model;
-  const double *constants; /* (constant_count,), from model->setup */
-  double *work;            /* (lamc_motion_work_size(model),); NULL for a tree */
-  int rank; /* of the closure at a generic position: no more equations are taken; <= closure_count */
+  double *constants; /* (constant_count,), from model->setup; of them, only the guards' modes change later */
+  double *work;      /* (lamc_motion_work_size(model),); NULL where that is 0 */
+  int rank;          /* of the closure at a generic position: no more equations are taken; <= closure_count */
 } lamc_motion;
 
-/* Doubles that `work` must hold; 0 for a tree. */
+/* Doubles that `work` must hold; 0 for a tree without guards. */
 long long lamc_motion_work_size(const lamc_model *model);
 
 /* Brings y = [q, u] of a motion with loops back to closure, by the smallest move in the mass metric: positions first,
@@ -107,16 +124,31 @@ lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const 
 
 /* ---- Ordinary differential equations ----------------------------------------------------------------------- */
 
-/* dy/dt = rhs(t, y), y of shape (n,). rhs writes all of dydt, and may write NaN where it is not defined. */
+/* dy/dt = rhs(t, y), y of shape (n,). rhs writes all of dydt, and may write NaN where it is not defined. What follows
+ * context may be NULL or 0, one by one. */
 typedef struct lamc_ode {
   int n; /* >= 0 */
   void (*rhs)(const void *context, double t, const double *y, double *dydt);
   const void *context;
   /* Brings y back to what holds for all states; *moved tells how far. NULL: nothing has to hold. */
   lamc_status (*settle)(const void *context, double t, double *y, double *moved);
+  /* Implicit methods need y = [q, u] with dq/dt = u, k = n / 2, and of udot at a state: its derivatives by q (k, k), by
+   * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size doubles. */
+  void (*jacobian)(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,
+                   double *scratch);
+  long long scratch_size;
+  double jacobian_cost; /* of one call, in evaluations of rhs */
+  /* Events: guards (guard_count,) that pass from negative to positive, and their rates (guard_count,), 1/s */
+  int guard_count;
+  void (*guards)(const void *context, double t, const double *y, double *guards);
+  /* Before a run starts at (t, y): what rhs and guards stand for there */
+  void (*sense)(const void *context, double t, const double *y);
+  /* Guard `guard` has reached zero at (t, y): changes y, or what rhs and guards stand for from here on */
+  lamc_status (*event)(const void *context, double t, double *y, int guard);
 } lamc_ode;
 
-/* The motion as an equation in y = [q, u], n = 2 joint_count; `motion` must outlive it. */
+/* The motion as an equation in y = [q, u], n = 2 joint_count; `motion` must outlive it. With guards a run changes the
+ * motion's constants: one run at a time. */
 lamc_ode lamc_motion_ode(const lamc_motion *motion);
 
 typedef struct lamc_options {
@@ -127,15 +159,27 @@ typedef struct lamc_options {
   long long max_steps; /* steps tried, accepted or not; > 0 */
 } lamc_options;
 
-/* Rows of output. The caller owns the arrays, and may replace them or set count = 0 between two calls. */
+/* Rows of output. The caller owns the arrays, and may replace them or set the counts to 0 between two calls. */
 typedef struct lamc_rows {
-  double *t;          /* (capacity,), s */
-  double *y;          /* (capacity, n) */
-  long long capacity; /* > 0 */
-  long long count;    /* rows written so far */
+  double *t;                /* (capacity,), s */
+  double *y;                /* (capacity, n) */
+  long long capacity;       /* > 0 */
+  long long count;          /* rows written so far */
+  double *event_t;          /* (event_capacity,), s; NULL: events are not written */
+  int *event_guard;         /* (event_capacity,): which guard */
+  long long event_capacity; /* >= 0 */
+  long long event_count;    /* events written so far */
 } lamc_rows;
 
-/* ---- Dormand-Prince 5(4) ----------------------------------------------------------------------------------- */
+typedef enum lamc_method {
+  LAMC_AUTO = 0,    /* explicit, and implicit where that goes faster */
+  LAMC_RK45 = 1,    /* Dormand-Prince 5(4), explicit */
+  LAMC_DOP853 = 2,  /* Dormand-Prince 8(5, 3), explicit, for tight tolerances */
+  LAMC_RODAS5P = 3, /* Rosenbrock 5(4), for stiff hinges */
+  LAMC_RADAU5 = 4   /* Radau IIA of order 5, fully implicit, for the stiffest */
+} lamc_method;
+
+enum { LAMC_SWITCHES_KEPT = 16 };
 
 typedef enum lamc_dense {
   LAMC_DENSE_NONE = 0,     /* no step yet, or a later one was tried over it */
@@ -143,10 +187,24 @@ typedef enum lamc_dense {
   LAMC_DENSE_READY = 2     /* worked out */
 } lamc_dense;
 
-/* A run under way. Fields are for reading; lamc_rk45_start sets them all. */
-typedef struct lamc_rk45 {
+/* What LAMC_AUTO knows of the run. */
+typedef struct lamc_watch {
+  int is_auto;
+  int next_method;   /* to switch to before the next step; 0: none */
+  int suspicions;    /* of the last steps, how many stability rather than accuracy seems to have limited */
+  int probe_steps;   /* steps left of the trial of another method; 0: none under way */
+  long long rest;    /* accepted steps before the next trial */
+  long long backoff; /* what rest is set to when a trial does not pay; doubles each time */
+  double pace;       /* s of motion per evaluation, of the method that was left for the trial */
+  double mark_t;     /* s, where the pace of the present method is measured from */
+  double mark_cost;  /* evaluations, until then */
+} lamc_watch;
+
+/* A run under way. Fields are for reading; lamc_run_start sets them all. */
+typedef struct lamc_run {
   lamc_ode ode;
   lamc_options options;
+  int method;           /* lamc_method in use; never LAMC_AUTO */
   double t_end;         /* s */
   const double *t_eval; /* (t_eval_count,), s, or NULL: a row at the start and after every step */
   long long t_eval_count;
@@ -159,37 +217,53 @@ typedef struct lamc_rk45 {
   long long steps;       /* tried */
   long long accepted;
   long long rejected;
-  long long evaluations; /* of rhs */
-  int stride;            /* n rounded up: distance between the vectors in work */
+  long long evaluations;    /* of rhs */
+  long long jacobians;      /* evaluated */
+  long long factorisations; /* of matrices of implicit methods */
+  long long events;
+  long long switches;                    /* of the method, by LAMC_AUTO */
+  double switch_t[LAMC_SWITCHES_KEPT];   /* s, of the first ones */
+  int switch_method[LAMC_SWITCHES_KEPT]; /* lamc_method switched to */
+  lamc_watch watch;
+  double *guards;     /* guards and their rates where the run stands, then room to find events */
+  double t_event;     /* s, of the last event */
+  double event_gap;   /* s, between the last two events */
+  int event_streak;   /* events in a row, each sooner after the last than that one before */
+  int event_guard;    /* guard of the last event; -1: none yet */
+  int event_due;      /* 1: the last event is not written yet */
+  int stride;         /* n rounded up: distance between the vectors in work */
   int side;           /* 0 or 1: which halves of work hold y and dy/dt at t; the others hold those at t_old */
   int dense;          /* lamc_dense: whether work holds the dense output of t_old .. t */
   int row_due;        /* 1: the row at t is not written yet; t_eval == NULL only */
   int was_rejected;   /* 1: the step before this one was rejected */
   int was_finite;     /* 0: the step before this one met NaN or infinity */
+  int was_closed;     /* 0: the step before this one lost what must hold */
+  int has_jacobian;   /* 1: work holds the Jacobian at t */
+  int has_polynomial; /* 1: work holds the polynomial of the last step, for a first guess of the next */
   lamc_status status; /* of the last call; a negative one stays */
-  double *work;       /* (lamc_rk45_work_size(n),) */
-} lamc_rk45;
+  double *work;       /* (lamc_run_work_size(&ode, method),) */
+} lamc_run;
 
-/* Doubles that `work` must hold for n components; 0 if n is negative or too large. */
-long long lamc_rk45_work_size(int n);
+/* Doubles that `work` must hold; 0 if the equation has a size that cannot be, or lacks what the method needs. */
+long long lamc_run_work_size(const lamc_ode *ode, lamc_method method);
 
 /* Prepares a run from y0 (n,) at t0 to t_end >= t0. t_eval ascends within t0 .. t_end. The run keeps pointers to
  * t_eval, work and ode->context, and copies everything else. Two evaluations at most.
  * LAMC_OK; LAMC_BAD_ARGUMENT; LAMC_NOT_FINITE if y0 or rhs(t0, y0) is not finite. */
-lamc_status lamc_rk45_start(lamc_rk45 *run, const lamc_ode *ode, const lamc_options *options, double t0,
-                            const double *y0, double t_end, const double *t_eval, long long t_eval_count,
-                            double *work);
+lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method method,
+                           const lamc_options *options, double t0, const double *y0, double t_end,
+                           const double *t_eval, long long t_eval_count, double *work);
 
 /* Goes on until the end, an obstacle, or `budget` more evaluations (0: no limit). Stops between two steps only, so
  * a run in slices gives the same bits as a run in one piece. `cancel` (may be NULL) is looked at before each step. */
-lamc_status lamc_rk45_advance(lamc_rk45 *run, lamc_rows *rows, long long budget, const volatile int *cancel);
+lamc_status lamc_run_advance(lamc_run *run, lamc_rows *rows, long long budget, const volatile int *cancel);
 
 /* The state y (n,) where the run stands. */
-const double *lamc_rk45_state(const lamc_rk45 *run);
+const double *lamc_run_state(const lamc_run *run);
 
-/* y (n,) at a time within the last accepted step, t_old .. t, by the continuous extension of order 4.
+/* y (n,) at a time within the last accepted step, t_old .. t, by the method's continuous extension.
  * LAMC_BAD_ARGUMENT outside, before the first step, and where a later step was tried and rejected. */
-lamc_status lamc_rk45_interpolate(lamc_rk45 *run, double t, double *y);
+lamc_status lamc_run_interpolate(lamc_run *run, double t, double *y);
 
 /* lamc: declarations end */
 

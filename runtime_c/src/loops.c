@@ -10,6 +10,8 @@
  * joints. */
 #include "loops.h"
 
+#include "cholesky.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -43,7 +45,7 @@ static long long raw_size(long long n, long long m) {
   return system > closure ? system : closure;
 }
 
-long long lamc_motion_work_size(const lamc_model *model) {
+long long lamc_loops_work(const lamc_model *model) {
   const long long n = model->joint_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
@@ -70,43 +72,6 @@ static parts parts_of(const lamc_motion *motion) {
   return p;
 }
 
-static double dot(int n, const double *a, const double *b) {
-  double sum = 0.0;
-  for (int i = 0; i < n; i++) sum += a[i] * b[i];
-  return sum;
-}
-
-/* M = L L^T from its lower triangle by rows. NaN where M is not positive, which every later result inherits. */
-static void factorise(const parts *p, const double *lower_triangle) {
-  const double *row = lower_triangle;
-  for (int i = 0; i < p->n; i++) {
-    double *li = p->l + (ptrdiff_t)i * p->n;
-    for (int k = 0; k <= i; k++) {
-      const double *lk = p->l + (ptrdiff_t)k * p->n;
-      const double rest = row[k] - dot(k, li, lk);
-      li[k] = k == i ? sqrt(rest) : rest / lk[k];
-    }
-    row += i + 1;
-  }
-}
-
-/* x = L^-1 x */
-static void solve_lower(const parts *p, double *x) {
-  for (int i = 0; i < p->n; i++) {
-    const double *li = p->l + (ptrdiff_t)i * p->n;
-    x[i] = (x[i] - dot(i, li, x)) / li[i];
-  }
-}
-
-/* x = L^-T x */
-static void solve_upper(const parts *p, double *x) {
-  for (int i = p->n - 1; i >= 0; i--) {
-    double sum = x[i];
-    for (int k = i + 1; k < p->n; k++) sum -= p->l[(ptrdiff_t)k * p->n + i] * x[k];
-    x[i] = sum / p->l[(ptrdiff_t)i * p->n + i];
-  }
-}
-
 static void swap(double *a, double *b, int count) {
   for (int i = 0; i < count; i++) {
     const double keep = a[i];
@@ -121,7 +86,7 @@ static int decompose(const parts *p, int rank) {
   for (int i = 0; i < p->m; i++) {
     double *w = p->q + (ptrdiff_t)i * p->n;
     memcpy(w, p->j + (ptrdiff_t)i * p->n, (size_t)p->n * sizeof *w);
-    solve_lower(p, w);
+    lamc_solve_lower(p->n, p->l, w);
     p->order[i] = i;
   }
   const int most = rank < p->n ? rank : p->n;
@@ -131,7 +96,7 @@ static int decompose(const parts *p, int rank) {
     double best_norm = -1.0;
     for (int i = k; i < p->m; i++) {
       const double *w = p->q + (ptrdiff_t)i * p->n;
-      const double norm = dot(p->n, w, w);
+      const double norm = lamc_dot(p->n, w, w);
       if (norm > best_norm) {
         best_norm = norm;
         best = i;
@@ -151,7 +116,7 @@ static int decompose(const parts *p, int rank) {
     p->r[(ptrdiff_t)k * p->m + k] = length;
     for (int i = k + 1; i < p->m; i++) {
       double *w = p->q + (ptrdiff_t)i * p->n;
-      const double along = dot(p->n, direction, w);
+      const double along = lamc_dot(p->n, direction, w);
       p->r[(ptrdiff_t)k * p->m + i] = along;
       for (int c = 0; c < p->n; c++) w[c] -= along * direction[c];
     }
@@ -169,7 +134,7 @@ static void impose(const parts *p, int count, const double *goal, double *x) {
   }
   for (int k = 0; k < count; k++) {
     const double *direction = p->q + (ptrdiff_t)k * p->n;
-    const double change = p->g[k] - dot(p->n, direction, x);
+    const double change = p->g[k] - lamc_dot(p->n, direction, x);
     for (int i = 0; i < p->n; i++) x[i] += change * direction[i];
   }
 }
@@ -178,7 +143,7 @@ static void impose(const parts *p, int count, const double *goal, double *x) {
 static void evaluate_system(const lamc_motion *motion, const parts *p, double t, const double *q,
                             const double *u) {
   motion->model->system(motion->constants, t, q, u, p->raw);
-  factorise(p, p->raw);
+  lamc_cholesky(p->n, p->raw, p->l);
   memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
 }
 
@@ -198,8 +163,21 @@ static int is_near_singular(const lamc_motion *motion, const parts *p, int count
   return count > 0 && p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] < NEAR_SINGULAR * p->r[0];
 }
 
-void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
-                             double *udot) {
+/* lambda (m,) of the taken equations from x = L^T udot: R lambda = Q^T (x - L^-1 f), zero for the others */
+static void find_lambda(const parts *p, int count, const double *x, double *lambda) {
+  memset(lambda, 0, (size_t)p->m * sizeof *lambda);
+  memcpy(p->x, p->f, (size_t)p->n * sizeof *p->x);
+  lamc_solve_lower(p->n, p->l, p->x);
+  for (int i = 0; i < p->n; i++) p->x[i] = x[i] - p->x[i];
+  for (int k = count - 1; k >= 0; k--) {
+    double rest = lamc_dot(p->n, p->q + (ptrdiff_t)k * p->n, p->x);
+    for (int i = k + 1; i < count; i++) rest -= p->r[(ptrdiff_t)k * p->m + i] * lambda[(int)p->order[i]];
+    lambda[(int)p->order[k]] = rest / p->r[(ptrdiff_t)k * p->m + k];
+  }
+}
+
+int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
+                            double *udot, double *lambda) {
   const parts p = parts_of(motion);
   int count = prepare(motion, &p, t, q, u);
   if (is_near_singular(motion, &p, count)) {
@@ -213,9 +191,36 @@ void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *
     }
   }
   memcpy(udot, p.f, (size_t)p.n * sizeof *udot);
-  solve_lower(&p, udot);
+  lamc_solve_lower(p.n, p.l, udot);
   impose(&p, count, p.extra, udot);
-  solve_upper(&p, udot);
+  if (lambda != NULL) find_lambda(&p, count, udot, lambda);
+  lamc_solve_upper(p.n, p.l, udot);
+  return count;
+}
+
+void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x) {
+  const parts p = parts_of(motion);
+  lamc_solve_lower(p.n, p.l, x);
+  impose(&p, count, goal, x);
+  lamc_solve_upper(p.n, p.l, x);
+}
+
+void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
+                       const double *gradient, double restitution) {
+  const parts p = parts_of(motion);
+  const int count = prepare(motion, &p, t, q, u);
+  memcpy(p.x, gradient, (size_t)p.n * sizeof *p.x);
+  lamc_solve_lower(p.n, p.l, p.x);
+  for (int k = 0; k < count; k++) {
+    const double *direction = p.q + (ptrdiff_t)k * p.n;
+    const double along = lamc_dot(p.n, direction, p.x);
+    for (int i = 0; i < p.n; i++) p.x[i] -= along * direction[i];
+  }
+  const double yielding = lamc_dot(p.n, p.x, p.x);
+  if (!(yielding > 0.0)) return;
+  const double jump = -(1.0 + restitution) * lamc_dot(p.n, gradient, u) / yielding;
+  lamc_solve_upper(p.n, p.l, p.x);
+  for (int i = 0; i < p.n; i++) u[i] += jump * p.x[i];
 }
 
 static double largest(int n, const double *v) {
@@ -247,7 +252,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   for (int round = 0; round < MAX_ITERATIONS && gap > CLOSED * model->size; round++) {
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
     impose(&p, count, p.extra, p.x);
-    solve_upper(&p, p.x);
+    lamc_solve_upper(p.n, p.l, p.x);
     for (int i = 0; i < p.n; i++) q[i] += p.x[i];
     *moved += largest(p.n, p.x);
     evaluate_closure(motion, &p, q);
@@ -265,7 +270,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   }
   memset(p.extra, 0, (size_t)p.m * sizeof *p.extra);
   impose(&p, count, p.extra, p.x);
-  solve_upper(&p, p.x);
+  lamc_solve_upper(p.n, p.l, p.x);
   for (int i = 0; i < p.n; i++) {
     const double change = fabs(p.x[i] - u[i]);
     if (change > *moved) *moved = change;

@@ -1,11 +1,21 @@
-/* loops.h, of lamc: what motion.c asks of loops.c. */
+/* loops.h, of lamc: what the motion asks of loops.c. All of it uses the motion's work. */
 #ifndef LAMC_LOOPS_H
 #define LAMC_LOOPS_H
 
 #include "lamc.h"
 
-/* udot (n,) of a motion with loops */
-void lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
-                             double *udot);
+/* Doubles of work that loops need; 0 for a tree */
+long long lamc_loops_work(const lamc_model *model);
+
+/* udot (n,) of a motion with loops, and lambda (m,) of M udot = f + J^T lambda unless NULL; how many equations count */
+int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
+                            double *udot, double *lambda);
+
+/* After an acceleration, at the same place: x (n,) replaced by the solution of M x = x_before + J^T ..., J x + goal = 0 */
+void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x);
+
+/* u after an impact on a guard with this gradient (n,), 1: its rate is reversed times the restitution, all loops hold */
+void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
+                       const double *gradient, double restitution);
 
 #endif /* LAMC_LOOPS_H */

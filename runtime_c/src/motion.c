@@ -3,16 +3,19 @@
  * In: a lamc_motion and states y = [q, u]. Out: accelerations, energies, poses. Never changes the motion. */
 #include "lamc.h"
 
+#include "guards.h"
+#include "linearise.h"
 #include "loops.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /* udot of a tree, or under the closure of loops */
 static void accelerate(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
   if (motion->model->cut_count == 0) {
     motion->model->acceleration(motion->constants, t, q, u, udot);
   } else {
-    lamc_loops_acceleration(motion, t, q, u, udot);
+    (void)lamc_loops_acceleration(motion, t, q, u, udot, NULL);
   }
 }
 
@@ -30,12 +33,34 @@ static lamc_status motion_settle(const void *context, double t, double *y, doubl
 }
 
 lamc_ode lamc_motion_ode(const lamc_motion *motion) {
+  const lamc_model *model = motion->model;
   lamc_ode ode;
-  ode.n = 2 * motion->model->joint_count;
+  memset(&ode, 0, sizeof ode);
+  ode.n = 2 * model->joint_count;
   ode.rhs = motion_rhs;
   ode.context = motion;
-  ode.settle = motion->model->cut_count == 0 ? NULL : motion_settle;
+  ode.settle = model->cut_count == 0 ? NULL : motion_settle;
+  ode.jacobian = lamc_linearise;
+  ode.scratch_size = lamc_linearise_scratch(model);
+  ode.jacobian_cost = lamc_linearise_cost(model);
+  ode.guard_count = model->guard_count;
+  ode.guards = lamc_guards_values;
+  ode.sense = lamc_guards_sense;
+  ode.event = lamc_guards_event;
   return ode;
+}
+
+long long lamc_motion_work_size(const lamc_model *model) {
+  return lamc_loops_work(model) + lamc_guards_work(model);
+}
+
+double *lamc_motion_guard_work(const lamc_motion *motion) {
+  return motion->work + lamc_loops_work(motion->model);
+}
+
+/* Before something is evaluated at a state outside a run: the modes of the guards there */
+static void sense(const lamc_motion *motion, double t, const double *y) {
+  if (motion->model->guard_count > 0) lamc_guards_sense(motion, t, y);
 }
 
 /* 1 if there is a model with constants to read, and rows to read and write */
@@ -51,6 +76,7 @@ lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count
   const int n = model->joint_count;
   for (long long row = 0; row < count; row++) {
     const double *q = y + 2 * n * row;
+    sense(motion, t[row], q);
     accelerate(motion, t[row], q, q + n, udot + n * row);
   }
   return LAMC_OK;
@@ -63,6 +89,7 @@ lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, con
   const int n = model->joint_count;
   for (long long row = 0; row < count; row++) {
     const double *q = y + 2 * n * row;
+    sense(motion, t[row], q);
     model->energy(motion->constants, t[row], q, q + n, energies + model->energy_count * row);
   }
   return LAMC_OK;

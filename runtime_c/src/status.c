@@ -21,6 +21,10 @@ const char *lamc_status_message(lamc_status status) {
     return "an argument is outside its range";
   case LAMC_CLOSURE_LOST:
     return "a loop came apart: no position nearby closes it";
+  case LAMC_RANK_LOST:
+    return "the motion stays at a singular position, where it is not determined";
+  case LAMC_EVENTS_PILE_UP:
+    return "impacts or switches follow each other ever faster";
   }
   return "unknown status";
 }

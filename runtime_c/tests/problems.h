@@ -5,6 +5,7 @@
 #include "lamc.h"
 
 #include <math.h>
+#include <string.h>
 
 /* y'' = -y from (0, 1): (sin t, cos t) */
 static inline void oscillator(const void *context, double t, const double *y, double *dydt) {
@@ -59,8 +60,62 @@ static inline void ends_at_one(const void *context, double t, const double *y, d
 }
 
 static inline lamc_ode make_ode(int n, void (*rhs)(const void *, double, const double *, double *)) {
-  lamc_ode ode = {n, rhs, 0, 0};
+  lamc_ode ode;
+  memset(&ode, 0, sizeof ode);
+  ode.n = n;
+  ode.rhs = rhs;
   return ode;
+}
+
+static inline lamc_rows make_rows(double *t, double *y, long long capacity) {
+  lamc_rows rows = {t, y, capacity, 0, NULL, NULL, 0, 0};
+  return rows;
+}
+
+/* y'' = -k y - c y' + k cos t - c sin t - cos t from (1, 0): cos t whatever k and c; context is {k, c} */
+static inline void follower(const void *context, double t, const double *y, double *dydt) {
+  const double k = ((const double *)context)[0], c = ((const double *)context)[1];
+  dydt[0] = y[1];
+  dydt[1] = -k * (y[0] - cos(t)) - c * (y[1] + sin(t)) - cos(t);
+}
+
+static inline void follower_jacobian(const void *context, double t, const double *y, double *by_q,
+                                     double *by_u, double *by_t, double *scratch) {
+  const double k = ((const double *)context)[0], c = ((const double *)context)[1];
+  (void)y, (void)scratch;
+  by_q[0] = -k;
+  by_u[0] = -c;
+  by_t[0] = -k * sin(t) - c * cos(t) + sin(t);
+}
+
+/* Van der Pol, y'' = mu (1 - y^2) y' - y; context is mu */
+static inline void van_der_pol(const void *context, double t, const double *y, double *dydt) {
+  const double mu = *(const double *)context;
+  (void)t;
+  dydt[0] = y[1];
+  dydt[1] = mu * (1.0 - y[0] * y[0]) * y[1] - y[0];
+}
+
+static inline void van_der_pol_jacobian(const void *context, double t, const double *y, double *by_q,
+                                        double *by_u, double *by_t, double *scratch) {
+  const double mu = *(const double *)context;
+  (void)t, (void)scratch;
+  by_q[0] = -2.0 * mu * y[0] * y[1] - 1.0;
+  by_u[0] = mu * (1.0 - y[0] * y[0]);
+  by_t[0] = 0.0;
+}
+
+/* Kepler's orbit again, with what implicit methods ask for */
+static inline void kepler_jacobian(const void *context, double t, const double *y, double *by_q, double *by_u,
+                                   double *by_t, double *scratch) {
+  (void)context, (void)t, (void)scratch;
+  const double r2 = y[0] * y[0] + y[1] * y[1];
+  const double r5 = r2 * r2 * sqrt(r2);
+  by_q[0] = (3.0 * y[0] * y[0] - r2) / r5;
+  by_q[1] = by_q[2] = 3.0 * y[0] * y[1] / r5;
+  by_q[3] = (3.0 * y[1] * y[1] - r2) / r5;
+  for (int i = 0; i < 4; i++) by_u[i] = 0.0;
+  by_t[0] = by_t[1] = 0.0;
 }
 
 static inline lamc_options tolerance(double rtol) {

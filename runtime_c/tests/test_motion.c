@@ -2,6 +2,7 @@
  * hand in the form that lamc generates: a point mass on a massless rod that turns about the y axis. */
 #include "check.h"
 #include "lamc.h"
+#include "problems.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,10 +40,9 @@ static const char *const PARAMETERS[] = {"length", "gravity", "mass"}, *const UN
 static const char *const ENERGIES[] = {"kinetic", "gravity"};
 static const double DEFAULTS[] = {0.5, 9.81, 2.0};
 static const lamc_model PENDULUM = {
-    "pendulum", "0",   0.5,          1,    0,      0,          1,     3,
-    4,          2,     JOINTS,       NULL, BODIES, PARAMETERS, UNITS, ENERGIES,
-    DEFAULTS,   setup, acceleration, NULL, NULL,   NULL,       NULL,  energy,
-    poses};
+    "pendulum",   "0",  0.5,    1,          0,     0,        1,     3,        4,    2,    0,
+    JOINTS,       NULL, BODIES, PARAMETERS, UNITS, ENERGIES, NULL,  DEFAULTS, NULL, 0.0,  setup,
+    acceleration, NULL, NULL,   NULL,       NULL,  energy,   poses, NULL,     NULL, NULL, NULL};
 
 static void rows_are_evaluated_one_by_one(check_counts *counts) {
   double constants[4], udot[ROWS], energies[2 * ROWS], pose_rows[12 * ROWS];
@@ -77,11 +77,12 @@ static void a_pendulum_swings_with_its_period(check_counts *counts) {
   }
   const double period = 2.0 * acos(-1.0) * sqrt(0.5 / 9.81) / a;
   const lamc_options options = {1e-11, 1e-13, 0.0, 0.0, 100000};
-  lamc_rk45 run;
-  lamc_rows rows = {&t, y, 1, 0};
+  lamc_run run;
+  lamc_rows rows = make_rows(&t, y, 1);
   CHECK(counts, ode.n == 2);
-  CHECK(counts, lamc_rk45_start(&run, &ode, &options, 0.0, y0, period, &period, 1, work) == LAMC_OK);
-  CHECK(counts, lamc_rk45_advance(&run, &rows, 0, NULL) == LAMC_OK);
+  CHECK(counts,
+        lamc_run_start(&run, &ode, LAMC_RK45, &options, 0.0, y0, period, &period, 1, work) == LAMC_OK);
+  CHECK(counts, lamc_run_advance(&run, &rows, 0, NULL) == LAMC_OK);
   CHECK(counts, fabs(y[0] - 2.0) < 1e-9 && fabs(y[1]) < 1e-8); /* 1e-11 a step, some 500 steps */
 }
 

@@ -12,10 +12,10 @@ enum { MOST_COMPONENTS = 4, MOST_ROWS = 4000, WORK = 14 * 4 };
 static long long solve(const lamc_ode *ode, const lamc_options *options, const double *y0, double t_end,
                        double *y) {
   double work[WORK], t;
-  lamc_rk45 run;
-  lamc_rows rows = {&t, y, 1, 0};
-  if (lamc_rk45_start(&run, ode, options, 0.0, y0, t_end, &t_end, 1, work) != LAMC_OK) return -1;
-  return lamc_rk45_advance(&run, &rows, 0, NULL) == LAMC_OK ? run.evaluations : -1;
+  lamc_run run;
+  lamc_rows rows = make_rows(&t, y, 1);
+  if (lamc_run_start(&run, ode, LAMC_RK45, options, 0.0, y0, t_end, &t_end, 1, work) != LAMC_OK) return -1;
+  return lamc_run_advance(&run, &rows, 0, NULL) == LAMC_OK ? run.evaluations : -1;
 }
 
 /* slope between the errors with a step and with half the step; `exact` holds all components */
@@ -66,10 +66,10 @@ static double dense_error(double h) {
   const double y0[2] = {0.0, 1.0};
   double work[WORK], times[99], t[99], y[2 * 99], largest = 0.0;
   for (int i = 0; i < 99; i++) times[i] = h * (i + 1) / 100.0;
-  lamc_rk45 run;
-  lamc_rows rows = {t, y, 99, 0};
-  if (lamc_rk45_start(&run, &ode, &options, 0.0, y0, h, times, 99, work) != LAMC_OK) return NAN;
-  if (lamc_rk45_advance(&run, &rows, 0, NULL) != LAMC_OK || run.accepted != 1) return NAN;
+  lamc_run run;
+  lamc_rows rows = make_rows(t, y, 99);
+  if (lamc_run_start(&run, &ode, LAMC_RK45, &options, 0.0, y0, h, times, 99, work) != LAMC_OK) return NAN;
+  if (lamc_run_advance(&run, &rows, 0, NULL) != LAMC_OK || run.accepted != 1) return NAN;
   for (int i = 0; i < 99; i++) largest = fmax(largest, fabs(y[2 * i] - sin(t[i])));
   return largest;
 }
@@ -87,10 +87,10 @@ static void dense_output_is_not_the_weakest_link(check_counts *counts) {
   static double times[MOST_ROWS], t[MOST_ROWS], y[2 * MOST_ROWS];
   double work[WORK], at_end[2], largest = 0.0;
   for (int i = 0; i < 1000; i++) times[i] = 20.0 * (i + 1) / 1000.0;
-  lamc_rk45 run;
-  lamc_rows rows = {t, y, MOST_ROWS, 0};
-  CHECK(counts, lamc_rk45_start(&run, &ode, &options, 0.0, y0, 20.0, times, 1000, work) == LAMC_OK);
-  CHECK(counts, lamc_rk45_advance(&run, &rows, 0, NULL) == LAMC_OK);
+  lamc_run run;
+  lamc_rows rows = make_rows(t, y, MOST_ROWS);
+  CHECK(counts, lamc_run_start(&run, &ode, LAMC_RK45, &options, 0.0, y0, 20.0, times, 1000, work) == LAMC_OK);
+  CHECK(counts, lamc_run_advance(&run, &rows, 0, NULL) == LAMC_OK);
   for (int i = 0; i < 1000; i++)
     largest = fmax(largest, hypot(y[2 * i] - sin(t[i]), y[2 * i + 1] - cos(t[i])));
   CHECK(counts, solve(&ode, &options, y0, 20.0, at_end) > 0);

@@ -1,0 +1,40 @@
+/* implicit.h, of lamc: the linear algebra of implicit methods on y = [q, u] with dq/dt = u. */
+#ifndef LAMC_IMPLICIT_H
+#define LAMC_IMPLICIT_H
+
+#include "method.h"
+
+/* What an implicit method keeps behind its vectors; k = n / 2 */
+typedef struct implicit {
+  int k;
+  double *by_q;     /* (k, k): d(udot)/dq */
+  double *by_u;     /* (k, k): d(udot)/du */
+  double *by_t;     /* (k,): d(udot)/dt */
+  double *real;     /* (k, k): factors for a real shift */
+  double *real_row; /* (k,): the row that each pivot came from */
+  double *pair;     /* (k, k, 2): factors for a complex shift */
+  double *pair_row; /* (k,) */
+  double *buffer;   /* (k, 2) */
+  double *scratch;  /* of ode.jacobian */
+} implicit;
+
+/* Doubles that it takes; 0 where the equation is not of that form */
+long long lamc_implicit_size(const lamc_ode *ode);
+
+/* The parts, behind `slots` vectors of the method's own */
+implicit lamc_implicit_parts(const lamc_run *run, int slots);
+
+/* The Jacobian at the state where the run stands, unless it is there already */
+void lamc_implicit_jacobian(lamc_run *run, const implicit *parts);
+
+/* Factors of c I - J. 0 if it is singular or not finite. */
+int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c);
+
+/* v = (c I - J)^-1 v, v (2 k,) */
+void lamc_implicit_solve(const implicit *parts, double c, double *v);
+
+/* The same for a complex shift c[0] + i c[1]; v = re + i im, (2 k,) each */
+int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const double *c);
+void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re, double *im);
+
+#endif /* LAMC_IMPLICIT_H */

@@ -1,0 +1,134 @@
+/* method.h, of lamc: what run.c asks of an integration method, and what methods share.
+ *
+ * A method tries one step at a time on the vectors in a run's work array; run.c decides what becomes of it. Vectors are
+ * padded with zeros to a multiple of LANES, and loops over them run in blocks of LANES: a compiler turns a block into
+ * vector instructions without a remainder loop, at -O2 already. */
+#ifndef LAMC_METHOD_H
+#define LAMC_METHOD_H
+
+#include "lamc.h"
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __cplusplus
+#define LAMC_RESTRICT __restrict
+#else
+#define LAMC_RESTRICT restrict
+#endif
+
+enum {
+  LANES = 4,
+  /* where each vector lies in work, in strides */
+  SLOT_Y = 0,     /* and 1: y at t and at t_old, by side */
+  SLOT_SLOPE = 2, /* and 3: dy/dt there */
+  SLOT_STAGE = 4, /* argument of the stage being evaluated */
+  SLOT_OWN = 5    /* the first of the method's own */
+};
+
+typedef struct method {
+  int slots;            /* vectors of its own */
+  int evaluations;      /* of rhs in one step, for comparisons */
+  double alpha, beta;   /* PI control: the step changes by error^-alpha * error_old^beta */
+  double grow_at_most;  /* change of the step from one to the next */
+  int gives_slope;      /* 1: a step leaves dy/dt at the new state */
+  int keeps_dense;      /* 1: the next step starts from the continuous extension of this one */
+  double stable_extent; /* h times eigenvalue up to which steps are stable, imaginary ones too; 0: any */
+  /* doubles of its own after the vectors */
+  long long (*extra)(const lamc_ode *ode);
+  /* Tries a step of length h from t and leaves the new state at the other side. The square of the error norm: at most 1
+   * is good enough, not finite means that a stage or the new state is not. */
+  double (*attempt)(lamc_run *run, double h);
+  /* Works out the continuous extension of the last accepted step. */
+  void (*make_dense)(lamc_run *run);
+  /* y at t_old + a h_last */
+  void (*interpolate)(const lamc_run *run, double a, double *y);
+  /* Size of the eigenvalues that the step just accepted met, 1/s; NULL: the method does not care */
+  double (*eigenvalue)(const lamc_run *run);
+} method;
+
+extern const method lamc_method_rk45, lamc_method_dop853, lamc_method_rodas5p, lamc_method_radau5;
+
+/* 1 unless x is NaN or infinite; reads the bits, since -ffast-math makes isfinite() always true */
+static inline int is_finite(double x) {
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return (bits & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+}
+
+static inline double larger(double a, double b) {
+  return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b) {
+  return a < b ? a : b;
+}
+
+static inline double *slot(const lamc_run *run, int index) {
+  return run->work + (ptrdiff_t)index * run->stride;
+}
+
+/* y and dy/dt at t, where a step begins */
+static inline double *y_here(const lamc_run *run) {
+  return slot(run, SLOT_Y + run->side);
+}
+
+static inline double *slope_here(const lamc_run *run) {
+  return slot(run, SLOT_SLOPE + run->side);
+}
+
+/* y and dy/dt of the other side: while a step is tried, where it leads; after it was accepted, where it began */
+static inline double *y_there(const lamc_run *run) {
+  return slot(run, SLOT_Y + 1 - run->side);
+}
+
+static inline double *slope_there(const lamc_run *run) {
+  return slot(run, SLOT_SLOPE + 1 - run->side);
+}
+
+/* atol, or where that is zero the least number that can still be divided by */
+static inline double floor_of_scale(const lamc_run *run) {
+  return larger(run->options.atol, DBL_MIN);
+}
+
+static inline void evaluate(lamc_run *run, double t, const double *y, double *dydt) {
+  run->ode.rhs(run->ode.context, t, y, dydt);
+  run->evaluations++;
+}
+
+/* Sum over the components of (v / tolerance)^2, the tolerance by the larger end of the step */
+static inline double weighed(const lamc_run *run, const double *v) {
+  const double *y = y_here(run), *y_new = y_there(run);
+  const double atol = floor_of_scale(run), rtol = run->options.rtol;
+  double sum = 0.0;
+  for (int i = 0; i < run->ode.n; i++) {
+    const double ratio = v[i] / (atol + rtol * larger(fabs(y[i]), fabs(y_new[i])));
+    sum += ratio * ratio;
+  }
+  return sum;
+}
+
+/* 1 if all components are finite; an infinite state has an infinite tolerance, which would hide it */
+static inline int all_finite(const lamc_run *run, const double *v) {
+  double sum = 0.0;
+  for (int i = 0; i < run->ode.n; i++) sum += fabs(v[i]);
+  return is_finite(sum);
+}
+
+/* Size of the eigenvalues that two near states and their slopes tell of, 1/s, for y = [q, u] with dq/dt = u. In the
+ * metric in which a mode of frequency w turns at a steady pace, w^2 is |change of udot| over |change of q|. */
+static inline double steepness(const lamc_run *run, const double *fa, const double *fb, const double *a,
+                               const double *b) {
+  const int half = run->ode.n / 2;
+  double top = 0.0, bottom = 0.0;
+  for (int i = 0; i < half; i++) {
+    top += (fa[half + i] - fb[half + i]) * (fa[half + i] - fb[half + i]);
+    bottom += (a[i] - b[i]) * (a[i] - b[i]);
+  }
+  return bottom > 0.0 ? sqrt(sqrt(top / bottom)) : 0.0;
+}
+
+#endif /* LAMC_METHOD_H */

@@ -1,0 +1,159 @@
+/* watch.c, of lamc: LAMC_AUTO: an explicit method, and an implicit one where that is faster.
+ *
+ * In: the steps of a run as they are accepted. Out: requests to change the method.
+ * Never: looks at a clock; the same run makes the same choices.
+ *
+ * An explicit method whose steps are as long as stability allows, step after step, may be held back by stiffness; or it
+ * may be following an oscillation that the tolerance asks for. Which of the two cannot be told from its steps, so the
+ * implicit method is tried for some steps, and kept if it moves faster by the evaluations that it costs. Trials that
+ * fail become rarer. */
+#include "watch.h"
+
+#include "events.h"
+
+enum {
+  ENOUGH_SUSPICION = 20,
+  TRIAL_STEPS = 12, /* an implicit step grows up to six times a step: nine orders of magnitude */
+  FIRST_BACKOFF = 100,
+  LONGEST_BACKOFF = 100000,
+  CALM_STEPS = 30 /* steps over which an explicit method must look faster before it is taken again */
+};
+
+static const double TIGHT = 3e-6;         /* tolerance below which the higher orders are faster */
+static const double LINEAR_ALGEBRA = 3.0; /* of an implicit step, in evaluations: factors and solutions */
+static const double WORTH_IT = 1.25;      /* times as fast */
+static const double PART_OF_EXTENT =
+    0.45; /* of the stable extent: where explicit steps come to be limited by it */
+
+static int explicit_choice(const lamc_run *run) {
+  return run->options.rtol < TIGHT ? LAMC_DOP853 : LAMC_RK45;
+}
+
+static int implicit_choice(const lamc_run *run) {
+  return run->options.rtol < 1e-11 ? LAMC_RADAU5 : LAMC_RODAS5P;
+}
+
+static int can_be_implicit(const lamc_run *run) {
+  return run->ode.jacobian != NULL && run->ode.n > 0 && run->ode.n % 2 == 0;
+}
+
+/* Everything done so far, in evaluations */
+static double cost(const lamc_run *run) {
+  return (double)run->evaluations + (double)run->jacobians * run->ode.jacobian_cost +
+         (double)run->factorisations * LINEAR_ALGEBRA;
+}
+
+static void mark(lamc_run *run) {
+  run->watch.mark_t = run->t;
+  run->watch.mark_cost = cost(run);
+}
+
+void lamc_watch_start(lamc_run *run, lamc_method which) {
+  run->method = which;
+  if (which != LAMC_AUTO) return;
+  run->watch.is_auto = 1;
+  run->watch.backoff = FIRST_BACKOFF;
+  run->method = explicit_choice(run);
+  mark(run);
+}
+
+void lamc_watch_switch(lamc_run *run) {
+  if (run->watch.next_method == 0) return;
+  run->method = run->watch.next_method;
+  run->watch.next_method = 0;
+  run->watch.suspicions = 0;
+  run->has_jacobian = 0;
+  run->has_polynomial = 0;
+  run->dense = LAMC_DENSE_NONE;
+  run->log_error_old = 0.0;
+  mark(run);
+}
+
+static void ask_for(lamc_run *run, int which) {
+  run->watch.next_method = which;
+  if (run->switches < LAMC_SWITCHES_KEPT) {
+    run->switch_t[run->switches] = run->t;
+    run->switch_method[run->switches] = which;
+  }
+  run->switches++;
+}
+
+/* Takes the request for a trial out of the log again: nothing came of it. */
+static void forget_trial(lamc_run *run) {
+  run->switches--;
+}
+
+static void watch_explicit(lamc_run *run, const method *m) {
+  lamc_watch *w = &run->watch;
+  if (w->rest > 0) {
+    if (--w->rest == 0) mark(run);
+    return;
+  }
+  const int limited = run->h_last * m->eigenvalue(run) > PART_OF_EXTENT * m->stable_extent;
+  if (limited) {
+    if (w->suspicions++ == 0) mark(run);
+  } else {
+    w->suspicions -= w->suspicions > 0;
+  }
+  if (w->suspicions < ENOUGH_SUSPICION) return;
+  w->pace = (run->t - w->mark_t) / (cost(run) - w->mark_cost);
+  w->probe_steps = TRIAL_STEPS;
+  ask_for(run, implicit_choice(run));
+}
+
+/* The last step of a trial decides: by then the step has grown to what the tolerance allows. */
+static void watch_trial(lamc_run *run) {
+  lamc_watch *w = &run->watch;
+  const double pace = (run->t - w->mark_t) / (cost(run) - w->mark_cost);
+  mark(run);
+  if (--w->probe_steps > 0) return;
+  if (pace > WORTH_IT * w->pace) {
+    w->backoff = FIRST_BACKOFF;
+    return;
+  }
+  forget_trial(run);
+  w->rest = w->backoff;
+  if (w->backoff < LONGEST_BACKOFF) w->backoff *= 2;
+  w->next_method = explicit_choice(run);
+}
+
+/* Largest row sum of d(udot)/dq and d(udot)/du: an upper bound of the eigenvalues' sizes */
+static double eigenvalue_bound(const lamc_run *run) {
+  const int half = run->ode.n / 2;
+  const double *by_q = slot(run, SLOT_OWN + lamc_method_of(run->method)->slots), *by_u = by_q + half * half;
+  double most_q = 0.0, most_u = 0.0;
+  for (int i = 0; i < half; i++) {
+    double sum_q = 0.0, sum_u = 0.0;
+    for (int j = 0; j < half; j++) {
+      sum_q += fabs(by_q[i * half + j]);
+      sum_u += fabs(by_u[i * half + j]);
+    }
+    most_q = larger(most_q, sum_q);
+    most_u = larger(most_u, sum_u);
+  }
+  return larger(sqrt(most_q), most_u);
+}
+
+static void watch_implicit(lamc_run *run, const method *m) {
+  lamc_watch *w = &run->watch;
+  const method *other = lamc_method_of(explicit_choice(run));
+  const double their_step = PART_OF_EXTENT * other->stable_extent / larger(eigenvalue_bound(run), DBL_MIN);
+  const double their_pace = their_step / other->evaluations;
+  const double our_pace = run->h_last / (m->evaluations + run->ode.jacobian_cost + LINEAR_ALGEBRA);
+  w->suspicions = their_pace > WORTH_IT * our_pace ? w->suspicions + 1 : 0;
+  if (w->suspicions < CALM_STEPS) return;
+  w->rest = FIRST_BACKOFF;
+  ask_for(run, explicit_choice(run));
+}
+
+void lamc_watch_step(lamc_run *run) {
+  if (!can_be_implicit(run)) return;
+  const method *m = lamc_method_of(run->method);
+  if (run->watch.probe_steps > 0) {
+    watch_trial(run);
+  } else if (m->eigenvalue != NULL) {
+    watch_explicit(run, m);
+  } else {
+    watch_implicit(run, m);
+  }
+}

@@ -149,6 +149,9 @@ class Joint:
 class Mechanism:
     """Bodies and joints; what `split` gives, or written by hand.
 
+    story  what the mechanism is for, a paragraph of plain text; nothing is computed from it; without
+           white space at its ends
+
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there and where nothing is fixed.
     """
@@ -157,6 +160,7 @@ class Mechanism:
     joints: tuple[Joint, ...]
     name: str = "mechanism"
     scene: Scene | None = None
+    story: str = ""
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -166,6 +170,9 @@ class Mechanism:
         put("joints", checked_records(self.joints, Joint, "joints", what))
         if self.scene is not None and not isinstance(self.scene, Scene):
             raise DesignError(f"scene of {what} is {shown(self.scene)}; it must be a Scene, or None")
+        if not isinstance(self.story, str):
+            raise DesignError(f"story of {what} is {shown(self.story)}; it must be text")
+        put("story", self.story.strip())
         names = _unique((b.name for b in self.bodies), "bodies")
         _unique((j.name for j in self.joints), "joints")
         for joint in self.joints:

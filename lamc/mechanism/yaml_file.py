@@ -37,7 +37,9 @@ def read_mechanism(node: Node) -> Mechanism:
     scene = scene_from_model(model.scene, problems)
     problems.raise_if_any()
     name = model.name or PurePath(node.place.file).stem or "mechanism"
-    mechanism = problems.attempt((), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene))
+    mechanism = problems.attempt(
+        (), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene, model.story)
+    )
     problems.raise_if_any()
     assert mechanism is not None
     return mechanism
@@ -54,6 +56,8 @@ def write_mechanism(mechanism: Mechanism, path: FilePath | str) -> None:
 def mechanism_text(mechanism: Mechanism) -> str:
     """The mechanism as the text of a file. Raises DesignError for a scene that a file cannot hold."""
     data: dict[str, Any] = {"kind": "mechanism", "name": mechanism.name}
+    if mechanism.story:
+        data["story"] = mechanism.story
     data["bodies"] = [_body_data(body) for body in mechanism.bodies]
     data["joints"] = [_joint_data(joint) for joint in mechanism.joints]
     if mechanism.scene is not None:

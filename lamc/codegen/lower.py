@@ -73,6 +73,7 @@ def lower(equations: Equations) -> Program:
         energies=tuple(equations.energies),
         cuts=equations.cut_joints,
         closure_count=len(equations.closure.residual) if equations.closure else 0,
+        rank=equations.loops.closure_rank,
         size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
         notes=(_solver_note(equations),),
@@ -189,6 +190,8 @@ def _canonical(program: Program) -> Iterable[str]:
             program.notes,
             program.cuts,
             program.closure_count,
+            program.rank,
+            program.tolerance,
             program.size,
         )
     )

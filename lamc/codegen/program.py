@@ -121,5 +121,7 @@ class Program:
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
     cuts: tuple[str, ...] = ()  # names of the joints that close loops
     closure_count: int = 0  # m, equations that hold the loops
+    rank: int = 0  # of the closure at a generic position; the other equations are redundant
+    tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
     size: float = 1.0  # m, the mechanism's length scale
     digest: str = ""  # of everything above

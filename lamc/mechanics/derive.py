@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
+from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
@@ -35,8 +36,11 @@ CONSTRAINED = "constraints"
 
 
 @collector_paused
-def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
-    """Equations of motion of `tree` under `effects`. Raises DesignError where an effect does not fit."""
+def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = None) -> Equations:
+    """Equations of motion of `tree` under `effects`. `loops` is what `count_loops` gives; None: counted here.
+
+    Raises DesignError where an effect does not fit.
+    """
     store = Store()
     count = len(tree.links)
     names = tree.joint_names
@@ -70,6 +74,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
         closure=close(hinges, q, u) if hinges else None,
         energies=_energies(placement, inertias, coms, u, loads),
         poses=tuple(_poses(placement, coms)),
+        loops=loops or count_loops(tree),
         solver=solver,
         solver_flops=flops,
     )

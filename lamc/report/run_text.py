@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from lamc.effects.registry import Choice
+from lamc.loops.rank import LoopCount
 from lamc.pipeline import Times
 from lamc.report.plan_view import shortened
-from lamc.run.closing import LoopCount
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 

@@ -11,7 +11,6 @@ from typing import Any, NoReturn, Protocol, Self
 import numpy as np
 
 from lamc.errors import UnsupportedError
-from lamc.run.closing import generic_rank
 from lamc.run.parameters import checked_parameters
 from lamc.run.request import Array
 
@@ -64,12 +63,6 @@ class Motion(Unchanging):
         self._work = np.zeros(model.lib.lamc_motion_work_size(model.handle))
         if model.cuts:
             self.handle.work = model.write(self._work)
-            self.handle.rank = model.rank_of(self)
-
-    @property
-    def rank(self) -> int:
-        """Rank of the closure at a generic position; 0 for a tree."""
-        return int(self.handle.rank)
 
     def closures(self, y: Array) -> Array:
         """Rows of residuals φ (m) and Jacobian J (m·n, by rows) of the loops at states y (k, 2n)."""
@@ -134,19 +127,13 @@ class Model(Unchanging):
         self.cuts = self._names(handle.cut_names, handle.cut_count)
         self.closure_count = int(handle.closure_count)
         self.size = float(handle.size)
-        self._rank: int | None = None
+        self.rank = int(handle.rank)
         self.bodies = self._names(handle.body_names, handle.body_count)
         self.energies = self._names(handle.energy_names, handle.energy_count)
         self.parameters = self._names(handle.parameter_names, handle.parameter_count)
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
         self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
-
-    def rank_of(self, motion: "Motion") -> int:
-        """Rank of the closure at a generic position; it depends on geometry alone, and is found once."""
-        if self._rank is None:
-            self._rank = generic_rank(motion)
-        return self._rank
 
     def motion(self, parameters: Mapping[str, float]) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.

@@ -17,10 +17,12 @@ import numpy.typing as npt
 
 from lamc._version import __version__
 from lamc.errors import RequestError
+from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import plan
 from lamc.run import integrators
-from lamc.run.closing import LoopCount, closed_start, count_loops
+from lamc.run.closing import closed_start
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
 from lamc.run.request import Array, Progress, Status, Trajectory, checked_request, did_you_mean
 from lamc.run.result import Provenance, Result, RunStats
@@ -80,7 +82,7 @@ class Simulator(Unchanging):
     @cached_property
     def loops(self) -> LoopCount:
         """Loops, equations, rank, redundancy and degrees of freedom."""
-        return count_loops(self._default_motion)
+        return count_loops(plan(self.mechanism))
 
     @cached_property
     def start(self) -> Array:

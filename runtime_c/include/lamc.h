@@ -45,6 +45,8 @@ typedef struct lamc_model {
   int joint_count;                    /* n: joints that are coordinates */
   int cut_count;                      /* joints that close loops; 0: a tree */
   int closure_count;                  /* m: equations that hold the loops, redundant ones included */
+  int rank;                           /* of the closure at a generic position: no more equations are taken */
+  double tolerance;                   /* m: gap that loops may keep where their equations disagree; 0: none */
   int body_count;                     /* moving bodies */
   int parameter_count;                /* numbers that can change without recompiling */
   int constant_count;                 /* numbers that depend on parameters only */
@@ -79,7 +81,6 @@ typedef struct lamc_motion {
   const lamc_model *model;
   const double *constants; /* (constant_count,), from model->setup */
   double *work;            /* (lamc_motion_work_size(model),); NULL for a tree */
-  int rank; /* of the closure at a generic position: no more equations are taken; <= closure_count */
 } lamc_motion;
 
 /* Doubles that `work` must hold; 0 for a tree. */

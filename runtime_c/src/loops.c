@@ -189,12 +189,12 @@ static int prepare(const lamc_motion *motion, const parts *p, double t, const do
   motion->model->constraint(motion->constants, q, u, p->raw);
   memcpy(p->j, p->raw, entries * sizeof *p->j);
   memcpy(p->extra, p->raw + entries, (size_t)p->m * sizeof *p->extra);
-  return decompose(p, motion->rank);
+  return decompose(p, motion->model->rank);
 }
 
 /* 1 if an equation is about to become dependent: the state is near a singular position */
 static int is_near_singular(const lamc_motion *motion, const parts *p, int count) {
-  if (count < motion->rank) return 1;
+  if (count < motion->model->rank) return 1;
   return count > 0 && p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] < NEAR_SINGULAR * p->r[0];
 }
 
@@ -242,7 +242,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   if (model->cut_count == 0) return LAMC_OK;
   evaluate_system(motion, &p, t, q, u);
   evaluate_closure(motion, &p, q);
-  int count = decompose(&p, motion->rank);
+  int count = decompose(&p, motion->model->rank);
   double gap = largest(p.m, p.extra);
   for (int round = 0; round < MAX_ITERATIONS && gap > CLOSED * model->size; round++) {
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
@@ -251,12 +251,13 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
     for (int i = 0; i < p.n; i++) q[i] += p.x[i];
     *moved += largest(p.n, p.x);
     evaluate_closure(motion, &p, q);
-    count = decompose(&p, motion->rank);
+    count = decompose(&p, motion->model->rank);
     const double before = gap;
     gap = largest(p.m, p.extra);
     if (!(gap < 0.5 * before)) break; /* round-off, or a singular position: no closer from here */
   }
-  if (!(gap <= LOST * model->size)) return LAMC_CLOSURE_LOST;
+  const double lost = LOST * model->size;
+  if (!(gap <= (lost > model->tolerance ? lost : model->tolerance))) return LAMC_CLOSURE_LOST;
   /* Rates: x = L^T u, without its parts along the equations */
   for (int i = 0; i < p.n; i++) {
     double sum = 0.0;

@@ -85,7 +85,7 @@ static lamc_status settle(lamc_rk45 *run) {
 static lamc_status try_step(lamc_rk45 *run) {
   const double rest = run->t_end - run->t;
   const int is_last = 1.01 * run->h >= rest; /* stretched a little, so that no sliver remains */
-  const double h = is_last ? rest : run->h;
+  const double h = is_last ? rest : (run->t + run->h) - run->t;
   if (!is_last && h <= 16.0 * DBL_EPSILON * fabs(run->t) + DBL_MIN) {
     return run->was_finite ? LAMC_STEP_UNDERFLOW : LAMC_NOT_FINITE;
   }

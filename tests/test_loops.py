@@ -12,7 +12,6 @@ import pytest
 import lamc
 from lamc.codegen.build import write_sources
 from lamc.pipeline import sources_of
-from lamc.reference import check
 from lamc.run.simulator import Simulator
 from tests.ctools import STRICT, cc, needs_cc, output_of
 from tests.mechanisms import from_reference
@@ -159,12 +158,6 @@ def test_accelerations_keep_the_loops_closed(cases: dict[str, Any]) -> None:
         m = sim._model.closure_count
         # Third order in h at most: h³ u³ and the like, with u of some 10 rad/s and lengths of 0.05 m.
         assert max(np.abs(g[:m]).max() for g in gaps) < 0.1 * (h * 50.0) ** 3
-
-
-def test_check_refuses_loops_by_the_name_of_a_joint(cases: dict[str, Any]) -> None:
-    sim = simulator(cases["fourbar_crank"])
-    with pytest.raises(lamc.UnsupportedError, match=rf"joint '{sim.cut_joints[0]}' closes a loop"):
-        check(sim)
 
 
 @needs_cc

@@ -201,6 +201,17 @@ class Simulator(Unchanging):
         total: Array = self._motion(parameters).energies(times, rows).sum(axis=1).reshape(shape)
         return total
 
+    def closure(self, q: npt.ArrayLike) -> tuple[Array, Array]:
+        """Residuals φ, shape (m,), m, of the loops' equations and their Jacobian, shape (m, n), m/rad, at angles q
+        (n,), rad; m is 0 for a tree. Raises RequestError for another shape."""
+        angles = _numbers(q, "q")
+        n, m = len(self.joints), self._model.closure_count
+        if angles.shape != (n,):
+            raise RequestError(f"q has shape {angles.shape}; it must be ({n},), one angle per joint")
+        row = np.concatenate([angles, np.zeros(n)]).reshape(1, -1)
+        flat = self._motion(NO_PARAMETERS).closures(row)[0]
+        return flat[:m], flat[m:].reshape(m, n)
+
     @cached_property
     def _default_motion(self) -> Motion:
         return self._model.motion(NO_PARAMETERS)

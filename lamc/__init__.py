@@ -14,7 +14,7 @@ from lamc._version import __version__
 from lamc.design.load import load
 from lamc.design.records import Design
 from lamc.design.split import split
-from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, RestAngle, Spring, Torque
+from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, JointLimits, RestAngle, Spring, Torque
 from lamc.errors import (
     BuildError,
     DesignError,
@@ -46,6 +46,7 @@ __all__ = [
     "HingeDamping",
     "HingeStiffness",
     "Joint",
+    "JointLimits",
     "LamcError",
     "Mechanism",
     "Plate",

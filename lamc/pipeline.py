@@ -21,6 +21,7 @@ from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS, choose
 from lamc.errors import BuildError, DesignError
+from lamc.loops.rank import count_loops
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
@@ -64,14 +65,15 @@ def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:
 def equations_of(
     mechanism: Mechanism, effects: tuple[Effect, ...], times: Times | None = None
 ) -> "Equations":
-    """plan and derive."""
+    """plan and derive; what the loops come to is part of the plan."""
     from lamc.mechanics.derive import derive
 
     times = times or Times()
     with times.stage("plan"):
         tree = plan(mechanism)
+        loops = count_loops(tree)
     with times.stage("derive"):
-        return derive(tree, effects)
+        return derive(tree, effects, loops)
 
 
 def sources_of(equations: "Equations", times: Times | None = None) -> "tuple[Program, SourceTree]":
@@ -183,7 +185,7 @@ def _input_digest(
 def _own_sources() -> str:
     """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
     package = Path(__file__).parent
-    folders = [package / name for name in ("mechanism", "mechanics", "effects", "codegen")]
+    folders = [package / name for name in ("mechanism", "loops", "mechanics", "effects", "codegen")]
     folders += [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
     parts = []
     for folder in folders:

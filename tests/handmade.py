@@ -49,7 +49,7 @@ static const char *const names[] = {"length", "gravity", "rod.mass", "growth", "
 static const char *const units[] = {"m", "m/s\\xc2\\xb2", "kg", "1", "s"};
 static const double defaults[] = {@DEFAULTS@, 0.0, 1e300};
 static const lamc_model model = {
-  "rod", "00ff", 0.3, @JOINTS@, 0, 0, @JOINTS@, 5, 6, @ENERGIES@,
+  "rod", "00ff", 0.3, @JOINTS@, 0, 0, 0, 0.0, @JOINTS@, 5, 6, @ENERGIES@,
   joints, 0, bodies, names, units, energies, defaults,
   setup, acceleration, 0, 0, 0, 0, energy, poses
 };

@@ -11,7 +11,6 @@ import pytest
 
 from lamc.codegen.lower import lower
 from lamc.codegen.program import Program
-from lamc.errors import UnsupportedError
 from lamc.mechanics.derive import derive
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
@@ -127,11 +126,17 @@ def test_the_report_prints_and_goes_to_json() -> None:
     assert all(c["reason"] for c in data["comparisons"])
 
 
-def test_an_effect_that_the_numeric_voice_does_not_know_is_named() -> None:
+def test_effects_that_the_numeric_voices_do_not_know_are_named_and_the_rest_is_compared() -> None:
     subject = Interpreted(chain(1, "space", seed=1), np.zeros(2))
-    subject.effects = (*ALL_PASSIVE, SimpleNamespace(name="wind"))
-    with pytest.raises(UnsupportedError, match="'wind'"):
-        check(subject)
+    subject.effects = (*ALL_PASSIVE, SimpleNamespace(name="wind"), SimpleNamespace(name="rain"))
+    report = check(subject, states=2, t_end=0.1)
+    assert report.passed, report.table()
+    (note,) = report.notes
+    assert "do not know the effects 'rain', 'wind'" in note
+    compared = {(c.quantity, c.voices) for c in report.comparisons}
+    assert ("accelerations, random states", ("C", "interpreter")) in compared
+    assert ("angles of the run", ("C", "interpreter")) in compared
+    assert {q for q, voices in compared if "Newton-Euler" in voices} == {"centres of mass", "rotations"}
 
 
 def test_a_run_that_is_too_slow_is_not_called_exact(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -287,6 +287,16 @@ def test_outlines_read_back_to_the_last_bit(tmp_path: Path) -> None:
     assert load(tmp_path / "m.yaml") == given
 
 
+def test_a_story_goes_from_the_drawing_to_the_mechanism_and_its_file(tmp_path: Path) -> None:
+    told = "story: >\n  A card that opens.\n  It is held at one end.\n" + GOOD
+    mechanism = split(design(tmp_path, told))
+    assert mechanism.story == "A card that opens. It is held at one end."
+    write_mechanism(mechanism, tmp_path / "m.yaml")
+    assert load(tmp_path / "m.yaml") == mechanism
+    with pytest.raises(DesignError, match="story of mechanism 'given' is 7; it must be text"):
+        Mechanism(mechanism.bodies, mechanism.joints, "given", story=7)  # type: ignore[arg-type]
+
+
 def test_a_mechanism_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(LamcError, match="cannot be written"):
         write_mechanism(a_mechanism(), tmp_path / "missing" / "m.yaml")

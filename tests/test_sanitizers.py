@@ -58,7 +58,7 @@ int main(void) {
     for (int i = 0; i < 12 * m->body_count; ++i) sum += poses[i];
   }
   m->setup(m->parameter_defaults, c);
-  const lamc_motion motion = {m, c, NULL, 0};
+  const lamc_motion motion = {m, c, NULL};
   double *y = vector(2 * n), t = 0.0;
   lamc_motion_accelerations(&motion, 1, &t, y, udot);
   lamc_motion_energies(&motion, 1, &t, y, energies);

@@ -80,8 +80,10 @@ class HandRecursion:
     ) -> None:
         links = walk(mechanism, joints)
         loads = numeric_loads(mechanism, effects, joints)
-        if len(links) > MAX_BODIES or loads.torques:
-            raise ValueError("the hand recursion takes 128 bodies at most and constant torques only")
+        if len(links) > MAX_BODIES or loads.torques or loads.springs:
+            raise ValueError(
+                "the hand recursion takes 128 bodies at most, constant torques only and no springs between points"
+            )
         common = links[0].joint.axis
         parallel = all(np.linalg.norm(np.cross(common, link.joint.axis)) < 1e-12 for link in links)
         self.planar = parallel if planar is None else planar

@@ -116,6 +116,7 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "joints": [comment(j) for j in program.joints],
         "cuts": [comment(j) for j in program.cuts],
         "size": literal(program.size),
+        "tolerance": literal(program.tolerance),
         "bodies": [comment(b) for b in program.bodies],
         "energies": [comment(e) for e in program.energies],
         "parameters": parameters,
@@ -127,17 +128,15 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
             "body_names": [string_literal(b) for b in program.bodies] or ['""'],
             "parameter_names": [p.literal for p in parameters] or ['""'],
             "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
+            "guard_names": [string_literal(g.name) for g in program.guards] or ['""'],
             "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
         "counts": _counts(program),
-        "loop_work": _loop_work(len(program.joints), program.closure_count),
+        "guard_modes": [g.mode for g in program.guards] or [-1],
+        "jacobian_cost": literal(program.jacobian_cost),
+        "present": sorted(program.functions),
         "functions": [arrange(f, printer, fields) for f in program.functions.values()],
     }
-
-
-def _loop_work(n: int, m: int) -> int:
-    """Room for the runtime's work on loops; `lamc_motion_work_size` is the judge, and main.c asks it."""
-    return n * n + 4 * n + 2 * m * n + m * m + 3 * m + max(n * (n + 1) // 2 + n, m * n + m)
 
 
 def _counts(program: Program) -> dict[str, int]:
@@ -145,8 +144,10 @@ def _counts(program: Program) -> dict[str, int]:
         "joints": len(program.joints),
         "cuts": len(program.cuts),
         "closure": program.closure_count,
+        "rank": program.rank,
         "bodies": len(program.bodies),
         "parameters": len(program.parameters),
         "constants": program.constant_count,
         "energies": len(program.energies),
+        "guards": len(program.guards),
     }

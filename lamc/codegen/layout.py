@@ -320,6 +320,8 @@ _ARRAY = {
     Space.PARAMETER: "((const double *)(const void *)p)",
     Space.ANGLE: "q",
     Space.RATE: "u",
+    Space.ACCELERATION: "a",
+    Space.MULTIPLIER: "l",
     Space.NUMBER: "number",
 }
 

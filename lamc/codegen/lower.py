@@ -9,8 +9,9 @@ from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
 from lamc.allocation import collector_paused
-from lamc.codegen.program import Function, Operand, Program, Section, Shape, Space, Statement
+from lamc.codegen.program import Function, Guard, Operand, Program, Section, Shape, Space, Statement
 from lamc.mechanics.equations import Equations
+from lamc.mechanics.linearise import linearise
 from lamc.mechanics.staging import Level, Scalar, Store, Symbol, Value
 from lamc.mechanics.statements import count_operations, group
 
@@ -37,6 +38,18 @@ CONSTRAINT = (
     "Jacobian of the loops (m, n), m/rad, then their acceleration bias (m), m/s^2",
     (Space.CONSTANT, Space.ANGLE, Space.RATE),
 )
+INERTIA = ("inertia", "mass matrix, lower triangle by rows, kg m^2", (Space.CONSTANT, Space.ANGLE))
+JACOBIAN = (
+    "jacobian",
+    "derivatives by q, u and t of M udot - f - J^T lambda, then of J udot + gamma",
+    (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
+)
+GUARDS = ("guards", "guards, rad, then their rates, rad/s", _STATE)
+IMPACTS = (
+    "impacts",
+    "restitutions of the guards, then their derivatives by q",
+    (Space.CONSTANT, Space.TIME, Space.ANGLE),
+)
 CUTS = (
     "cuts",
     "angles of the cut joints, rad, then their rates, rad/s",
@@ -52,8 +65,10 @@ def lower(equations: Equations) -> Program:
         *_motion_jobs(equations),
         (ENERGY, tuple(equations.energies.values())),
         (POSES, equations.poses),
+        *_event_jobs(equations),
     ]
-    constants: dict[int, int] = {}  # parameter-only node → slot
+    modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
+    constants: dict[int, int] = {mode.index: k for k, mode in enumerate(modes)}  # node → slot; modes first, zero at first
     functions = [
         _Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
         for (name, purpose, reads), outputs in jobs
@@ -62,7 +77,7 @@ def lower(equations: Equations) -> Program:
         "setup",
         "everything that depends on parameters only; once per change of parameters",
         (Space.PARAMETER,),
-        [Value(store, index, 1) for index in constants],
+        [0 if slot < len(modes) else Value(store, index, 1) for index, slot in constants.items()],
     )
     program = Program(
         name=equations.tree.mechanism.name,
@@ -73,6 +88,12 @@ def lower(equations: Equations) -> Program:
         energies=tuple(equations.energies),
         cuts=equations.cut_joints,
         closure_count=len(equations.closure.residual) if equations.closure else 0,
+        guards=tuple(
+            Guard(g.name, constants[g.mode.index] if g.mode is not None else -1)
+            for g in (terms.guard for terms in equations.guards)
+        ),
+        jacobian_cost=_jacobian_cost(functions),
+        rank=equations.loops.closure_rank,
         size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
         notes=(_solver_note(equations),),
@@ -85,8 +106,7 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
     closure = equations.closure
     if closure is None:
         return [(ACCELERATION, equations.acceleration)]
-    count = len(equations.joints)
-    lower_triangle = [equations.inertia.get((i, j), 0) for i in range(count) for j in range(i + 1)]
+    lower_triangle = _lower_triangle(equations)
     jacobian = [value for row in closure.jacobian for value in row]
     cuts = [hinge.angle for hinge in closure.hinges] + [hinge.rate for hinge in closure.hinges]
     return [
@@ -95,6 +115,37 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
         (CONSTRAINT, [*jacobian, *closure.bias]),
         (CUTS, cuts),
     ]
+
+
+def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    """Derivatives for implicit integrators, guards, and what a tree's impacts and derivatives need besides."""
+    jobs: list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]] = []
+    linearisation = linearise(equations)
+    terms = equations.guards
+    impacts = any(t.guard.mode is None for t in terms)
+    if equations.closure is None and (impacts or linearisation is not None):
+        jobs.append((INERTIA, _lower_triangle(equations)))
+    if linearisation is not None:
+        jobs.append((JACOBIAN, [value for row in linearisation.entries for value in row]))
+    if terms:
+        jobs.append((GUARDS, [*(t.guard.value for t in terms), *(t.rate for t in terms)]))
+    if impacts:
+        nothing = (0,) * len(equations.joints)
+        restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]
+        jobs.append((IMPACTS, [*restitutions, *(v for t in terms for v in (t.gradient or nothing))]))
+    return jobs
+
+
+def _lower_triangle(equations: Equations) -> list[Scalar]:
+    count = len(equations.joints)
+    return [equations.inertia.get((i, j), 0) for i in range(count) for j in range(i + 1)]
+
+
+def _jacobian_cost(functions: Sequence[Function]) -> float:
+    """Operations of the Jacobian over those of an acceleration; library calls count ten."""
+    work = {f.name: f.operations.flops + 10 * f.operations.calls for f in functions}
+    once = work.get("acceleration", work.get("system", 0) + work.get("constraint", 0))
+    return round((work.get("jacobian", 0) + work.get("inertia", 0)) / max(once, 1), 2)
 
 
 def _solver_note(equations: Equations) -> str:
@@ -189,6 +240,10 @@ def _canonical(program: Program) -> Iterable[str]:
             program.notes,
             program.cuts,
             program.closure_count,
+            program.rank,
+            program.guards,
+            program.jacobian_cost,
+            program.tolerance,
             program.size,
         )
     )

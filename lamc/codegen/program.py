@@ -18,6 +18,8 @@ class Space(Enum):
     ANGLE = "q"  # joint angles, rad
     RATE = "u"  # joint rates, rad/s
     TIME = "t"  # s
+    ACCELERATION = "a"  # joint accelerations, rad/s²
+    MULTIPLIER = "l"  # forces of the closure equations
     NUMBER = "#"  # a literal
 
 
@@ -94,6 +96,14 @@ class Parameter:
     effect: str  # name of the effect that reads it; "" for the mechanism itself
 
 
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A condition whose passing of zero is an event."""
+
+    name: str
+    mode: int  # slot in the constants that is 1 beyond the guard and 0 before; -1: an impact
+
+
 @dataclass(frozen=True)
 class Program:
     """Everything there is to emit.
@@ -107,6 +117,11 @@ class Program:
       "constraint"    q, u → J (m, n), then bias γ (m), m/s², of J u̇ + γ = 0
       "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s
       "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
+      "inertia"       a tree, where impacts or the Jacobian need it: q → M, lower triangle by rows, kg·m²
+      "jacobian"      t, q, u, u̇, λ → derivatives (n + m, 2n + 1) by q, u and t of the residuals M u̇ - f - Jᵀλ and
+                      J u̇ + γ; absent where it would be too long
+      "guards"        where there are any: t, q, u → guards, then their rates
+      "impacts"       where there are any: t, q → restitutions of the guards, then their derivatives by q
       "poses"         q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
                       equal to world axes in the drawn configuration), shape (12 len(bodies),)
     """
@@ -121,5 +136,9 @@ class Program:
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
     cuts: tuple[str, ...] = ()  # names of the joints that close loops
     closure_count: int = 0  # m, equations that hold the loops
+    rank: int = 0  # of the closure at a generic position; the other equations are redundant
+    guards: "tuple[Guard, ...]" = ()
+    jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
+    tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
     size: float = 1.0  # m, the mechanism's length scale
     digest: str = ""  # of everything above

@@ -72,7 +72,8 @@ class _Reader:
             for entry, sheet in zip(model.layers, geometry, strict=True)
         )
         points = tuple((body, Point(at)) for body, at in model.bodies.items())
-        return Design(name, layers, hinges, tuple(fixed), points, scene, PurePath(self.file).name)
+        source = PurePath(self.file).name
+        return Design(name, layers, hinges, tuple(fixed), points, scene, source, model.story.strip())
 
     def _check_names(self) -> None:
         model, problems = self.model, self.problems

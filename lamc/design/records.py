@@ -70,6 +70,7 @@ class Design:
 
     fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
     body_names    names that the drawing gives to bodies: (name, a point inside the body), m
+    story         what the design is for, a paragraph of plain text; nothing is computed from it
     """
 
     name: str
@@ -79,6 +80,7 @@ class Design:
     body_names: tuple[tuple[str, Point], ...] = ()
     scene: Scene | None = None
     source: str = ""  # the file's name, without its folder
+    story: str = ""
 
     @property
     def z(self) -> tuple[float, ...]:

@@ -158,7 +158,7 @@ class DesignModel(Model):
 
     kind: Literal["design"] = "design"
     name: str | None = None
-    description: str = ""
+    story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
     units: Annotated[str, BeforeValidator(_length_unit)] = Field(
         "m", description="the unit of every length written without one, such as mm"
     )
@@ -209,7 +209,7 @@ class MechanismModel(Model):
 
     kind: Literal["mechanism"] = "mechanism"
     name: str | None = None
-    description: str = ""
+    story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
     units: Annotated[str, BeforeValidator(_length_unit)] = "m"
     bodies: list[BodyModel]
     joints: list[JointModel] = []

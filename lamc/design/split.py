@@ -72,7 +72,7 @@ def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
     sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
     connections = link(hinges, contacts, sites)
     joints = tuple(_joint(connection) for connection in connections)
-    mechanism = Mechanism(bodies, joints, name=design.name, scene=design.scene)
+    mechanism = Mechanism(bodies, joints, name=design.name, scene=design.scene, story=design.story)
     tell("done", 1.0)
     return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism)
 

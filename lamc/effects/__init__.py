@@ -3,7 +3,8 @@
 from lamc.effects.base import Effect
 from lamc.effects.gravity import Gravity
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
+from lamc.effects.limits import JointLimits
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 
-__all__ = ["Effect", "Gravity", "HingeDamping", "HingeStiffness", "RestAngle", "Spring", "Torque"]
+__all__ = ["Effect", "Gravity", "HingeDamping", "HingeStiffness", "JointLimits", "RestAngle", "Spring", "Torque"]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from lamc.effects.base import Effect, RegisteredEffect
 from lamc.effects.gravity import Gravity
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
+from lamc.effects.limits import JointLimits
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.errors import DesignError
@@ -18,6 +19,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     HingeStiffness,
     RestAngle,
     HingeDamping,
+    JointLimits,
     Spring,
     Torque,
 )

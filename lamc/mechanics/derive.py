@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 
 from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
+from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
+from lamc.mechanics.guards import guard_terms
 from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.loads import Loads, Parameters, potential_of_field
@@ -35,8 +37,11 @@ CONSTRAINED = "constraints"
 
 
 @collector_paused
-def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
-    """Equations of motion of `tree` under `effects`. Raises DesignError where an effect does not fit."""
+def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = None) -> Equations:
+    """Equations of motion of `tree` under `effects`. `loops` is what `count_loops` gives; None: counted here.
+
+    Raises DesignError where an effect does not fit.
+    """
     store = Store()
     count = len(tree.links)
     names = tree.joint_names
@@ -70,6 +75,8 @@ def derive(tree: Tree, effects: "Sequence[Effect]") -> Equations:
         closure=close(hinges, q, u) if hinges else None,
         energies=_energies(placement, inertias, coms, u, loads),
         poses=tuple(_poses(placement, coms)),
+        loops=loops or count_loops(tree),
+        guards=tuple(guard_terms(guard, q, u) for guard in loads.guards),
         solver=solver,
         solver_flops=flops,
     )
@@ -87,16 +94,23 @@ class Problem:
         self, kinematics: Kinematics, base: list[Inertia], u: Sequence[Scalar], loads: Loads
     ) -> None:
         self.kinematics = kinematics
+        self._u, self._loads = u, loads
         self.signs = [link.angle_sign for link in kinematics.tree.links]
         with kinematics.store.section("Inertia in carrier frames", source="eq. 7-11"):
             self.inertias = [self._in_carrier(i, inertia) for i, inertia in enumerate(base)]
-        biases = kinematics.biases(u, self._world_accelerations(loads.field))
+        self.wrenches = self._wrenches(None)
+        self.torques = [s * torque for s, torque in zip(self.signs, loads.hinge_torques, strict=True)]
+
+    def _wrenches(self, accelerations: Sequence[Scalar] | None) -> list[Wrench]:
+        """Inertia forces less applied ones, for hinge accelerations given or zero."""
+        kinematics, loads = self.kinematics, self._loads
+        biases = kinematics.biases(self._u, self._world_accelerations(loads.field), accelerations)
+        wrenches: list[Wrench] = []
         with kinematics.store.section("Inertia forces and applied loads", source="eq. 18"):
-            self.wrenches: list[Wrench] = []
             for i, (inertia, bias) in enumerate(zip(self.inertias, biases, strict=True)):
                 kinematics.store.link = i
-                self.wrenches.append(_less(inertia_wrench(inertia, bias), loads.wrenches.get(i)))
-        self.torques = [s * torque for s, torque in zip(self.signs, loads.hinge_torques, strict=True)]
+                wrenches.append(_less(inertia_wrench(inertia, bias), loads.wrenches.get(i)))
+        return wrenches
 
     def _in_carrier(self, index: int, inertia: Inertia) -> Inertia:
         kinematics = self.kinematics
@@ -127,6 +141,11 @@ class Problem:
     def forces(self) -> list[Scalar]:
         values = generalised_forces(self.kinematics, self.wrenches, self.torques)
         return [s * value for s, value in zip(self.signs, values, strict=True)]
+
+    def residual(self, accelerations: Sequence[Scalar]) -> list[Scalar]:
+        """M u̇ - f, N·m, by inverse dynamics: no mass matrix is formed."""
+        values = generalised_forces(self.kinematics, self._wrenches(accelerations), self.torques)
+        return [-(s * value) for s, value in zip(self.signs, values, strict=True)]
 
     def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
         entries = mass_matrix(self.kinematics, self.inertias)

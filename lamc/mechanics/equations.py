@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Operations, Parameter
+from lamc.loops.rank import LoopCount
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from lamc.effects.base import Effect
     from lamc.mechanics.closure import Closure
     from lamc.mechanics.derive import Problem
+    from lamc.mechanics.guards import GuardTerms
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,8 @@ class Equations:
     problem       M u̇ = f before it was solved
     closure       residuals, Jacobian and bias of the loops; None for a tree. `acceleration` is then empty: the
                   runtime solves M u̇ = f together with the closure
+    loops         how many of the closure's equations are independent
+    guards        conditions whose passing of zero is an event
     solver        how u̇ was solved for; `solver_flops` what each way costs
     """
 
@@ -57,9 +61,11 @@ class Equations:
     problem: "Problem"
     energies: Mapping[str, Scalar]
     poses: tuple[Scalar, ...]
+    loops: LoopCount
     solver: str
     solver_flops: Mapping[str, int]
     closure: "Closure | None" = None
+    guards: "tuple[GuardTerms, ...]" = ()
 
     def __repr__(self) -> str:
         return (

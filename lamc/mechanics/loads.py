@@ -16,6 +16,7 @@ from lamc.errors import DesignError
 from lamc.mechanics import closure
 from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
 from lamc.mechanics.closure import CutHinge
+from lamc.mechanics.guards import Guard
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
 from lamc.mechanics.staging import NO_LINK, Scalar, Store, Value
 from lamc.mechanism.records import Array, Joint, Mechanism, checked_array, checked_number
@@ -85,6 +86,7 @@ class Loads:
             int, tuple[Vector3, Vector3]
         ] = {}  # link → force, moment about its origin; carrier
         self.energies: dict[str, Scalar] = {}
+        self.guards: list[Guard] = []
         self.field_effects: list[tuple[str, Vector3]] = []
         self._q, self._u = list(q), list(u)
         self._parameters = parameters
@@ -116,6 +118,22 @@ class Loads:
     def parameter(self, name: str, default: float, unit: str, meaning: str) -> Scalar:
         """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…")."""
         return self._parameters.add(name, default, unit, meaning, self._effect)
+
+    def switch(self, name: str, guard: "Scalar | sp.Expr") -> Scalar:
+        """A number that is 1 while `guard`, a function of the angles, is positive, and 0 otherwise.
+
+        Forces that begin and end are written with it. Integrators stop where the guard passes zero, and the number
+        stands still in between, so that force times switch is smooth to them. `name` tells people which guard it is.
+        """
+        index = sum(1 for guard in self.guards if guard.mode is not None)
+        mode = self._store.symbol(f"mode_{index}", Space.CONSTANT, index)
+        self.guards.append(Guard(name, self._scalar(guard), mode=mode))
+        return mode
+
+    def impact(self, name: str, guard: "Scalar | sp.Expr", restitution: "Scalar | sp.Expr") -> None:
+        """An impact where `guard`, a function of the angles, becomes positive: its rate is reversed and multiplied by
+        the restitution, by an impulse along the guard; all loops hold (Newton's law of impact)."""
+        self.guards.append(Guard(name, self._scalar(guard), restitution=self._scalar(restitution)))
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, nam
 from lamc.design.popupcad_layers import LayerSpec
 from lamc.design.records import Layer, Line
 from lamc.errors import DesignError, Place, TopologyError
+from lamc.mechanism.network import faults, loose_ends, some
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 
 
@@ -65,9 +66,29 @@ def assemble(definition: JointDefinition) -> Mechanism:
     _check_ids(definition)
     bodies = _bodies(definition)
     names = {item.id: body.name for item, body in zip(definition.bodies, bodies, strict=True)}
+    joints = _joints(definition, names)
+    _check_network(definition, bodies, joints)
     marks = [BodyMark(b.fixed, b.com, b.mass, b.inertia) for b in bodies]
     ordered = tuple(bodies[i] for i in body_order(marks))
-    return Mechanism(ordered, _joints(definition, names), definition.name)
+    return Mechanism(ordered, joints, definition.name)
+
+
+def _check_network(definition: JointDefinition, bodies: tuple[Body, ...], joints: tuple[Joint, ...]) -> None:
+    """Raises the first fault with its place: that of the body, which is in the file's order, or of the joint."""
+    fault = next(faults(bodies, joints), None) or next(loose_ends(bodies, joints), None)
+    if fault is None:
+        return
+    kind, *index = fault.path
+    place = None
+    if index:
+        at = int(index[0])
+        items = (
+            definition.bodies
+            if kind == "bodies"
+            else [definition.joints[i] for i in joint_order(_marks(definition))]
+        )
+        place = items[at].place
+    raise type(fault.error)(fault.error.message, place) from fault.error
 
 
 def drawn_lines(definition: JointDefinition) -> dict[str, Line]:
@@ -93,10 +114,15 @@ def _check_ids(definition: JointDefinition) -> None:
         for end in joint.bodies:
             if end not in seen:
                 raise TopologyError(
-                    f"a joint joins body {end[:40]!r}, which the file does not have", joint.place
+                    f"a joint joins body {end[:40]!r}, which the file does not have; "
+                    f"its bodies are {some(sorted(seen))}",
+                    joint.place,
                 )
         if joint.bodies[0] == joint.bodies[1]:
-            raise TopologyError(f"a joint joins body {joint.bodies[0][:40]!r} to itself", joint.place)
+            raise TopologyError(
+                f"a joint joins body {joint.bodies[0][:40]!r} to itself; a hinge needs two different bodies",
+                joint.place,
+            )
     for unknown in sorted(definition.fixed - seen):
         raise TopologyError(f"the fixed body {unknown[:40]!r} is not among the bodies of {definition.name!r}")
 
@@ -117,10 +143,13 @@ def _bodies(definition: JointDefinition) -> tuple[Body, ...]:
         mark = BodyMark(item.id in definition.fixed, com, mass, inertia)
         made.append((tuple(plate for plate, _ in plates), mark))
     names = name_bodies([mark for _, mark in made], [item.name for item in definition.bodies])
-    return tuple(
-        Body(name, mark.mass, mark.com, mark.inertia, fixed=mark.fixed, outline=outline)
-        for name, (outline, mark) in zip(names, made, strict=True)
-    )
+    bodies: list[Body] = []
+    for name, (outline, mark), item in zip(names, made, definition.bodies, strict=True):
+        try:
+            bodies.append(Body(name, mark.mass, mark.com, mark.inertia, fixed=mark.fixed, outline=outline))
+        except DesignError as error:
+            raise type(error)(error.message, item.place) from error
+    return tuple(bodies)
 
 
 def _joints(definition: JointDefinition, names: Mapping[str, str]) -> tuple[Joint, ...]:

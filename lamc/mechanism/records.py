@@ -5,7 +5,7 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
@@ -18,6 +18,7 @@ from lamc.mechanism.checks import checked_array as checked_array
 from lamc.mechanism.checks import checked_flag, checked_range, checked_records, shown
 from lamc.mechanism.checks import checked_name as checked_name
 from lamc.mechanism.checks import checked_number as checked_number
+from lamc.mechanism.network import faults, some
 from lamc.scene import Scene
 
 Named = TypeVar("Named", "Body", "Joint")
@@ -149,14 +150,18 @@ class Joint:
 class Mechanism:
     """Bodies and joints; what `split` gives, or written by hand.
 
+    story  what the mechanism is for, a paragraph of plain text; nothing is computed from it; without
+           white space at its ends
+
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
-    there and where nothing is fixed.
+    there, for one hinge given twice, and where nothing is fixed.
     """
 
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
     name: str = "mechanism"
     scene: Scene | None = None
+    story: str = ""
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -166,19 +171,12 @@ class Mechanism:
         put("joints", checked_records(self.joints, Joint, "joints", what))
         if self.scene is not None and not isinstance(self.scene, Scene):
             raise DesignError(f"scene of {what} is {shown(self.scene)}; it must be a Scene, or None")
-        names = _unique((b.name for b in self.bodies), "bodies")
-        _unique((j.name for j in self.joints), "joints")
-        for joint in self.joints:
-            for end in (joint.parent, joint.child):
-                if end not in names:
-                    raise TopologyError(
-                        f"joint {joint.name!r} joins body {end!r}, which the mechanism does not have; "
-                        f"its bodies are {_some(sorted(names))}"
-                    )
-        if not any(b.fixed for b in self.bodies):
-            raise TopologyError(
-                "no body is fixed, so nothing holds the mechanism; fix one (fixed=True, or draw a fixed region)"
-            )
+        if not isinstance(self.story, str):
+            raise DesignError(f"story of {what} is {shown(self.story)}; it must be text")
+        put("story", self.story.strip())
+        fault = next(faults(self.bodies, self.joints), None)
+        if fault is not None:
+            raise fault.error
 
     __eq__ = same_record
     __hash__ = None  # type: ignore[assignment]
@@ -203,22 +201,8 @@ def _setter(record: object) -> Any:
     return lambda name, value: object.__setattr__(record, name, value)
 
 
-def _some(names: Sequence[str], count: int = 8) -> str:
-    shown = ", ".join(names[:count])
-    return shown + (f", … ({len(names)} in all)" if len(names) > count else "")
-
-
-def _unique(names: Iterable[str], what: str) -> set[str]:
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
-            raise DesignError(f"two {what} are named {name!r}; names must differ")
-        seen.add(name)
-    return seen
-
-
 def _named(items: "Sequence[Named]", name: str, what: str) -> "Named":
     for item in items:
         if item.name == name:
             return item
-    raise KeyError(f"no {what} is named {name!r}; there are {_some([i.name for i in items])}")
+    raise KeyError(f"no {what} is named {name!r}; there are {some([i.name for i in items])}")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import TopologyError
+from lamc.mechanism.network import loose_ends
 from lamc.mechanism.records import Array, Body, Joint, Mechanism
 
 # Relative size under which a geometric number is round-off of a zero: a few hundred ulps, far below any drawing.
@@ -105,6 +105,9 @@ def plan(mechanism: Mechanism) -> Tree:
 
     Raises TopologyError if a body has no path to the world or a hinge joins two fixed bodies.
     """
+    fault = next(loose_ends(mechanism.bodies, mechanism.joints), None)
+    if fault is not None:
+        raise fault.error
     carrier = _least_depth(mechanism)
     steps = _depth_first(mechanism, carrier)
     children: list[list[int]] = [[] for _ in steps]
@@ -162,11 +165,6 @@ def _least_depth(mechanism: Mechanism) -> dict[str, Joint]:
     fixed = {b.name for b in mechanism.bodies if b.fixed}
     at: dict[str, list[Joint]] = {b.name: [] for b in mechanism.bodies}
     for joint in joints:
-        if joint.parent in fixed and joint.child in fixed:
-            raise TopologyError(
-                f"joint {joint.name!r} joins two fixed bodies, {joint.parent!r} and {joint.child!r}, and cannot "
-                "move; remove it or free one of them"
-            )
         at[joint.parent].append(joint)
         at[joint.child].append(joint)
     carrier: dict[str, Joint] = {}
@@ -182,18 +180,7 @@ def _least_depth(mechanism: Mechanism) -> dict[str, Joint]:
                     carrier[far] = joint
                     following.append(far)
         level = following
-    _check_reached(mechanism, carrier, fixed)
     return carrier
-
-
-def _check_reached(mechanism: Mechanism, carrier: dict[str, Joint], fixed: set[str]) -> None:
-    lost = sorted(b.name for b in mechanism.bodies if not b.fixed and b.name not in carrier)
-    if lost:
-        more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
-        raise TopologyError(
-            f"body {lost[0]!r}{more} has no path of hinges to a fixed body ({', '.join(sorted(fixed))}); "
-            "add a hinge, fix the body or remove it"
-        )
 
 
 def _depth_first(mechanism: Mechanism, carrier: dict[str, Joint]) -> list[_Step]:

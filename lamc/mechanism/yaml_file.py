@@ -10,7 +10,7 @@ from pathlib import PurePath
 from typing import Any
 
 from lamc.design import shapes
-from lamc.design.checking import Problems, validate
+from lamc.design.checking import Problems, did_you_mean, validate
 from lamc.design.fields import LENGTH_UNIT
 from lamc.design.inert import Node
 from lamc.design.native import length_unit_of
@@ -19,6 +19,7 @@ from lamc.design.schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.design.yaml_text import dump
 from lamc.errors import DesignError
 from lamc.files import write_text
+from lamc.mechanism.network import faults, loose_ends
 from lamc.mechanism.records import FREE_LIMITS, Body, Joint, Mechanism, Plate
 
 
@@ -36,8 +37,14 @@ def read_mechanism(node: Node) -> Mechanism:
         joints += [joint] if joint is not None else []
     scene = scene_from_model(model.scene, problems)
     problems.raise_if_any()
+    for fault in tuple(faults(bodies, joints)) or loose_ends(bodies, joints):
+        problems.add(fault.path, fault.error.message)
+    _check_start(model, joints, problems)
+    problems.raise_if_any()
     name = model.name or PurePath(node.place.file).stem or "mechanism"
-    mechanism = problems.attempt((), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene))
+    mechanism = problems.attempt(
+        (), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene, model.story)
+    )
     problems.raise_if_any()
     assert mechanism is not None
     return mechanism
@@ -54,11 +61,24 @@ def write_mechanism(mechanism: Mechanism, path: FilePath | str) -> None:
 def mechanism_text(mechanism: Mechanism) -> str:
     """The mechanism as the text of a file. Raises DesignError for a scene that a file cannot hold."""
     data: dict[str, Any] = {"kind": "mechanism", "name": mechanism.name}
+    if mechanism.story:
+        data["story"] = mechanism.story
     data["bodies"] = [_body_data(body) for body in mechanism.bodies]
     data["joints"] = [_joint_data(joint) for joint in mechanism.joints]
     if mechanism.scene is not None:
         data["scene"] = scene_data(mechanism.scene)
     return dump(data)
+
+
+def _check_start(model: MechanismModel, joints: list[Joint], problems: Problems) -> None:
+    """Notes names of the scene's start that are no joint's."""
+    names = [joint.name for joint in joints]
+    for section in ("angles", "rates"):
+        for name in getattr(model.scene, section, {}):
+            if name not in names:
+                problems.add(
+                    ("scene", section, name), f"no joint is named {name[:40]!r}; {did_you_mean(name, names)}"
+                )
 
 
 def _body(model: BodyModel) -> Body:

@@ -4,7 +4,6 @@ The voices are the generated C, the same Program interpreted in Python, and Newt
 (with maximal coordinates beside it). Each comparison has a limit and a reason; nothing is printed here.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any, Protocol
 
@@ -12,12 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.codegen.program import Program
-from lamc.errors import UnsupportedError
 from lamc.mechanism.records import Mechanism
+from lamc.reference.check_loops import closures, cut_hinges
 from lamc.reference.check_motion import Budget, Progress, motions
 from lamc.reference.check_report import Comparison, Largest, Report
+from lamc.reference.closing import WELL_CONDITIONED, State, random_states
 from lamc.reference.integrate import Acceleration
 from lamc.reference.interpreter import Interpreter
+from lamc.reference.loads import told_apart
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
 
@@ -26,12 +27,15 @@ Array = npt.NDArray[np.float64]
 SAME_PROGRAM = 1e-12
 INDEPENDENT = 1e-10
 ROWS = 21  # times along the run that are compared
-MAXIMAL_BODIES = 30  # dense systems of 11 n unknowns beyond this take seconds
+MAXIMAL_BODIES = 30  # joints; dense systems of 11 n unknowns beyond this take seconds
 EVALUATIONS = 240_000  # of the Newton-Euler voice for one run, times the number of bodies and a few
 STATEMENTS = 4_000_000  # interpreted for one run
 SECONDS = 6.0  # for each of the three runs of other voices
 
 _SAME = "same operations in the same order; only a library function's last digit may differ"
+_SOLVED = (
+    "same equations, two solvers of the loops; round-off times the square of their condition, at most 1e4"
+)
 _OTHER = "other operations altogether; round-off times the condition of the mass matrix"
 
 
@@ -45,6 +49,7 @@ class Subject(Protocol):
     @property
     def effects(self) -> Sequence[Any]: ...
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array: ...
+    def closure(self, q: Array) -> tuple[Array, Array]: ...
     def run(self, t_end: float, *, rtol: float, atol: float, t_eval: Array) -> Any: ...
 
 
@@ -57,47 +62,77 @@ def check(
 ) -> Report:
     """Compares the voices at `states` random states and along a run of `t_end` seconds.
 
-    `progress` is told the stage and how far it is. The runs of the other voices end after a few seconds each, and
-    the report says how far they came. Raises UnsupportedError where the independent voice does not know an effect
-    or meets a loop.
+    Random states of loops are closed. `progress` is told the stage and how far it is. The runs of the other voices
+    end after a few seconds each, and the report says how far they came. Effects that the independent voices do not
+    know are named in its notes, and only the C and the interpreter are then compared in what they act on.
     """
     program = simulator.program
-    if program.cuts:
-        raise UnsupportedError(
-            f"joint {program.cuts[0]!r} closes a loop, and the independent voices know trees only; "
-            "tests/test_loops.py holds loops against published answers"
-        )
     tell = progress or (lambda _stage, _fraction: None)
     joints = program.joints
     interpreter = Interpreter(program)
     constants = interpreter.constants()
-    newton = NewtonEuler(simulator.mechanism, simulator.effects, joints)
+    known, unknown = told_apart(simulator.effects)
+    newton = NewtonEuler(simulator.mechanism, known, joints)
     voices: dict[str, Acceleration] = {
         "C": simulator.acceleration,
         "interpreter": lambda q, u, t: interpreter.acceleration(t, q, u, constants),
-        "Newton-Euler": newton.acceleration,
     }
     notes: list[str] = []
-    if len(joints) <= MAXIMAL_BODIES:
-        maximal = MaximalCoordinates(simulator.mechanism, simulator.effects, joints)
-        voices["maximal"] = maximal.acceleration
-    else:
+    if unknown:
         notes.append(
-            f'the voice "maximal" is left out: {len(joints)} joints are above the {MAXIMAL_BODIES} it takes'
+            f"the independent voices do not know {unknown}; accelerations, energies and motion are compared "
+            "between the C and the interpreter only"
         )
+    else:
+        voices["Newton-Euler"] = newton.acceleration
+        if len(simulator.mechanism.joints) <= MAXIMAL_BODIES:
+            maximal = MaximalCoordinates(simulator.mechanism, known, joints)
+            voices["maximal"] = maximal.acceleration
+        else:
+            notes.append(
+                f'the voice "maximal" is left out: {len(simulator.mechanism.joints)} joints are above the '
+                f"{MAXIMAL_BODIES} it takes"
+            )
     tell("run the C", 0.0)
     result = simulator.run(t_end, rtol=1e-10, atol=1e-12, t_eval=np.linspace(0.0, t_end, ROWS))
-    random = _random_states(newton, len(joints), states, t_end, seed)
-    along = list(zip(result.t.tolist(), result.q, result.u, strict=True))
-    sizes = [np.abs(newton.acceleration(q, u, t)).max(initial=0.0) for t, q, u in random]
+    random = random_states(newton, result.q[0], states, t_end, seed)
+    if len(random) < states:
+        notes.append(f"{len(random)} of {states} random states close all loops away from singular positions")
+    regular, singular = _regular(newton, result)
+    if singular:
+        notes.append(
+            f"{singular} of {len(result.t)} states of the run are near a singular position, where accelerations are "
+            "not compared"
+        )
+    sizes = [np.abs(voices["interpreter"](q, u, t)).max(initial=0.0) for t, q, u in random]
     typical = float(np.median([size for size in sizes if np.isfinite(size)] or [0.0]))
-    comparisons = _accelerations(voices, joints, random, "random states", typical, tell)
-    comparisons += _accelerations(voices, joints, along, "states of the run", typical, tell)
-    comparisons += _energies_and_poses(interpreter, constants, newton, result)
-    motion, missed = motions(voices, _budgets(program), joints, result, tell)
+    comparisons = _accelerations(voices, newton, random, "random states", typical, tell)
+    comparisons += _accelerations(voices, newton, regular, "states of the run", typical, tell)
+    comparisons += _energies_and_poses(interpreter, constants, newton, result, bool(unknown))
+    if program.cuts:
+        limits, reasons = (SAME_PROGRAM, INDEPENDENT), (_SAME, _OTHER)
+        comparisons += closures(simulator, interpreter, constants, newton, random, limits, reasons)
+        comparisons += cut_hinges(interpreter, constants, newton, result, limits, reasons)
+    others = {name: budget for name, budget in _budgets(program).items() if name in voices}
+    motion, missed = motions(voices, others, newton, result, tell)
     comparisons += motion
     notes += missed
     return Report(program.name, tuple(comparisons), (*notes, *_not_finite(comparisons)))
+
+
+def _regular(newton: NewtonEuler, result: Any) -> tuple[list[State], int]:
+    """States of the run where the closure determines the accelerations well, and how many others there are."""
+    along = list(zip(result.t.tolist(), result.q, result.u, strict=True))
+    if not newton.cuts:
+        return along, 0
+    found = [newton.condition(q) for _, q, _ in along]
+    full = max(rank for rank, _ in found)
+    kept = [
+        state
+        for state, (rank, condition) in zip(along, found, strict=True)
+        if rank == full and condition <= WELL_CONDITIONED
+    ]
+    return kept, len(along) - len(kept)
 
 
 def _not_finite(comparisons: Sequence[Comparison]) -> list[str]:
@@ -113,33 +148,19 @@ def _not_finite(comparisons: Sequence[Comparison]) -> list[str]:
     ]
 
 
-def _random_states(
-    voice: NewtonEuler, n: int, count: int, t_end: float, seed: int
-) -> list[tuple[float, Array, Array]]:
-    """(t, q, u) with angles within ±π and rates large enough for forces of motion to matter."""
-    rng = np.random.default_rng(seed)
-    states = []
-    for _ in range(count):
-        t, q = float(rng.uniform(0.0, t_end)), rng.uniform(-np.pi, np.pi, n)
-        size = float(np.abs(voice.acceleration(q, np.zeros(n), t)).max(initial=0.0))
-        pace = max(1.0, math.sqrt(size)) if math.isfinite(size) else 1.0
-        states.append((t, q, rng.uniform(-pace, pace, n)))
-    return states
-
-
 def _accelerations(
     voices: dict[str, Acceleration],
-    joints: Sequence[str],
-    states: Sequence[tuple[float, Array, Array]],
+    newton: NewtonEuler,
+    states: Sequence[State],
     title: str,
     typical: float,
     tell: Progress,
 ) -> list[Comparison]:
     """`typical`, rad/s²: where the mechanism nearly rests, accelerations are left-overs of such terms."""
-    pairs = [("C", "interpreter", SAME_PROGRAM, _SAME), ("C", "Newton-Euler", INDEPENDENT, _OTHER)]
-    if "maximal" in voices:
-        pairs.append(("C", "maximal", INDEPENDENT, _OTHER))
-    largest = {pair: Largest(joints, (pair[0], pair[1])) for pair in pairs}
+    same = (INDEPENDENT, _SOLVED) if newton.cuts else (SAME_PROGRAM, _SAME)
+    pairs = [("C", "interpreter", *same)]
+    pairs += [("C", name, INDEPENDENT, _OTHER) for name in ("Newton-Euler", "maximal") if name in voices]
+    largest = {pair: Largest(newton.joints, (pair[0], pair[1])) for pair in pairs}
     for k, (t, q, u) in enumerate(states):
         tell(f"compare {title}", k / len(states))
         values = {name: np.asarray(voice(q, u, t)) for name, voice in voices.items()}
@@ -149,12 +170,14 @@ def _accelerations(
 
 
 def _energies_and_poses(
-    interpreter: Interpreter, constants: Array, newton: NewtonEuler, result: Any
+    interpreter: Interpreter, constants: Array, newton: NewtonEuler, result: Any, is_partial: bool
 ) -> list[Comparison]:
-    """Energies and poses of the C along its run against both other voices."""
+    """Energies and poses of the C along its run; `is_partial`: Newton-Euler lacks an effect, so energies are compared
+    with the interpreter's."""
     names = interpreter.program.energies
     both = ("C", "Newton-Euler")
     split, total = Largest(names, ("interpreter", "Newton-Euler")), Largest(("total",), both)
+    read = Largest(("total",), ("C", "interpreter"))
     centres, turns = Largest(newton.bodies, both), Largest(newton.bodies, both)
     poses = {body: result.pose(body) for body in newton.bodies}
     for k, t in enumerate(result.t.tolist()):
@@ -165,13 +188,17 @@ def _energies_and_poses(
         size = sum(abs(v) for v in theirs.values())
         split.add(ours, np.array([theirs.get(name, 0.0) for name in names]), where, size)
         total.add(np.array([result.energy[k]]), np.array([sum(theirs.values())]), where, size)
+        read.add(np.array([result.energy[k]]), np.array([ours.sum()]), where, float(np.abs(ours).sum()))
         centre, rotation = newton.poses(q)
         if newton.bodies:
             centres.add(np.array([poses[b][0][k] for b in newton.bodies]), centre, where)
             turns.add(np.array([poses[b][1][k] for b in newton.bodies]), rotation, where)
-    return [
+    energies = [
         split.comparison("energies by effect", INDEPENDENT, _OTHER),
         total.comparison("energy", INDEPENDENT, _OTHER),
+    ]
+    return [
+        *([read.comparison("energy", SAME_PROGRAM, _SAME)] if is_partial else energies),
         centres.comparison("centres of mass", INDEPENDENT, _OTHER),
         turns.comparison("rotations", INDEPENDENT, _OTHER),
     ]
@@ -179,7 +206,8 @@ def _energies_and_poses(
 
 def _budgets(program: Program) -> dict[str, Budget]:
     """Evaluations by the size of the mechanism and of the program, so that quick checks stay quick; and seconds."""
-    statements = max(1, len(program.functions["acceleration"].statements))
+    motion = ("acceleration", "system", "constraint")
+    statements = sum(len(program.functions[name].statements) for name in motion if name in program.functions)
     own = max(1, EVALUATIONS // (len(program.joints) + 15))
-    read = max(1, min(own, STATEMENTS // statements))
-    return {"Newton-Euler": Budget(own, SECONDS), "interpreter": Budget(read, SECONDS)}
+    read = max(1, min(own, STATEMENTS // max(1, statements)))
+    return {"interpreter": Budget(read, SECONDS), "Newton-Euler": Budget(own, SECONDS)}

@@ -15,7 +15,9 @@ import numpy.typing as npt
 
 from lamc.errors import SimulationError
 from lamc.reference.check_report import Comparison, Largest
+from lamc.reference.closing import nudged, on_closure
 from lamc.reference.integrate import Acceleration, EndOfRun, Run, simulate
+from lamc.reference.newton_euler import NewtonEuler
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[str, float], None]  # the stage, and the fraction of it that is done
@@ -69,30 +71,35 @@ class Watched:
 def motions(
     voices: dict[str, Acceleration],
     budgets: dict[str, Budget],
-    joints: Sequence[str],
+    newton: NewtonEuler,
     result: Any,
     tell: Progress,
 ) -> tuple[list[Comparison], list[str]]:
-    """Angles of the C's run against scipy's DOP853 on the voices of `budgets`, Newton-Euler among them."""
+    """Angles of the C's run against scipy's DOP853 on the voices of `budgets`.
+
+    How much a small change of the start grows is found with the last of them, which gives the limit.
+    """
+    joints, main = newton.joints, list(budgets)[-1]
+    voices = {name: on_closure(newton, voice) for name, voice in voices.items()}
     notes = [] if result.success else [f"the run of the C did not reach its end: {result.message}"]
     start = np.concatenate([result.q[0], result.u[0]])
-    plain, why = _run("Newton-Euler", voices, budgets, start, joints, result.t, tell)
-    nudged = plain
+    plain, why = _run(main, voices, budgets, start, joints, result.t, tell)
+    aside = plain
     if len(plain.t) > 1:
-        moved = start + np.repeat([NUDGE, 0.0], len(joints))
-        nudged, _ = _run("Newton-Euler", voices, budgets, moved, joints, result.t, tell)
+        moved = nudged(newton, start, NUDGE)
+        aside, _ = _run(main, voices, budgets, moved, joints, result.t, tell)
     comparisons: list[Comparison] = []
     for name in budgets:
         run, reason = plain, why
-        if name != "Newton-Euler":
-            run, reason = _run(name, voices, budgets, start, joints, result.t[: len(nudged.t)], tell)
+        if name != main:
+            run, reason = _run(name, voices, budgets, start, joints, result.t[: len(aside.t)], tell)
             reason = reason or why
-        rows = min(len(run.t), len(nudged.t), len(result.t))
+        rows = min(len(run.t), len(plain.t), len(aside.t), len(result.t))
         if rows < 2:
             said = reason or (result.message if not result.success else "the run has one row")
             comparisons.append(_not_compared(name, f"beyond t = 0: {said}"))
             continue
-        growth = float(np.abs(nudged.q[:rows] - plain.q[:rows]).max(initial=NUDGE)) / NUDGE
+        growth = float(np.abs(aside.q[:rows] - plain.q[:rows]).max(initial=NUDGE)) / NUDGE
         largest = Largest(joints, ("C", name))
         for k in range(rows):
             largest.add(result.q[k], run.q[k], f"t = {run.t[k]:.3g} s", scale=1.0)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from lamc.codegen.program import Function, Operand, Program, Shape, Space
 from lamc.errors import DesignError, EmitError
+from lamc.reference.constrained import constrained
 from lamc.reference.operations import BATCHED, SCALAR
 
 Array = npt.NDArray[np.float64]
@@ -66,8 +67,25 @@ class Interpreter:
         return constants
 
     def acceleration(self, t: float, q: Array, u: Array, constants: Array) -> Array:
-        """du/dt, rad/s², shape of q. t in s, q in rad, u in rad/s."""
-        return self._evaluate("acceleration", t, q, u, constants)
+        """du/dt, rad/s², shape of q. t in s, q in rad, u in rad/s. With loops, those of closed states."""
+        if not self.program.cuts:
+            return self._evaluate("acceleration", t, q, u, constants)
+        system = self._evaluate("system", t, q, u, constants)
+        held = self._evaluate("constraint", t, q, u, constants)
+        if system.ndim == 1:
+            return self._solve(system, held)
+        return np.array([self._solve(*rows) for rows in zip(system, held, strict=True)]).reshape(np.shape(q))
+
+    def gaps(self, q: Array, constants: Array) -> tuple[Array, Array]:
+        """Residuals φ (m,), m, of the loops and their Jacobian (m, n), m/rad, at angles q (n,)."""
+        m = self.program.closure_count
+        flat = self._evaluate("closure", 0.0, q, np.zeros_like(q), constants)
+        return flat[:m], flat[m:].reshape(m, len(self.joints))
+
+    def cut_states(self, q: Array, u: Array, constants: Array) -> tuple[Array, Array]:
+        """Angles, rad, within ±π, and rates, rad/s, of the joints that close loops; both (c,)."""
+        flat = self._evaluate("cuts", 0.0, q, u, constants)
+        return flat[: len(self.program.cuts)], flat[len(self.program.cuts) :]
 
     def energy(self, t: float, q: Array, u: Array, constants: Array) -> Array:
         """Energies, J, shape (len(program.energies),), "kinetic" first."""
@@ -78,6 +96,14 @@ class Interpreter:
         flat = self._evaluate("poses", 0.0, q, np.zeros_like(q), constants)
         rows = flat.reshape(*flat.shape[:-1], len(self.bodies), 12)
         return rows[..., :3], rows[..., 3:].reshape(*rows.shape[:-1], 3, 3)
+
+    def _solve(self, system: Array, held: Array) -> Array:
+        """u̇ from the values of the functions "system" and "constraint" at one state."""
+        n, m = len(self.joints), self.program.closure_count
+        mass = np.zeros((n, n))
+        mass[np.tril_indices(n)] = system[: n * (n + 1) // 2]
+        mass += np.tril(mass, -1).T
+        return constrained(mass, system[n * (n + 1) // 2 :], held[: m * n].reshape(m, n), held[m * n :])
 
     def _evaluate(self, name: str, t: float, q: Array, u: Array, constants: Array) -> Array:
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Effects as numbers: scene effects in, gravity and hinge torques at a state out.
+"""Effects as numbers: scene effects in, gravity, hinge torques and forces of springs at a state out.
 
 An independent reading of the effects, written from their physical meaning and sharing nothing with their
 symbolic form. It dispatches on `effect.name`; an effect that it does not know is refused, never skipped.
@@ -14,8 +14,20 @@ import numpy.typing as npt
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.records import Joint, Mechanism
 from lamc.reference.expression import Formula, parse
+from lamc.reference.kinematics import Link, Motion, cross
 
 Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PointSpring:
+    """A spring between two points, each on a body (by name) and given as drawn, m."""
+
+    bodies: tuple[str, str]
+    points: tuple[Array, Array]
+    stiffness: float  # N/m
+    rest_length: float  # m
+    damping: float  # N·s/m
 
 
 @dataclass(frozen=True)
@@ -29,6 +41,7 @@ class NumericLoads:
     damping      N·m·s/rad, zero where damping does not act
     applied      constant torques, N·m
     torques      (index of the joint, formula in t, angle and rate, N·m)
+    springs      springs between points
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -39,6 +52,7 @@ class NumericLoads:
     damping: Array
     applied: Array
     torques: tuple[tuple[int, Formula], ...]
+    springs: tuple[PointSpring, ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -48,14 +62,58 @@ class NumericLoads:
             torque[k] += formula({"t": t, "angle": float(q[k]), "rate": float(u[k])})
         return torque
 
-    def stored(self, q: Array, masses: Array, centres_world: Array) -> dict[str, float]:
-        """Stored energy by effect, J; centres_world has shape (m, 3), m."""
+    def spring_wrenches(self, links: Sequence[Link], state: Motion) -> tuple[Array, Array]:
+        """Forces, N, and moments about the centres of mass, N·m, on the bodies of the walk; both (n, 3), world."""
+        forces, moments = np.zeros((2, len(links), 3))
+        for spring in self.springs:
+            ends = [_end(links, state, *end) for end in zip(spring.bodies, spring.points, strict=True)]
+            (a, point_a, velocity_a), (b, point_b, velocity_b) = ends
+            line = point_b - point_a
+            length = float(np.linalg.norm(line))
+            # A spring of no length has no direction; with a rest length that is no number, as in the C.
+            direction = line / length if length > 0.0 or spring.rest_length else line
+            stretch_rate = float((velocity_b - velocity_a) @ direction)
+            pull = spring.stiffness * (length - spring.rest_length) + spring.damping * stretch_rate
+            for place, point, force in ((a, point_a, pull * direction), (b, point_b, -pull * direction)):
+                if place >= 0:
+                    forces[place] += force
+                    moments[place] += cross(point - state.centre[place], force)
+        return forces, moments
+
+    def stored(self, q: Array, links: Sequence[Link], state: Motion) -> dict[str, float]:
+        """Stored energy by effect, J, at angles q (n,) and the motion of the bodies there."""
+        masses = np.array([link.body.mass for link in links])
+        stretches = []
+        for spring in self.springs:
+            a, b = (_end(links, state, *end)[1] for end in zip(spring.bodies, spring.points, strict=True))
+            stretches.append(float(np.linalg.norm(b - a)) - spring.rest_length)
         values = {
-            "gravity": -float(masses @ (centres_world @ self.gravity)),
+            "gravity": -float(masses @ (state.centre @ self.gravity)),
             "hinge_stiffness": float(0.5 * self.stiffness @ (q * q)),
             "rest_angle": float(self.rest_energy.sum() - self.preload @ q),
+            "spring": sum(0.5 * s.stiffness * x * x for s, x in zip(self.springs, stretches, strict=True)),
         }
         return {name: values[name] for name in self.energies}
+
+
+def _end(links: Sequence[Link], state: Motion, body: str, point: Array) -> tuple[int, Array, Array]:
+    """Place in the walk (-1: fixed), world position, m, and velocity, m/s, of a point of a body given as drawn."""
+    for i, link in enumerate(links):
+        if link.body.name == body:
+            arm = state.rotation[i] @ (point - link.body.com)
+            return i, state.centre[i] + arm, state.velocity[i] + cross(state.spin[i], arm)
+    return -1, point, np.zeros(3)
+
+
+KNOWN = ("gravity", "hinge_stiffness", "hinge_damping", "rest_angle", "torque", "spring")
+
+
+def told_apart(effects: Iterable[Any]) -> tuple[tuple[Any, ...], str]:
+    """The effects that have a numeric meaning here, and the others in words: "the effect 'wind'", or nothing."""
+    effects = tuple(effects)
+    known = tuple(effect for effect in effects if effect.name in KNOWN)
+    names = sorted({repr(effect.name) for effect in effects if effect.name not in KNOWN})
+    return known, f"the effect{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else ""
 
 
 def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str]) -> NumericLoads:
@@ -69,7 +127,8 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
     gravity = np.zeros(3)
     stiffness, preload, rest_energy, damping, applied = np.zeros((5, n))
     torques: list[tuple[int, Formula]] = []
-    energies = []
+    springs: list[PointSpring] = []
+    energies: list[str] = []
     for effect in effects:
         match effect.name:
             case "gravity":
@@ -90,13 +149,39 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
                         torques.append((k, parse(torque)))
                     else:
                         applied[k] += torque
+            case "spring":
+                springs.append(_spring(mechanism, effect))
+                energies.append("spring")
             case other:
                 raise UnsupportedError(
                     f"the independent voice cannot check the effect {other!r}: it has no numeric meaning "
                     "for it; leave the effect out of the scene to check the rest"
                 )
     return NumericLoads(
-        gravity, stiffness, preload, rest_energy, damping, applied, tuple(torques), tuple(energies)
+        gravity,
+        stiffness,
+        preload,
+        rest_energy,
+        damping,
+        applied,
+        tuple(torques),
+        tuple(springs),
+        tuple(dict.fromkeys(energies)),
+    )
+
+
+def _spring(mechanism: Mechanism, effect: Any) -> PointSpring:
+    """Raises DesignError for a body that the mechanism does not have."""
+    known = {body.name for body in mechanism.bodies}
+    for name in (effect.body_a, effect.body_b):
+        if name not in known:
+            raise DesignError(f"the scene puts a spring on body {name!r}, which the mechanism does not have")
+    return PointSpring(
+        (effect.body_a, effect.body_b),
+        (np.array(effect.point_a, dtype=np.float64), np.array(effect.point_b, dtype=np.float64)),
+        float(effect.stiffness),
+        float(effect.rest_length),
+        float(effect.damping),
     )
 
 

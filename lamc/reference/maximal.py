@@ -1,18 +1,33 @@
 """Maximal coordinates: every body with six degrees of freedom, hinges held by multipliers. Numbers only.
 
-A state goes in, joint accelerations come out of one dense symmetric system (mass matrix bordered by the
-constraint Jacobian). The kinematics at the state are shared with the Newton-Euler voice; the dynamics are
-not: no recursion, no mass matrix in joint angles. Small trees, for tests and `check`.
+A state goes in, joint accelerations come out of M a = F + Jᵀ λ under J a + bias = 0 for the accelerations a of the
+bodies. All hinges are alike, those that close loops too, and their equations may be redundant. The kinematics at the
+state are shared with the Newton-Euler voice; the dynamics are not: no recursion, no mass matrix in joint angles.
+Small mechanisms, for tests and `check`.
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from lamc.mechanism.records import Mechanism
+from lamc.mechanism.records import Joint, Mechanism
+from lamc.reference.closure import Closure, perpendicular
+from lamc.reference.constrained import constrained
 from lamc.reference.kinematics import Array, Motion, cross, motion, skew, walk
 from lamc.reference.loads import numeric_loads
+
+
+@dataclass(frozen=True)
+class _Hinge:
+    """A joint between two bodies of the walk (-1: the world). axis_sign: the inner to outer sense is the joint's
+    parent to child (+1) or the other way."""
+
+    joint: Joint
+    outer: int
+    inner: int
+    axis_sign: float
 
 
 class MaximalCoordinates:
@@ -23,71 +38,86 @@ class MaximalCoordinates:
     ) -> None:
         self.joints = tuple(j.name for j in mechanism.joints) if joints is None else tuple(joints)
         self.links = walk(mechanism, self.joints)
-        self._loads = numeric_loads(mechanism, effects, self.joints)
+        self._closure = Closure(mechanism, self.links)
+        self.cuts = self._closure.names
+        by_coordinate = sorted(enumerate(self.links), key=lambda pair: pair[1].coordinate)
+        self._hinges = [_Hinge(link.joint, i, link.inner, link.sign) for i, link in by_coordinate]
+        self._hinges += [_Hinge(cut.joint, cut.child, cut.parent, 1.0) for cut in self._closure.hinges]
+        self._loads = numeric_loads(mechanism, effects, (*self.joints, *self.cuts))
 
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, shape (n,), rad/s²; q rad, u rad/s, shape (n,); t s."""
+        return self.all_accelerations(q, u, t)[: len(self.joints)]
+
+    def all_accelerations(self, q: Array, u: Array, t: float = 0.0) -> Array:
+        """Accelerations of `joints`, then of `cuts`, shape (n + c,), rad/s²."""
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
-        n = len(self.links)
         state = motion(self.links, q, u)
-        mass, force = self._bodies(state, self._loads.hinge_torques(t, q, u))
+        closed = self._closure.at(state)
+        angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
+        mass, force = self._bodies(state, self._loads.hinge_torques(t, angles, rates))
         jacobian, bias = self._constraints(state)
-        system = np.block([[mass, jacobian.T], [jacobian, np.zeros((5 * n, 5 * n))]])
-        # Rows and columns scaled to like size: forces in N beside torques in N·m cost digits otherwise.
-        scale = 1.0 / np.sqrt(np.abs(system).max(axis=1))
-        solution = scale * np.linalg.solve(system * np.outer(scale, scale), scale * np.append(force, -bias))
-        result = np.empty(n)
-        for i, link in enumerate(self.links):
-            spin_rate = solution[6 * i + 3 : 6 * i + 6]
-            if link.inner >= 0:
-                spin_rate = spin_rate - solution[6 * link.inner + 3 : 6 * link.inner + 6]
-            result[link.coordinate] = state.axis[i] @ spin_rate
-        return result
+        # Turns times the size beside displacements, m: equations and unknowns are then of one unit.
+        scale = np.tile([1.0, 1.0, 1.0, *(3 * [1.0 / self._closure.size])], len(self.links))
+        found = constrained(mass * np.outer(scale, scale), scale * force, scale * jacobian, bias)
+        solution = scale * found
+        return np.array([self._opening(hinge, state, solution) for hinge in self._hinges])
+
+    def _opening(self, hinge: _Hinge, state: Motion, solution: Array) -> Array:
+        """Acceleration of a joint, rad/s², from those of the bodies: the rest of the difference of the two spin rates
+        is across the axis."""
+        spin_rate = np.zeros(3)
+        for place, sign in ((hinge.outer, 1.0), (hinge.inner, -1.0)):
+            if place >= 0:
+                spin_rate = spin_rate + sign * solution[6 * place + 3 : 6 * place + 6]
+        return self._axis(hinge, state) @ spin_rate
+
+    def _axis(self, hinge: _Hinge, state: Motion) -> Array:
+        """The joint's axis in the world, from the inner to the outer body."""
+        drawn = hinge.axis_sign * hinge.joint.axis
+        return drawn if hinge.inner < 0 else state.rotation[hinge.inner] @ drawn
 
     def _bodies(self, state: Motion, torques: Array) -> tuple[Array, Array]:
         """Mass matrix (6n, 6n) and applied plus gyroscopic forces (6n,), per body force then moment."""
         n = len(self.links)
         mass, force = np.zeros((6 * n, 6 * n)), np.zeros(6 * n)
+        pulls, moments = self._loads.spring_wrenches(self.links, state)
         for i, link in enumerate(self.links):
             a, b, c = 6 * i, 6 * i + 3, 6 * i + 6
             inertia = state.rotation[i] @ link.body.inertia @ state.rotation[i].T
             mass[a:b, a:b] = link.body.mass * np.eye(3)
             mass[b:c, b:c] = inertia
-            force[a:b] = link.body.mass * self._loads.gravity
-            moment = torques[link.coordinate] * state.axis[i]
-            force[b:c] += moment - cross(state.spin[i], inertia @ state.spin[i])
-            if link.inner >= 0:
-                force[6 * link.inner + 3 : 6 * link.inner + 6] -= moment
+            force[a:b] = link.body.mass * self._loads.gravity + pulls[i]
+            force[b:c] = moments[i] - cross(state.spin[i], inertia @ state.spin[i])
+        for hinge, torque in zip(self._hinges, torques, strict=True):
+            moment = torque * self._axis(hinge, state)
+            for place, sign in ((hinge.outer, 1.0), (hinge.inner, -1.0)):
+                if place >= 0:
+                    force[6 * place + 3 : 6 * place + 6] += sign * moment
         return mass, force
 
     def _constraints(self, state: Motion) -> tuple[Array, Array]:
-        """Hinge constraints on accelerations, J a + bias = 0: J (5n, 6n) and bias (5n,).
+        """Hinge constraints on accelerations, J a + bias = 0: J (5h, 6n) and bias (5h,).
 
-        Per hinge three rows keep its two points together, and two keep the relative spin along the axis.
+        Per hinge three rows, m/s², keep its two points together, and two, rad/s² times the size, keep the relative
+        spin along the axis.
         """
-        n = len(self.links)
-        jacobian, bias = np.zeros((5 * n, 6 * n)), np.zeros(5 * n)
-        for i, link in enumerate(self.links):
-            p = link.inner
-            across = _perpendicular(state.axis[i])
-            rows = slice(5 * i, 5 * i + 5)
-            for body, side in ((i, 1.0), (p, -1.0)):
+        size = self._closure.size
+        h, n = len(self._hinges), len(self.links)
+        jacobian, bias = np.zeros((5 * h, 6 * n)), np.zeros(5 * h)
+        for k, hinge in enumerate(self._hinges):
+            across = perpendicular(self._axis(hinge, state))
+            rows = slice(5 * k, 5 * k + 5)
+            spins = [np.zeros(3), np.zeros(3)]
+            for which, (body, side) in enumerate(((hinge.outer, 1.0), (hinge.inner, -1.0))):
                 if body < 0:
                     continue
-                arm = state.point[i] - state.centre[body]
+                arm = state.rotation[body] @ (hinge.joint.point - self.links[body].body.com)
+                spins[which] = state.spin[body]
                 jacobian[rows, 6 * body : 6 * body + 6] = side * np.block(
-                    [[np.eye(3), -skew(arm)], [np.zeros((2, 3)), across]]
+                    [[np.eye(3), -skew(arm)], [np.zeros((2, 3)), size * across]]
                 )
-                bias[5 * i : 5 * i + 3] += side * cross(state.spin[body], cross(state.spin[body], arm))
-            if p >= 0:
-                relative = state.spin[i] - state.spin[p]
-                bias[5 * i + 3 : 5 * i + 5] = [cross(state.spin[p], e) @ relative for e in across]
+                bias[5 * k : 5 * k + 3] += side * cross(state.spin[body], cross(state.spin[body], arm))
+            relative = spins[0] - spins[1]
+            bias[5 * k + 3 : 5 * k + 5] = [size * (cross(spins[1], e) @ relative) for e in across]
         return jacobian, bias
-
-
-def _perpendicular(axis: Array) -> Array:
-    """Two unit vectors across `axis` and each other, shape (2, 3)."""
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    first = cross(axis, helper)
-    first = first / np.linalg.norm(first)
-    return np.array([first, cross(axis, first)])

@@ -2,7 +2,7 @@
 
 The second voice: it shares no code with the symbolic derivation. The bias comes from one outward and one
 inward pass in world axes (Luh, Walker and Paul 1980); the mass matrix from the Jacobians of the bodies, which
-checks the recursion against a second road; the solve is numpy's. Trees only.
+checks the recursion against a second road; the solve is numpy's. Joints outside the tree hold by equations.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,19 +11,23 @@ from typing import Any
 import numpy as np
 
 from lamc.mechanism.records import Mechanism
+from lamc.reference.closure import Closure
+from lamc.reference.constrained import constrained, split
 from lamc.reference.kinematics import Array, Motion, cross, motion, walk
 from lamc.reference.loads import numeric_loads
 
 
 class NewtonEuler:
-    """Equations of motion of a tree of hinged bodies as numbers.
+    """Equations of motion of hinged bodies as numbers.
 
     mechanism   bodies and joints
     effects     what acts, as in `Scene.effects`
-    joints      order of q and u; default: the order of `mechanism.joints`
+    joints      order of q and u, a spanning tree; the mechanism's other joints close loops. Default: all joints, in
+                their order
 
-    `bodies` names the moving bodies in the order of `poses`. Raises UnsupportedError for a loop or an effect
-    that this voice does not know, TopologyError for a body with no path to the world.
+    `bodies` names the moving bodies in the order of `poses`, `cuts` the joints that close loops. Accelerations are
+    those of closed states. Raises UnsupportedError for a loop among `joints` and for an effect that this voice does
+    not know, TopologyError for a body with no path to the world.
     """
 
     def __init__(
@@ -32,7 +36,10 @@ class NewtonEuler:
         self.joints = tuple(j.name for j in mechanism.joints) if joints is None else tuple(joints)
         self.links = walk(mechanism, self.joints)
         self.bodies = tuple(link.body.name for link in self.links)
-        self._loads = numeric_loads(mechanism, effects, self.joints)
+        self.closure = Closure(mechanism, self.links)
+        self.cuts = self.closure.names
+        self.size = mechanism.size
+        self._loads = numeric_loads(mechanism, effects, (*self.joints, *self.cuts))
         self._mass = np.array([link.body.mass for link in self.links])
         self._inertia_drawn = np.array([link.body.inertia for link in self.links]).reshape(-1, 3, 3)
         self._supports = self._support_mask()
@@ -41,11 +48,19 @@ class NewtonEuler:
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, shape (n,), rad/s²; positive opens the fold. q rad, u rad/s, shape (n,); t s."""
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
+        n = len(self.links)
         state = motion(self.links, q, u)
-        torque = self._loads.hinge_torques(t, q, u)[self._slot]
-        result = np.empty(len(self.links))
-        result[self._slot] = np.linalg.solve(self._mass_matrix(state), torque - self._bias(state))
-        return result
+        closed = self.closure.at(state)
+        angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
+        torque = self._loads.hinge_torques(t, angles, rates)
+        forces, moments = self._loads.spring_wrenches(self.links, state)
+        moments += closed.moments(torque[n:])
+        mass, force = np.empty((n, n)), np.empty(n)
+        mass[np.ix_(self._slot, self._slot)] = self._mass_matrix(state)
+        force[self._slot] = torque[self._slot] - self._bias(state, forces, moments)
+        if not self.cuts:
+            return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
+        return constrained(mass, force, closed.jacobian(), closed.bias())
 
     def energy(self, q: Array, u: Array) -> dict[str, float]:
         """Energy by name, J: "kinetic" first, then what each effect stores."""
@@ -54,12 +69,34 @@ class NewtonEuler:
         spin_drawn = np.einsum("bji,bj->bi", state.rotation, state.spin)
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin_drawn, self._inertia_drawn, spin_drawn))
-        return {"kinetic": kinetic, **self._loads.stored(q, self._mass, state.centre)}
+        angles = np.append(q, self.closure.at(state).angles())
+        return {"kinetic": kinetic, **self._loads.stored(angles, self.links, state)}
+
+    def gaps(self, q: Array) -> tuple[Array, Array]:
+        """Residuals φ (5 c,), m, of the joints that close loops, and their Jacobian (5 c, n), m/rad."""
+        closed = self.closure.at(self.still(q))
+        return closed.residual(), closed.jacobian()
+
+    def cut_states(self, q: Array, u: Array) -> tuple[Array, Array]:
+        """Angles, rad, within ±π, and rates, rad/s, of the joints that close loops; both (c,)."""
+        state = motion(self.links, np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64))
+        closed = self.closure.at(state)
+        return closed.angles(), closed.rates()
+
+    def condition(self, q: Array) -> tuple[int, float]:
+        """Rank of the closure at q, and how far its equations are from a smaller one: largest over least singular
+        value."""
+        parts = split(self.gaps(q)[1])
+        return parts.rank, parts.condition
 
     def poses(self, q: Array) -> tuple[Array, Array]:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
-        state = motion(self.links, np.asarray(q, dtype=np.float64), np.zeros(len(self.links)))
+        state = self.still(q)
         return state.centre, state.rotation
+
+    def still(self, q: Array) -> Motion:
+        """The bodies at rest at angles q (n,)."""
+        return motion(self.links, np.asarray(q, dtype=np.float64), np.zeros(len(self.links)))
 
     def _support_mask(self) -> Array:
         """1.0 at [b, j] where link j lies on the way from the world to link b, itself included."""
@@ -77,15 +114,17 @@ class NewtonEuler:
         arms = state.centre[:, None, :] - state.point[None, :, :]
         turning = self._supports[:, :, None] * state.axis[None, :, :]
         moving = cross(turning, arms)
-        matrix: Array = np.einsum("b,bji,bki->jk", self._mass, moving, moving)
-        matrix += np.einsum("bji,bil,bkl->jk", turning, self._inertia_world(state), turning, optimize=True)
+        momenta = turning @ self._inertia_world(state)
+        matrix: Array = np.tensordot(self._mass[:, None, None] * moving, moving, axes=([0, 2], [0, 2]))
+        matrix += np.tensordot(momenta, turning, axes=([0, 2], [0, 2]))
         return matrix
 
-    def _bias(self, state: Motion) -> Array:
-        """Hinge torques that hold the joint accelerations at zero, gravity included, N·m."""
+    def _bias(self, state: Motion, forces: Array, moments: Array) -> Array:
+        """Hinge torques that hold the joint accelerations at zero, N·m, under gravity and forces and moments about
+        the centres of mass, (n, 3), N and N·m."""
         momentum = np.einsum("bij,bj->bi", self._inertia_world(state), state.spin)
-        force = self._mass[:, None] * (state.acceleration - self._loads.gravity)
-        moment = np.einsum("bij,bj->bi", self._inertia_world(state), state.spin_rate)
+        force = self._mass[:, None] * (state.acceleration - self._loads.gravity) - forces
+        moment = np.einsum("bij,bj->bi", self._inertia_world(state), state.spin_rate) - moments
         moment += cross(state.spin, momentum) + cross(state.centre - state.point, force)
         for i in range(len(self.links) - 1, -1, -1):
             p = self.links[i].inner

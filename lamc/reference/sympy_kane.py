@@ -19,6 +19,7 @@ from sympy.physics.mechanics import (
     inertia,
 )
 
+from lamc.errors import UnsupportedError
 from lamc.mechanism.records import Mechanism
 from lamc.reference.kinematics import Array, Link, walk
 from lamc.reference.loads import NumericLoads, numeric_loads
@@ -64,10 +65,24 @@ class KaneModel:
 
 
 def kane(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str] | None = None) -> KaneModel:
-    """Derives the equations of a tree with sympy's KanesMethod; arguments and errors as `NewtonEuler`."""
+    """Derives the equations of a tree with sympy's KanesMethod; arguments and errors as `NewtonEuler`.
+
+    Raises UnsupportedError for loops: KanesMethod takes independent closure equations only, chosen by hand, and the
+    loops of laminates are redundant; and for springs between points.
+    """
     names = tuple(j.name for j in mechanism.joints) if joints is None else tuple(joints)
+    outside = [j.name for j in mechanism.joints if j.name not in names]
+    if outside:
+        raise UnsupportedError(
+            f"joint {outside[0]!r} closes a loop; KanesMethod takes independent closure equations only, chosen by "
+            "hand: leave the joint out of the mechanism"
+        )
     links = walk(mechanism, names)
     loads = numeric_loads(mechanism, effects, names)
+    if loads.springs:
+        raise UnsupportedError(
+            "the KanesMethod peer does not know the effect 'spring'; leave it out of the scene"
+        )
     n = len(links)
     q = tuple(dynamicsymbols(f"q:{n}")) if n else ()
     u = tuple(dynamicsymbols(f"u:{n}")) if n else ()

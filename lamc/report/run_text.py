@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from lamc.effects.registry import Choice
+from lamc.loops.rank import LoopCount
 from lamc.pipeline import Times
 from lamc.report.plan_view import shortened
-from lamc.run.closing import LoopCount
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
@@ -43,7 +43,7 @@ class RunReport:
         notes = []
         limited = [joint.name for joint in self.simulator.mechanism.joints if joint.is_limited]
         if limited and not any("limit" in c.name for c in self.account if c.effect is not None):
-            notes.append(f"the drawn limits of {names(limited)} are not simulated in this version")
+            notes.append(f"the drawn limits of {names(limited)} are not simulated: the scene does not call for joint_limits")
         result = self.result
         if 2 < len(result.t) < result.stats.accepted / 2:
             notes.append(

@@ -1,11 +1,10 @@
-"""Loops seen from numpy: the rank of their closure, and starts that close.
+"""Starts of mechanisms with loops: states that close.
 
-In: a `Motion` and what a scene asks of the start. Out: ranks, and states y = [q, u] on closure. It uses the compiled
+In: a `Motion` and what a scene asks of the start. Out: states y = [q, u] on closure. It uses the compiled
 closure and nothing of the derivation, and never integrates.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,24 +16,9 @@ if TYPE_CHECKING:
     from lamc.run.model import Motion
 
 CLOSED = 1e-12  # of the mechanism's size: a few hundred units of round-off
-RANK_TOLERANCE = 1e-7  # relative to the largest singular value; drift and drawings lie below, geometry above
-TRIES = 12  # random places from which to look for a generic, or a nearest, closed position
+TRIES = 12  # random places from which to look for a nearest closed position
 MAX_ITERATIONS = 60
 SPREAD = 0.4  # rad, of the random places
-
-
-@dataclass(frozen=True)
-class LoopCount:
-    """What the loops of a mechanism come to, counted as in the field: six equations for each, all joints unknown."""
-
-    loops: int
-    equations: int
-    rank: int
-    freedoms: int
-
-    @property
-    def redundant(self) -> int:
-        return self.equations - self.rank
 
 
 def closure(motion: "Motion", q: Array) -> tuple[Array, Array]:
@@ -42,33 +26,6 @@ def closure(motion: "Motion", q: Array) -> tuple[Array, Array]:
     n, m = len(q), motion.model.closure_count
     flat = motion.closures(np.concatenate([q, np.zeros(n)]).reshape(1, -1))[0]
     return flat[:m], flat[m:].reshape(m, n)
-
-
-def generic_rank(motion: "Motion") -> int:
-    """Rank of J at a generic closed position: the largest found from random places. Drawn positions are often flat,
-    where it is smaller."""
-    if not motion.model.closure_count:
-        return 0
-    n = len(motion.model.joints)
-    random = np.random.default_rng(20260101)
-    best = _rank(closure(motion, np.zeros(n))[1])
-    for _ in range(TRIES):
-        q, gap = _close(motion, random.normal(0.0, SPREAD, n), np.ones(n, dtype=bool))
-        if gap <= CLOSED * motion.model.size:
-            best = max(best, _rank(closure(motion, q)[1]))
-    return best
-
-
-def count_loops(motion: "Motion") -> LoopCount:
-    """The count that `lamc run` prints. The angle of a cut joint is an unknown too, so rank grows by one for each."""
-    model = motion.model
-    loops, rank = len(model.cuts), motion.rank + len(model.cuts)
-    return LoopCount(loops, 6 * loops, rank, len(model.joints) + loops - rank)
-
-
-def _rank(jacobian: Array) -> int:
-    values = np.linalg.svd(jacobian, compute_uv=False)
-    return int((values > RANK_TOLERANCE * values[0]).sum()) if values.size and values[0] > 0 else 0
 
 
 def _close(motion: "Motion", q: Array, free: Array) -> tuple[Array, float]:

@@ -11,7 +11,6 @@ from typing import Any, NoReturn, Protocol, Self
 import numpy as np
 
 from lamc.errors import UnsupportedError
-from lamc.run.closing import generic_rank
 from lamc.run.parameters import checked_parameters
 from lamc.run.request import Array
 
@@ -53,23 +52,18 @@ class Motion(Unchanging):
     States are rows y = [q, u], shape (m, 2n), rad and rad/s.
     """
 
-    def __init__(self, model: "Model", parameters: Array) -> None:
+    def __init__(self, model: "Model", parameters: Array, baumgarte: float = 0.0) -> None:
         self.model = model
         self.parameters = parameters
         self._constants = np.zeros(max(model.constant_count, 1))  # C wants an address even for none
         model.handle.setup(model.read(parameters), model.write(self._constants))
         self.handle = model.ffi.new("lamc_motion *")
         self.handle.model = model.handle
-        self.handle.constants = model.read(self._constants)  # self._constants keeps the memory alive
+        self.handle.constants = model.write(self._constants)  # self._constants keeps the memory alive
         self._work = np.zeros(model.lib.lamc_motion_work_size(model.handle))
-        if model.cuts:
+        self.handle.baumgarte = baumgarte
+        if self._work.size:
             self.handle.work = model.write(self._work)
-            self.handle.rank = model.rank_of(self)
-
-    @property
-    def rank(self) -> int:
-        """Rank of the closure at a generic position; 0 for a tree."""
-        return int(self.handle.rank)
 
     def closures(self, y: Array) -> Array:
         """Rows of residuals φ (m) and Jacobian J (m·n, by rows) of the loops at states y (k, 2n)."""
@@ -134,7 +128,9 @@ class Model(Unchanging):
         self.cuts = self._names(handle.cut_names, handle.cut_count)
         self.closure_count = int(handle.closure_count)
         self.size = float(handle.size)
-        self._rank: int | None = None
+        self.rank = int(handle.rank)
+        self.guards = self._names(handle.guard_names, handle.guard_count)
+        self.has_impacts = any(handle.guard_modes[i] < 0 for i in range(handle.guard_count))
         self.bodies = self._names(handle.body_names, handle.body_count)
         self.energies = self._names(handle.energy_names, handle.energy_count)
         self.parameters = self._names(handle.parameter_names, handle.parameter_count)
@@ -142,14 +138,10 @@ class Model(Unchanging):
         self.constant_count = int(handle.constant_count)
         self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
 
-    def rank_of(self, motion: "Motion") -> int:
-        """Rank of the closure at a generic position; it depends on geometry alone, and is found once."""
-        if self._rank is None:
-            self._rank = generic_rank(motion)
-        return self._rank
-
-    def motion(self, parameters: Mapping[str, float]) -> Motion:
+    def motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.
+
+        baumgarte  1/s, rate at which loops that drifted close again; 0: states are projected on closure instead
 
         Raises RequestError for a name that is not there and for a value that its quantity cannot have.
         """
@@ -157,7 +149,7 @@ class Model(Unchanging):
         units = dict(zip(self.parameters, self.parameter_units, strict=True))
         values |= checked_parameters(parameters, units)
         padding = [0.0] if not values else []
-        return Motion(self, np.array([*values.values(), *padding]))
+        return Motion(self, np.array([*values.values(), *padding]), baumgarte)
 
     def read(self, array: Array) -> Any:
         """The address of a contiguous array, for C to read. The caller keeps the array alive."""

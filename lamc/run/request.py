@@ -19,7 +19,7 @@ from lamc.mechanism.checks import shown
 Array = npt.NDArray[np.float64]
 Progress = Callable[[float, float], None]
 
-MIN_RTOL = 1e-13  # as in runtime_c/src/rk45.c: below, the error estimate is round-off
+MIN_RTOL = 1e-13  # as in runtime_c/src/run.c: below, the error estimate is round-off
 
 
 class Status(IntEnum):
@@ -32,6 +32,8 @@ class Status(IntEnum):
     STEP_LIMIT = -3
     CANCELLED = -4
     CLOSURE_LOST = -7
+    RANK_LOST = -8  # it stays at a singular position
+    EVENTS_PILE_UP = -9  # impacts follow each other ever faster (Zeno)
     FAILED = -6  # for a reason of its own, told in the message; scipy's integrators only
 
 
@@ -66,6 +68,8 @@ class Trajectory:
     accepted: int
     rejected: int | None  # None: not told by this integrator
     last_step: float  # s
+    events: tuple[tuple[float, int], ...] = ()  # s and which guard
+    switches: tuple[tuple[float, str], ...] = ()  # s and the integrator taken from there on
 
 
 def checked_request(

@@ -38,6 +38,15 @@ class RunStats:
     last_step: float  # s
     wall_time: float  # s
     real_time_factor: float  # simulated seconds per second of wall time
+    switches: tuple[tuple[float, str], ...] = ()  # of "auto": s, and the integrator from there on; the first ones
+
+
+@dataclass(frozen=True)
+class Event:
+    """A limit reached or left, or an impact."""
+
+    t: float  # s
+    name: str
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,7 @@ class Result(Unchanging):
     status   how it ended: 0 (`Status.REACHED_END`) or a negative `Status`; every row is good in any case
     message  the same for people
     stats    what it took
+    events   limits reached and left, and impacts, in order
 
     Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
@@ -76,6 +86,7 @@ class Result(Unchanging):
     provenance: Provenance
     mechanism: Mechanism
     motion: Motion = field(repr=False)
+    events: tuple[Event, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):

@@ -17,13 +17,16 @@ import numpy.typing as npt
 
 from lamc._version import __version__
 from lamc.errors import RequestError
+from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import plan
 from lamc.run import integrators
-from lamc.run.closing import LoopCount, closed_start, count_loops
+from lamc.run.closing import closed_start
+from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
-from lamc.run.request import Array, Progress, Status, Trajectory, checked_request, did_you_mean
-from lamc.run.result import Provenance, Result, RunStats
+from lamc.run.request import Array, Progress, checked_request, did_you_mean, finite
+from lamc.run.result import Event, Provenance, Result, RunStats
 from lamc.scene import Scene
 
 NO_PARAMETERS: Mapping[str, float] = MappingProxyType({})
@@ -80,7 +83,7 @@ class Simulator(Unchanging):
     @cached_property
     def loops(self) -> LoopCount:
         """Loops, equations, rank, redundancy and degrees of freedom."""
-        return count_loops(self._default_motion)
+        return count_loops(plan(self.mechanism))
 
     @cached_property
     def start(self) -> Array:
@@ -131,24 +134,28 @@ class Simulator(Unchanging):
         max_steps: int = 1_000_000,
         max_step: float | None = None,
         progress: Progress | None = None,
+        baumgarte: float | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end (s).
 
         rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|)
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
                     every step
-        integrator  "auto" or "rk45" (in C), or "scipy:DOP853", "scipy:LSODA", "scipy:Radau", …
+        integrator  in C: "rk45", "dop853" (explicit), "rodas5p", "radau5" (implicit, for stiff hinges), or "auto":
+                    explicit, and implicit where that goes faster; or "scipy:LSODA", "scipy:Radau", …
         parameters  values by name, in the units of `parameter_units`; the others keep their defaults
         max_steps   steps tried before the run gives up
         max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only
         progress    called with (t, t_end) now and then
+        baumgarte   rate, 1/s, at which loops that drift apart are pulled together (Baumgarte's stabilisation, for
+                    comparison); None: each accepted step is projected on closure, with nothing to choose
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
         `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
         Raises RequestError for arguments that make no run.
         """
         request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
-        motion = self._motion(parameters)
+        motion = self._motion(parameters, _rate(baumgarte))
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
@@ -157,9 +164,11 @@ class Simulator(Unchanging):
             q=trajectory.q,
             u=trajectory.u,
             status=trajectory.status,
-            message=_message(trajectory, request.t_end, request.max_steps),
+            message=message(trajectory, request, motion),
+            events=tuple(Event(t, self._model.guards[k]) for t, k in trajectory.events),
             stats=RunStats(
                 integrator=used,
+                switches=trajectory.switches,
                 rtol=request.rtol,
                 atol=request.atol,
                 steps=trajectory.accepted + (trajectory.rejected or 0),
@@ -199,14 +208,25 @@ class Simulator(Unchanging):
         total: Array = self._motion(parameters).energies(times, rows).sum(axis=1).reshape(shape)
         return total
 
+    def closure(self, q: npt.ArrayLike) -> tuple[Array, Array]:
+        """Residuals φ, shape (m,), m, of the loops' equations and their Jacobian, shape (m, n), m/rad, at angles q
+        (n,), rad; m is 0 for a tree. Raises RequestError for another shape."""
+        angles = _numbers(q, "q")
+        n, m = len(self.joints), self._model.closure_count
+        if angles.shape != (n,):
+            raise RequestError(f"q has shape {angles.shape}; it must be ({n},), one angle per joint")
+        row = np.concatenate([angles, np.zeros(n)]).reshape(1, -1)
+        flat = self._motion(NO_PARAMETERS).closures(row)[0]
+        return flat[:m], flat[m:].reshape(m, n)
+
     @cached_property
     def _default_motion(self) -> Motion:
         return self._model.motion(NO_PARAMETERS)
 
-    def _motion(self, parameters: Mapping[str, float]) -> Motion:
-        # With loops a motion has working memory, which two threads cannot share.
-        if parameters is not NO_PARAMETERS or self._model.cuts:
-            return self._model.motion(parameters)
+    def _motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
+        # With loops or guards a motion has working memory, which two threads cannot share.
+        if parameters is not NO_PARAMETERS or self._model.cuts or self._model.guards:
+            return self._model.motion(parameters, baumgarte)
         return self._default_motion
 
     def _states(
@@ -273,19 +293,10 @@ def _start(scene: Scene, joints: tuple[str, ...]) -> Array:
     return np.array([*angles, *rates], dtype=np.float64)
 
 
-def _message(trajectory: Trajectory, t_end: float, max_steps: int) -> str:
-    """How the run ended, and the way out where it ended early."""
-    at = f"at t = {trajectory.t_reached:.9g} s"
-    advice = {
-        Status.REACHED_END: f"the end was reached {at}",
-        Status.STEP_UNDERFLOW: f"stopped {at}: no step is short enough there; "
-        "the motion is singular, or a torque grows without bound",
-        Status.NOT_FINITE: f"stopped {at}: the accelerations beyond are not finite (NaN or infinity), "
-        "however short the step; look at the torques and parameters",
-        Status.STEP_LIMIT: f"stopped {at} of {t_end:g} s: {max_steps} steps were tried; raise max_steps, "
-        "loosen rtol, or try integrator='scipy:Radau' where hinges are stiff",
-        Status.CLOSURE_LOST: f"stopped {at}: a loop came apart, no position nearby closes it; look at forces and rates",
-        Status.CANCELLED: f"cancelled {at} of {t_end:g} s; what was computed is kept",
-        Status.FAILED: f"stopped {at}: the integrator failed",
-    }[trajectory.status]
-    return f"{advice} ({trajectory.note})" if trajectory.note and trajectory.status < 0 else advice
+def _rate(baumgarte: float | None) -> float:
+    if baumgarte is None:
+        return 0.0
+    rate = finite(baumgarte, "baumgarte", "a rate in 1/s above zero, or None")
+    if rate <= 0.0:
+        raise RequestError(f"baumgarte is {rate!r}; it must be a rate in 1/s above zero, or None for projection")
+    return rate

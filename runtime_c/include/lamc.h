@@ -47,6 +47,8 @@ typedef struct lamc_model {
   int joint_count;                    /* n: joints that are coordinates */
   int cut_count;                      /* joints that close loops; 0: a tree */
   int closure_count;                  /* m: equations that hold the loops, redundant ones included */
+  int rank;                           /* of the closure at a generic position: no more equations are taken */
+  double tolerance;                   /* m: gap that loops may keep where their equations disagree; 0: none */
   int body_count;                     /* moving bodies */
   int parameter_count;                /* numbers that can change without recompiling */
   int constant_count;                 /* numbers that depend on parameters only */
@@ -96,7 +98,8 @@ typedef struct lamc_motion {
   const lamc_model *model;
   double *constants; /* (constant_count,), from model->setup; of them, only the guards' modes change later */
   double *work;      /* (lamc_motion_work_size(model),); NULL where that is 0 */
-  int rank;          /* of the closure at a generic position: no more equations are taken; <= closure_count */
+  double
+      baumgarte; /* 1/s, rate at which loops that drifted close again; 0: states are brought back instead */
 } lamc_motion;
 
 /* Doubles that `work` must hold; 0 for a tree without guards. */
@@ -132,6 +135,8 @@ typedef struct lamc_ode {
   const void *context;
   /* Brings y back to what holds for all states; *moved tells how far. NULL: nothing has to hold. */
   lamc_status (*settle)(const void *context, double t, double *y, double *moved);
+  /* After a step was accepted and its end settled: whether the run can go on. NULL: it always can. */
+  lamc_status (*judge)(const void *context);
   /* Implicit methods need y = [q, u] with dq/dt = u, k = n / 2, and of udot at a state: its derivatives by q (k, k), by
    * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size doubles. */
   void (*jacobian)(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,
@@ -195,6 +200,7 @@ typedef struct lamc_watch {
   int probe_steps;   /* steps left of the trial of another method; 0: none under way */
   long long rest;    /* accepted steps before the next trial */
   long long backoff; /* what rest is set to when a trial does not pay; doubles each time */
+  double eigenvalue; /* 1/s, that the steps before a trial met */
   double pace;       /* s of motion per evaluation, of the method that was left for the trial */
   double mark_t;     /* s, where the pace of the present method is measured from */
   double mark_cost;  /* evaluations, until then */

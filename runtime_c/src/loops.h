@@ -14,6 +14,12 @@ int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q
 /* After an acceleration, at the same place: x (n,) replaced by the solution of M x = x_before + J^T ..., J x + goal = 0 */
 void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x);
 
+/* Before a run: no step was taken yet. */
+void lamc_loops_begin(const lamc_motion *motion);
+
+/* LAMC_RANK_LOST where equations have been missing for many steps in a row: lamc_ode.judge of a motion with loops */
+lamc_status lamc_loops_judge(const void *motion);
+
 /* u after an impact on a guard with this gradient (n,), 1: its rate is reversed times the restitution, all loops hold */
 void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
                        const double *gradient, double restitution);

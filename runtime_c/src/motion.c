@@ -39,7 +39,10 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.n = 2 * model->joint_count;
   ode.rhs = motion_rhs;
   ode.context = motion;
-  ode.settle = model->cut_count == 0 ? NULL : motion_settle;
+  if (model->cut_count > 0 && motion->baumgarte == 0.0) {
+    ode.settle = motion_settle;
+    ode.judge = lamc_loops_judge;
+  }
   ode.jacobian = lamc_linearise;
   ode.scratch_size = lamc_linearise_scratch(model);
   ode.jacobian_cost = lamc_linearise_cost(model);
@@ -47,6 +50,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.guards = lamc_guards_values;
   ode.sense = lamc_guards_sense;
   ode.event = lamc_guards_event;
+  if (model->cut_count > 0) lamc_loops_begin(motion);
   return ode;
 }
 

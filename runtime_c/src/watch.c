@@ -13,7 +13,7 @@
 
 enum {
   ENOUGH_SUSPICION = 20,
-  TRIAL_STEPS = 12, /* an implicit step grows up to six times a step: nine orders of magnitude */
+  TRIAL_STEPS = 12, /* the first ones may be short or refused */
   FIRST_BACKOFF = 100,
   LONGEST_BACKOFF = 100000,
   CALM_STEPS = 30 /* steps over which an explicit method must look faster before it is taken again */
@@ -21,16 +21,15 @@ enum {
 
 static const double TIGHT = 3e-6;         /* tolerance below which the higher orders are faster */
 static const double LINEAR_ALGEBRA = 3.0; /* of an implicit step, in evaluations: factors and solutions */
-static const double WORTH_IT = 1.25;      /* times as fast */
+static const double VERY_STIFF =
+    100.0; /* times the step: k / (m g L) of some 1e7 (measured: triple pendulum) */
+static const double CLEARLY_WORTH_IT = 10.0; /* times as fast: the trial need not go on */
+static const double WORTH_IT = 1.25;         /* times as fast */
 static const double PART_OF_EXTENT =
     0.45; /* of the stable extent: where explicit steps come to be limited by it */
 
 static int explicit_choice(const lamc_run *run) {
   return run->options.rtol < TIGHT ? LAMC_DOP853 : LAMC_RK45;
-}
-
-static int implicit_choice(const lamc_run *run) {
-  return run->options.rtol < 1e-11 ? LAMC_RADAU5 : LAMC_RODAS5P;
 }
 
 static int can_be_implicit(const lamc_run *run) {
@@ -59,13 +58,15 @@ void lamc_watch_start(lamc_run *run, lamc_method which) {
 
 void lamc_watch_switch(lamc_run *run) {
   if (run->watch.next_method == 0) return;
+  const int was_implicit =
+      lamc_method_of(run->method)->stable_extent == 0.0 && run->watch.next_method == LAMC_RADAU5;
   run->method = run->watch.next_method;
   run->watch.next_method = 0;
   run->watch.suspicions = 0;
   run->has_jacobian = 0;
   run->has_polynomial = 0;
-  run->dense = LAMC_DENSE_NONE;
-  run->log_error_old = 0.0;
+  run->dense = LAMC_DENSE_NONE; /* the other method's */
+  if (!was_implicit) lamc_run_restart(run);
   mark(run);
 }
 
@@ -89,7 +90,8 @@ static void watch_explicit(lamc_run *run, const method *m) {
     if (--w->rest == 0) mark(run);
     return;
   }
-  const int limited = run->h_last * m->eigenvalue(run) > PART_OF_EXTENT * m->stable_extent;
+  w->eigenvalue = m->eigenvalue(run);
+  const int limited = run->h_last * w->eigenvalue > PART_OF_EXTENT * m->stable_extent;
   if (limited) {
     if (w->suspicions++ == 0) mark(run);
   } else {
@@ -98,7 +100,7 @@ static void watch_explicit(lamc_run *run, const method *m) {
   if (w->suspicions < ENOUGH_SUSPICION) return;
   w->pace = (run->t - w->mark_t) / (cost(run) - w->mark_cost);
   w->probe_steps = TRIAL_STEPS;
-  ask_for(run, implicit_choice(run));
+  ask_for(run, LAMC_RODAS5P);
 }
 
 /* The last step of a trial decides: by then the step has grown to what the tolerance allows. */
@@ -106,9 +108,12 @@ static void watch_trial(lamc_run *run) {
   lamc_watch *w = &run->watch;
   const double pace = (run->t - w->mark_t) / (cost(run) - w->mark_cost);
   mark(run);
-  if (--w->probe_steps > 0) return;
+  if (--w->probe_steps > 0 && pace < CLEARLY_WORTH_IT * w->pace) return;
+  w->probe_steps = 0;
   if (pace > WORTH_IT * w->pace) {
     w->backoff = FIRST_BACKOFF;
+    /* Rosenbrock methods lose digits far beyond the fast motion that Radau IIA keeps; but they get past it at first */
+    if (run->h_last * w->eigenvalue > VERY_STIFF) ask_for(run, LAMC_RADAU5);
     return;
   }
   forget_trial(run);

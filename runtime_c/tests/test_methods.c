@@ -143,7 +143,7 @@ static void auto_says_that_it_switched(check_counts *counts) {
   double y[2];
   lamc_ode ode = follow(stiff);
   CHECK(counts, solve(&ode, LAMC_AUTO, &options, y0, 10.0, y, &run));
-  CHECK(counts, run.switches >= 1 && run.switch_method[0] == LAMC_RODAS5P && run.method == LAMC_RODAS5P);
+  CHECK(counts, run.switches >= 1 && run.switch_method[0] == LAMC_RODAS5P && run.method >= LAMC_RODAS5P);
   CHECK(counts, run.switch_t[0] > 0.0 && run.switch_t[0] < 1e-2);
   ode = follow(soft);
   CHECK(counts, solve(&ode, LAMC_AUTO, &options, y0, 10.0, y, &run));

@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 3bbac1bcc9345656d6a7b32eaae9c3799bb3829823dc7da1f1b8b4df28495c9a
+ * Program digest 609fcafcb49141c87cdef165e2016fe2838cf80bb85dcb823aac541a9c222d9a
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -121,11 +121,13 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "3bbac1bcc9345656d6a7b32eaae9c3799bb3829823dc7da1f1b8b4df28495c9a",
+      "609fcafcb49141c87cdef165e2016fe2838cf80bb85dcb823aac541a9c222d9a",
       0.5,
       1,
       0,
       0,
+      0,
+      0.0,
       1,
       4,
       3,

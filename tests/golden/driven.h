@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 3bbac1bcc9345656d6a7b32eaae9c3799bb3829823dc7da1f1b8b4df28495c9a
+ * Program digest 609fcafcb49141c87cdef165e2016fe2838cf80bb85dcb823aac541a9c222d9a
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 948bb80fd68d411b499131ba3a511a2f0189b7c92744113b7951954d8d97d513
+ * Program digest 4f1101b7776b5f11e0093b4508b047fe9d55b9a211f2e3727c4422e724a97bee
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -355,11 +355,13 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "948bb80fd68d411b499131ba3a511a2f0189b7c92744113b7951954d8d97d513",
+      "4f1101b7776b5f11e0093b4508b047fe9d55b9a211f2e3727c4422e724a97bee",
       2.5000040999935202,
       3,
       0,
       0,
+      0,
+      0.0,
       3,
       22,
       24,

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 948bb80fd68d411b499131ba3a511a2f0189b7c92744113b7951954d8d97d513
+ * Program digest 4f1101b7776b5f11e0093b4508b047fe9d55b9a211f2e3727c4422e724a97bee
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest d0dd9a65c9b765d7c9111098154dc771c225856705a25f17f403f4c9b8b875ba
+ * Program digest fa7b14a6dc8f2e51888a4b2bd7a2227e148cd024be545ea2c51474973264f059
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -331,11 +331,13 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "d0dd9a65c9b765d7c9111098154dc771c225856705a25f17f403f4c9b8b875ba",
+      "fa7b14a6dc8f2e51888a4b2bd7a2227e148cd024be545ea2c51474973264f059",
       1.0307764064044151,
       2,
       0,
       0,
+      0,
+      0.0,
       2,
       17,
       31,

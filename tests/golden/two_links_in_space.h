@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest d0dd9a65c9b765d7c9111098154dc771c225856705a25f17f403f4c9b8b875ba
+ * Program digest fa7b14a6dc8f2e51888a4b2bd7a2227e148cd024be545ea2c51474973264f059
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

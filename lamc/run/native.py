@@ -1,6 +1,6 @@
-"""Drives the Dormand–Prince integrator of the C runtime in slices, so that Ctrl-C is answered between them.
+"""Drives the integrators of the C runtime in slices, so that Ctrl-C is answered between them.
 
-In: a `Motion` and a `Request`. Out: a `Trajectory`. Never: computes a step itself.
+In: a `Motion`, a `Request` and a method's name. Out: a `Trajectory`. Never: computes a step itself.
 
 The C loop runs without the GIL for about SLICE seconds at a time. A slice ends between two steps, so the
 numbers do not depend on where slices end. Rows go into chunks of one size that are never moved: Ctrl-C then waits for
@@ -19,6 +19,9 @@ from lamc.run.request import Array, Request, Status, Trajectory
 
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
+EVENTS = 4096  # room for events in a chunk
+METHODS = {"auto": 0, "rk45": 1, "dop853": 2, "rodas5p": 3, "radau5": 4}  # as in lamc_method
+NAMES = {number: name for name, number in METHODS.items()}
 CHUNK = 2**18  # numbers in a chunk of rows, 2 MiB; C needs longer to fill one than a slice lasts
 
 
@@ -30,12 +33,22 @@ class _Chunk:
         self.handle: Any = model.ffi.new("lamc_rows *")
         self.handle.t, self.handle.y = model.write(self._t), model.write(self._y)
         self.handle.capacity = capacity
+        self._event_t, self._event_guard = np.empty(EVENTS), np.empty(EVENTS, dtype=np.int32)
+        self.handle.event_t = model.write(self._event_t)
+        self.handle.event_guard = model.ffi.from_buffer("int[]", self._event_guard, require_writable=True)
+        self.handle.event_capacity = EVENTS
 
     @property
     def rows(self) -> tuple[Array, Array]:
         """Times (m,) and states (m, 2n) written so far."""
         count = int(self.handle.count)
         return self._t[:count], self._y[:count]
+
+    @property
+    def events(self) -> list[tuple[float, int]]:
+        """Times and guards of the events written so far."""
+        count = int(self.handle.event_count)
+        return list(zip(self._event_t[:count].tolist(), self._event_guard[:count].tolist(), strict=True))
 
 
 class _Rows:
@@ -54,6 +67,10 @@ class _Rows:
     def grow(self) -> None:
         self._chunks.append(_Chunk(self._model, self._capacity))
 
+    @property
+    def events(self) -> tuple[tuple[float, int], ...]:
+        return tuple(event for chunk in self._chunks for event in chunk.events)
+
     def taken(self, t_last: float, y_last: Array) -> tuple[Array, Array, Array]:
         """Times, angles and rates, with the state at t_last put behind them if it lies beyond."""
         parts = [chunk.rows for chunk in self._chunks]
@@ -64,20 +81,23 @@ class _Rows:
         return t, np.concatenate([y[:, :n] for _, y in parts]), np.concatenate([y[:, n:] for _, y in parts])
 
 
-def integrate(motion: Motion, request: Request) -> Trajectory:
-    """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is."""
+def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Trajectory]:
+    """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is. The names of
+    the methods that were used come first."""
     model = motion.model
     ffi, lib = model.ffi, model.lib
     ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
-    work = np.empty(lib.lamc_rk45_work_size(ode.n))
+    size = lib.lamc_run_work_size(ode, METHODS[method])
+    work = np.empty(max(size, 1))
     max_step = request.max_step if math.isfinite(request.max_step) else 0.0
     options = ffi.new("lamc_options *", [request.rtol, request.atol, 0.0, max_step, request.max_steps])
     times = request.t_eval
-    run = ffi.new("lamc_rk45 *")
+    run = ffi.new("lamc_run *")
     rows = _Rows(model, times)
-    status = lib.lamc_rk45_start(
+    status = lib.lamc_run_start(
         run,
         ode,
+        METHODS[method],
         options,
         0.0,
         model.read(request.y0),
@@ -88,34 +108,30 @@ def integrate(motion: Motion, request: Request) -> Trajectory:
     )
     if status == lib.LAMC_BAD_ARGUMENT:  # checked_request should have seen it
         raise SimulationError("the integrator refuses these arguments; please report this as a bug of lamc")
+    first_method = run.method
     if status == lib.LAMC_OK:
         status = _advance(motion, run, rows, request)
-    t_last, y_last = _last_good(model, run, status, len(request.y0))
-    t, q, u = rows.taken(t_last if status < 0 else -math.inf, y_last)
-    return Trajectory(
+    state = lib.lamc_run_state(run)
+    y_last = np.array([state[i] for i in range(len(request.y0))], dtype=np.float64)
+    t, q, u = rows.taken(float(run.t) if status < 0 else -math.inf, y_last)
+    first = NAMES[first_method]
+    kept = min(int(run.switches), lib.LAMC_SWITCHES_KEPT)
+    switches = tuple((float(run.switch_t[i]), NAMES[run.switch_method[i]]) for i in range(kept))
+    used = ", ".join(dict.fromkeys([first, *(name for _, name in switches)]))
+    return used, Trajectory(
         t=t,
         q=q,
         u=u,
-        t_reached=t_last,
+        t_reached=float(run.t),
         status=Status(status),
         note="",
         evaluations=int(run.evaluations),
         accepted=int(run.accepted),
         rejected=int(run.rejected),
         last_step=float(run.h_last),
+        events=rows.events,
+        switches=switches,
     )
-
-
-def _last_good(model: Model, run: Any, status: int, width: int) -> tuple[float, Array]:
-    """The last time and state (width,) that hold: those where the run stands, or where a loop came apart in the last
-    step those before it."""
-    if status == Status.CLOSURE_LOST:
-        y = np.empty(width)
-        interpolated = model.lib.lamc_rk45_interpolate(run, run.t_old, model.write(y))
-        assert interpolated == model.lib.LAMC_OK
-        return float(run.t_old), y
-    state = model.lib.lamc_rk45_state(run)
-    return float(run.t), np.array([state[i] for i in range(width)], dtype=np.float64)
 
 
 def _advance(motion: Motion, run: Any, rows: _Rows, request: Request) -> int:
@@ -125,7 +141,7 @@ def _advance(motion: Motion, run: Any, rows: _Rows, request: Request) -> int:
     try:
         while True:
             before, started = run.evaluations, time.perf_counter()
-            status = int(lib.lamc_rk45_advance(run, rows.handle, budget, null))
+            status = int(lib.lamc_run_advance(run, rows.handle, budget, null))
             if status <= 0:
                 return status
             if status == lib.LAMC_OUTPUT_FULL:

@@ -1,0 +1,118 @@
+"""States for comparisons: of trees anywhere, of loops on closure.
+
+In: the Newton-Euler voice, which knows the geometry. Out: random states, and states brought to closure by Gauss-Newton.
+It shares no code with the starts of a run and uses no compiled function.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from lamc.reference.constrained import split
+from lamc.reference.kinematics import Array
+from lamc.reference.newton_euler import NewtonEuler
+
+Acceleration = Callable[[Array, Array, float], Array]
+State = tuple[float, Array, Array]  # t s, q rad, u rad/s
+
+CLOSED = 1e-13  # of the size: round-off of positions
+WELL_CONDITIONED = (
+    100.0  # largest over least singular value; beyond, a state says more of round-off than of equations
+)
+SPREADS = (
+    1.0,
+    0.3,
+    0.1,
+    0.03,
+)  # rad, of places around the start; loops that barely move close from near ones only
+_ROUNDS = 40
+_TRIES = 5  # places per state that is wanted
+_LONGEST = 0.5  # rad, one step
+
+
+def settled(voice: NewtonEuler, q: Array, u: Array) -> tuple[Array, Array, float]:
+    """The closed position near q, the rates of u that keep it closed, and the gap that is left, m.
+
+    The gap is infinite where a hinge is closed but for its axes, which run against each other: no equation tells.
+    """
+    q, gap = np.array(q, dtype=np.float64), math.inf
+    for _ in range(_ROUNDS):
+        closed = voice.closure.at(voice.still(q))
+        residual, parts = closed.residual(), split(closed.jacobian())
+        before, gap = gap, float(np.abs(residual).max(initial=0.0))
+        if gap <= 1e-2 * CLOSED * voice.size or (gap <= CLOSED * voice.size and gap > 0.5 * before):
+            break
+        step = parts.least(-residual)
+        q += step * min(1.0, _LONGEST / max(float(np.abs(step).max(initial=0.0)), 1e-300))
+    turned = any(parent.directions[2] @ child.directions[2] < 0.0 for parent, child in closed.sides)
+    return q, parts.free @ (parts.free.T @ u), math.inf if turned else gap
+
+
+def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, seed: int) -> list[State]:
+    """States with angles within ±π and rates large enough for forces of motion to matter.
+
+    With loops: closed ones around the angles `start` (n,), away from singular positions; they may be fewer than
+    `count`, and none where the loops cannot move at all.
+    """
+    rng = np.random.default_rng(seed)
+    n = len(voice.joints)
+    if not voice.cuts:
+        return [_moving(voice, rng, t_end, rng.uniform(-np.pi, np.pi, n)) for _ in range(count)]
+    places = [start] if count else []
+    for k in range(_TRIES * count):
+        if len(places) > count:
+            break
+        guess = start + rng.normal(0.0, SPREADS[k % len(SPREADS)], n)
+        q, _, gap = settled(voice, guess, np.zeros(n))
+        if gap <= CLOSED * voice.size:
+            places.append(q)
+    conditions = [voice.condition(q) for q in places]
+    full = max((rank for rank, _ in conditions), default=0)
+    regular = [
+        q
+        for q, (rank, condition) in zip(places, conditions, strict=True)
+        if rank == full and condition <= WELL_CONDITIONED
+    ]
+    return [_moving(voice, rng, t_end, q) for q in regular[-count:]]
+
+
+def on_closure(voice: NewtonEuler, acceleration: Acceleration) -> Acceleration:
+    """`acceleration`, taken at the closed state nearest to one that is off closure.
+
+    Stages of an integrator's step are: redundant equations then count as independent ones, and lock the mechanism.
+    """
+    if not voice.cuts:
+        return acceleration
+
+    def closed(q: Array, u: Array, t: float) -> Array:
+        if np.isfinite(q).all() and np.isfinite(u).all():
+            q, u, _ = settled(voice, q, u)
+            return acceleration(q, u, t)
+        return np.full(len(q), np.nan)
+
+    return closed
+
+
+def nudged(voice: NewtonEuler, start: Array, amount: float) -> Array:
+    """The state `start` (2n,) moved by `amount`, rad, along every free direction; with loops it stays closed."""
+    n = len(voice.joints)
+    if not voice.cuts:
+        moved: Array = start + np.repeat([amount, 0.0], n)
+        return moved
+    free = split(voice.gaps(start[:n])[1]).free
+    q, u, _ = settled(voice, start[:n] + amount * free.sum(axis=1), start[n:])
+    return np.concatenate([q, u])
+
+
+def _moving(voice: NewtonEuler, rng: np.random.Generator, t_end: float, q: Array) -> State:
+    """`q` at a random time with random rates, which keep loops closed."""
+    n = len(q)
+    t = float(rng.uniform(0.0, t_end))
+    size = float(np.abs(voice.acceleration(q, np.zeros(n), t)).max(initial=0.0))
+    pace = max(1.0, math.sqrt(size)) if math.isfinite(size) else 1.0
+    u = rng.uniform(-pace, pace, n)
+    if voice.cuts:
+        free = split(voice.gaps(q)[1]).free
+        u = free @ (free.T @ u)
+    return t, q, u

@@ -1,0 +1,51 @@
+"""How a run ended, for people: what happened, when, at which joint or loop, and the way out.
+
+In: a `Trajectory` and the motion that it is of. Out: one line. Never: decides how a run ends.
+"""
+
+import numpy as np
+
+from lamc.run.model import Motion
+from lamc.run.request import Request, Status, Trajectory
+
+
+def message(trajectory: Trajectory, request: Request, motion: Motion) -> str:
+    """One line about the end of the run."""
+    at = f"at t = {trajectory.t_reached:.9g} s"
+    status = trajectory.status
+    text = {
+        Status.REACHED_END: f"the end was reached {at}",
+        Status.STEP_UNDERFLOW: f"stopped {at}: no step is short enough there; the motion is singular, or a torque "
+        "grows without bound",
+        Status.NOT_FINITE: f"stopped {at}: the accelerations beyond are not finite (NaN or infinity), however short "
+        "the step; look at the torques and parameters",
+        Status.STEP_LIMIT: f"stopped {at} of {request.t_end:g} s: {request.max_steps} steps were tried; raise "
+        "max_steps or loosen rtol",
+        Status.CLOSURE_LOST: f"stopped {at}: a loop came apart, no position nearby closes it; look at forces and rates",
+        Status.RANK_LOST: f"stopped {at}: the motion stays at a singular position, where forces do not determine "
+        "which branch it takes; start on a branch (Scene(branch=…)) or change what holds it there",
+        Status.EVENTS_PILE_UP: f"stopped {at}: impacts follow each other ever faster (Zeno); let the limit give way "
+        "with JointLimits(stiffness=…, damping=…) where a joint comes to rest on it",
+        Status.CANCELLED: f"cancelled {at} of {request.t_end:g} s; what was computed is kept",
+        Status.FAILED: f"stopped {at}: the integrator failed",
+    }[status]
+    concerned = _concerned(trajectory, motion)
+    notes = [note for note in (concerned, trajectory.note) if note]
+    return f"{text} ({'; '.join(notes)})" if notes and status < 0 else text
+
+
+def _concerned(trajectory: Trajectory, motion: Motion) -> str:
+    """The joint or loop that the end is about; empty where there is none."""
+    model = motion.model
+    match trajectory.status:
+        case Status.STEP_UNDERFLOW | Status.NOT_FINITE if len(trajectory.u) and len(model.joints):
+            rates = np.abs(trajectory.u[-1])
+            fastest = int(np.argmax(rates))
+            return f"the fastest joint is {model.joints[fastest]!r}, at {rates[fastest]:.3g} rad/s"
+        case Status.CLOSURE_LOST | Status.RANK_LOST:
+            loops = ", ".join(repr(name) for name in model.cuts[:4])
+            more = f" and {len(model.cuts) - 4} more" if len(model.cuts) > 4 else ""
+            return f"loop closed by {loops}{more}"
+        case Status.EVENTS_PILE_UP if trajectory.events:
+            return f"at {model.guards[trajectory.events[-1][1]]}"
+    return ""

@@ -83,6 +83,11 @@ def _pair(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], sites: Sequen
 def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge]) -> str:
     if contact.free_length <= SHORTEST * hinge.properties.width:
         near = [repr(h.name) for h in _neighbours(hinge, hinges)][:4]
+        if not near:
+            return (
+                f"it is {hinge.line.length * 1e3:.3g} mm long and {hinge.properties.width * 1e3:.3g} mm wide, which "
+                "leaves nothing to bend; make it longer, or lower the hinge width"
+            )
         return (
             f"the holes where it meets {_plural('hinge', near)} swallow it; move them apart, make it "
             "longer, or "

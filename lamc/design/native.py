@@ -16,7 +16,7 @@ from lamc.design import shapes
 from lamc.design.checking import Path, Problems, did_you_mean, validate
 from lamc.design.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.design.inert import MapNode, Node, ScalarNode
-from lamc.design.records import Design, HingeLine, HingeSet, Layer, Material
+from lamc.design.records import Design, HingeLine, HingeSet, Layer, Material, Places
 from lamc.design.scene_file import scene_from_model
 from lamc.design.schema import DesignModel, HingeModel, LayerModel, OutlineModel, ShapeModel
 from lamc.design.units import length_unit
@@ -73,7 +73,16 @@ class _Reader:
         )
         points = tuple((body, Point(at)) for body, at in model.bodies.items())
         source = PurePath(self.file).name
-        return Design(name, layers, hinges, tuple(fixed), points, scene, source, model.story.strip())
+        return Design(
+            name, layers, hinges, tuple(fixed), points, scene, source, model.story.strip(), self._places()
+        )
+
+    def _places(self) -> Places:
+        """The places that a message about the whole drawing may need."""
+        paths: list[Path] = [(), ("fixed",), ("hinges",)]
+        paths += [("layers", index) for index in range(len(self.layer_names))]
+        paths += [("bodies", name) for name in self.model.bodies]
+        return Places(tuple((path, self.problems.place(path)) for path in paths))
 
     def _check_names(self) -> None:
         model, problems = self.model, self.problems

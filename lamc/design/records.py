@@ -65,6 +65,18 @@ class HingeSet:
 
 
 @dataclass(frozen=True)
+class Places:
+    """Where the parts of a design stand in its file, for messages: keys from the top of the file, and the place."""
+
+    known: tuple[tuple[tuple[str | int, ...], Place], ...] = ()
+
+    def of(self, *path: str | int) -> Place | None:
+        """The place of what stands at `path`, or of the nearest thing around it; None for a design by hand."""
+        known = dict(self.known)
+        return next((known[path[:n]] for n in range(len(path), -1, -1) if path[:n] in known), None)
+
+
+@dataclass(frozen=True)
 class Design:
     """A laminate device before splitting.
 
@@ -81,6 +93,7 @@ class Design:
     scene: Scene | None = None
     source: str = ""  # the file's name, without its folder
     story: str = ""
+    places: Places = field(default=Places(), compare=False, repr=False)
 
     @property
     def z(self) -> tuple[float, ...]:

@@ -48,7 +48,16 @@ def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
         raise DesignError(f"{design.name!r} is a Mechanism already; use it as it is, only a Design is split")
     if not isinstance(design, Design):
         raise DesignError(f"the design is {shown(design)}; split takes the Design that lamc.load gives")
-    tell = progress or _silent
+    try:
+        return _steps(design, progress or _silent)
+    except DesignError as error:
+        place = design.places.of()
+        if error.place is not None or place is None:
+            raise
+        raise type(error)(error.message, place) from error
+
+
+def _steps(design: Design, tell: Progress) -> SplitSteps:
     tell("checking the drawing", 0.0)
     check_design(design)
     hinges = named_hinges(design)
@@ -62,7 +71,8 @@ def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
     if not any(group.fixed for group in kept):
         raise TopologyError(
             f"the fixed region of design {design.name!r} meets no body, so nothing holds it; draw it "
-            "over the body that the world holds"
+            "over the body that the world holds",
+            design.places.of("fixed"),
         )
     tell("weighing bodies", 0.6)
     bodies, parts = _named_bodies(design, kept)
@@ -125,12 +135,12 @@ def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, 
     for i in body_order(marks):
         mass, com, inertia = properties[i]
         if mass == 0.0 and not groups[i].fixed:
-            used = sorted(
-                {layer.name for layer, p in zip(design.layers, groups[i].polygons, strict=True) if p}
-            )
+            made_of = [k for k, polygons in enumerate(groups[i].polygons) if polygons]
+            used = sorted(design.layers[k].name for k in made_of)
             raise DesignError(
                 f"body {names[i]!r} at {millimetres(groups[i].at)} has zero mass: the density of "
-                f"{', '.join(map(repr, used))} is 0 kg/m³; give the material a density, or fix the body"
+                f"{', '.join(map(repr, used))} is 0 kg/m³; give the material a density, or fix the body",
+                design.places.of("layers", made_of[0]),
             )
         outline = tuple(plate for plate, _ in plates[i])
         bodies.append(Body(names[i], mass, com, inertia, fixed=groups[i].fixed, outline=outline))

@@ -238,9 +238,7 @@ def bench(
 
 @main.command()
 @click.argument("name", required=False)
-@click.option(
-    "--copy", metavar="DIR", help="Write its file into this folder, to edit; no file is replaced."
-)
+@click.option("--copy", metavar="DIR", help="Write its file into this folder, to edit; no file is replaced.")
 @speaking
 def examples(name: str | None, copy: str | None, terminal: Terminal) -> int:
     """List the designs that ship with lamc, or tell one's story.

@@ -31,7 +31,7 @@ FRAGMENTS = (
 def sources(shared: Path) -> list[str]:
     drawn = shared / "designs"
     files = [drawn / "popupcad" / "pendulum.cad", drawn / "flaps.joints", drawn / "flaps_old.joints"]
-    return [file.read_text(encoding="utf-8") for file in (*files, *map(examples.path, examples.names()))]
+    return [file.read_text(encoding="utf-8") for file in (*files, *map(examples.path, examples.files()))]
 
 
 def attempt(folder: Path, data: bytes) -> None:

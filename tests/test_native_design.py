@@ -356,15 +356,6 @@ def test_the_json_schema_describes_what_designs_say() -> None:
         assert reference in schema["$defs"]
 
 
-@pytest.mark.parametrize("name", examples.names())
-def test_every_example_is_a_mechanism_that_moves(name: str) -> None:
-    record = load(examples.path(name))
-    assert isinstance(record, Design)
-    mechanism = split(record)
-    assert len(mechanism.joints) == len(mechanism.bodies) - 1
-    assert examples.path(name).read_text(encoding="utf-8").startswith("# ")
-
-
 def test_an_example_that_is_not_there_names_those_that_are() -> None:
     with pytest.raises(LamcError, match="pendulum"):
         examples.path("../../x")

@@ -1,7 +1,7 @@
 """`lamc examples`: the designs that ship with lamc as a table, one of them with its story, or as a file to edit.
 
-In: nothing, a name, or a name and a folder. Out: text or JSON, and the file that was asked for. It simulates nothing and
-replaces no file.
+In: nothing, a name, or a name and a folder. Out: text or JSON, and the file that was asked for. It simulates
+nothing and replaces no file.
 """
 
 import os
@@ -58,18 +58,21 @@ def show_example(name: str, copy: str | None, terminal: Terminal) -> int:
     ]
     terminal.say("\n\n".join(parts[:3]) + "\n\n" + "\n".join(parts[3:]))
     path = str(example.path) if example.path is not None else None
-    terminal.result({"ok": True, **facts, "path": path, "copy": str(written) if written is not None else None})
+    terminal.result(
+        {"ok": True, **facts, "path": path, "copy": str(written) if written is not None else None}
+    )
     return 0
 
 
-def _mechanism(example: Example) -> Mechanism:
+def mechanism_of_example(example: Example) -> Mechanism:
+    """What the example holds, split if it is a design."""
     record = load(example.path) if example.path is not None else load_text(example.text, example.name)
     return split(record) if isinstance(record, Design) else record
 
 
 def _facts(example: Example, name: str) -> dict[str, Any]:
     """What is told of an example, as plain data."""
-    mechanism = _mechanism(example)
+    mechanism = mechanism_of_example(example)
     count = count_loops(plan(mechanism))
     return {
         "name": name,
@@ -93,7 +96,9 @@ def _copy(example: Example, folder: Path) -> Path:
         handle = os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     except FileExistsError as error:
         taken = target if folder.is_dir() else folder
-        raise LamcError(f"{str(taken)!r} is there already and is not replaced; name another folder") from error
+        raise LamcError(
+            f"{str(taken)!r} is there already and is not replaced; name another folder"
+        ) from error
     except (OSError, ValueError) as error:
         told = getattr(error, "strerror", None) or error
         raise LamcError(f"{str(target)!r} cannot be written: {told}; name another folder") from error

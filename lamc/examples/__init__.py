@@ -56,13 +56,14 @@ class _Generator:
     form: str  # of the size, for messages
     default: str
     make: Callable[..., str]
-    most: int  # of the product of the numbers
+    least: int  # of the product of the numbers
+    most: int
     what: str  # is counted by that product
 
 
 _GENERATORS = {
-    "miura": _Generator(r"(\d{1,4})x(\d{1,4})", "COLUMNSxROWS", "3x3", miura, _MOST_FACETS, "facets"),
-    "n_four_bar": _Generator(r"(\d{1,4})", "N", "2", n_four_bar, _MOST_WINDOWS, "windows"),
+    "miura": _Generator(r"(\d{1,4})x(\d{1,4})", "COLUMNSxROWS", "3x3", miura, 2, _MOST_FACETS, "facets"),
+    "n_four_bar": _Generator(r"(\d{1,4})", "N", "2", n_four_bar, 1, _MOST_WINDOWS, "windows"),
 }
 
 
@@ -114,9 +115,9 @@ def _generated(stem: str, size: str) -> Example:
     count = 1
     for number in numbers:
         count *= number
-    if not 1 <= count <= generator.most:
+    if not generator.least <= count <= generator.most:
         raise DesignError(
-            f"{stem}:{size} has {count} {generator.what}; it must have 1 to {generator.most}"
+            f"{stem}:{size} has {count} {generator.what}; it must have {generator.least} to {generator.most}"
         )
     shown = "x".join(str(number) for number in numbers)
     text = generator.make(*numbers)

@@ -4,10 +4,12 @@ In: how many facets. Out: YAML, the same to the byte for the same numbers. Never
 
 Facet f{i}_{j} is the i-th along x and the j-th along y, from 0. Zigzag crease z{i}_{j} lies before facet f{i}_{j} along
 x, and straight crease s{i}_{j} before it along y. Folded, all zigzag creases share one magnitude |z| and all straight
-ones another, tan(|s|/2) = cos(ACUTE) tan(|z|/2) (Schenk & Guest, PNAS 110, 2013, 3276, in other letters).
+ones another, tan(|s|/2) = cos(ACUTE) tan(|z|/2), as flat-foldable vertices have it (T. Tachi, Generalization of
+rigid-foldable quadrilateral-mesh origami, J. IASS 50, 2009, 173, in other letters).
 """
 
 import math
+import textwrap
 
 ALONG, ACROSS = 30.0, 25.0  # mm, sides of a facet along the straight creases and along the zigzag ones
 ACUTE = math.radians(65.0)  # acute angle of a facet
@@ -16,18 +18,18 @@ REST = math.radians(70.0)  # of the zigzag creases
 START = 30.0  # degrees, of the first zigzag crease
 
 _STORY = """\
-  The Miura-ori of {columns} by {rows} facets: one sheet of card, film and card, creased along straight lines and
-  zigzags. Every inner vertex is a spherical four-bar that folds with one freedom, and any number of them fold
-  together with that same one: {loops} loops give {equations} equations, of which {rank} count. The rest are redundant, and a
-  solver that takes them all locks up on round-off. As drawn it is flat and singular, so the start gives one crease,
-  {start}, and the others follow. Look at results.csv: zigzag creases share one magnitude and straight ones
-  another, tan(s/2) = cos(65 deg) tan(z/2)."""
+The Miura-ori of {columns} by {rows} facets: one sheet of card, film and card, creased along straight lines and
+zigzags. Every inner vertex is a spherical four-bar that folds with one freedom, and any number of them fold
+together with that same one: {count} with {equations} equations, of which {rank} count. The rest are redundant,
+and a solver that takes them all locks up on round-off. As drawn it is flat and singular, so the start gives one
+crease, {start}, and the others follow. Look at results.csv: zigzag creases share one magnitude and straight ones
+another, tan(s/2) = cos(65 deg) tan(z/2)."""
 _STRIP = """\
-  A strip of {columns} by {rows} facets of the Miura-ori. It has no inner vertex, hence no loops: each crease folds by
-  itself. Two facets and more in both directions make it rigid origami of one freedom."""
+A strip of {columns} by {rows} facets of the Miura-ori. It has no inner vertex, hence no loops: each crease folds by
+itself. Look at miura:2x2 next: two facets in both directions make it rigid origami of one freedom."""
 
 _HEAD = """\
-# A Miura-ori of {columns} x {rows} facets: {loops} loops, one freedom.
+# A Miura-ori of {columns} x {rows} facets: {count}, {freedoms}.
 kind: design
 name: miura_{columns}x{rows}
 story: >
@@ -46,19 +48,20 @@ layers: # from the bottom up
 
 
 def miura(columns: int, rows: int) -> str:
-    """The design of columns x rows facets (each 1 or more), folded to `START` at its first zigzag crease."""
+    """The design of columns x rows facets, two or more in all, folded to `START` at its first zigzag crease."""
     loops = (columns - 1) * (rows - 1)
     first = "z1_0" if columns > 1 else "s0_1"
-    facts = {"columns": columns, "rows": rows, "loops": loops, "equations": 6 * loops, "start": first}
+    counted = {0: "no loop", 1: "one loop"}.get(loops, f"{loops} loops")
+    facts = {"count": counted, "columns": columns, "rows": rows, "equations": 6 * loops, "start": first}
     joints = (columns - 1) * rows + columns * (rows - 1)
+    freedoms = "one freedom" if loops else f"{joints} freedoms"
     story = (_STORY if loops else _STRIP).format(rank=joints - 1, **facts)
-    parts = [_HEAD.format(story=story, **facts), _shapes(columns, rows)]
-    if joints:
-        parts.append(_hinges(columns, rows))
+    story = textwrap.fill(story, 118, initial_indent="  ", subsequent_indent="  ")
+    parts = [_HEAD.format(story=story, freedoms=freedoms, **facts), _shapes(columns, rows)]
+    parts.append(_hinges(columns, rows))
     parts.append(f"fixed:\n  - {{rect: {_flow(*_box(0, 0))}}}\n")
     parts.append(_bodies(columns, rows))
-    if joints:
-        parts.append(f"scene:\n  angles: {{{first}: {START:g} deg}}\n")
+    parts.append(f"scene:\n  angles: {{{first}: {START:g} deg}}\n")
     return "\n".join(parts)
 
 
@@ -90,7 +93,11 @@ def _box(i: int, j: int) -> tuple[float, float, float, float]:
 def _shapes(columns: int, rows: int) -> str:
     left = [_corner(0, j) for j in range(rows + 1)]
     right = [_corner(columns, j) for j in range(rows, -1, -1)]
-    lines = ["shapes:", f"  - {{polygon: {_points([*left, *right])}, layers: film}}", "  # card, facet by facet"]
+    lines = [
+        "shapes:",
+        f"  - {{polygon: {_points([*left, *right])}, layers: film}}",
+        "  # card, facet by facet",
+    ]
     # The inset on either side is half the gap, measured across the crease.
     u, v = (0.5 * GAP / math.sin(ACUTE) / side for side in (ALONG, ACROSS))
     for i in range(columns):

@@ -7,6 +7,8 @@ and of 1 kg. The motion starts upright with every upright rod turning so that th
 (M. González et al., A benchmarking system for MBS simulation software, Multibody System Dynamics 16, 2006, 179).
 """
 
+import textwrap
+
 THIN = 1e-7  # kg·m², about a rod's own line, where the benchmark has none: it never turns about it
 
 _HEAD = """\
@@ -14,11 +16,14 @@ _HEAD = """\
 kind: mechanism
 name: n_four_bar_{count}
 story: >
-  The N-four-bar of the IFToMM benchmarks (A02), here with N = {count}: {uprights} upright rods joined at their tops by {count} level ones.
-  It has {loops} and one freedom, and half of the equations are redundant. Twice in each turn all rods lie
-  in one line; there the rank drops, and each window could flip by itself: {moving} ways on, only one of which is the
-  motion that came in. A solver that divides by the vanishing pivot blows up, and one that damps it away changes the
-  branch. Look at the angles of g0 … g{count} where they pass 90 degrees, which must stay equal, and at the energy."""
+{story}
+"""
+_STORY = """\
+The N-four-bar of the IFToMM benchmarks (A02), here with N = {count}: {uprights} upright rods joined at their tops by
+{count} level ones. It has {loops} and one freedom, and half of the equations are redundant. Twice in each turn all rods
+lie in one line; there the rank drops, and each window could flip by itself: {moving} ways on, only one of which is the
+motion that came in. A solver that divides by the vanishing pivot blows up, and one that damps it away changes the
+branch. Look at the angles of g0 … g{count} where they pass 90 degrees, which must stay equal, and at the energy."""
 
 _SCENE = """\
 scene:
@@ -31,7 +36,10 @@ scene:
 def n_four_bar(count: int) -> str:
     """The mechanism of `count` windows (1 or more), upright, with the benchmark's rates."""
     loops = "one loop" if count == 1 else f"{count} loops"
-    head = _HEAD.format(count=count, uprights=count + 1, loops=loops, moving=count + 1)
+    facts = {"count": count, "moving": count + 1}
+    story = _STORY.format(uprights=count + 1, loops=loops, **facts)
+    story = textwrap.fill(story, 118, initial_indent="  ", subsequent_indent="  ")
+    head = _HEAD.format(story=story, **facts)
     bodies = ["bodies:", "  - {name: ground, fixed: true}"]
     joints = ["joints:"]
     for k in range(count + 1):
@@ -41,7 +49,7 @@ def n_four_bar(count: int) -> str:
         bodies.append(_rod(f"h{k}", (k + 0.5, 1), "x"))
         joints.append(_joint(f"p{k}", f"v{k}", f"h{k}", (k, 1)))
         joints.append(_joint(f"r{k}", f"h{k}", f"v{k + 1}", (k + 1, 1)))
-    return "\n".join([head, "", *bodies, "", *joints, "", _SCENE])
+    return "\n".join([head, *bodies, "", *joints, "", _SCENE])
 
 
 def _rod(name: str, com: tuple[float, float], along: str) -> str:

@@ -47,7 +47,7 @@ def check_design(design: Design) -> None:
         _check_set(hinge_set, len(design.layers))
     _check_hinge_names([line for hinge_set in design.hinges for line in hinge_set.lines])
     _check_repeated(design.hinges)
-    _check_body_names([name for name, _ in design.body_names])
+    _check_body_names(design)
 
 
 def hinge_label(line: HingeLine) -> str:
@@ -123,8 +123,14 @@ def _check_repeated(hinge_sets: Sequence[HingeSet]) -> None:
                 )
 
 
-def _check_body_names(names: Sequence[str]) -> None:
-    for name in names:
-        checked_name(name, "a body")
-        if list(names).count(name) > 1:
-            raise DesignError(f"two bodies are named {name!r}; names must differ")
+def _check_body_names(design: Design) -> None:
+    names = [each.name for each in design.body_names]
+    for each in design.body_names:
+        checked_name(each.name, "a body")
+        if names.count(each.name) > 1:
+            raise DesignError(f"two bodies are named {each.name!r}; names must differ")
+        if each.layer is not None and not 0 <= each.layer < len(design.layers):
+            raise DesignError(
+                f"the point that names body {each.name!r} refers to layer {each.layer}; the design has layers 0 "
+                f"to {len(design.layers) - 1}, bottom to top"
+            )

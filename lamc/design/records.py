@@ -77,11 +77,22 @@ class Places:
 
 
 @dataclass(frozen=True)
+class BodyName:
+    """A name that the drawing gives to a body, by a point inside it.
+
+    layer  index of the layer to look in, where sheets above one another hold several bodies; None: any layer
+    """
+
+    name: str
+    point: Point  # m, world x and y
+    layer: int | None = None
+
+
+@dataclass(frozen=True)
 class Design:
     """A laminate device before splitting.
 
     fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
-    body_names    names that the drawing gives to bodies: (name, a point inside the body), m
     story         what the design is for, a paragraph of plain text; nothing is computed from it
     """
 
@@ -89,7 +100,7 @@ class Design:
     layers: tuple[Layer, ...]
     hinges: tuple[HingeSet, ...]
     fixed: tuple[MultiPolygon, ...]
-    body_names: tuple[tuple[str, Point], ...] = ()
+    body_names: tuple[BodyName, ...] = ()
     scene: Scene | None = None
     source: str = ""  # the file's name, without its folder
     story: str = ""

@@ -239,8 +239,9 @@ def bench(
 @main.command()
 @click.argument("name", required=False)
 @click.option("--copy", metavar="DIR", help="Write its file into this folder, to edit; no file is replaced.")
+@click.option("--picture", metavar="FILE", help="Run them all and draw them, folded, into this PNG file.")
 @speaking
-def examples(name: str | None, copy: str | None, terminal: Terminal) -> int:
+def examples(name: str | None, copy: str | None, picture: str | None, terminal: Terminal) -> int:
     """List the designs that ship with lamc, or tell one's story.
 
     Each is hard in a way of its own and runs as it is. Two are made to any size: miura:COLUMNSxROWS and n_four_bar:N.
@@ -254,6 +255,12 @@ def examples(name: str | None, copy: str | None, terminal: Terminal) -> int:
     from lamc.commands.examples import list_examples, show_example
     from lamc.errors import LamcError
 
+    if picture is not None:
+        if name is not None or copy is not None:
+            raise LamcError("--picture draws all examples; name neither one of them nor --copy with it")
+        from lamc.commands.gallery import picture as draw
+
+        return draw(picture, terminal)
     if name is not None:
         return show_example(name, copy, terminal)
     if copy is not None:

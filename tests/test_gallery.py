@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from PIL import Image
 
 import lamc
 from lamc import examples
@@ -237,3 +238,17 @@ def test_an_example_of_a_size_runs_and_splits_like_a_file(tmp_path: Path) -> Non
     assert json.loads((tmp_path / "manifest.json").read_text())["source"] == "miura:2x3"
     assert run("split", *words)[0] == 0
     assert run("split", "--example", "n_four_bar:3", "--out", str(tmp_path), "--quiet")[0] == 0
+
+
+def test_the_picture_shows_every_example(tmp_path: Path) -> None:
+    code, out, _ = run("examples", "--picture", str(tmp_path / "all.png"), "--quiet", "--json")
+    assert code == 0
+    assert set(json.loads(out)["examples"]) == set(examples.names()) - {"pendulum.cad"}
+    with Image.open(tmp_path / "all.png") as picture:
+        shades = np.asarray(picture.convert("L"))
+    # Four panels in a row: each of the first row holds ink below its title.
+    for panel in np.array_split(shades[shades.shape[0] // 20 : shades.shape[0] // 4], 4, axis=1):
+        assert (panel < 200).mean() > 0.002
+    code, _, err = run("examples", "sarrus", "--picture", str(tmp_path / "one.png"))
+    assert code == 2
+    assert "--picture draws all examples" in err

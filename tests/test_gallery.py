@@ -78,6 +78,7 @@ def test_every_example_tells_what_is_hard_and_where_to_look(name: str) -> None:
     example = examples.find(name)
     story = mechanism_of_example(example).story or example.story
     assert 300 < len(story) < 1200  # characters: one paragraph
+    assert "Look at" in story
     assert 20 < len(example.summary) <= 110  # one line
     assert example.path is None or example.path.is_file()
     if example.file_name.endswith(".yaml"):

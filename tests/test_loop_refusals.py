@@ -4,8 +4,10 @@ By hand, as a mechanism file, as a drawing, as a joint definition and on the com
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -15,6 +17,8 @@ import lamc
 from lamc.cli import main
 from lamc.errors import DesignError, LamcError, TopologyError
 from lamc.examples import path as example
+from lamc.mechanics.loads import Loads
+from lamc.mechanism.limits import outside_limits
 
 FIXTURES = Path(__file__).parent / "fixtures" / "designs"
 
@@ -424,6 +428,53 @@ def test_starts_that_no_position_has_are_refused(tmp_path: Path, name: str) -> N
     assert result.exit_code == 2, result.output
     assert re.search(message, result.stderr.splitlines()[-1])
     assert not (tmp_path / "out").exists()
+
+
+def test_a_start_outside_limits_is_told_where_nothing_enforces_them(tmp_path: Path) -> None:
+    """Of a joint of the tree, and of the one that closes the loop; a start on a limit is inside."""
+    third = "point: [0.3, 0.1, 0], axis: [0, 0, 1]"
+    text = FOUR_BAR.replace("[-3, 3]", "[-0.2, 0.2]").replace(third, f"{third}, limits: [0.5, 1]")
+    file = tmp_path / "bar.yaml"
+    file.write_text(f"{text}scene: {{effects: {{gravity: }}, angles: {{D: 0.4}}}}\n", encoding="utf-8")
+    result = CliRunner().invoke(
+        main, ["run", str(file), "--t-end", "0.01", "--no-animation", "--out", str(tmp_path)]
+    )
+    assert result.exit_code == 0, result.output
+    assert "joint 'D' starts at 0.4 rad, outside its limits (-0.2, 0.2)" in result.stdout
+    assert re.search(r"joint 'C' starts at \S+ rad, outside its limits \(0.5, 1\)", result.stdout)
+    on_it = lamc.Mechanism(
+        (bar("wall", fixed=True), bar("arm")), (pin("a", "wall", "arm", 0, limits=(-0.2, 0.2)),)
+    )
+    assert outside_limits(on_it, {"a": 0.2}) == ()
+    assert len(outside_limits(on_it, {"a": 0.2001})) == 1
+
+
+@dataclass(frozen=True)
+class Shy:
+    """An effect without forces that refuses every start, and keeps what it was shown."""
+
+    seen: dict[str, float] = field(default_factory=dict)
+
+    name: ClassVar[str] = "shy"
+    summary: ClassVar[str] = "Nothing"
+
+    def contribute(self, loads: Loads) -> None: ...
+
+    def check_start(self, mechanism: lamc.Mechanism, angles: Mapping[str, float]) -> None:
+        self.seen.update(angles)
+        raise DesignError("; ".join(outside_limits(mechanism, angles)))
+
+
+def test_an_effect_may_refuse_a_start_and_sees_all_joints_of_a_loop(tmp_path: Path) -> None:
+    file = tmp_path / "bar.yaml"
+    file.write_text(FOUR_BAR.replace("[-3, 3]", "[-0.2, 0.2]"), encoding="utf-8")
+    shy = Shy()
+    sim = lamc.compile(lamc.load(file), lamc.Scene(effects=(shy,), angles={"D": 0.4}))
+    with pytest.raises(DesignError, match=r"'D' starts at 0\.4 rad, outside its limits"):
+        sim.run(t_end=0.1)
+    assert sorted(shy.seen) == ["A", "B", "C", "D"]
+    # Angles of a plane loop: A + B + C, coupler and rocker apart by C, is what D turns.
+    assert shy.seen["A"] + shy.seen["B"] + shy.seen["C"] == pytest.approx(0.4, abs=1e-9)  # closure
 
 
 def test_topology_errors_keep_their_kind() -> None:

@@ -191,10 +191,14 @@ FAMILIES: dict[str, Callable[[Rng], Network]] = {
 
 @dataclass(frozen=True)
 class ClosedMechanism:
-    """A mechanism with loops, and the freedoms that it has by theory at a generic position."""
+    """A mechanism with loops, and the freedoms that it has by theory where it is drawn and moves from there.
+
+    has_rigid_assemblies: its hinges can also be put together so that nothing moves, which no motion reaches.
+    """
 
     mechanism: Mechanism
     freedoms: int
+    has_rigid_assemblies: bool
 
     def __repr__(self) -> str:
         return f"{self.mechanism.name}: {len(self.mechanism.joints)} hinges"
@@ -231,7 +235,8 @@ def closed_mechanism(family: str, seed: int, sprung: bool = True) -> ClosedMecha
         )
     bodies = [bodies[k] for k in rng.permutation(len(bodies))]
     joints = [joints[k] for k in rng.permutation(len(joints))]
-    return ClosedMechanism(Mechanism(tuple(bodies), tuple(joints), name=f"{family}{seed}"), network.freedoms)
+    mechanism = Mechanism(tuple(bodies), tuple(joints), name=f"{family}{seed}")
+    return ClosedMechanism(mechanism, network.freedoms, family == "bricard")
 
 
 def closed_mechanisms() -> st.SearchStrategy[ClosedMechanism]:

@@ -18,7 +18,7 @@ State = tuple[float, Array, Array]  # t s, q rad, u rad/s
 
 CLOSED = 1e-13  # of the size: round-off of positions
 WELL_CONDITIONED = (
-    100.0  # largest over least singular value; beyond, a state says more of round-off than of equations
+    100.0  # largest over least singular value; beyond, a state tells of round-off, not of equations
 )
 STEP = 0.4  # rad, from one random place of loops to the next
 _ROUNDS = 40
@@ -55,7 +55,8 @@ def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, se
     n = len(voice.joints)
     if not voice.cuts:
         return [_moving(voice, rng, t_end, rng.uniform(-np.pi, np.pi, n)) for _ in range(count)]
-    places, place = [], start
+    places: list[Array] = []
+    place = start
     for _ in range(_TRIES * count):
         free = split(voice.gaps(place)[1]).free
         if len(places) == count or not free.size:

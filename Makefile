@@ -44,6 +44,7 @@ bench: $(STAMP)
 pictures: $(STAMP)
 	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --no-animation --out out/pictures
 	cp out/pictures/folded.png docs/pendulum.png
+	$(BIN)/lamc examples --picture docs/gallery.png
 
 clean:
 	rm -rf $(VENV) out build dist

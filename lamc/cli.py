@@ -25,6 +25,7 @@ def main(context: click.Context) -> None:
     Try:
       lamc run --example pendulum      simulate, and write results, pictures and a film
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
+      lamc examples                    list the designs that ship with lamc
       lamc doctor                      see whether this machine has what lamc needs
 
     Exit codes: 2 bad input, 3 failed simulation, 4 failed build, 130 after Ctrl-C.
@@ -233,6 +234,38 @@ def bench(
     from lamc.commands.inputs import SceneChanges, Source
 
     return work(Source(file, example, cc, fast), SceneChanges(with_, without), out, terminal)
+
+
+@main.command()
+@click.argument("name", required=False)
+@click.option("--copy", metavar="DIR", help="Write its file into this folder, to edit; no file is replaced.")
+@click.option("--picture", metavar="FILE", help="Run them all and draw them, folded, into this PNG file.")
+@speaking
+def examples(name: str | None, copy: str | None, picture: str | None, terminal: Terminal) -> int:
+    """List the designs that ship with lamc, or tell one's story.
+
+    Each is hard in a way of its own and runs as it is. Two are made to any size: miura:COLUMNSxROWS and n_four_bar:N.
+
+    \b
+    Examples:
+      lamc examples
+      lamc examples miura:4x5
+      lamc examples sarrus --copy mine
+    """
+    from lamc.commands.examples import list_examples, show_example
+    from lamc.errors import LamcError
+
+    if picture is not None:
+        if name is not None or copy is not None:
+            raise LamcError("--picture draws all examples; name neither one of them nor --copy with it")
+        from lamc.commands.gallery import picture as draw
+
+        return draw(picture, terminal)
+    if name is not None:
+        return show_example(name, copy, terminal)
+    if copy is not None:
+        raise LamcError("--copy needs the name of an example: lamc examples NAME --copy DIR")
+    return list_examples(terminal)
 
 
 @main.command()

@@ -2,9 +2,11 @@
 
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from lamc.errors import DesignError, LamcError, Place
+from lamc.errors import DesignError, LamcError, Place, RequestError
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -31,27 +33,44 @@ def read_bytes(path: Path, limit: int) -> bytes:
     return data
 
 
-def write_text(path: Path, text: str) -> None:
-    """Puts `text` into the file in one step: readers see the old file or the new one, never a part.
+def checked_path(path: object) -> Path:
+    """`path` as a Path, or RequestError."""
+    if not isinstance(path, str | os.PathLike):
+        raise RequestError(f"the path to write to is {path!r:.80}; it must be a text or a Path")
+    return Path(os.fsdecode(path))
 
-    Raises LamcError where the folder is missing or cannot be written.
-    """
-    temporary: str | None = None
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A temporary path in the folder of `path`, which becomes `path` by one rename if the block succeeds: readers see
+    the old file or the new one, never a part. Raises LamcError where the folder is missing or cannot be written."""
+    temporary: Path | None = None
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:80]}.", suffix=".part")
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.", suffix=".part")
+        os.close(handle)
+        temporary = Path(name)
+        yield temporary
+        with temporary.open("rb") as written:
+            os.fsync(written.fileno())  # else a crash of the system may leave the new name with no content
+        temporary.chmod(0o666 & ~_umask())  # mkstemp gives 0600
+        temporary.replace(path)
     except OSError as error:
+        raise LamcError(
+            f"{str(path)!r} cannot be written: {error.strerror or error}; choose another place"
+        ) from error
+    finally:
         if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        raise LamcError(f"{path} cannot be written: {error.strerror or error}") from error
+            temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Puts `text` into the file in one step, as `replacing` does."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _umask() -> int:
-    mask = os.umask(0)
+    """The process's file mode mask; the system lets it be read only by setting it."""
+    mask = os.umask(0o077)
     os.umask(mask)
     return mask

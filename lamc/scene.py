@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_number, shown
+from lamc.readonly import ReadOnlyDict
 
 if TYPE_CHECKING:
     from lamc.effects.base import Effect
@@ -20,9 +20,7 @@ def _angles(values: Mapping[str, float], argument: str, what: str) -> Mapping[st
         raise DesignError(
             f"{argument} of a scene is {shown(values)}; it must map joint names to numbers, as in {{'h1': 0.1}}"
         )
-    return MappingProxyType(
-        {str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()}
-    )
+    return ReadOnlyDict({str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()})
 
 
 def _effects(values: "Iterable[Effect]") -> "tuple[Effect, ...]":
@@ -71,7 +69,3 @@ class Scene:
             object.__setattr__(self, "effects", effects)
         object.__setattr__(self, "angles", _angles(self.angles, "angles", "initial angle"))
         object.__setattr__(self, "rates", _angles(self.rates, "rates", "initial rate"))
-
-    def __reduce__(self) -> "tuple[type[Scene], tuple[Any, ...]]":
-        """Copies and pickles go by the arguments: the read-only views of angles and rates cannot."""
-        return type(self), (self.effects, dict(self.angles), dict(self.rates))

@@ -3,7 +3,7 @@
 import copy
 import pickle
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -153,6 +153,8 @@ def test_scenes_and_mechanisms_survive_copies_and_pickles() -> None:
         assert twin == scene
         with pytest.raises(TypeError):
             twin.angles["h1"] = 1.0
+    data = asdict(lamc.Scene(effects=(lamc.Torque({"h1": 0.5}),), angles={"h1": 0.1}))
+    assert (data["effects"], data["angles"], data["rates"]) == (({"torques": {"h1": 0.5}},), {"h1": 0.1}, {})
     whole = mechanism(scene=scene)
     assert pickle.loads(pickle.dumps(whole)) == copy.deepcopy(whole) == whole
 

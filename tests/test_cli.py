@@ -248,7 +248,7 @@ def test_default_rows_grow_with_the_run_up_to_a_limit() -> None:
     ("words", "told"),
     [
         ((), "name a FILE"),
-        (("--example", "nix"), "the examples are"),
+        (("--example", "pendulm"), "did you mean 'pendulum'"),
         (("none.yaml",), "there is no such file"),
         (("p.yaml", "--set", "h1.stifness=1"), "did you mean 'h1.stiffness'"),
         (("p.yaml", "--set", "h1.stiffness"), "NAME=VALUE"),

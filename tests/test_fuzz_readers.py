@@ -4,13 +4,16 @@ import time
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, event, given, settings
 from hypothesis import strategies as st
 
 from lamc import examples
 from lamc.design.inert import Limits
 from lamc.design.load import load
 from lamc.errors import LamcError
+from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import plan
+from lamc.mechanism.yaml_file import write_mechanism
 
 # Small limits keep a case short; the largest real file here has 3000 values.
 LIMITS = Limits(bytes=200_000, nodes=20_000, depth=100)
@@ -31,7 +34,7 @@ FRAGMENTS = (
 def sources(shared: Path) -> list[str]:
     drawn = shared / "designs"
     files = [drawn / "popupcad" / "pendulum.cad", drawn / "flaps.joints", drawn / "flaps_old.joints"]
-    return [file.read_text(encoding="utf-8") for file in (*files, *map(examples.path, examples.names()))]
+    return [file.read_text(encoding="utf-8") for file in (*files, *map(examples.path, examples.files()))]
 
 
 def attempt(folder: Path, data: bytes) -> None:
@@ -96,6 +99,84 @@ def test_files_with_one_value_replaced_are_a_record_or_an_error(
     key = lines[index].split(": ")[0]
     lines[index] = f"{key}: {data.draw(st.sampled_from(FRAGMENTS))}"
     attempt(tmp_path, "\n".join(lines).encode())
+
+
+ODD = [
+    "0",
+    "1",
+    "-1",
+    "1e-300",
+    "1e300",
+    "-0.0",
+    ".nan",
+    ".inf",
+    "~",
+    "x",
+    "90 deg",
+    "[]",
+    "[1]",
+    "[1, -1]",
+    "{}",
+]
+RIGID = "mass: 1, com: [0, 0, 0], inertia: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+
+
+@st.composite
+def networks(draw: st.DrawFn) -> tuple[list[str], int]:
+    """Lines of a mechanism file, and how many joints it has: loops of every kind, and at most two values spoilt."""
+    bodies = [f"b{i}" for i in range(draw(st.integers(1, 4)))]
+    ends = [(draw(st.sampled_from(["world", *bodies[:i]])), body) for i, body in enumerate(bodies)]
+    ends += draw(st.lists(st.sampled_from([(a, b) for a in ("world", *bodies) for b in bodies]), max_size=3))
+    joints = []
+    for i, (parent, child) in enumerate(ends):
+        point = draw(st.sampled_from(["[0, 0, 0]", "[1, 0, 0]", "[0, 1, 2]"]))
+        axis = draw(st.sampled_from(["[0, 0, 1]", "[0, 0, -2]", "[1, 1, 0]"]))
+        limits = draw(st.sampled_from(["[-1, 1]", "[-20 deg, 1]", "[0.5, 0.6]", "[-9, 9]"]))
+        keys = {
+            "name": f"h{i}",
+            "parent": parent,
+            "child": child,
+            "point": point,
+            "axis": axis,
+            "limits": limits,
+        }
+        joints.append(keys)
+    for joint in draw(st.lists(st.sampled_from(joints), max_size=2)):
+        key = draw(st.sampled_from(sorted(joint)))
+        others = [each[key] for each in joints]
+        joint[key] = draw(st.sampled_from([*others, *ODD]))
+    angles = draw(st.sampled_from(["{}", "{h0: 0.1}", "{h0: 9}", "{h0: .nan}", "{h9: 0.1}"]))
+    lines = ["kind: mechanism", "bodies:", "  - {name: world, fixed: true}"]
+    lines += [f"  - {{name: {name}, {RIGID}}}" for name in bodies]
+    lines += ["joints:", *("  - {" + ", ".join(f"{k}: {v}" for k, v in j.items()) + "}" for j in joints)]
+    return [*lines, f"scene: {{angles: {angles}}}"], len(joints)
+
+
+@settings(FEW, max_examples=300)
+@given(network=networks())
+def test_networks_of_any_shape_are_mechanisms_or_errors_with_their_line(
+    tmp_path: Path, network: tuple[list[str], int]
+) -> None:
+    """Loops, doors, repeated hinges, loose bodies, hinges of a body to itself, limits of all kinds."""
+    lines, joints = network
+    file, copy = tmp_path / "network.yaml", tmp_path / "copy.yaml"
+    file.write_text("\n".join(lines), encoding="utf-8")
+    told = ""
+    try:
+        mechanism = load(file)
+    except LamcError as error:
+        told = str(error)
+    assert all(line.startswith(f"{file}:") for line in told.splitlines())
+    event("refused" if told else "read")
+    if told:
+        return
+    assert isinstance(mechanism, Mechanism)
+    tree = plan(mechanism)  # what a file may hold can be planned
+    assert len(tree.links) + len(tree.cuts) == joints
+    write_mechanism(mechanism, copy)
+    again = load(copy)
+    assert isinstance(again, Mechanism)
+    assert (again.bodies, again.joints) == (mechanism.bodies, mechanism.joints)
 
 
 def test_truncated_files_are_a_record_or_an_error(shared: Path, tmp_path: Path) -> None:

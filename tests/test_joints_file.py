@@ -93,10 +93,11 @@ def test_the_example_by_hand_is_the_same_device(shared: Path) -> None:
     assert_same(split(record), mechanism(shared / "designs" / "flaps.joints"), names=False)
 
 
-@pytest.mark.parametrize("name", examples.names())
+@pytest.mark.parametrize("name", examples.files())
 def test_a_split_design_reads_back_as_it_was_written(name: str, tmp_path: Path) -> None:
     record = load(examples.path(name))
-    assert isinstance(record, Design)
+    if not isinstance(record, Design):
+        pytest.skip("a mechanism, without layers")
     steps = split_steps(record)
     write_split(steps, tmp_path / "written.joints")
     assert_same(mechanism(tmp_path / "written.joints"), steps.mechanism)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import lamc
-from lamc.examples import path as example
+from lamc import examples
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -82,4 +82,4 @@ def test_pictures_of_the_readme_are_there() -> None:
 
 def test_examples_that_the_readme_names_exist() -> None:
     for name in re.findall(r"--example (\S+)", README):
-        assert example(name).is_file()
+        assert examples.find(name).text

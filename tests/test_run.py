@@ -528,10 +528,10 @@ def test_a_manifest_lies_beside_each_file(sim: Simulator, tmp_path: Path) -> Non
 def test_a_file_that_cannot_be_written_is_one_line_and_leaves_nothing(sim: Simulator, tmp_path: Path) -> None:
     result = sim.run(t_end=0.1)
     for write in (result.to_csv, result.to_npz):
-        with pytest.raises(LamcError, match="cannot write"):
+        with pytest.raises(LamcError, match="cannot be written"):
             write(tmp_path / "missing" / "run.csv")
     (tmp_path / "taken.csv").mkdir()
-    with pytest.raises(LamcError, match="cannot write"):
+    with pytest.raises(LamcError, match="cannot be written"):
         result.to_csv(tmp_path / "taken.csv")
     assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".")] == []
 

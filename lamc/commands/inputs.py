@@ -15,7 +15,7 @@ from pathlib import Path
 from lamc import examples
 from lamc.commands.terminal import Progress
 from lamc.design.inert import compose, plain
-from lamc.design.load import load
+from lamc.design.load import load, load_text
 from lamc.design.records import Design
 from lamc.design.scene_file import make_effect
 from lamc.design.split import split
@@ -43,20 +43,25 @@ class Source:
     def options(self) -> CompileOptions:
         return CompileOptions(compiler=self.compiler, fast=self.fast)
 
-    def path(self) -> Path:
-        """The file. Raises LamcError if none or two are named."""
+    def check(self) -> None:
+        """Raises LamcError if no design is named, or two."""
         if (self.file is None) == (self.example is None):
             known = ", ".join(examples.names())
             raise LamcError(f"name a FILE, or one of the examples with --example NAME: {known}")
-        return Path(self.file) if self.file is not None else examples.path(self.example or "")
 
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A design as read: the record, its file and the SHA-256 of the file's bytes."""
+    """A design as read.
+
+    origin  what to call where it comes from: its path, or the name of an example that has none
+    path    its file; None for an example made to a size
+    digest  SHA-256 of its bytes
+    """
 
     record: Design | Mechanism
-    path: Path
+    origin: str
+    path: Path | None
     digest: str
 
     @property
@@ -66,10 +71,16 @@ class Loaded:
 
 def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
     """Reads the design. Raises LamcError as `lamc.load` does."""
-    path = source.path()
+    source.check()
     with times.stage("load"):
+        example = examples.find(source.example) if source.example is not None else None
+        if example is not None and example.path is None:
+            digest = hashlib.sha256(example.text.encode("utf-8")).hexdigest()
+            return Loaded(load_text(example.text, example.name), example.name, None, digest)
+        path = example.path if example is not None else Path(source.file or "")
+        assert path is not None
         record = load(path, progress=lambda _name, part: progress.part(part, 1.0))
-    return Loaded(record, path, hashlib.sha256(path.read_bytes()).hexdigest())
+    return Loaded(record, str(path), path, hashlib.sha256(path.read_bytes()).hexdigest())
 
 
 def mechanism_of(loaded: Loaded, times: Times, progress: Progress) -> Mechanism:

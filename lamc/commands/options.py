@@ -73,7 +73,7 @@ def speaking(function: Function) -> Function:
 
 design = together(
     click.argument("file", required=False),
-    click.option("--example", metavar="NAME", help="An example that comes with lamc, instead of FILE."),
+    click.option("--example", metavar="NAME", help="An example instead of FILE; see `lamc examples`."),
 )
 compiler = together(
     click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),

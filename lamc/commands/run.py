@@ -147,7 +147,7 @@ def _report(
 ) -> RunReport:
     conservative = all(c.name in result.energies for c in account if c.effect is not None)
     return RunReport(
-        source=str(loaded.path),
+        source=loaded.origin,
         source_digest=loaded.digest,
         simulator=simulator,
         result=result,

@@ -64,17 +64,17 @@ def _split_design(
 
 
 def _export_mechanism(
-    mechanism: Mechanism, source: Path, folder: Path, name: str, files: list[str], notes: list[str]
+    mechanism: Mechanism, source: Path | None, folder: Path, name: str, files: list[str], notes: list[str]
 ) -> None:
     """The joint definition and the picture of a mechanism whose bodies have plates; else a note."""
     if not any(body.outline for body in mechanism.bodies):
         notes.append("the file holds a mechanism already: no joint definition and no picture were made")
         return
     target = folder / f"{name}.joints"
-    definition = load_definition(source)
+    definition = load_definition(source) if source is not None else None
     lines = drawn_lines(definition) if definition is not None else {}
     try:
-        if target.resolve() == source.resolve():
+        if source is not None and target.resolve() == source.resolve():
             raise DesignError("it would replace the file that was read; name another folder with --out")
         layers = drawn_layers(definition) if definition is not None else layers_of(mechanism)
         write_joints(mechanism, layers, target, lines=lines)

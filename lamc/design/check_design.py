@@ -24,10 +24,10 @@ def check_design(design: Design) -> None:
             f"{len(design.fixed)}; "
             "give one per layer, empty where nothing is held"
         )
-    for layer, fixed in zip(design.layers, design.fixed, strict=True):
-        what = f"layer {layer.name!r}"
-        _check_number(layer.thickness, f"the thickness of {what}", "m", positive=True)
-        _check_number(layer.material.density, f"the density of {what}", "kg/m³", positive=False)
+    for index, (layer, fixed) in enumerate(zip(design.layers, design.fixed, strict=True)):
+        what, place = f"layer {layer.name!r}", design.places.of("layers", index)
+        _check_number(layer.thickness, f"the thickness of {what}", "m", positive=True, place=place)
+        _check_number(layer.material.density, f"the density of {what}", "kg/m³", positive=False, place=place)
         _check_polygons(layer.geometry, what)
         _check_polygons(fixed, f"the fixed region in {what}")
     if all(layer.geometry.is_empty for layer in design.layers):
@@ -35,16 +35,19 @@ def check_design(design: Design) -> None:
     if all(region.is_empty for region in design.fixed):
         raise TopologyError(
             f"design {design.name!r} has no fixed region, so nothing holds it; draw one over the body "
-            "that the world holds"
+            "that the world holds",
+            design.places.of("fixed"),
         )
     if not any(hinge_set.lines for hinge_set in design.hinges):
         raise TopologyError(
-            f"design {design.name!r} has no hinge lines, so nothing can move; draw at least one"
+            f"design {design.name!r} has no hinge lines, so nothing can move; draw at least one",
+            design.places.of("hinges"),
         )
     for hinge_set in design.hinges:
         _check_set(hinge_set, len(design.layers))
     _check_hinge_names([line for hinge_set in design.hinges for line in hinge_set.lines])
-    _check_body_names([name for name, _ in design.body_names])
+    _check_repeated(design.hinges)
+    _check_body_names(design)
 
 
 def hinge_label(line: HingeLine) -> str:
@@ -107,8 +110,27 @@ def _check_hinge_names(lines: Sequence[HingeLine]) -> None:
         seen[line.name] = line
 
 
-def _check_body_names(names: Sequence[str]) -> None:
-    for name in names:
-        checked_name(name, "a body")
-        if list(names).count(name) > 1:
-            raise DesignError(f"two bodies are named {name!r}; names must differ")
+def _check_repeated(hinge_sets: Sequence[HingeSet]) -> None:
+    """Each hinge line once in a layer, whichever way it runs."""
+    seen: dict[tuple[int, frozenset[tuple[float, float]]], HingeLine] = {}
+    for hinge_set in hinge_sets:
+        for line in hinge_set.lines:
+            first = seen.setdefault((hinge_set.layer, frozenset(line.line)), line)
+            if first is not line:
+                raise DesignError(
+                    f"{hinge_label(line)} and {hinge_label(first)} are drawn on the same line; keep one of them",
+                    known(line.place),
+                )
+
+
+def _check_body_names(design: Design) -> None:
+    names = [each.name for each in design.body_names]
+    for each in design.body_names:
+        checked_name(each.name, "a body")
+        if names.count(each.name) > 1:
+            raise DesignError(f"two bodies are named {each.name!r}; names must differ")
+        if each.layer is not None and not 0 <= each.layer < len(design.layers):
+            raise DesignError(
+                f"the point that names body {each.name!r} refers to layer {each.layer}; the design has layers 0 "
+                f"to {len(design.layers) - 1}, bottom to top"
+            )

@@ -18,6 +18,15 @@ T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
 _SHOWN_PROBLEMS = 50
+_PLAIN_WORDS = {  # pydantic speaks of Python's types; people who write files know lists and maps
+    "tuple_type": "a list of values is expected here",
+    "list_type": "a list of values is expected here",
+    "dict_type": "a map of keys and values is expected here",
+    "model_type": "a map of keys and values is expected here",
+    "string_type": "a text is expected here",
+    "bool_type": "true or false is expected here",
+    "bool_parsing": "true or false is expected here",
+}
 
 
 class Problems:
@@ -154,6 +163,7 @@ def _message(model: type[BaseModel], path: Path, item: Any) -> str:
     text = str(item["msg"]).removeprefix("Value error, ")
     if kind == "lamc":
         return text
+    text = _PLAIN_WORDS.get(kind, text)
     given = repr(item["input"])
     return f"{text[0].lower()}{text[1:]}, and it is {given if len(given) <= 40 else given[:39] + '…'}"
 

@@ -1,7 +1,8 @@
 """Contact: which bodies a hinge line touches.
 
-In: hinges, holes, and bodies by layer. Out: for each hinge, the bodies on its left and on its right. It
-raises nothing: what a contact means is for `split` to say.
+In: hinges, holes, and bodies by layer. Out: for each hinge, the bodies on its left and on its right, the layers
+that hold its two sides together, and those where it cuts what it does not join. It raises nothing: what a contact
+means is for `split` to say.
 
 Slits leave the material of both sides at SLIT hinge widths from the line. So the line is read off along two
 parallels slightly further out, over the length that no hole has taken, in its flexible layer. Parallels
@@ -30,11 +31,18 @@ SHORTEST = SLIT
 
 @dataclass(frozen=True)
 class Contact:
-    """Indices of the bodies along a hinge, ascending, and the length of line that the holes have left."""
+    """Indices of the bodies along a hinge, ascending, and the length of line that the holes have left.
+
+    bridges  layers, outside those that the hinge runs through, where one of these bodies lies across the line
+    strays   (layer, bodies): layers where the slit has other bodies on both its sides, as when a hinge of one sheet
+             runs through the sheet above it too
+    """
 
     left: tuple[int, ...]
     right: tuple[int, ...]
     free_length: float  # m
+    bridges: tuple[int, ...] = ()
+    strays: tuple[tuple[int, tuple[int, ...]], ...] = ()
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -72,7 +80,28 @@ def contact(hinge: Hinge, holes: Sequence[MultiPolygon], layers: Sequence[LayerI
     if not any(sides):
         others = [layers[i] for i in hinge.layers]
         sides = [_side(free, sign * OPEN_REACH * width, others, width) for sign in (1, -1)]
-    return Contact(sides[0], sides[1], sum(part.length for part in free))
+    joined = {*sides[0], *sides[1]}
+    bridges = tuple(
+        i
+        for i, layer in enumerate(layers)
+        if i not in hinge.layers and joined & set(_side(free, 0.0, [layer], width))
+    )
+    strays = _strays(hinge, free, joined, layers) if joined else ()
+    return Contact(sides[0], sides[1], sum(part.length for part in free), bridges, strays)
+
+
+def _strays(
+    hinge: Hinge, free: Sequence[LineString], joined: set[int], layers: Sequence[LayerIndex]
+) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Layers of the hinge where bodies that it does not join lie on both sides of its slit."""
+    found = []
+    width = hinge.properties.width
+    for i in hinge.layers:
+        left = set(_side(free, REACH * width, [layers[i]], width)) - joined
+        right = set(_side(free, -REACH * width, [layers[i]], width)) - joined if left else set()
+        if left and right:
+            found.append((i, tuple(sorted(left | right))))
+    return tuple(found)
 
 
 def free_parts(hinge: Hinge, hole: MultiPolygon) -> list[LineString]:

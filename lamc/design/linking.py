@@ -31,10 +31,10 @@ class Site:
 
 
 def link(
-    hinges: Sequence[Hinge], contacts: Sequence[Contact], sites: Sequence[Site]
+    hinges: Sequence[Hinge], contacts: Sequence[Contact], sites: Sequence[Site], layers: Sequence[str]
 ) -> tuple[Connection, ...]:
-    """Connections in the order of `hinges`. Raises TopologyError."""
-    pairs = [_pair(h, c, hinges, sites) for h, c in zip(hinges, contacts, strict=True)]
+    """Connections in the order of `hinges`; `layers` are the layers' names. Raises TopologyError."""
+    pairs = [_pair(h, c, hinges, sites, layers) for h, c in zip(hinges, contacts, strict=True)]
     _refuse_locked_pairs(hinges, pairs, sites)
     depth = _depths(pairs, sites)
     lost = [site for site, d in zip(sites, depth, strict=True) if d is None]
@@ -60,8 +60,19 @@ def millimetres(point: tuple[float, float]) -> str:
     return f"({point[0] * 1e3:.6g}, {point[1] * 1e3:.6g}) mm"
 
 
-def _pair(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], sites: Sequence[Site]) -> tuple[int, int]:
+def _pair(
+    hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], sites: Sequence[Site], layers: Sequence[str]
+) -> tuple[int, int]:
     bodies = contact.bodies
+    if contact.strays:
+        cut = [repr(sites[b].name) for b in sorted({b for _, strays in contact.strays for b in strays})]
+        where = [repr(layers[i]) for i, _ in contact.strays]
+        raise TopologyError(
+            f"{_label(hinge)} runs through {_plural('layer', where)} too, where it cuts {', '.join(cut)} and joins "
+            f"nothing; a hinge joins the bodies in its flexible layer, {layers[hinge.properties.layer]!r}: "
+            "list the layers of that sheet alone as the hinge's layers",
+            known(hinge.place),
+        )
     if len(bodies) == 2:
         first, second = bodies
         if sites[first].fixed and sites[second].fixed:
@@ -75,14 +86,19 @@ def _pair(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], sites: Sequen
     names = ", ".join(repr(sites[b].name) for b in bodies)
     count = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'}" + (f" ({names})" if names else "")
     raise TopologyError(
-        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges)}",
+        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges, layers)}",
         known(hinge.place),
     )
 
 
-def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge]) -> str:
+def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], layers: Sequence[str]) -> str:
     if contact.free_length <= SHORTEST * hinge.properties.width:
         near = [repr(h.name) for h in _neighbours(hinge, hinges)][:4]
+        if not near:
+            return (
+                f"it is {hinge.line.length * 1e3:.3g} mm long and {hinge.properties.width * 1e3:.3g} mm wide, which "
+                "leaves nothing to bend; make it longer, or lower the hinge width"
+            )
         return (
             f"the holes where it meets {_plural('hinge', near)} swallow it; move them apart, make it "
             "longer, or "
@@ -92,6 +108,12 @@ def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge]) -> str:
     if len(bodies) == 0:
         return "it lies outside the device; move it onto the material, or take it out"
     if len(bodies) == 1:
+        if contact.left and contact.right and contact.bridges:
+            bridges = [repr(layers[i]) for i in contact.bridges]
+            return (
+                f"material of {_plural('layer', bridges)} lies across it and holds its two sides together; open it "
+                "there"
+            )
         if contact.left and contact.right:
             return (
                 "it does not cut the body apart; lengthen it to the material's edges, or close the cuts there"

@@ -1,6 +1,6 @@
 """`load`: a file becomes a `Design` or a `Mechanism`, whichever of lamc's formats it holds.
 
-In: a path. Out: a record. The content decides which format it is, not the suffix. Nothing in a file is ever
+In: a path, or a text. Out: a record. The content decides which format it is, not the suffix. Nothing in a file is ever
 executed, and every failure is a LamcError with the place.
 """
 
@@ -54,15 +54,13 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     path = Path(path)
-    data = read_bytes(path, limits.bytes)
-    text = _text(data, str(path))
-    try:
-        node = compose(text, str(path), limits=limits, progress=progress)
-        return _record(node, materials or {}, progress)
-    except LamcError:
-        raise
-    except RecursionError as error:
-        raise DesignError("the file nests too deeply to be read", Place(str(path))) from error
+    text = _text(read_bytes(path, limits.bytes), str(path))
+    return _read(text, str(path), materials or {}, progress, limits)
+
+
+def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
+    """The design or mechanism in a text that is in no file; messages call it `name`. Raises as `load` does."""
+    return _read(text, name, {}, None, limits)
 
 
 def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> JointDefinition | None:
@@ -73,6 +71,18 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
     path = Path(path)
     node = compose(_text(read_bytes(path, limits.bytes), str(path)), str(path), limits=limits)
     return joints_file.read_definition(node) if joints_file.is_joint_definition(node) else None
+
+
+def _read(
+    text: str, file: str, materials: Mapping[str, Material], progress: Progress | None, limits: Limits
+) -> Design | Mechanism:
+    try:
+        node = compose(text, file, limits=limits, progress=progress)
+        return _record(node, materials, progress)
+    except LamcError:
+        raise
+    except RecursionError as error:
+        raise DesignError("the file nests too deeply to be read", Place(file)) from error
 
 
 def _record(node: Node, materials: Mapping[str, Material], progress: Progress | None) -> Design | Mechanism:

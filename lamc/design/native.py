@@ -16,9 +16,16 @@ from lamc.design import shapes
 from lamc.design.checking import Path, Problems, did_you_mean, validate
 from lamc.design.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.design.inert import MapNode, Node, ScalarNode
-from lamc.design.records import Design, HingeLine, HingeSet, Layer, Material
+from lamc.design.records import BodyName, Design, HingeLine, HingeSet, Layer, Material, Places
 from lamc.design.scene_file import scene_from_model
-from lamc.design.schema import DesignModel, HingeModel, LayerModel, OutlineModel, ShapeModel
+from lamc.design.schema import (
+    DesignModel,
+    HingeModel,
+    LayerModel,
+    NamedBodyModel,
+    OutlineModel,
+    ShapeModel,
+)
 from lamc.design.units import length_unit
 from lamc.errors import DesignError
 from lamc.mechanism.records import checked_name
@@ -59,6 +66,7 @@ class _Reader:
         fixed = self._fixed()
         found = [self._hinge(i, hinge) for i, hinge in enumerate(model.hinges)]
         hinges = tuple(hinge for hinge in found if hinge is not None)
+        names = tuple(self._body_name(name, body) for name, body in model.bodies.items())
         scene = scene_from_model(model.scene, problems)
         problems.raise_if_any()
         materials = {
@@ -71,9 +79,17 @@ class _Reader:
             Layer(entry.name, materials[entry.material], entry.thickness, sheet, entry.angle)
             for entry, sheet in zip(model.layers, geometry, strict=True)
         )
-        points = tuple((body, Point(at)) for body, at in model.bodies.items())
         source = PurePath(self.file).name
-        return Design(name, layers, hinges, tuple(fixed), points, scene, source, model.story.strip())
+        return Design(
+            name, layers, hinges, tuple(fixed), names, scene, source, model.story.strip(), self._places()
+        )
+
+    def _places(self) -> Places:
+        """The places that a message about the whole drawing may need."""
+        paths: list[Path] = [(), ("fixed",), ("hinges",)]
+        paths += [("layers", index) for index in range(len(self.layer_names))]
+        paths += [("bodies", name) for name in self.model.bodies]
+        return Places(tuple((path, self.problems.place(path)) for path in paths))
 
     def _check_names(self) -> None:
         model, problems = self.model, self.problems
@@ -145,6 +161,10 @@ class _Reader:
                 if region is not None:
                     regions[layer].append(region)
         return [shapes.areas(shapely.union_all(parts)) for parts in regions]
+
+    def _body_name(self, name: str, body: NamedBodyModel) -> BodyName:
+        found = [] if body.layer is None else self._layers([body.layer], ("bodies", name, "layer"))
+        return BodyName(name, Point(body.at), found[0] if len(found) == 1 else None)
 
     def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
         path: Path = ("hinges", index)

@@ -15,7 +15,7 @@ from lamc.design.inert import MapNode, Node, ScalarNode
 from lamc.design.objects import MM, attribute, items, number, object_id, optional, refuse_stored_code, word
 from lamc.design.popupcad_layers import degrees, read_layers
 from lamc.design.popupcad_sketch import hinge_lines, sketch_shapes
-from lamc.design.records import Design, HingeSet, Layer, Material
+from lamc.design.records import Design, HingeSet, Layer, Material, Places
 from lamc.design.sheets import Sheet
 from lamc.errors import UnsupportedError
 
@@ -72,7 +72,8 @@ class _Reader:
         hinges = tuple(self._hinge_set(d) for d in definitions)
         file = PurePath(self.node.place.file).name
         name = PurePath(file).stem or "design"
-        return Design(name, layers, hinges, tuple(sheet.areas for sheet in fixed), source=file)
+        world = tuple(sheet.areas for sheet in fixed)
+        return Design(name, layers, hinges, world, source=file, places=Places((((), self.node.place),)))
 
     def _joint_operation(self) -> Node:
         found = [op for op in self.operations if op.class_name in JOINT_OPERATIONS]

@@ -65,11 +65,34 @@ class HingeSet:
 
 
 @dataclass(frozen=True)
+class Places:
+    """Where the parts of a design stand in its file, for messages: keys from the top of the file, and the place."""
+
+    known: tuple[tuple[tuple[str | int, ...], Place], ...] = ()
+
+    def of(self, *path: str | int) -> Place | None:
+        """The place of what stands at `path`, or of the nearest thing around it; None for a design by hand."""
+        known = dict(self.known)
+        return next((known[path[:n]] for n in range(len(path), -1, -1) if path[:n] in known), None)
+
+
+@dataclass(frozen=True)
+class BodyName:
+    """A name that the drawing gives to a body, by a point inside it.
+
+    layer  index of the layer to look in, where sheets above one another hold several bodies; None: any layer
+    """
+
+    name: str
+    point: Point  # m, world x and y
+    layer: int | None = None
+
+
+@dataclass(frozen=True)
 class Design:
     """A laminate device before splitting.
 
     fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
-    body_names    names that the drawing gives to bodies: (name, a point inside the body), m
     story         what the design is for, a paragraph of plain text; nothing is computed from it
     """
 
@@ -77,10 +100,11 @@ class Design:
     layers: tuple[Layer, ...]
     hinges: tuple[HingeSet, ...]
     fixed: tuple[MultiPolygon, ...]
-    body_names: tuple[tuple[str, Point], ...] = ()
+    body_names: tuple[BodyName, ...] = ()
     scene: Scene | None = None
     source: str = ""  # the file's name, without its folder
     story: str = ""
+    places: Places = field(default=Places(), compare=False, repr=False)
 
     @property
     def z(self) -> tuple[float, ...]:

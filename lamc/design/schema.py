@@ -141,6 +141,24 @@ class HingeModel(Model):
         return self
 
 
+class NamedBodyModel(Model):
+    """A point inside the body that gets the name, and the layer to look in where bodies lie above one another."""
+
+    at: Point
+    layer: str | None = None
+
+
+def _point_alone(value: Any) -> Any:
+    """A bare point [x, y] is short for {at: [x, y]}."""
+    return {"at": value} if isinstance(value, list | tuple) else value
+
+
+BodyPoint = Annotated[
+    NamedBodyModel,
+    BeforeValidator(_point_alone, json_schema_input_type=NamedBodyModel | Point),
+]
+
+
 class SceneModel(Model):
     """What acts, and how the mechanism starts. Without `effects`, what the design itself asks for acts."""
 
@@ -167,7 +185,9 @@ class DesignModel(Model):
     shapes: list[ShapeModel]
     hinges: list[HingeModel] = []
     fixed: list[RegionModel] = []
-    bodies: dict[str, Point] = Field(default={}, description="names of bodies, each with a point inside it")
+    bodies: dict[str, BodyPoint] = Field(
+        default={}, description="names of bodies, each with a point inside it"
+    )
     scene: SceneModel | None = None
 
 

@@ -19,7 +19,7 @@ from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits
 from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
-from lamc.design.records import Design
+from lamc.design.records import BodyName, Design
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
 from lamc.errors import DesignError, TopologyError
 from lamc.mechanism.checks import shown
@@ -48,7 +48,16 @@ def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
         raise DesignError(f"{design.name!r} is a Mechanism already; use it as it is, only a Design is split")
     if not isinstance(design, Design):
         raise DesignError(f"the design is {shown(design)}; split takes the Design that lamc.load gives")
-    tell = progress or _silent
+    try:
+        return _steps(design, progress or _silent)
+    except DesignError as error:
+        place = design.places.of()
+        if error.place is not None or place is None:
+            raise
+        raise type(error)(error.message, place) from error
+
+
+def _steps(design: Design, tell: Progress) -> SplitSteps:
     tell("checking the drawing", 0.0)
     check_design(design)
     hinges = named_hinges(design)
@@ -62,7 +71,8 @@ def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
     if not any(group.fixed for group in kept):
         raise TopologyError(
             f"the fixed region of design {design.name!r} meets no body, so nothing holds it; draw it "
-            "over the body that the world holds"
+            "over the body that the world holds",
+            design.places.of("fixed"),
         )
     tell("weighing bodies", 0.6)
     bodies, parts = _named_bodies(design, kept)
@@ -70,7 +80,7 @@ def split_steps(design: Design, progress: Progress | None = None) -> SplitSteps:
     layers = [LayerIndex([p.polygons for p in parts], i) for i in range(count)]
     contacts = [contact(hinge, holes, layers) for hinge in hinges]
     sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
-    connections = link(hinges, contacts, sites)
+    connections = link(hinges, contacts, sites, [layer.name for layer in design.layers])
     joints = tuple(_joint(connection) for connection in connections)
     mechanism = Mechanism(bodies, joints, name=design.name, scene=design.scene, story=design.story)
     tell("done", 1.0)
@@ -125,12 +135,12 @@ def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, 
     for i in body_order(marks):
         mass, com, inertia = properties[i]
         if mass == 0.0 and not groups[i].fixed:
-            used = sorted(
-                {layer.name for layer, p in zip(design.layers, groups[i].polygons, strict=True) if p}
-            )
+            made_of = [k for k, polygons in enumerate(groups[i].polygons) if polygons]
+            used = sorted(design.layers[k].name for k in made_of)
             raise DesignError(
                 f"body {names[i]!r} at {millimetres(groups[i].at)} has zero mass: the density of "
-                f"{', '.join(map(repr, used))} is 0 kg/m³; give the material a density, or fix the body"
+                f"{', '.join(map(repr, used))} is 0 kg/m³; give the material a density, or fix the body",
+                design.places.of("layers", made_of[0]),
             )
         outline = tuple(plate for plate, _ in plates[i])
         bodies.append(Body(names[i], mass, com, inertia, fixed=groups[i].fixed, outline=outline))
@@ -150,26 +160,31 @@ def _plates(design: Design, group: Group) -> list[tuple[Plate, float]]:
 def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
     """The drawing's name for each group, None where it has none."""
     names: list[str | None] = [None] * len(groups)
-    for name, point in sorted(design.body_names, key=lambda item: item[0]):
-        inside = [
-            i
-            for i, group in enumerate(groups)
-            if any(shapely.contains_xy(p, point.x, point.y) for layer in group.polygons for p in layer)
-        ]
+    for given in sorted(design.body_names, key=lambda item: item.name):
+        inside = [i for i, group in enumerate(groups) if _holds(group, given)]
+        at = millimetres((given.point.x, given.point.y))
         if len(inside) != 1:
+            where = "" if given.layer is None else f" of layer {design.layers[given.layer].name!r}"
+            # Sheets above one another: there may be no point that lies in one body alone.
+            ask = ", or say in which layer: {at: [x, y], layer: …}" if given.layer is None and inside else ""
             raise DesignError(
-                f"the point that names body {name!r}, {millimetres((point.x, point.y))}, lies in "
-                f"{len(inside)} "
-                "bodies; move it into the one that it names"
+                f"the point that names body {given.name!r}, {at}, lies in {len(inside)} bodies{where}; "
+                f"move it into the one that it names{ask}",
+                design.places.of("bodies", given.name),
             )
         if names[inside[0]] is not None:
             raise DesignError(
-                f"{names[inside[0]]!r} and {name!r} name the same body, at "
-                f"{millimetres((point.x, point.y))}; "
-                "keep one name"
+                f"{names[inside[0]]!r} and {given.name!r} name the same body, at {at}; keep one name",
+                design.places.of("bodies", given.name),
             )
-        names[inside[0]] = name
+        names[inside[0]] = given.name
     return names
+
+
+def _holds(group: Group, given: BodyName) -> bool:
+    """True if the point that names a body lies in a piece of the group, in the layer asked for if there is one."""
+    layers = group.polygons if given.layer is None else (group.polygons[given.layer],)
+    return any(shapely.contains_xy(p, given.point.x, given.point.y) for layer in layers for p in layer)
 
 
 def _joint(connection: Connection) -> Joint:

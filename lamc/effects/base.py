@@ -28,6 +28,9 @@ class Effect(Protocol):
             def contribute(self, loads):
                 u = sympy.Symbol("u_h1")
                 loads.hinge_torque("h1", -0.01 * u * sympy.Abs(u))
+
+    An effect that cannot act from every start has check_start(mechanism, angles) as well: angles are those of all
+    joints by name, rad, at the start; it raises DesignError for one that it refuses.
     """
 
     name: ClassVar[str]

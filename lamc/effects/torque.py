@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import ClassVar
 
 from lamc.codegen.program import Space
@@ -12,6 +11,7 @@ from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Store
 from lamc.mechanism.records import Mechanism, checked_name, checked_number
+from lamc.readonly import ReadOnlyDict
 
 
 @dataclass(frozen=True)
@@ -39,10 +39,7 @@ class Torque:
                 checked[joint] = torque
             else:
                 checked[joint] = checked_number(torque, f"the torque of joint {joint!r}")
-        object.__setattr__(self, "torques", MappingProxyType(checked))
-
-    def __reduce__(self) -> tuple[type["Torque"], tuple[dict[str, float | str]]]:
-        return Torque, (dict(self.torques),)
+        object.__setattr__(self, "torques", ReadOnlyDict(checked))
 
     def __hash__(self) -> int:
         return hash(tuple(self.torques.items()))

@@ -87,13 +87,19 @@ def checked_range(value: object, what: str) -> tuple[float, float]:
         raise DesignError(
             f"the limits of {what} are {shown(value)}; they must be two angles (lower, upper), rad"
         )
-    lower = checked_number(ends[0], f"the lower limit of {what}")
-    upper = checked_number(ends[1], f"the upper limit of {what}")
+    lower = _checked_limit(ends[0], f"the lower limit of {what}")
+    upper = _checked_limit(ends[1], f"the upper limit of {what}")
     if lower >= upper:
         raise DesignError(
             f"the limits of {what} are ({lower:g}, {upper:g}) rad; the lower must be below the upper"
         )
     return lower, upper
+
+
+def _checked_limit(value: object, what: str) -> float:
+    if isinstance(value, float) and math.isinf(value):
+        raise DesignError(f"{what} is {value!r}; it must be finite: leave limits out where there are none")
+    return checked_number(value, what)
 
 
 def checked_records(values: Iterable[Item], kind: type[Item], name: str, where: str) -> tuple[Item, ...]:

@@ -17,7 +17,7 @@ from lamc.design.records import Layer, Line
 from lamc.design.steps import SplitSteps
 from lamc.design.yaml_text import scalar
 from lamc.errors import DesignError
-from lamc.files import write_text
+from lamc.files import checked_path, write_text
 from lamc.mechanism.records import Body, Joint, Mechanism
 
 _PACKAGE = "!!python/object:foldable_robotics.dynamics_info"
@@ -47,7 +47,7 @@ def write_joints(
     Raises DesignError where the format cannot say it (a body without outline, a mass that its plates do not
     have, a hinge that is not parallel to the layers), LamcError where the file cannot be written.
     """
-    write_text(Path(path), joints_text(mechanism, layers, lines or {}))
+    write_text(checked_path(path), joints_text(mechanism, layers, lines or {}))
 
 
 def joints_text(mechanism: Mechanism, layers: Sequence[Layer], lines: Mapping[str, Line]) -> str:

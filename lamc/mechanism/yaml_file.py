@@ -18,7 +18,7 @@ from lamc.design.scene_file import scene_data, scene_from_model
 from lamc.design.schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.design.yaml_text import dump
 from lamc.errors import DesignError
-from lamc.files import write_text
+from lamc.files import checked_path, write_text
 from lamc.mechanism.network import faults, loose_ends
 from lamc.mechanism.records import FREE_LIMITS, Body, Joint, Mechanism, Plate
 
@@ -55,7 +55,7 @@ def write_mechanism(mechanism: Mechanism, path: FilePath | str) -> None:
 
     Raises DesignError for a scene that a file cannot hold, LamcError where the file cannot be written.
     """
-    write_text(FilePath(path), mechanism_text(mechanism))
+    write_text(checked_path(path), mechanism_text(mechanism))
 
 
 def mechanism_text(mechanism: Mechanism) -> str:

@@ -18,16 +18,11 @@ State = tuple[float, Array, Array]  # t s, q rad, u rad/s
 
 CLOSED = 1e-13  # of the size: round-off of positions
 WELL_CONDITIONED = (
-    100.0  # largest over least singular value; beyond, a state says more of round-off than of equations
+    100.0  # largest over least singular value; beyond, a state tells of round-off, not of equations
 )
-SPREADS = (
-    1.0,
-    0.3,
-    0.1,
-    0.03,
-)  # rad, of places around the start; loops that barely move close from near ones only
+STEP = 0.4  # rad, from one random place of loops to the next
 _ROUNDS = 40
-_TRIES = 5  # places per state that is wanted
+_TRIES = 3  # steps per state that is wanted
 _LONGEST = 0.5  # rad, one step
 
 
@@ -52,20 +47,24 @@ def settled(voice: NewtonEuler, q: Array, u: Array) -> tuple[Array, Array, float
 def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, seed: int) -> list[State]:
     """States with angles within ±π and rates large enough for forces of motion to matter.
 
-    With loops: closed ones around the angles `start` (n,), away from singular positions; they may be fewer than
+    With loops: closed ones on a random walk from the closed angles `start` (n,), away from singular positions. A walk,
+    because loops may close in other ways, rigid ones among them, that no motion reaches. They may be fewer than
     `count`, and none where the loops cannot move at all.
     """
     rng = np.random.default_rng(seed)
     n = len(voice.joints)
     if not voice.cuts:
         return [_moving(voice, rng, t_end, rng.uniform(-np.pi, np.pi, n)) for _ in range(count)]
-    places = [start] if count else []
-    for k in range(_TRIES * count):
-        if len(places) > count:
+    places: list[Array] = []
+    place = start
+    for _ in range(_TRIES * count):
+        free = split(voice.gaps(place)[1]).free
+        if len(places) == count or not free.size:
             break
-        guess = start + rng.normal(0.0, SPREADS[k % len(SPREADS)], n)
-        q, _, gap = settled(voice, guess, np.zeros(n))
+        step = free @ rng.normal(size=free.shape[1])
+        q, _, gap = settled(voice, place + STEP * step / np.linalg.norm(step), np.zeros(n))
         if gap <= CLOSED * voice.size:
+            place = q
             places.append(q)
     conditions = [voice.condition(q) for q in places]
     full = max((rank for rank, _ in conditions), default=0)
@@ -74,7 +73,7 @@ def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, se
         for q, (rank, condition) in zip(places, conditions, strict=True)
         if rank == full and condition <= WELL_CONDITIONED
     ]
-    return [_moving(voice, rng, t_end, q) for q in regular[-count:]]
+    return [_moving(voice, rng, t_end, q) for q in regular]
 
 
 def on_closure(voice: NewtonEuler, acceleration: Acceleration) -> Acceleration:

@@ -14,11 +14,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from lamc.errors import LamcError
+from lamc.files import replacing
 from lamc.mechanism.records import Array
 from lamc.report.plan_view import shortened
 from lamc.report.raster import Pixels
 from lamc.report.stage import Stage
-from lamc.run.files import replacing
 from lamc.run.result import Result
 
 FRAMES_PER_SECOND = 25  # the fastest that GIF players keep to: 40 ms a frame

@@ -12,6 +12,7 @@ import numpy as np
 
 from lamc.effects.registry import Choice
 from lamc.loops.rank import LoopCount
+from lamc.mechanism.limits import outside_limits
 from lamc.pipeline import Times
 from lamc.report.plan_view import shortened
 from lamc.run.result import Result
@@ -45,6 +46,9 @@ class RunReport:
         if limited and not any("limit" in c.name for c in self.account if c.effect is not None):
             notes.append(f"the drawn limits of {names(limited)} are not simulated: the scene does not call for joint_limits")
         result = self.result
+        if len(result.t):
+            angles = {joint: float(result.angle(joint)[0]) for joint in limited}
+            notes += outside_limits(self.simulator.mechanism, angles)
         if 2 < len(result.t) < result.stats.accepted / 2:
             notes.append(
                 f"{result.stats.accepted} steps lie behind {len(result.t)} rows, so fast motion may not show; "

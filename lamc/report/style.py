@@ -13,9 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
+from lamc.files import replacing
 from lamc.mechanism.records import Mechanism
 from lamc.report.plan_view import shortened
-from lamc.run.files import replacing
 
 # Okabe and Ito's palette, which readers of all kinds of colour vision can tell apart; grey is for the world.
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")

@@ -7,17 +7,14 @@ renamed). Never: pickles; leaves a half-written file.
 import csv
 import json
 import math
-import os
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from lamc.errors import LamcError
+from lamc.files import replacing
 from lamc.run.request import Array
 
 if TYPE_CHECKING:
@@ -97,30 +94,3 @@ def _plain(value: Any) -> Any:
 def _write_text(path: Path, write: Callable[[IO[str]], None]) -> None:
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         write(file)
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path in the folder of `path`, which becomes `path` by one rename if the block succeeds."""
-    temporary: Path | None = None
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name[:40]}.", dir=path.parent)
-        os.close(handle)
-        temporary = Path(name)
-        yield temporary
-        temporary.chmod(0o666 & ~_umask())  # mkstemp gives 0600
-        temporary.replace(path)
-    except OSError as error:
-        raise LamcError(
-            f"cannot write {str(path)!r}: {error.strerror or error}; choose another place"
-        ) from error
-    finally:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    """The process's file mode mask; the system lets it be read only by setting it."""
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamc.files import checked_path
 from lamc.mechanism.records import Mechanism
 from lamc.run import files, frames
 from lamc.run.model import Motion, Unchanging
@@ -183,12 +184,12 @@ class Result(Unchanging):
         """Writes a table with one row per time: t, angles, rates, energies, units in the header; numbers
         read back exactly. A JSON manifest goes beside it. Both appear whole or not at all. Raises LamcError
         if it cannot."""
-        return files.write_csv(self, Path(path))
+        return files.write_csv(self, checked_path(path))
 
     def to_npz(self, path: str | Path) -> Path:
         """Writes arrays t, q, u, energies, energy, constraint_error, joints, energy_names (no pickles), and
         a JSON manifest beside it. Both appear whole or not at all. Raises LamcError if it cannot."""
-        return files.write_npz(self, Path(path))
+        return files.write_npz(self, checked_path(path))
 
     def to_pandas(self) -> "pandas.DataFrame":
         """A DataFrame over t with the columns of `to_csv`. Raises LamcError without pandas."""

@@ -96,6 +96,7 @@ class Simulator(Unchanging):
         else:
             start = _start(self.scene, self.joints)
         start.flags.writeable = False
+        self._check_start(start)
         return start
 
     @property
@@ -218,6 +219,18 @@ class Simulator(Unchanging):
         row = np.concatenate([angles, np.zeros(n)]).reshape(1, -1)
         flat = self._motion(NO_PARAMETERS).closures(row)[0]
         return flat[:m], flat[m:].reshape(m, n)
+
+    def _check_start(self, start: Array) -> None:
+        """Shows the start to the effects that ask for it. Raises DesignError if one of them refuses it."""
+        checks = [effect.check_start for effect in self.effects if hasattr(effect, "check_start")]
+        if checks:
+            count, cuts = len(self.joints), len(self.cut_joints)
+            angles = dict(zip(self.joints, start[:count].tolist(), strict=True))
+            if cuts:
+                state = self._default_motion.cut_states(start.reshape(1, -1))[0]
+                angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
+            for check in checks:
+                check(self.mechanism, angles)
 
     @cached_property
     def _default_motion(self) -> Motion:

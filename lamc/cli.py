@@ -46,7 +46,10 @@ def main(context: click.Context) -> None:
 @click.option("--rtol", type=float, default=1e-9, help="Relative tolerance of a step.")
 @click.option("--atol", type=float, default=1e-11, help="Absolute tolerance of a step, rad and rad/s.")
 @click.option(
-    "--integrator", default="auto", metavar="NAME", help="auto, rk45, dop853, rodas5p, radau5, or scipy:LSODA, ..."
+    "--integrator",
+    default="auto",
+    metavar="NAME",
+    help="auto, rk45, dop853, rodas5p, radau5, or scipy:LSODA, ...",
 )
 @click.option(
     "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."

@@ -21,7 +21,7 @@ from scipy.special import ellipk
 
 from lamc.errors import LamcError, RequestError, SimulationError
 from lamc.mechanism.records import Body, Joint, Mechanism
-from lamc.run import rk45
+from lamc.run import native
 from lamc.run.integrators import NAMES
 from lamc.run.request import Status
 from lamc.run.scipy_methods import METHODS
@@ -183,7 +183,7 @@ def test_result_follows_solve_ivp(sim: Simulator) -> None:
     assert result.nfev == result.stats.evaluations > 6 * (m - 1)
     assert result.stats.steps == result.stats.accepted + (result.stats.rejected or 0)
     assert result.stats.accepted == m - 1
-    assert result.stats.integrator == "rk45"
+    assert result.stats.integrator == "dop853"
     assert result.stats.real_time_factor == pytest.approx(2.0 / result.stats.wall_time)
     assert (result.constraint_error == np.zeros(m)).all()
     assert (result.joints, result.bodies) == (("hip",), ("ceiling", "rod"))
@@ -261,7 +261,8 @@ def test_nan_ends_the_run_and_keeps_what_there_is(sim: Simulator, integrator: st
     assert 0.5 < result.t[-1] <= 1.0
     if not integrator.startswith("scipy"):
         assert result.status == Status.NOT_FINITE
-        assert result.t[-1] > 1.0 - 1e-9  # goes as near as steps can
+        # goes as near as steps can; implicit methods look sqrt(eps) s ahead, where they take differences
+        assert result.t[-1] > 1.0 - (1e-7 if integrator in ("rodas5p", "radau5") else 1e-9)
 
 
 @pytest.mark.parametrize("integrator", NAMES)
@@ -329,7 +330,7 @@ def test_ctrl_c_is_answered_with_a_million_rows(sim: Simulator, interrupt: list[
 
 def test_rows_are_the_same_across_chunks(sim: Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = sim.run(t_end=20.0)
-    monkeypatch.setattr(rk45, "CHUNK", 21)  # seven rows of the rod
+    monkeypatch.setattr(native, "CHUNK", 21)  # seven rows of the rod
     pieces = sim.run(t_end=20.0)
     assert (whole.t == pieces.t).all()
     assert (whole.y == pieces.y).all()
@@ -406,7 +407,7 @@ def test_other_threads_run_while_the_integrator_does(sim: Simulator) -> None:
         ({"t_eval": ["a"]}, "sequence of times"),
         ({"integrator": "rk54"}, "did you mean 'rk45'"),
         ({"integrator": "scipy:Radua"}, "did you mean 'scipy:Radau'"),
-        ({"integrator": ""}, "there are auto, rk45, scipy:RK23"),
+        ({"integrator": ""}, "there are auto, rk45, dop853, rodas5p"),
         ({"parameters": {"lenght": 1.0}}, "did you mean 'length'"),
         ({"parameters": {"length": math.nan}}, "'length' is nan"),
         ({"parameters": {"length": "long"}}, "number in m"),

@@ -68,7 +68,9 @@ def lower(equations: Equations) -> Program:
         *_event_jobs(equations),
     ]
     modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
-    constants: dict[int, int] = {mode.index: k for k, mode in enumerate(modes)}  # node → slot; modes first, zero at first
+    constants: dict[int, int] = {
+        mode.index: k for k, mode in enumerate(modes)
+    }  # node → slot; modes first, zero at first
     functions = [
         _Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
         for (name, purpose, reads), outputs in jobs

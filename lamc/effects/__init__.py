@@ -7,4 +7,13 @@ from lamc.effects.limits import JointLimits
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 
-__all__ = ["Effect", "Gravity", "HingeDamping", "HingeStiffness", "JointLimits", "RestAngle", "Spring", "Torque"]
+__all__ = [
+    "Effect",
+    "Gravity",
+    "HingeDamping",
+    "HingeStiffness",
+    "JointLimits",
+    "RestAngle",
+    "Spring",
+    "Torque",
+]

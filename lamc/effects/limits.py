@@ -1,4 +1,4 @@
-"""Limits of the joint angles: one-sided springs with dampers, or impacts. The limits themselves come from the joints."""
+"""Limits of the joint angles: one-sided springs with dampers, or impacts. The limits come from the joints."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -13,7 +13,9 @@ from lamc.mechanism.checks import checked_number, shown
 from lamc.mechanism.records import FREE_LIMITS, Joint, Mechanism
 
 STANDARD_GRAVITY = 9.81  # m/s², for the stiffness of a stop of which the scene says nothing
-STOP_STIFFNESS = 100.0  # times the torque of the mechanism's weight at arm's length: it then yields 0.6° at most
+STOP_STIFFNESS = (
+    100.0  # times the torque of the mechanism's weight at arm's length: it then yields 0.6° at most
+)
 STOP_DAMPING_RATIO = 0.3  # of critical damping with the mechanism's inertia: a dull stop
 
 _FIELDS = ("stiffness", "damping", "restitution", "flat_fold")
@@ -49,18 +51,22 @@ class JointLimits:
                 number = checked_number(value, f"the {field} of joint limits", minimum=0.0)
                 object.__setattr__(self, field, number)
         if not isinstance(self.flat_fold, bool):
-            raise DesignError(f"flat_fold of joint limits is {shown(self.flat_fold)}; it must be true or false")
+            raise DesignError(
+                f"flat_fold of joint limits is {shown(self.flat_fold)}; it must be true or false"
+            )
         if self.restitution is not None and not 0.0 < self.restitution <= 1.0:
             raise DesignError(
-                f"the restitution of joint limits is {self.restitution:g}; it must be above 0 and at most 1; for a stop "
-                "without bounce give a stiffness and a damping"
+                f"the restitution of joint limits is {self.restitution:g}; it must be above 0 and at most 1; for a "
+                "stop without bounce give a stiffness and a damping"
             )
         if self.restitution is not None and (self.stiffness is not None or self.damping is not None):
             raise DesignError(
                 "joint limits have a restitution and a stiffness or damping; a limit either bounces or yields: give one"
             )
         if self.stiffness == 0.0:
-            raise DesignError("the stiffness of joint limits is 0; a limit must resist: give N·m/rad above zero")
+            raise DesignError(
+                "the stiffness of joint limits is 0; a limit must resist: give N·m/rad above zero"
+            )
 
     def contribute(self, loads: Loads) -> None:
         found = False
@@ -82,7 +88,10 @@ class JointLimits:
         title = f"{'lower' if side < 0 else 'upper'} limit of {hinge.joint.name}"
         if self.restitution is not None:
             rebound = loads.parameter(
-                "joint_limits.restitution", self.restitution, "1", "rate after an impact on a limit over that before"
+                "joint_limits.restitution",
+                self.restitution,
+                "1",
+                "rate after an impact on a limit over that before",
             )
             loads.impact(title, beyond, rebound)
             return
@@ -110,7 +119,10 @@ class JointLimits:
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         count = sum(1 for j in mechanism.joints if j.is_limited)
         return (
-            (cls(), f"{count} {'joint has limits' if count == 1 else 'joints have limits'} narrower than ±180°")
+            (
+                cls(),
+                f"{count} {'joint has limits' if count == 1 else 'joints have limits'} narrower than ±180°",
+            )
             if count
             else (None, "no joint has limits narrower than ±180°")
         )

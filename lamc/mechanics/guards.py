@@ -1,7 +1,7 @@
 """Guards: conditions on the state whose passing of zero is an event, staged.
 
-Goes in: what effects say in `Loads.switch` and `Loads.impact`. Comes out: each guard with its rate and, for impacts, its
-derivatives by the angles. It knows no effect by name, and finds no event: the runtime does.
+Goes in: what effects say in `Loads.switch` and `Loads.impact`. Comes out: each guard with its rate and, for impacts,
+its derivatives by the angles. It knows no effect by name, and finds no event: the runtime does.
 
 A guard is negative where nothing happens. At a switch a force begins, and ends when the guard is negative again; the
 force is written with a mode, a number that is 1 beyond the guard and 0 before, so that between two events the

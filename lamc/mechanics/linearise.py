@@ -51,9 +51,7 @@ def _symbol(store: Store, name: str, space: Space, index: int) -> Value:
     return store.symbol(name, space, index)
 
 
-def _with_multipliers(
-    equations: Equations, q: Sequence[Value], residuals: Sequence[Scalar]
-) -> list[Scalar]:
+def _with_multipliers(equations: Equations, q: Sequence[Value], residuals: Sequence[Scalar]) -> list[Scalar]:
     """r less Jᵀλ."""
     assert equations.closure is not None
     store = equations.store

@@ -44,7 +44,9 @@ class RunReport:
         notes = []
         limited = [joint.name for joint in self.simulator.mechanism.joints if joint.is_limited]
         if limited and not any("limit" in c.name for c in self.account if c.effect is not None):
-            notes.append(f"the drawn limits of {names(limited)} are not simulated: the scene does not call for joint_limits")
+            notes.append(
+                f"the scene does not call for joint_limits, so those of {names(limited)} are not simulated"
+            )
         result = self.result
         if len(result.t):
             angles = {joint: float(result.angle(joint)[0]) for joint in limited}

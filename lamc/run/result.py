@@ -39,7 +39,9 @@ class RunStats:
     last_step: float  # s
     wall_time: float  # s
     real_time_factor: float  # simulated seconds per second of wall time
-    switches: tuple[tuple[float, str], ...] = ()  # of "auto": s, and the integrator from there on; the first ones
+    switches: tuple[
+        tuple[float, str], ...
+    ] = ()  # of "auto": s, and the integrator from there on; the first ones
 
 
 @dataclass(frozen=True)

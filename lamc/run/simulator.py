@@ -311,5 +311,7 @@ def _rate(baumgarte: float | None) -> float:
         return 0.0
     rate = finite(baumgarte, "baumgarte", "a rate in 1/s above zero, or None")
     if rate <= 0.0:
-        raise RequestError(f"baumgarte is {rate!r}; it must be a rate in 1/s above zero, or None for projection")
+        raise RequestError(
+            f"baumgarte is {rate!r}; it must be a rate in 1/s above zero, or None for projection"
+        )
     return rate

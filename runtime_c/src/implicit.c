@@ -7,7 +7,8 @@
 long long lamc_implicit_size(const lamc_ode *ode) {
   const long long k = ode->n / 2;
   if (ode->jacobian == NULL || ode->n % 2 != 0) return 0;
-  return 2 * k * k + k + (k * k + k) + (2 * k * k + k) + 2 * k + ode->scratch_size;
+  return 1 + 2 * k * k + k + (k * k + k) + (2 * k * k + k) + 2 * k +
+         ode->scratch_size; /* 1: also where nothing moves */
 }
 
 implicit lamc_implicit_parts(const lamc_run *run, int slots) {

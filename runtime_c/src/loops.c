@@ -23,7 +23,7 @@ static const double NEAR_SINGULAR =
 static const double CLOSED = 1e-13; /* of the size: round-off of the residuals */
 static const double LOST = 1e-4;    /* of the size: no drift of a step comes near it */
 static const int MAX_ITERATIONS = 8;
-static const double LONG_SINGULAR = 100.0; /* steps in a row: a passage takes a few */
+static const double LONG_SINGULAR = 3000.0; /* steps in a row: a passage takes some hundred at 1e-13 */
 
 /* The parts of the work array */
 typedef struct parts {

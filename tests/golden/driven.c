@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 609fcafcb49141c87cdef165e2016fe2838cf80bb85dcb823aac541a9c222d9a
+ * Program digest 8adc4eccf2c3cea71a81710625f1f01574fe8b7fc82c00aceb034fc998fb2a39
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -9,6 +9,8 @@
  *   acceleration        9 of which 0 reciprocals; 3 library calls
  *   energy              3 of which 0 reciprocals; 0 library calls
  *   poses               2 of which 0 reciprocals; 2 library calls
+ *   inertia             0 of which 0 reciprocals; 0 library calls
+ *   jacobian           14 of which 0 reciprocals; 5 library calls
  */
 #include "driven.h"
 
@@ -69,6 +71,36 @@ void driven_poses(const double *c, const double *q, double *out) {
   out[11] = 1.0;
 }
 
+/* mass matrix, lower triangle by rows, kg m^2 */
+void driven_inertia(const double *c, const double *q, double *out) {
+  (void)q;
+  out[0] = c[1];
+}
+
+/* derivatives by q, u and t of M udot - f - J^T lambda, then of J udot + gamma */
+void driven_jacobian(const double *c, double t, const double *q, const double *u, const double *a, const double *l, double *out) {
+  (void)c;
+  (void)a;
+  (void)l;
+  /* Applied hinge torques (eq. 17) [torque] */
+  const double z0 = 314.1592653589793*t;
+  const double z1 = 0.0001*u[0];
+  const double z2 = fabs(u[0]);
+  const double z3 = fmax(q[0], 0.0);
+  const double z4 = z3*z3;
+  /* Derivatives of the residuals (for implicit integrators) */
+  const double z5 = (((q[0]) > 0) - ((q[0]) < 0));
+  const double z6 = 0.5*z5 + 0.5;
+  const double z7 = z4*z6 + z3*(2.0*(z3*z6));
+  const double z8 = (((u[0]) > 0) - ((u[0]) < 0));
+  const double z9 = 0.0001*z2 + z1*z8;
+  const double z10 = cos(z0);
+  const double z11 = 3.141592653589793*z10;
+  out[0] = -z7;
+  out[1] = z9;
+  out[2] = -z11;
+}
+
 static const char *const joint_names[] = {
     "hinge",
 };
@@ -121,7 +153,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "609fcafcb49141c87cdef165e2016fe2838cf80bb85dcb823aac541a9c222d9a",
+      "8adc4eccf2c3cea71a81710625f1f01574fe8b7fc82c00aceb034fc998fb2a39",
       0.5,
       1,
       0,
@@ -132,13 +164,17 @@ const lamc_model *driven_model(void) {
       4,
       3,
       1,
+      0,
       joint_names,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
+      NULL,
       parameter_defaults,
+      NULL,
+      1.64,
       setup_from_array,
       driven_acceleration,
       NULL,
@@ -147,6 +183,10 @@ const lamc_model *driven_model(void) {
       NULL,
       driven_energy,
       driven_poses,
+      driven_inertia,
+      driven_jacobian,
+      NULL,
+      NULL,
   };
   return &model;
 }

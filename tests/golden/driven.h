@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 609fcafcb49141c87cdef165e2016fe2838cf80bb85dcb823aac541a9c222d9a
+ * Program digest 8adc4eccf2c3cea71a81710625f1f01574fe8b7fc82c00aceb034fc998fb2a39
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -31,7 +31,8 @@ enum {
   driven_body_count = 1,
   driven_parameter_count = 4,
   driven_constant_count = 3,
-  driven_energy_count = 1
+  driven_energy_count = 1,
+  driven_guard_count = 0
 };
 
 /* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
@@ -57,6 +58,14 @@ void driven_energy(const double *constants, double t, const double *q, const dou
 
 /* -> poses (1, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
 void driven_poses(const double *constants, const double *q, double *poses);
+
+/* q -> M, lower triangle by rows, kg m^2 */
+void driven_inertia(const double *constants, const double *q, double *inertia);
+
+/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+ * M a - f, for implicit integrators */
+void driven_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
+                           const double *l, double *jacobian);
 
 /* All of the above with names, for lamc's runtime. The model is constant and lives as long as the program. */
 const lamc_model *driven_model(void);

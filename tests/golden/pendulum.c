@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 4f1101b7776b5f11e0093b4508b047fe9d55b9a211f2e3727c4422e724a97bee
+ * Program digest 44e03db6f49cccf327d5d88436fa7dd1cba81c0ac11e7e008c8893adbf4689f3
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -9,6 +9,8 @@
  *   acceleration      106 of which 2 reciprocals; 6 library calls
  *   energy             76 of which 0 reciprocals; 6 library calls
  *   poses              16 of which 0 reciprocals; 6 library calls
+ *   inertia            30 of which 0 reciprocals; 6 library calls
+ *   jacobian          123 of which 0 reciprocals; 6 library calls
  */
 #include "pendulum.h"
 
@@ -225,6 +227,132 @@ void pendulum_poses(const double *c, const double *q, double *out) {
   out[35] = z6;
 }
 
+/* mass matrix, lower triangle by rows, kg m^2 */
+void pendulum_inertia(const double *c, const double *q, double *out) {
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = q[0] + q[1];
+  const double z3 = cos(z2);
+  const double z4 = sin(z2);
+  const double z5 = q[2] - z2;
+  const double z6 = cos(z5);
+  const double z7 = sin(z5);
+  /* Inertia in carrier frames (eq. 7-11) */
+  const double z8 = c[0]*z7;
+  const double z9 = c[0]*z6;
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z10 = z3*z9;
+  const double z11 = z4*z8;
+  const double z12 = z0*(c[2]*z3 + z9);
+  const double z13 = z1*(c[2]*z4 - z8);
+  /* Mass matrix (Kane, eq. 19) */
+  const double z14 = c[1] - (z10 - z11);
+  const double z15 = z14 + (z1*z8 - z0*z9);
+  const double z16 = c[5] - (2.0*z10 - (c[1] + 2.0*z11));
+  const double z17 = z16 - (z12 + z13);
+  const double z18 = c[4] - (2.0*z12 + (2.0*z13 - z16));
+  out[0] = -z18;
+  out[1] = -z17;
+  out[2] = -z16;
+  out[3] = z15;
+  out[4] = z14;
+  out[5] = -c[1];
+}
+
+/* derivatives by q, u and t of M udot - f - J^T lambda, then of J udot + gamma */
+void pendulum_jacobian(const double *c, double t, const double *q, const double *u, const double *a, const double *l, double *out) {
+  (void)t;
+  (void)l;
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = q[0] + q[1];
+  const double z3 = cos(z2);
+  const double z4 = sin(z2);
+  const double z5 = q[2] - z2;
+  const double z6 = cos(z5);
+  const double z7 = sin(z5);
+  /* Inertia in carrier frames (eq. 7-11) */
+  const double z8 = c[2]*z4;
+  const double z9 = c[2]*z3;
+  const double z10 = c[0]*z7;
+  const double z11 = c[0]*z6;
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z12 = u[0]*u[0];
+  const double z13 = u[0] + u[1];
+  const double z14 = z13*z13;
+  const double z15 = u[2] - z13;
+  const double z16 = z15*z15;
+  const double z17 = z1*z12 - z0*a[0];
+  const double z18 = z0*z12 + z1*a[0];
+  const double z19 = c[6] - z17;
+  const double z20 = a[0] + a[1];
+  const double z21 = z4*z14 - z3*z20;
+  const double z22 = z3*z14 + z4*z20;
+  const double z23 = a[2] - z20;
+  /* Inertia forces and applied loads (eq. 18) */
+  const double z24 = z10*z16 - z11*z23;
+  const double z25 = z11*z16 + z10*z23;
+  /* Derivatives of the residuals (for implicit integrators) */
+  const double z26 = z9*z18;
+  const double z27 = z8*z19;
+  const double z28 = z11*(z18 + z22);
+  const double z29 = z10*(z19 - z21);
+  const double z30 = (z28 + z10*(z17 + z21)) - (z28 - z29);
+  const double z31 = ((z26 - z8*z17) - (z26 + z27)) + z30;
+  const double z32 = c[10] - (c[6]*(c[3]*z1) - z31);
+  const double z33 = (z28 + z10*z21) + (z29 - z11*z22);
+  const double z34 = (z26 - z27) + z33;
+  const double z35 = c[11] + z34;
+  const double z36 = z0*((z9*z14 + z8*z20) + z25) + z1*((z8*z14 - z9*z20) - z24);
+  const double z37 = z34 - z36;
+  const double z38 = z28 + z29;
+  const double z39 = c[12] + z38;
+  const double z40 = z38 - (z3*z25 - z4*z24);
+  const double z41 = z40 + (z1*z24 - z0*z25);
+  const double z42 = 2.0*u[0];
+  const double z43 = z1*z42;
+  const double z44 = z0*z42;
+  const double z45 = 2.0*z13;
+  const double z46 = z4*z45;
+  const double z47 = z3*z45;
+  const double z48 = 2.0*z15;
+  const double z49 = z10*z48;
+  const double z50 = z11*z48;
+  const double z51 = z10*(z44 + z47) + z11*(z43 + z46);
+  const double z52 = z4*z50 + z3*z49;
+  const double z53 = (z8*z44 - z9*z43) - (z51 + z52);
+  const double z54 = z1*(z9*z45 - z50) - z0*(z8*z45 + z49);
+  const double z55 = c[7] + (z53 + z54);
+  const double z56 = z10*z47 + z11*z46;
+  const double z57 = z52 + z56;
+  const double z58 = c[8] - z57;
+  const double z59 = z54 - z57;
+  const double z60 = z52 + (z1*z50 + z0*z49);
+  out[0] = z32;
+  out[1] = z37;
+  out[2] = -z41;
+  out[3] = z55;
+  out[4] = z59;
+  out[5] = z60;
+  out[6] = 0.0;
+  out[7] = z31;
+  out[8] = z35;
+  out[9] = -z40;
+  out[10] = z53;
+  out[11] = z58;
+  out[12] = z52;
+  out[13] = 0.0;
+  out[14] = -z30;
+  out[15] = -z33;
+  out[16] = z39;
+  out[17] = z51;
+  out[18] = z56;
+  out[19] = c[9];
+  out[20] = 0.0;
+}
+
 static const char *const joint_names[] = {
     "h1",
     "h2",
@@ -355,7 +483,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "4f1101b7776b5f11e0093b4508b047fe9d55b9a211f2e3727c4422e724a97bee",
+      "44e03db6f49cccf327d5d88436fa7dd1cba81c0ac11e7e008c8893adbf4689f3",
       2.5000040999935202,
       3,
       0,
@@ -366,13 +494,17 @@ const lamc_model *pendulum_model(void) {
       22,
       24,
       3,
+      0,
       joint_names,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
+      NULL,
       parameter_defaults,
+      NULL,
+      1.64,
       setup_from_array,
       pendulum_acceleration,
       NULL,
@@ -381,6 +513,10 @@ const lamc_model *pendulum_model(void) {
       NULL,
       pendulum_energy,
       pendulum_poses,
+      pendulum_inertia,
+      pendulum_jacobian,
+      NULL,
+      NULL,
   };
   return &model;
 }

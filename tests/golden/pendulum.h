@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 4f1101b7776b5f11e0093b4508b047fe9d55b9a211f2e3727c4422e724a97bee
+ * Program digest 44e03db6f49cccf327d5d88436fa7dd1cba81c0ac11e7e008c8893adbf4689f3
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -35,7 +35,8 @@ enum {
   pendulum_body_count = 3,
   pendulum_parameter_count = 22,
   pendulum_constant_count = 24,
-  pendulum_energy_count = 3
+  pendulum_energy_count = 3,
+  pendulum_guard_count = 0
 };
 
 /* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
@@ -79,6 +80,14 @@ void pendulum_energy(const double *constants, double t, const double *q, const d
 
 /* -> poses (3, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
 void pendulum_poses(const double *constants, const double *q, double *poses);
+
+/* q -> M, lower triangle by rows, kg m^2 */
+void pendulum_inertia(const double *constants, const double *q, double *inertia);
+
+/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+ * M a - f, for implicit integrators */
+void pendulum_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
+                           const double *l, double *jacobian);
 
 /* All of the above with names, for lamc's runtime. The model is constant and lives as long as the program. */
 const lamc_model *pendulum_model(void);

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest fa7b14a6dc8f2e51888a4b2bd7a2227e148cd024be545ea2c51474973264f059
+ * Program digest 9512a2c2438415b08276e735b7b54612589532decc13debeb9b3b66dbc3ecc16
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -9,6 +9,8 @@
  *   acceleration       99 of which 1 reciprocals; 4 library calls
  *   energy             65 of which 0 reciprocals; 4 library calls
  *   poses              46 of which 0 reciprocals; 4 library calls
+ *   inertia            19 of which 0 reciprocals; 2 library calls
+ *   jacobian          180 of which 0 reciprocals; 4 library calls
  */
 #include "two_links_in_space.h"
 
@@ -223,6 +225,102 @@ void two_links_in_space_poses(const double *c, const double *q, double *out) {
   out[23] = -z24;
 }
 
+/* mass matrix, lower triangle by rows, kg m^2 */
+void two_links_in_space_inertia(const double *c, const double *q, double *out) {
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[1]);
+  const double z1 = sin(q[1]);
+  /* Elimination of the hinges, tips first (Kane, eq. 19) */
+  const double z2 = c[1]*z1;
+  /* Mass matrix (Kane, eq. 19) */
+  const double z3 = c[3]*z0;
+  const double z4 = c[4]*z2 - (c[8]*z3 - c[15]);
+  const double z5 = z1*(z1*c[16]);
+  const double z6 = c[2] + z5;
+  const double z7 = (z6 - c[8]*(c[8]*z6 + c[14]*z3)) + ((c[0] - z5) + 2.0*z2);
+  const double z8 = c[7] + z7;
+  out[0] = -z8;
+  out[1] = -z4;
+  out[2] = -c[24];
+}
+
+/* derivatives by q, u and t of M udot - f - J^T lambda, then of J udot + gamma */
+void two_links_in_space_jacobian(const double *c, double t, const double *q, const double *u, const double *a, const double *l, double *out) {
+  (void)t;
+  (void)l;
+  /* Rotation about the hinges (eq. 1-4) */
+  const double z0 = cos(q[0]);
+  const double z1 = sin(q[0]);
+  const double z2 = cos(q[1]);
+  const double z3 = sin(q[1]);
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z4 = z1*c[9];
+  const double z5 = z0*c[9];
+  const double z6 = u[0]*c[8];
+  const double z7 = z3*z6;
+  const double z8 = z2*z6;
+  const double z9 = u[1] + u[0]*c[4];
+  const double z10 = z7*z7;
+  const double z11 = z8*z8;
+  const double z12 = z7*z8;
+  const double z13 = z8*z9;
+  const double z14 = z10 + z9*z9;
+  /* Potential energy (-? m a*r) [gravity] */
+  const double z15 = z3*c[8];
+  const double z16 = z2*c[8];
+  /* Velocities and bias accelerations (eq. 13-14) */
+  const double z17 = z5 + a[0];
+  const double z18 = c[8]*a[0];
+  const double z19 = u[1]*z8 + z3*z18;
+  const double z20 = z3*(z4 - u[0]*u[0]) - z2*c[4]*z17;
+  const double z21 = z12 - (a[1] + c[4]*a[0]);
+  const double z22 = z7*z9 + (u[1]*z7 - z2*z18);
+  const double z23 = z13 + z19;
+  /* Inertia forces and applied loads (eq. 18) */
+  const double z24 = c[3]*z14 - (c[3]*(z10 + z11) - c[2]*z23);
+  /* Derivatives of the residuals (for implicit integrators) */
+  const double z25 = c[1]*(z2*z5 - z3*c[4]*z4);
+  const double z26 = c[8]*(z3*(c[1]*(c[8]*z4))) - c[4]*z25;
+  const double z27 = c[11] - ((c[6]*z4 + c[5]*z5) - z26);
+  const double z28 = 2.0*z12;
+  const double z29 = z10 - z11;
+  const double z30 = c[0]*z29 - (c[2]*z29 - c[3]*(z13 - z19));
+  const double z31 = z30 + c[1]*z20;
+  const double z32 = c[12] + z31;
+  const double z33 = (z3*(c[1]*z14) - z2*c[1]*z28) + (z2*(c[1]*z21) - z3*c[1]*z29);
+  const double z34 = z2*(z24 + c[1]*(c[8]*z17)) + z3*(c[3]*z28 - c[2]*z22);
+  const double z35 = z3*(c[3]*z21 - c[0]*z22) + z2*(c[3]*z29 + c[0]*z23);
+  const double z36 = (c[4]*z33 + c[8]*(c[1]*z22)) - (c[8]*(z34 - z35) - c[4]*z31);
+  const double z37 = u[1]*z15;
+  const double z38 = 2.0*(z7*z15);
+  const double z39 = z8*z15 + z7*z16;
+  const double z40 = z9*z15 + c[4]*z7;
+  const double z41 = z38 + 2.0*(c[4]*z9);
+  const double z42 = u[1]*z16 + (z9*z16 + c[4]*z8);
+  const double z43 = c[3]*(z38 + 2.0*(z8*z16)) - c[2]*z42;
+  const double z44 = c[0]*z39 - (c[2]*z39 - c[3]*(z37 - z40));
+  const double z45 = z44 - c[1]*z2*(2.0*u[0]);
+  const double z46 = c[4]*(z2*(c[1]*z41) - z3*c[1]*z39);
+  const double z47 = z3*(c[3]*z41 - z43) + z2*(c[3]*z39 - c[0]*(z37 + z40));
+  const double z48 = (z46 + c[8]*(c[1]*z42)) + (c[8]*z47 + c[4]*z45);
+  const double z49 = c[10] - z48;
+  const double z50 = 2.0*z9;
+  const double z51 = 2.0*z8;
+  const double z52 = c[4]*(z2*(c[1]*z50)) + c[8]*(c[1]*z51);
+  const double z53 = z3*(c[3]*z50 + c[2]*z51) - z2*c[0]*(2.0*z7);
+  const double z54 = z52 + c[8]*z53;
+  out[0] = z27;
+  out[1] = z36;
+  out[2] = z49;
+  out[3] = -z54;
+  out[4] = 0.0;
+  out[5] = -z25;
+  out[6] = z32;
+  out[7] = -z45;
+  out[8] = 0.0;
+  out[9] = 0.0;
+}
+
 static const char *const joint_names[] = {
     "shoulder",
     "elbow",
@@ -331,7 +429,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "fa7b14a6dc8f2e51888a4b2bd7a2227e148cd024be545ea2c51474973264f059",
+      "9512a2c2438415b08276e735b7b54612589532decc13debeb9b3b66dbc3ecc16",
       1.0307764064044151,
       2,
       0,
@@ -342,13 +440,17 @@ const lamc_model *two_links_in_space_model(void) {
       17,
       31,
       3,
+      0,
       joint_names,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
+      NULL,
       parameter_defaults,
+      NULL,
+      1.86,
       setup_from_array,
       two_links_in_space_acceleration,
       NULL,
@@ -357,6 +459,10 @@ const lamc_model *two_links_in_space_model(void) {
       NULL,
       two_links_in_space_energy,
       two_links_in_space_poses,
+      two_links_in_space_inertia,
+      two_links_in_space_jacobian,
+      NULL,
+      NULL,
   };
   return &model;
 }

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest fa7b14a6dc8f2e51888a4b2bd7a2227e148cd024be545ea2c51474973264f059
+ * Program digest 9512a2c2438415b08276e735b7b54612589532decc13debeb9b3b66dbc3ecc16
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -33,7 +33,8 @@ enum {
   two_links_in_space_body_count = 2,
   two_links_in_space_parameter_count = 17,
   two_links_in_space_constant_count = 31,
-  two_links_in_space_energy_count = 3
+  two_links_in_space_energy_count = 3,
+  two_links_in_space_guard_count = 0
 };
 
 /* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
@@ -72,6 +73,14 @@ void two_links_in_space_energy(const double *constants, double t, const double *
 
 /* -> poses (2, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
 void two_links_in_space_poses(const double *constants, const double *q, double *poses);
+
+/* q -> M, lower triangle by rows, kg m^2 */
+void two_links_in_space_inertia(const double *constants, const double *q, double *inertia);
+
+/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+ * M a - f, for implicit integrators */
+void two_links_in_space_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
+                           const double *l, double *jacobian);
 
 /* All of the above with names, for lamc's runtime. The model is constant and lives as long as the program. */
 const lamc_model *two_links_in_space_model(void);

@@ -28,8 +28,11 @@ STIFFEST = f'solref="{2 * TIMESTEP:g} 1" solimp="0.9999 0.9999 0.001"'
 
 @dataclass(frozen=True)
 class MujocoRun:
-    """What a run came to. gap: largest at the cut hinges, m, as `Result.constraint_error`; energy (m,), J; angles at the
-    end, rad, in the order of `tree`."""
+    """What a run came to.
+
+    gap     the largest at the cut hinges, m, as `Result.constraint_error`
+    energy  (m,), J; angles  at the end, rad, in the order of `tree`
+    """
 
     seconds: float  # of wall time, in MuJoCo's own steps
     gap: float

@@ -31,9 +31,9 @@ DIRECTIONS = {  # degrees, of the creases as drawn, by the right hand
         "east": 0, "north_east": 45, "north_west": 135, "west": 180, "south_west": 225, "south_east": 315,
     },
 }  # fmt: skip
-# Closure holds to 1e-12 of the size after every step; the shortest link is a twentieth of the size, and rows between
-# steps are interpolated at the error of the steps, 1e-9 each and some hundreds of them.
-ANGLE = 1e-7  # rad
+# Closure holds to 1e-12 of the size in every row; the shortest link is a twentieth of the size, and where links come
+# within some degrees of one line the angle between them is ten times as sensitive.
+ANGLE = 1e-9  # rad
 
 
 @cache

@@ -57,8 +57,8 @@ def test_what_the_energy_loses_is_what_the_hinges_take(name: str) -> None:
         return float(h / 3 * (p[0] + 4 * p[1::2].sum() + 2 * p[2:-1:2].sum() + p[-1]))
 
     whole = lost(1)
-    # The error of Simpson's rule, from half the rows, and of the run: 1e-9 per step on energies of that size.
-    limit = abs(whole - lost(2)) + 1e-6 * float(np.ptp(result.energies["kinetic"]))
+    # The error of Simpson's rule, from half the rows, and of some hundreds of steps, 1e-9 each, partly cancelling.
+    limit = abs(whole - lost(2)) + 1e-7 * float(np.ptp(result.energies["kinetic"]))
     assert whole > 1e-2 * float(np.ptp(result.energies["kinetic"]))
     assert abs(result.energy[-1] - result.energy[0] + whole) <= limit
 

@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("lamc", "numpy", "scipy", "sympy", "pydy", "cython", "cffi")
+PACKAGES = ("lamc", "numpy", "scipy", "sympy", "pydy", "cython", "cffi", "mujoco")
 ROOT = Path(__file__).resolve().parent.parent
 
 

@@ -2,7 +2,8 @@
 
 In: a mechanism and a scene. Out: a `Bench`, a row for each way to evaluate the same staged equations: sympy's subs
 and evalf, lambdified numpy, lamc's interpreter, the generated C. All evaluate at the same state and are compared
-there; a way that gives other numbers is an error, not a row. It prints nothing; the compiler's cache is left alone.
+there; a way that gives other numbers is an error, not a row. With loops every way but the C leaves the solve to numpy.
+It prints nothing; the compiler's cache is left alone.
 """
 
 import math
@@ -21,7 +22,7 @@ from lamc._version import __version__
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache
 from lamc.codegen.toolchain import find_compiler
-from lamc.errors import SimulationError, UnsupportedError
+from lamc.errors import SimulationError
 from lamc.mechanism.records import Array, Mechanism
 from lamc.options import CompileOptions
 from lamc.pipeline import Times, effects_of, equations_of, sources_of
@@ -29,6 +30,7 @@ from lamc.reference.integrate import simulate
 from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
 from lamc.scene import Scene
+from lamc.staged import StagedValues
 
 if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations
@@ -39,6 +41,12 @@ _LONG_ENOUGH = 0.2  # s that one timing lasts at least, where calls are short
 _PATIENCE = 4.0  # s; a simulated second that would take longer is extrapolated
 # Largest difference of two ways, relative to the largest acceleration: sympy orders sums as it likes.
 _SAME = 1e-8
+
+# What a reader of the table should know where there are loops.
+_LOOPS = (
+    "Loops: u̇ is numpy's solution of M, f, J and γ, and in the C its own; the flops are without either.",
+    "Left out: sympy's KanesMethod, which takes independent closure equations only, chosen by hand.",
+)
 
 Evaluation = Callable[[Array, Array, float], Array]
 Observer = Callable[[str], None]
@@ -77,6 +85,7 @@ class Bench:
     rows: tuple[Row, ...]
     compiler: str
     flags: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data for JSON, with machine and versions."""
@@ -97,10 +106,6 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
     times = Times(observer=observer)
     effects = effects_of(mechanism, scene)
     equations = equations_of(mechanism, effects, times)
-    if equations.closure is not None:
-        raise UnsupportedError(
-            f"joint {equations.cut_joints[0]!r} closes a loop; this version measures trees only: remove the joint"
-        )
     program, tree = sources_of(equations, times)
     derive = times.seconds["plan"] + times.seconds["derive"]
     compiler = find_compiler(options.compiler)
@@ -124,6 +129,7 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
         rows=rows,
         compiler=module.compiler,
         flags=module.flags,
+        notes=_LOOPS if equations.closure is not None else (),
     )
 
 
@@ -136,7 +142,7 @@ class _Measuring:
         self.simulator, self.equations, self.derive, self.observer = simulator, equations, derive, observer
         observer("generated C")
         self.t_eval = np.linspace(0.0, _SPAN, 11)
-        result = simulator.run(_SPAN, RTOL, ATOL, t_eval=self.t_eval)
+        result = simulator.run(_SPAN, RTOL, ATOL, self.t_eval, "rk45")
         if not result.success:
             raise SimulationError(f"there is nothing to measure: {result.message}")
         self.evaluations = result.nfev
@@ -145,6 +151,7 @@ class _Measuring:
         self.expected = simulator.acceleration(self.q, self.u, self.t)
         started = time.perf_counter()
         assignments = equations.assignments
+        self.values = StagedValues(equations)
         self.staging = time.perf_counter() - started
         self.staged_flops = sum(int(sp.count_ops(a.expression, visual=False)) for a in assignments)
 
@@ -162,7 +169,9 @@ class _Measuring:
             for a in assignments:
                 wanted = {s: known[s] for s in a.expression.free_symbols}
                 known[a.symbol] = a.expression.subs(wanted).evalf(17)
-            return np.array([float(known[sp.Symbol(f"udot_{joint}")]) for joint in self.simulator.joints])
+            return self.values.acceleration(
+                np.array([float(known[sp.Symbol(name)]) for name in self.values.names])
+            )
 
         started = time.perf_counter()
         found = evaluate()
@@ -187,7 +196,7 @@ class _Measuring:
         parameters = [float(p.default) for p in self.equations.parameters]
 
         def evaluate(q: Array, u: Array, t: float) -> Array:
-            return np.array(function(t, q, u, parameters), dtype=float)
+            return self.values.acceleration(np.array(function(t, q, u, parameters), dtype=float))
 
         return self._python_row("lambdified numpy", evaluate, prints, self.staged_flops)
 
@@ -210,14 +219,16 @@ class _Measuring:
         states = 1000
         q, u = np.tile(self.q, (states, 1)), np.tile(self.u, (states, 1))
         evaluation = _seconds(lambda: self.simulator.acceleration(q, u, self.t)) / states
-        second = _seconds(lambda: self.simulator.run(_SPAN, RTOL, ATOL, t_eval=self.t_eval)) / _SPAN
+        second = _seconds(lambda: self.simulator.run(_SPAN, RTOL, ATOL, self.t_eval, "rk45")) / _SPAN
         return self._row("generated C", prints, compiles, evaluation, second, False, self._flops())
 
     def _python_row(self, name: str, evaluate: Evaluation, prints: float, flops: int) -> Row:
         self._compare(name, evaluate(self.q, self.u, self.t))
         evaluation = _seconds(lambda: evaluate(self.q, self.u, self.t))
         second, extrapolated = self.evaluations * evaluation, True
-        if second < _PATIENCE:
+        if (
+            second < _PATIENCE and not self.values.is_closed
+        ):  # runs of loops need their steps settled on closure
             started = time.perf_counter()
             simulate(evaluate, self.start, self.simulator.joints, self.t_eval, RTOL, ATOL)
             second, extrapolated = (time.perf_counter() - started) / _SPAN, False
@@ -236,8 +247,9 @@ class _Measuring:
         return Row(name, self.derive, prints, compiles, seconds * 1e9, second, guess, flops)
 
     def _flops(self) -> int:
-        flops: int = self.simulator.program.functions["acceleration"].operations.flops
-        return flops
+        functions = self.simulator.program.functions
+        names = ("system", "constraint") if self.values.is_closed else ("acceleration",)
+        return sum(int(functions[name].operations.flops) for name in names)
 
     def _inputs(self, q: Array, u: Array, t: float) -> Mapping[str, float]:
         joints = self.simulator.joints
@@ -269,7 +281,7 @@ def _seconds(work: Callable[[], object]) -> float:
 
 
 def lambdified(equations: "Equations") -> Callable[..., Any]:
-    """function(t, q, u, parameters) → du/dt of the staged equations, by sympy.lambdify on numpy.
+    """function(t, q, u, parameters) → the values that `StagedValues` names, by sympy.lambdify on numpy.
 
     The stages are handed over as lambdify's common subexpressions, which is the form that suits it best.
     """
@@ -281,11 +293,10 @@ def lambdified(equations: "Equations") -> Callable[..., Any]:
     plain |= {sp.Symbol(f"u_{joint}"): symbol for joint, symbol in zip(joints, u, strict=True)}
     plain |= {sp.Symbol(each.name): symbol for each, symbol in zip(equations.parameters, p, strict=True)}
     stages = [(a.symbol, a.expression.xreplace(plain)) for a in equations.assignments]
-    count = len(joints)
-    inner, outputs = (
-        stages[: len(stages) - count],
-        [expression for _, expression in stages[len(stages) - count :]],
-    )
+    names = StagedValues(equations).names
+    last = {str(symbol): expression for symbol, expression in stages if str(symbol) in set(names)}
+    inner = [stage for stage in stages if str(stage[0]) not in last]
+    outputs = [last[name] for name in names]
     function: Callable[..., Any] = sp.lambdify(
         [sp.Symbol("t"), q, u, p], outputs, modules="numpy", cse=lambda _: (inner, outputs)
     )

@@ -4,6 +4,7 @@ import copy
 import pickle
 from collections.abc import Callable
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from click.testing import CliRunner
 import lamc
 from lamc.cli import main
 from lamc.errors import BuildError, DesignError, LamcError, RequestError
+from lamc.mechanism.yaml_file import write_mechanism
 from lamc.run.parameters import checked_parameters
 
 HUGE = 10**5000  # more digits than Python prints, more than a float holds
@@ -157,6 +159,14 @@ def test_scenes_and_mechanisms_survive_copies_and_pickles() -> None:
     assert (data["effects"], data["angles"], data["rates"]) == (({"torques": {"h1": 0.5}},), {"h1": 0.1}, {})
     whole = mechanism(scene=scene)
     assert pickle.loads(pickle.dumps(whole)) == copy.deepcopy(whole) == whole
+
+
+@pytest.mark.parametrize("path", [None, 5, ["a.csv"]])
+def test_a_path_that_is_none_is_refused(path: object) -> None:
+    result = lamc.compile(mechanism()).run(t_end=0.0)
+    for write in (result.to_csv, result.to_npz, partial(write_mechanism, mechanism())):
+        with pytest.raises(RequestError, match=r"the path to write to is .*; it must be a text or a Path"):
+            write(path)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("points", ["100000000000", "50000000"])

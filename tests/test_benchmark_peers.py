@@ -1,12 +1,16 @@
 """The peers that benchmarks compare with are right: a peer that is fast and wrong would prove nothing."""
 
 import ctypes
+import json
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import lamc
 from benchmarks.devices import CROSSED, SCENE, plates
+from benchmarks.hard_cases import undamped
 from benchmarks.peers import hand, kane_lambdify
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.reference.sympy_kane import kane
@@ -50,3 +54,25 @@ def test_lambdified_forms_agree_with_newton_euler() -> None:
     for peer in peers:
         found = peer.acceleration(q, u, 0.0)
         assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()  # round-off of some 1e3 terms
+
+
+def test_mujoco_moves_the_four_bar_as_lamc_does(shared: Path) -> None:
+    """Two engines that share nothing but the record: how far their constraints let them agree."""
+    pytest.importorskip("mujoco")
+    from benchmarks.peers import mujoco_peer
+
+    text = (shared / "reference" / "dynamics.json").read_text(encoding="utf-8")
+    (case,) = (c for c in json.loads(text)["cases"] if c["id"] == "fourbar_crank")
+    mechanism, scene = undamped(case["spec"])
+    sim = lamc.compile(mechanism, scene)
+    start = sim.run(0.0, t_eval=[0.0])
+    angles = {joint.name: float(start.angle(joint.name)[0]) for joint in mechanism.joints}
+    rates = {joint.name: float(start.rate(joint.name)[0]) for joint in mechanism.joints}
+    peer = mujoco_peer.MujocoPeer(mechanism, sim.cut_joints, case["spec"]["gravity"], mujoco_peer.STIFFEST)
+    run = peer.run(angles, rates, 0.2, 2)
+    result = sim.run(0.2, rtol=1e-10, atol=1e-12)
+    # A constraint of two steps' time constant yields by some 1e-6 of the size, and its work by as much.
+    assert run.gap < 1e-5 * mechanism.size
+    assert np.abs(run.energy - run.energy[0]).max() < 1e-5 * result.energies["kinetic"].max()
+    for name, angle in zip(peer.tree, run.angles, strict=True):
+        assert angle == pytest.approx(result.angle(name)[-1], abs=1e-4)

@@ -50,7 +50,7 @@ def test_the_numeric_voice_moves_as_computed_independently(cases: dict[str, Any]
     k = next(k for k, row in enumerate(cases[name]["expected"]) if row["t"] > 0.0)
     row, tol = cases[name]["expected"][k], cases[name]["tol"][k]
     times = np.array([row["t"]])
-    motion = on_closure(voice, voice.acceleration)
+    motion = on_closure(voice, voice.acceleration, voice.condition(q)[0])
     run = simulate(motion, np.concatenate([q, u]), joints, times, 1e-9, 1e-11, "DOP853")
     found = dict(zip(joints, run.q[0], strict=True))
     found |= dict(zip(voice.cuts, voice.cut_states(run.q[0], run.u[0])[0], strict=True))
@@ -203,7 +203,8 @@ def test_states_beside_closed_ones_settle_and_nudges_stay_closed(cases: dict[str
     assert np.abs(voice.gaps(moved[:n])[0]).max() < 1e-13 * sim.mechanism.size  # round-off of positions
     off = sim.start[:n] + 1e-6
     # Redundant equations count as independent ones off closure; settled first, the acceleration is that beside.
-    beside = on_closure(voice, voice.acceleration)(off, sim.start[n:], 0.0)
+    rank = voice.condition(sim.start[:n])[0]
+    beside = on_closure(voice, voice.acceleration, rank)(off, sim.start[n:], 0.0)
     assert (
         relative(beside, voice.acceleration(sim.start[:n], sim.start[n:])) < 1e-4
     )  # 1e-6 times some curvature

@@ -33,9 +33,10 @@ SHORTEST = SLIT
 class Contact:
     """Indices of the bodies along a hinge, ascending, and the length of line that the holes have left.
 
-    bridges  layers, outside those that the hinge runs through, where one of these bodies lies across the line
-    strays   (layer, bodies): layers where the slit has other bodies on both its sides, as when a hinge of one sheet
-             runs through the sheet above it too
+    bridges  where it touches a single body: layers, outside those that the hinge runs through, in which that body lies
+             across the line
+    strays   (layer, bodies): layers where the slit has bodies on both its sides, and these others among them, as when
+             a hinge of one sheet runs through the sheet above it too
     """
 
     left: tuple[int, ...]
@@ -69,6 +70,11 @@ class LayerIndex:
             inside[owner] = inside.get(owner, 0.0) + float(length)
         return inside
 
+    def touched(self, lines: Sequence[LineString]) -> set[int]:
+        """Bodies that the lines touch at all."""
+        _, j = self._tree.query(np.array(lines, dtype=object), predicate="intersects")
+        return {self._owners[int(index)] for index in j}
+
 
 def contact(hinge: Hinge, holes: Sequence[MultiPolygon], layers: Sequence[LayerIndex]) -> Contact:
     """The bodies on both sides of a hinge: in its flexible layer, or where that has no material near the
@@ -76,31 +82,32 @@ def contact(hinge: Hinge, holes: Sequence[MultiPolygon], layers: Sequence[LayerI
     flexible = hinge.properties.layer
     width = hinge.properties.width
     free = free_parts(hinge, holes[flexible])
-    sides = [_side(free, sign * REACH * width, [layers[flexible]], width) for sign in (1, -1)]
+    near = [_parallels(free, sign * REACH * width) for sign in (1, -1)]
+    sides = [_bodies(lines, [layers[flexible]], width) for lines in near]
     if not any(sides):
-        others = [layers[i] for i in hinge.layers]
-        sides = [_side(free, sign * OPEN_REACH * width, others, width) for sign in (1, -1)]
+        far = [_parallels(free, sign * OPEN_REACH * width) for sign in (1, -1)]
+        sides = [_bodies(lines, [layers[i] for i in hinge.layers], width) for lines in far]
     joined = {*sides[0], *sides[1]}
-    bridges = tuple(
-        i
-        for i, layer in enumerate(layers)
-        if i not in hinge.layers and joined & set(_side(free, 0.0, [layer], width))
-    )
-    strays = _strays(hinge, free, joined, layers) if joined else ()
+    bridges: tuple[int, ...] = ()
+    if len(joined) == 1:
+        outside = [i for i in range(len(layers)) if i not in hinge.layers]
+        bridges = tuple(i for i in outside if joined & set(_bodies(free, [layers[i]], width)))
+    strays = _strays(hinge, near, joined, layers) if joined else ()
     return Contact(sides[0], sides[1], sum(part.length for part in free), bridges, strays)
 
 
 def _strays(
-    hinge: Hinge, free: Sequence[LineString], joined: set[int], layers: Sequence[LayerIndex]
+    hinge: Hinge, near: Sequence[Sequence[LineString]], joined: set[int], layers: Sequence[LayerIndex]
 ) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """Layers of the hinge where bodies that it does not join lie on both sides of its slit."""
+    """Layers of the hinge where its slit lies between bodies, and not between those that it joins."""
     found = []
-    width = hinge.properties.width
     for i in hinge.layers:
-        left = set(_side(free, REACH * width, [layers[i]], width)) - joined
-        right = set(_side(free, -REACH * width, [layers[i]], width)) - joined if left else set()
-        if left and right:
-            found.append((i, tuple(sorted(left | right))))
+        if layers[i].touched([*near[0], *near[1]]) <= joined:
+            continue
+        left, right = (_bodies(lines, [layers[i]], hinge.properties.width) for lines in near)
+        others = {*left, *right} - joined
+        if left and right and others:
+            found.append((i, tuple(sorted(others))))
     return tuple(found)
 
 
@@ -116,18 +123,20 @@ def free_parts(hinge: Hinge, hole: MultiPolygon) -> list[LineString]:
     return stretches
 
 
-def _side(
-    free: Sequence[LineString], distance: float, layers: Sequence[LayerIndex], width: float
-) -> tuple[int, ...]:
-    """Bodies along the parallels at `distance` m, positive to the left of the lines."""
-    parallels = [_parallel(part, distance) for part in free if part.length > 0.0]
-    if not parallels:
+def _bodies(lines: Sequence[LineString], layers: Sequence[LayerIndex], width: float) -> tuple[int, ...]:
+    """Bodies that hold more of the lines, in one of the layers, than a corner would."""
+    if not lines:
         return ()
     lengths: dict[int, float] = {}
     for layer in layers:
-        for body, length in layer.along(parallels).items():
+        for body, length in layer.along(lines).items():
             lengths[body] = max(length, lengths.get(body, 0.0))
     return tuple(sorted(body for body, length in lengths.items() if length > SHORTEST * width))
+
+
+def _parallels(free: Sequence[LineString], distance: float) -> list[LineString]:
+    """The stretches shifted by `distance` m, positive to the left."""
+    return [_parallel(part, distance) for part in free if part.length > 0.0]
 
 
 def _parallel(line: LineString, distance: float) -> LineString:

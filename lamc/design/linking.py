@@ -68,8 +68,8 @@ def _pair(
         cut = [repr(sites[b].name) for b in sorted({b for _, strays in contact.strays for b in strays})]
         where = [repr(layers[i]) for i, _ in contact.strays]
         raise TopologyError(
-            f"{_label(hinge)} runs through {_plural('layer', where)} too, where it cuts {', '.join(cut)} and joins "
-            f"nothing; a hinge joins the bodies in its flexible layer, {layers[hinge.properties.layer]!r}: "
+            f"{_label(hinge)} runs through {_plural('layer', where)} too, where it cuts {', '.join(cut)}, which "
+            f"it does not join; a hinge joins the bodies in its flexible layer, {layers[hinge.properties.layer]!r}: "
             "list the layers of that sheet alone as the hinge's layers",
             known(hinge.place),
         )

@@ -23,6 +23,7 @@ Array = npt.NDArray[np.float64]
 Progress = Callable[[str, float], None]  # the stage, and the fraction of it that is done
 
 MOTION = 1e-8
+RTOL, ATOL = 1e-11, 1e-13  # rad and rad/s; a tenth of what the C is run at
 NUDGE = 1e-8  # rad: far above the integrators' errors, far below what is not linear
 _NOT_FINITE = (
     15  # accelerations without a value that a run may try before it ends; a step too far tries a few
@@ -80,7 +81,8 @@ def motions(
     How much a small change of the start grows is found with the last of them, which gives the limit.
     """
     joints, main = newton.joints, list(budgets)[-1]
-    voices = {name: on_closure(newton, voice) for name, voice in voices.items()}
+    rank = max(newton.condition(q)[0] for q in result.q)
+    voices = {name: on_closure(newton, voice, rank) for name, voice in voices.items()}
     notes = [] if result.success else [f"the run of the C did not reach its end: {result.message}"]
     start = np.concatenate([result.q[0], result.u[0]])
     plain, why = _run(main, voices, budgets, start, joints, result.t, tell)
@@ -128,7 +130,7 @@ def _run(
     if len(times) < 2:
         return at_start, ""
     try:
-        run = simulate(watched, start, joints, times, 1e-11, 1e-13, "DOP853")
+        run = simulate(watched, start, joints, times, RTOL, ATOL, "DOP853")
     except EndOfRun:
         run = at_start
     except SimulationError as error:

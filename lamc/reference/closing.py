@@ -26,15 +26,19 @@ _TRIES = 3  # steps per state that is wanted
 _LONGEST = 0.5  # rad, one step
 
 
-def settled(voice: NewtonEuler, q: Array, u: Array) -> tuple[Array, Array, float]:
-    """The closed position near q, the rates of u that keep it closed, and the gap that is left, m.
+def settled(
+    voice: NewtonEuler, q: Array, u: Array, rounds: int = _ROUNDS, rank: int | None = None
+) -> tuple[Array, Array, float]:
+    """The closed position near q, the rates of u that keep it closed, and the gap before the last step, m.
+
+    rank: of the closure, where it is known; off closure it seems to be larger where equations are redundant.
 
     The gap is infinite where a hinge is closed but for its axes, which run against each other: no equation tells.
     """
     q, gap = np.array(q, dtype=np.float64), math.inf
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         closed = voice.closure.at(voice.still(q))
-        residual, parts = closed.residual(), split(closed.jacobian())
+        residual, parts = closed.residual(), split(closed.jacobian(), rank)
         before, gap = gap, float(np.abs(residual).max(initial=0.0))
         if gap <= 1e-2 * CLOSED * voice.size or (gap <= CLOSED * voice.size and gap > 0.5 * before):
             break
@@ -76,8 +80,8 @@ def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, se
     return [_moving(voice, rng, t_end, q) for q in regular]
 
 
-def on_closure(voice: NewtonEuler, acceleration: Acceleration) -> Acceleration:
-    """`acceleration`, taken at the closed state nearest to one that is off closure.
+def on_closure(voice: NewtonEuler, acceleration: Acceleration, rank: int) -> Acceleration:
+    """`acceleration`, taken at the closed state nearest to one that is off closure; rank: of the closure.
 
     Stages of an integrator's step are: redundant equations then count as independent ones, and lock the mechanism.
     """
@@ -86,7 +90,7 @@ def on_closure(voice: NewtonEuler, acceleration: Acceleration) -> Acceleration:
 
     def closed(q: Array, u: Array, t: float) -> Array:
         if np.isfinite(q).all() and np.isfinite(u).all():
-            q, u, _ = settled(voice, q, u)
+            q, u, _ = settled(voice, q, u, 2, rank)  # a stage is near, and its gap is squared twice
             return acceleration(q, u, t)
         return np.full(len(q), np.nan)
 

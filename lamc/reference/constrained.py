@@ -41,13 +41,13 @@ class Split:
         return x
 
 
-def split(jacobian: Array) -> Split:
-    """The directions that J (m, n) fixes and leaves free."""
+def split(jacobian: Array, most: int | None = None) -> Split:
+    """The directions that J (m, n) fixes and leaves free; `most`: a rank that is known, from above."""
     if not jacobian.any():
         n = jacobian.shape[1]
         return Split(np.zeros((len(jacobian), 0)), np.zeros(0), np.zeros((n, 0)), np.eye(n))
     left, values, right = np.linalg.svd(jacobian)
-    rank = int((values > RANK_TOLERANCE * values[0]).sum())
+    rank = int((values > RANK_TOLERANCE * values[0])[:most].sum())
     return Split(left[:, :rank], values[:rank], right[:rank].T, right[rank:].T)
 
 

@@ -42,6 +42,7 @@ def bench_table(bench: Bench) -> str:
     )
     if any(row.extrapolated for row in bench.rows):
         lines.append("* extrapolated: that number of evaluations, times the time of one.")
+    lines.extend(bench.notes)
     return "\n".join(lines)
 
 

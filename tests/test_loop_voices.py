@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lamc
 from lamc import Body, Joint, Mechanism, Scene, Spring
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
 from lamc.errors import UnsupportedError
+from lamc.loops.geometry import rotation_vector
 from lamc.reference import MaximalCoordinates, NewtonEuler, check, simulate
 from lamc.reference.closing import nudged, on_closure, random_states, settled
 from lamc.reference.constrained import constrained
@@ -282,3 +284,14 @@ def test_sympys_own_kane_refuses_loops_and_springs_by_name() -> None:
     open_chain = Mechanism(mechanism.bodies[:2], mechanism.joints[:1])
     with pytest.raises(UnsupportedError, match="does not know the effect 'spring'"):
         kane(open_chain, (spring,))
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 0.3, 2.9, math.pi - 1e-12, math.pi])
+def test_half_a_turn_is_not_taken_for_none(angle: float) -> None:
+    """A cut hinge whose axes run against each other is half a turn from closed; scipy's rotations are the reference."""
+    axis = np.array([2.0, -1.0, 2.0]) / 3.0
+    matrix = Rotation.from_rotvec(angle * axis).as_matrix()
+    turned = Rotation.from_rotvec(rotation_vector(matrix)).as_matrix()
+    # near a half turn the angle is told to the square root of round-off
+    assert np.abs(turned - matrix).max() < (1e-7 if angle > 3.0 else 1e-14)
+    assert np.linalg.norm(rotation_vector(matrix)) == pytest.approx(angle, rel=1e-7, abs=1e-15)

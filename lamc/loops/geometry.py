@@ -139,12 +139,17 @@ class LoopGeometry:
 
 
 def rotation_vector(rotation: Array) -> Array:
-    """Axis times angle, (3,), rad, of a rotation (3, 3); exact to round-off near the identity."""
+    """Axis times angle, (3,), rad, of a rotation (3, 3); exact to round-off near the identity, and to its square root
+    near a half turn, where the antisymmetric part vanishes as it does for none."""
     twice_sine = np.array(
         [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
     )
     length = float(np.linalg.norm(twice_sine))
     angle = float(np.arctan2(length, np.trace(rotation) - 1.0))
+    if length < 1e-9 and angle > 1.0:
+        twice_dyad = rotation + np.eye(3)
+        axis = twice_dyad[:, int(np.argmax(np.diag(twice_dyad)))]
+        return np.asarray(angle * axis / np.linalg.norm(axis))
     return 0.5 * twice_sine if length < 1e-9 else twice_sine * (angle / length)
 
 

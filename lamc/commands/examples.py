@@ -29,7 +29,7 @@ def list_examples(terminal: Terminal) -> int:
         progress.stage("count loops")
         rows = [_facts(examples.find(name), name) for name in examples.names()]
     width = max(len(row["name"]) for row in rows)
-    lines = [f"{'name':<{width}}  loops  freedoms"]
+    lines = [f"{'name':<{width}}  loops  freedoms  what it is"]
     lines += [f"{r['name']:<{width}}  {r['loops']:>5}  {r['freedoms']:>8}  {r['summary']}" for r in rows]
     lines += ["", "lamc examples NAME tells its story, lamc run --example NAME runs it,"]
     lines += ["and lamc examples NAME --copy DIR writes its file there, to edit."]

@@ -15,7 +15,7 @@ from lamc.examples.n_four_bar import n_four_bar
 from lamc.run.request import did_you_mean
 
 _FOLDER = Path(__file__).resolve().parent
-_MOST_FACETS, _MOST_WINDOWS = 400, 200  # beyond them, compiling takes minutes
+_MOST_FACETS, _MOST_WINDOWS = 64, 40  # beyond them, compiling takes minutes
 # Files of others, which cannot hold a line and a story of ours.
 _FOREIGN = {
     "pendulum.cad": (

@@ -12,7 +12,7 @@ import textwrap
 THIN = 1e-7  # kg·m², about a rod's own line, where the benchmark has none: it never turns about it
 
 _HEAD = """\
-# {count} four-bars in a row, sharing their uprights: flat twice a turn, where {moving} ways on are open.
+# The N-four-bar with N = {count}: flat twice a turn, where {moving} ways on are open.
 kind: mechanism
 name: n_four_bar_{count}
 story: >

@@ -26,6 +26,7 @@ THEORY = {
     "flaps": (0, 0, 2),
     "folding_box": (4, 12, 4),  # four spherical loops of five creases; a freedom for each wall
     "four_bar": (1, 3, 1),
+    "limit_stop": (0, 0, 2),
     "miura": (4, 11, 1),  # 12 creases, one freedom
     "miura:2x2": (1, 3, 1),
     "miura:1x4": (0, 0, 3),  # a strip: each crease by itself
@@ -163,6 +164,21 @@ def test_stiff_hinges_hardly_bend() -> None:
     assert np.abs(result.angle("knee")).max() < 4e-4
     drift = np.abs(result.energy - result.energy[0]).max()
     assert drift < 1e-6 * abs(result.energy[0])  # 100 rtol over 10^5 steps
+
+
+def test_the_stop_catches_the_flap_and_holds_its_weight() -> None:
+    result = folded("limit_stop", 5.0, 1e-8)
+    beyond = result.angle("flap") - math.radians(10.0)
+    assert beyond[0] == pytest.approx(-math.radians(70.0), abs=1e-12)
+    # The stop takes up no more than all the energy that the fall sets free: k d^2 / 2.
+    stiffness = result.provenance.parameters["joint_limits.stiffness"]
+    free = result.energy[0] - result.energies["gravity"].min()
+    assert 0.0 < beyond.max() < math.sqrt(2.0 * free / stiffness)
+    assert 0.0 < beyond[-1] < math.radians(0.6)  # what the story says of the weight at rest
+    assert result.angle("tongue").max() > math.radians(30.0)  # it comes to its own stop
+    # Nothing drives it: friction in hinges and stops only takes, but for a part in 10^6 of the fall at this tolerance.
+    fall = result.energy[0] - result.energy[-1]
+    assert np.diff(result.energy).max() < 1e-6 * fall
 
 
 def test_the_same_size_gives_the_same_text() -> None:

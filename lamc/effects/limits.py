@@ -10,6 +10,7 @@ from lamc.errors import DesignError
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanics.staging import Scalar
 from lamc.mechanism.checks import checked_number, shown
+from lamc.mechanism.limits import outside_limits
 from lamc.mechanism.records import FREE_LIMITS, Joint, Mechanism
 
 STANDARD_GRAVITY = 9.81  # m/s², for the stiffness of a stop of which the scene says nothing
@@ -78,6 +79,14 @@ class JointLimits:
             raise DesignError(
                 "joint_limits is called for, but no joint has limits narrower than ±180°; give joints limits, ask for "
                 "flat_fold, or leave the effect out"
+            )
+
+    def check_start(self, mechanism: Mechanism, angles: Mapping[str, float]) -> None:
+        """Refuses a start beyond a limit: a stop would fling the joint back, and an impact would never come."""
+        told = outside_limits(mechanism, angles)
+        if told:
+            raise DesignError(
+                f"{'; '.join(told)}: start within them, widen them, or leave {self.name} out of the scene"
             )
 
     def _hold(self, loads: Loads, hinge: Hinge, side: int, limit: float) -> None:

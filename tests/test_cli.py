@@ -174,9 +174,12 @@ def test_quiet_says_nothing_and_progress_is_plain_lines_on_stderr(tmp_path: Path
     assert "run …" in loud.stderr.splitlines()
 
 
-def test_drawn_limits_are_said_not_to_be_simulated(tmp_path: Path) -> None:
+def test_drawn_limits_act_unless_the_scene_leaves_them_out(tmp_path: Path) -> None:
     file = pendulum(tmp_path / "p.yaml", extra=", limits: [-1, 1]")
-    assert "limits of h1 are not simulated" in run(str(file), "--t-end", "0.1").stdout
+    said = run(str(file), "--t-end", "0.1").stdout
+    assert "1 joint has limits narrower than ±180°" in said
+    left_out = " ".join(run(str(file), "--t-end", "0.1", "--without", "joint_limits").stdout.split())
+    assert "does not call for joint_limits, so those of h1 are not simulated" in left_out
 
 
 def test_a_failed_run_keeps_its_rows_and_ends_with_3(tmp_path: Path) -> None:

@@ -181,6 +181,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "gravity": (True, "-9.81 m/s² along z unless a scene says otherwise"),
         "hinge_damping": (False, "no hinge is damped"),
         "hinge_stiffness": (False, "no hinge has a stiffness"),
+        "joint_limits": (False, "no joint has limits narrower than ±180°"),
         "rest_angle": (False, "every hinge rests as drawn"),
         "spring": (False, "no spring is called for"),
         "torque": (False, "no torque is called for"),

@@ -111,8 +111,10 @@ def compile(  # noqa: A001  the public name is lamc.compile
         mechanism = design
     scene = scene or mechanism.scene or Scene()
     effects = effects_of(mechanism, scene)
-    with times.stage("plan"):
-        loops = loops_of(plan(mechanism), scene)
+    loops = None
+    if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
+        with times.stage("plan"):
+            loops = loops_of(plan(mechanism), scene)
     compiler = find_compiler(options.compiler)
     cache = Cache(cache_root())
     alias = _input_digest(mechanism, effects, loops, compiler, options)
@@ -163,7 +165,7 @@ def _check_arguments(design: object, scene: object, options: object, times: obje
 def _input_digest(
     mechanism: Mechanism,
     effects: tuple[Effect, ...],
-    loops: LoopCount,
+    loops: LoopCount | None,
     compiler: Compiler,
     options: CompileOptions,
 ) -> str | None:
@@ -174,7 +176,7 @@ def _input_digest(
     if any(type(effect) not in EFFECTS for effect in effects):
         return None
     text = hashlib.sha256()
-    closure = f"{loops.rank} {loops.accepted_gap!r}"
+    closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
     for part in (__version__, _own_sources(), compiler.identity, *options.flags, mechanism.name, closure):
         text.update(part.encode())
         text.update(b"\0")

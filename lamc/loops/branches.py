@@ -15,7 +15,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lamc.loops.closing import CLOSED, directions, settle
+from lamc.loops.closing import CLOSED, Mask, directions, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
@@ -64,6 +64,18 @@ class Tangents:
         x = self.basis.T @ rates
         square = float(x @ x)
         return float(np.abs(self.forms @ x @ x).max(initial=0.0)) / square if square else 0.0
+
+    def nearest(self, rates: Array, held: Mask) -> Array | None:
+        """A direction of motion near `rates` (n,) with the same rates where `held` (n,) bool; None if none is near."""
+        x = self.basis.T @ rates
+        size = float(np.linalg.norm(x))
+        for _ in range(ROUNDS):
+            slopes = np.concatenate([2.0 * self.forms @ x / size, self.basis[held]])
+            missed = np.concatenate([self.forms @ x @ x / size, (self.basis @ x - rates)[held]])
+            if np.abs(missed).max() <= SOLVED * size:
+                return np.asarray(self.basis @ x)
+            x = x - np.linalg.lstsq(slopes, missed, rcond=SAME)[0]
+        return None
 
 
 def rank_at(geometry: LoopGeometry, angles: Array) -> int:

@@ -4,6 +4,7 @@ In: a `LoopGeometry`, a position at which its loops nearly close, and the rank t
 Out: a `Misfit`. Never: decides whether it is accepted.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,13 +35,7 @@ class Misfit:
 
     @property
     def text(self) -> str:
-        return (
-            f"the loop that hinge {self.cut!r} closes does so only within {length(self.gap)} over its motion"
-        )
-
-    @property
-    def remedy(self) -> str:
-        return "align its axes and lengths"
+        return f"the loop closed by hinge {self.cut!r} closes only within {length(self.gap)} over its motion"
 
 
 def measure_misfit(geometry: LoopGeometry, angles: Array, rank: int) -> Misfit | None:
@@ -86,8 +81,14 @@ def _walk(geometry: LoopGeometry, angles: Array, tangent: Array, rank: int) -> A
 
 
 def length(value: float) -> str:
-    """A length, m, in the unit that suits it."""
+    """A length, m, in the unit that suits it, to two digits and not rounded down."""
     for scale, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")):
         if value >= 0.1 * scale:
-            return f"{value / scale:.2g} {unit}"
-    return f"{value / 1e-9:.2g} nm"
+            return f"{rounded_up(value / scale):g} {unit}"
+    return f"{rounded_up(value / 1e-9):g} nm"
+
+
+def rounded_up(value: float) -> float:
+    """`value` > 0 to two digits, upwards, so that what is told as a limit is none too small."""
+    exponent = math.floor(math.log10(value)) - 1
+    return float(f"{math.ceil(value / 10.0**exponent * (1.0 - 1e-12))}e{exponent}")

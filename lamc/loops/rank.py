@@ -17,7 +17,7 @@ import numpy as np
 from lamc.errors import DesignError
 from lamc.loops.closing import CLOSED, EXACT, SMALL
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.misfit import Misfit, measure_misfit
+from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.places import Place, ramped_places, scattered_places
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
@@ -97,9 +97,9 @@ def check_freedom(count: LoopCount) -> None:
         return
     if count.misfit is not None:
         raise DesignError(
-            f"{count.misfit.text}; taken exactly, {count.rank} independent equations hold {count.rank} hinges and "
-            f"nothing moves: {count.misfit.remedy}, or accept the gap with a closure_tolerance of "
-            f"{count.misfit.gap:.2g} m or more"
+            f"{count.misfit.text}; taken exactly (rank {count.rank}, not {count.misfit.rank}) nothing moves: align "
+            "its axes and lengths, or accept the gap with a closure_tolerance of "
+            f"{rounded_up(count.misfit.gap):g} m or more"
         )
     raise DesignError(
         f"the mechanism has no degree of freedom: its loops put {count.rank} independent equations on {count.rank} "

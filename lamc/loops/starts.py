@@ -188,23 +188,24 @@ class Starter:
                     "scene, give rates, or start it a little off"
                 )
             return np.zeros(self.size)
-        local = tangents(self.geometry, angles)
-        scaled = [(self._scaled(branch.row(self.geometry.names), given), branch) for branch in branches]
-        fitting = [(rates, branch) for rates, branch in scaled if rates is not None]
-        if len(fitting) == 1 and fitting[0][1].freedoms == 1:
-            return fitting[0][0]
-        rates = self.rates(angles, given)
-        if local.residual(rates) <= CONSISTENT:
-            return rates
+        scaled = [self._scaled(b.row(self.geometry.names), given) for b in branches if b.freedoms == 1]
+        fitting = [rates for rates in scaled if rates is not None]
+        if len(fitting) == 1:
+            return fitting[0]
         if fitting:
             raise DesignError(
                 f"the start is singular, and the rates given ({_named(given)} rad/s) fit {len(fitting)} of its "
                 f"branches: {_listed(branches)}; choose one with branch=1 in the scene, or give more rates"
             )
-        raise DesignError(
-            f"the start is singular, and the rates given ({_named(given)} rad/s) lie on none of its branches: "
-            f"{_listed(branches)}"
-        )
+        rates = self.rates(angles, given)
+        held = np.logical_not(self._given(given)[1])
+        on_family = tangents(self.geometry, angles).nearest(rates, held)
+        if on_family is None:
+            raise DesignError(
+                f"the start is singular, and the rates given ({_named(given)} rad/s) lie on none of its branches: "
+                f"{_listed(branches)}"
+            )
+        return on_family
 
     def _scaled(self, way: Array, given: Mapping[str, float]) -> Array | None:
         """A branch's rates (n,) at the size that the given ones have; None where their ratios differ."""
@@ -262,8 +263,9 @@ def _named(values: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in sorted(values.items())) or "none"
 
 
-def _ratios(branch: Branch) -> str:
-    return ", ".join(f"{name} {rate:.4g}" for name, rate in branch.rates.items())
+def _ratios(branch: Branch, most: int = 8) -> str:
+    texts = [f"{name} {rate:.4g}" for name, rate in branch.rates.items()]
+    return ", ".join(texts[:most] + ["…"] * (len(texts) > most))
 
 
 def _count(branches: tuple[Branch, ...]) -> str:

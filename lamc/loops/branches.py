@@ -11,7 +11,6 @@ method on the sphere from many starts (Müller, "Local kinematic analysis of clo
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from lamc.loops.closing import CLOSED, Mask, directions, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
+from lamc.readonly import ReadOnlyDict
 
 SINGULAR = (
     1e-6  # relative to the largest singular value, as in the runtime: below it an equation is not taken
@@ -114,7 +114,7 @@ def find_branches(geometry: LoopGeometry, angles: Array) -> tuple[Branch, ...]:
         rates = _normalised(local.basis @ x, [geometry.names.index(name) for name in names])
         if moved_out(geometry, angles, rates) is not None:
             by_name = dict(zip(geometry.names, rates.tolist(), strict=True))
-            found.append(Branch(MappingProxyType({name: by_name[name] for name in names}), freedoms))
+            found.append(Branch(ReadOnlyDict({name: by_name[name] for name in names}), freedoms))
     return tuple(sorted(found, key=lambda b: (b.freedoms, [round(r, 7) for r in b.rates.values()])))
 
 

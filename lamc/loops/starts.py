@@ -39,6 +39,17 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     return count
 
 
+def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, tuple[Branch, ...]]:
+    """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
+    count = count_loops(tree, tolerance)
+    if not tree.cuts:
+        return count, ()
+    geometry = LoopGeometry(tree)
+    drawn = np.zeros(len(geometry.names))
+    singular = Starter(geometry, count).is_singular(drawn)
+    return count, find_branches(geometry, drawn) if singular else ()
+
+
 class Starter:
     """Starts of one mechanism."""
 

@@ -4,6 +4,7 @@ In: a `LoopGeometry`, what its loops come to, and what a scene gives for some of
 the nearest consistent start, by the squares of what was left open. Never: integrates, or changes what was given.
 """
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -18,7 +19,13 @@ from lamc.mechanism.tree import Tree
 from lamc.scene import Scene
 
 TRIES = 12  # random guesses from which to look for the nearest closed position
+LARGE = 60  # joints: more than these are content with the first position found
 SPREAD = 0.4  # rad, of the guesses
+MOST_LED = 64  # steps of a given angle on the way from the drawn position
+LED, FAR = (
+    0.1,
+    10.0,
+)  # rad, their length; others may move as many times as much
 NEAREST = 40  # rounds of the search for the nearest one
 CONSISTENT = 1e-8  # of the largest rate: given rates are some motion's if they miss it by less
 ZERO = 1e-12  # rad/s below which a given rate is none
@@ -106,14 +113,17 @@ class Starter:
         found: list[Array] = []
         random = np.random.default_rng(20260102)
         for attempt in range(TRIES):
-            guess = wanted + (random.normal(0.0, SPREAD, self.size) * free if attempt else 0.0)
-            angles, gap = self._closed(guess, free)
+            if attempt == 0:
+                angles, gap = self._led_there(wanted, free)
+            else:
+                spread = random.normal(0.0, SPREAD, self.size) * free if attempt > 1 else 0.0
+                angles, gap = self._closed(wanted + spread, free)
             if gap < best_gap:
                 best, best_gap = angles, gap
             if gap == 0.0:
                 found.append(self._nearest(angles, wanted, free))
-                if attempt == 0 and (not given or not self.is_singular(found[0])):
-                    break
+            if found and (not given or self.size > LARGE):
+                break
         if not found:
             raise DesignError(self._no_position(given, best))
         return min(found, key=lambda angles: float(((angles - wanted) ** 2).sum()))
@@ -139,6 +149,18 @@ class Starter:
         turned = error * self.geometry.size  # a gap may be nil while a cut hinge is away from its given angle
         closed = error <= CLOSED or max(gap, turned) <= self.count.accepted_gap
         return angles, 0.0 if closed else max(gap, turned)
+
+    def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
+        """As `_closed`, from the drawn position by small steps of what is given: the same way of assembly."""
+        place = np.zeros(self.size)
+        held = np.logical_not(free)
+        count = max(1, min(MOST_LED, math.ceil(float(np.abs(wanted).max(initial=0.0)) / LED)))
+        for step in range(1, count + 1):
+            guess = np.where(held, wanted * step / count, place)
+            place, gap = self._closed(guess, free)
+            if gap > 0.0 or np.abs(place - guess).max() > FAR * LED:
+                return self._closed(wanted, free)
+        return place, 0.0
 
     def _nearest(self, angles: Array, wanted: Array, free: Mask) -> Array:
         """The closed position around `angles` with the least squares of its distance from `wanted`, or `angles`."""

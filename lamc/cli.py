@@ -61,6 +61,12 @@ def main(context: click.Context) -> None:
     "--rate", "rates", metavar="HINGE=RATE", multiple=True, help="Initial rate: 1.5 (rad/s) or '90 deg/s'."
 )
 @click.option(
+    "--branch",
+    type=int,
+    metavar="N",
+    help="Way out of a singular start: 1, 2, ...; -1 the same the other way.",
+)
+@click.option(
     "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
 )
 @effects
@@ -79,6 +85,7 @@ def run(
     max_steps: int,
     angles: tuple[str, ...],
     rates: tuple[str, ...],
+    branch: int | None,
     settings: tuple[str, ...],
     with_: tuple[str, ...],
     without: tuple[str, ...],
@@ -103,7 +110,7 @@ def run(
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
 
-    changes = SceneChanges(with_, without, angles, rates)
+    changes = SceneChanges(with_, without, angles, rates, branch)
     order = RunOrder(
         source=Source(file, example, cc, fast),
         changes=changes,

@@ -21,7 +21,8 @@ from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS, choose
 from lamc.errors import BuildError, DesignError
-from lamc.loops.rank import count_loops
+from lamc.loops.rank import LoopCount
+from lamc.loops.starts import loops_of
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
@@ -63,15 +64,17 @@ def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:
 
 
 def equations_of(
-    mechanism: Mechanism, effects: tuple[Effect, ...], times: Times | None = None
+    mechanism: Mechanism,
+    effects: tuple[Effect, ...],
+    times: Times | None = None,
+    loops: LoopCount | None = None,
 ) -> "Equations":
-    """plan and derive; what the loops come to is part of the plan."""
+    """plan and derive. loops: what the mechanism's loops come to; None: counted here."""
     from lamc.mechanics.derive import derive
 
     times = times or Times()
     with times.stage("plan"):
         tree = plan(mechanism)
-        loops = count_loops(tree)
     with times.stage("derive"):
         return derive(tree, effects, loops)
 
@@ -108,9 +111,13 @@ def compile(  # noqa: A001  the public name is lamc.compile
         mechanism = design
     scene = scene or mechanism.scene or Scene()
     effects = effects_of(mechanism, scene)
+    loops = None
+    if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
+        with times.stage("plan"):
+            loops = loops_of(plan(mechanism), scene)
     compiler = find_compiler(options.compiler)
     cache = Cache(cache_root())
-    alias = _input_digest(mechanism, effects, compiler, options)
+    alias = _input_digest(mechanism, effects, loops, compiler, options)
     with times.stage("load from cache"):
         key = cache.recall(alias) if alias else None
         folder = cache.find(key) if key else None
@@ -118,7 +125,7 @@ def compile(  # noqa: A001  the public name is lamc.compile
 
     @memoise
     def equations() -> "Equations":
-        return equations_of(mechanism, effects, times)
+        return equations_of(mechanism, effects, times, loops)
 
     @memoise
     def sources() -> "tuple[Program, SourceTree]":
@@ -134,7 +141,7 @@ def compile(  # noqa: A001  the public name is lamc.compile
             key, module, times.from_cache = build(tree, program.digest, compiler, options, cache)
         if alias:
             cache.remember(alias, key)
-    return Simulator(mechanism, scene, effects, equations, lambda: sources()[0], module)
+    return Simulator(mechanism, scene, effects, equations, lambda: sources()[0], module, loops)
 
 
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:
@@ -156,7 +163,11 @@ def _check_arguments(design: object, scene: object, options: object, times: obje
 
 
 def _input_digest(
-    mechanism: Mechanism, effects: tuple[Effect, ...], compiler: Compiler, options: CompileOptions
+    mechanism: Mechanism,
+    effects: tuple[Effect, ...],
+    loops: LoopCount | None,
+    compiler: Compiler,
+    options: CompileOptions,
 ) -> str | None:
     """Digest of all that the compiled module follows from; None if an effect is not lamc's own.
 
@@ -165,7 +176,8 @@ def _input_digest(
     if any(type(effect) not in EFFECTS for effect in effects):
         return None
     text = hashlib.sha256()
-    for part in (__version__, _own_sources(), compiler.identity, *options.flags, mechanism.name):
+    closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
+    for part in (__version__, _own_sources(), compiler.identity, *options.flags, mechanism.name, closure):
         text.update(part.encode())
         text.update(b"\0")
     records: tuple[Body | Joint, ...] = (*mechanism.bodies, *mechanism.joints)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import TYPE_CHECKING
 
 from lamc.errors import DesignError
@@ -51,6 +52,10 @@ class Scene:
     effects  None: what the design itself asks for; a tuple: exactly these, and an empty one means none
     angles   initial joint angles by joint name, rad; joints left out start at zero (the drawn angle)
     rates    initial joint rates by joint name, rad/s; joints left out start at zero
+             with loops, what is left out follows from closure, as near to zero as that allows
+    branch   which way out of a singular start, such as a flat one: 1 is the first of `Simulator.branches`; -1 the same
+             the other way
+    closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-6 of the size
 
     Raises DesignError for what are no effects, no numbers, or an effect twice.
     """
@@ -58,6 +63,8 @@ class Scene:
     effects: "tuple[Effect, ...] | None" = None
     angles: Mapping[str, float] = field(default_factory=dict)  # rad
     rates: Mapping[str, float] = field(default_factory=dict)  # rad/s
+    branch: int | None = None
+    closure_tolerance: float | None = None  # m
 
     def __post_init__(self) -> None:
         if self.effects is not None:
@@ -69,3 +76,14 @@ class Scene:
             object.__setattr__(self, "effects", effects)
         object.__setattr__(self, "angles", _angles(self.angles, "angles", "initial angle"))
         object.__setattr__(self, "rates", _angles(self.rates, "rates", "initial rate"))
+        if self.branch is not None:
+            whole = isinstance(self.branch, Integral) and not isinstance(self.branch, bool)
+            if not whole or self.branch == 0:
+                raise DesignError(
+                    f"branch of a scene is {shown(self.branch)}; it must be 1, 2, … as the branches are listed, "
+                    "or -1, -2, … for the other way"
+                )
+            object.__setattr__(self, "branch", int(self.branch))
+        if self.closure_tolerance is not None:
+            tolerance = checked_number(self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0)
+            object.__setattr__(self, "closure_tolerance", tolerance)

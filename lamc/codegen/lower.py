@@ -96,6 +96,7 @@ def lower(equations: Equations) -> Program:
         ),
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.closure_rank,
+        tolerance=equations.loops.accepted_gap,
         size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
         notes=(_solver_note(equations),),

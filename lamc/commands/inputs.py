@@ -99,6 +99,7 @@ class SceneChanges:
     without_effects: Sequence[str] = ()
     angles: Sequence[str] = ()  # JOINT=ANGLE
     rates: Sequence[str] = ()  # JOINT=RATE
+    branch: int | None = None
 
 
 def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, tuple[Choice, ...]]:
@@ -121,6 +122,8 @@ def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, t
         effects=tuple(choice.effect for choice in choices if choice.effect is not None),
         angles={**scene.angles, **_quantities(changes.angles, "--angle", ANGLE, joints)},
         rates={**scene.rates, **_quantities(changes.rates, "--rate", ANGLE_RATE, joints)},
+        branch=scene.branch if changes.branch is None else changes.branch,
+        closure_tolerance=scene.closure_tolerance,
     )
     return changed, choices
 

@@ -30,6 +30,7 @@ from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.report.animation import draw_animation
 from lamc.report.folded import draw_folded
+from lamc.report.loops_text import loops_data
 from lamc.report.plots import draw_angles_energy
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.files import write_csv, write_npz
@@ -215,7 +216,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "bodies": [{"name": b.name, "fixed": b.fixed, "mass": b.mass} for b in mechanism.bodies],
         "joints": list(simulator.joints),
         "freedoms": simulator.loops.freedoms,
-        "loops": asdict(simulator.loops),
+        "loops": loops_data(simulator.loops, simulator.branches),
         "effects": [{"name": c.name, "in": c.effect is not None, "why": c.reason} for c in report.account],
         "angles": dict(simulator.scene.angles),
         "rates": dict(simulator.scene.rates),

@@ -12,13 +12,16 @@ from lamc.design.load import load_definition
 from lamc.design.records import Design
 from lamc.design.split import split_steps
 from lamc.errors import DesignError
+from lamc.loops.starts import drawn_loops
 from lamc.mechanism.joint_definition import drawn_layers, drawn_lines
 from lamc.mechanism.joints_layers import layers_of
 from lamc.mechanism.joints_writer import write_joints, write_split
 from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import plan
 from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
 from lamc.report.bodies_picture import draw_bodies
+from lamc.report.loops_text import branch_lines, loops_data, loops_line
 from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
 
@@ -40,10 +43,25 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
                 _export_mechanism(mechanism, loaded.path, folder, name, files, notes)
             files.append(f"{name}.mechanism.yaml")
             write_mechanism(mechanism, folder / files[-1])
-    terminal.say(split_text(mechanism, notes))
+    told = split_text(mechanism, notes)
+    data = split_data(mechanism, notes)
+    loops, data["loops"] = _loops(mechanism)
+    terminal.say("\n\n".join([told, loops] if loops else [told]))
     terminal.say(f"\nfiles   {folder}: {', '.join(files)}")
-    terminal.result({"ok": True, "folder": str(folder), "files": files, **split_data(mechanism, notes)})
+    terminal.result({"ok": True, "folder": str(folder), "files": files, **data})
     return 0
+
+
+def _loops(mechanism: Mechanism) -> tuple[str, dict[str, object] | None]:
+    """What the loops come to, and the branches of a drawn position that is singular; nothing for a tree."""
+    if len(mechanism.joints) <= sum(not body.fixed for body in mechanism.bodies):
+        return "", None
+    tolerance = mechanism.scene.closure_tolerance if mechanism.scene is not None else None
+    try:
+        count, branches = drawn_loops(plan(mechanism), tolerance)
+    except DesignError as error:  # what was split is written all the same
+        return f"note: the loops were not counted: {error.message}", None
+    return "\n".join([loops_line(count), *branch_lines(branches, "as drawn")]), loops_data(count, branches)
 
 
 def _split_design(

@@ -73,6 +73,7 @@ def _names(value: Any) -> Any:
 
 Coordinate = Annotated[float, _reader(units.LENGTH), _schema(units.LENGTH)]
 Length = Annotated[float, _reader(units.LENGTH, _above_zero), _schema(units.LENGTH, ", above 0")]
+Gap = Annotated[float, _reader(units.LENGTH, _not_negative), _schema(units.LENGTH, ", at least 0")]
 Angle = Annotated[float, _reader(units.ANGLE, _plausible_angle), _schema(units.ANGLE)]
 AnyAngle = Annotated[float, _reader(units.ANGLE), _schema(units.ANGLE)]
 AngleRate = Annotated[float, _reader(units.ANGLE_RATE), _schema(units.ANGLE_RATE)]

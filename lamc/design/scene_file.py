@@ -20,7 +20,8 @@ from lamc.scene import Scene
 
 
 def read_scene(data: object) -> Scene:
-    """The scene that plain data describes: {effects: …, angles: {joint: rad}, rates: {joint: rad/s}}.
+    """The scene that plain data describes: {effects: …, angles: {joint: rad}, rates: {joint: rad/s}, branch: …,
+    closure_tolerance: m}.
 
     Raises DesignError with the first problem.
     """
@@ -32,7 +33,7 @@ def read_scene(data: object) -> Scene:
     effects = None
     if model.effects is not None:
         effects = tuple(make_effect(name, value, shown(path)) for path, name, value in _called(model.effects))
-    return Scene(effects=effects, angles=model.angles, rates=model.rates)
+    return _scene(model, effects)
 
 
 def scene_from_model(model: SceneModel | None, problems: Problems) -> Scene | None:
@@ -47,12 +48,12 @@ def scene_from_model(model: SceneModel | None, problems: Problems) -> Scene | No
             effects.append(effect)
     return problems.attempt(
         ("scene",),
-        lambda: Scene(
-            effects=tuple(effects) if model.effects is not None else None,
-            angles=model.angles,
-            rates=model.rates,
-        ),
+        lambda: _scene(model, tuple(effects) if model.effects is not None else None),
     )
+
+
+def _scene(model: SceneModel, effects: tuple[Effect, ...] | None) -> Scene:
+    return Scene(effects, model.angles, model.rates, model.branch, model.closure_tolerance)
 
 
 def make_effect(name: str, value: object, where: str, *, prefix: bool = True) -> Effect:
@@ -80,6 +81,10 @@ def scene_data(scene: Scene) -> dict[str, Any]:
     for name, values in (("angles", scene.angles), ("rates", scene.rates)):
         if values:
             data[name] = dict(sorted(values.items()))
+    if scene.branch is not None:
+        data["branch"] = scene.branch
+    if scene.closure_tolerance is not None:
+        data["closure_tolerance"] = scene.closure_tolerance
     return data
 
 

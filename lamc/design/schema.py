@@ -19,6 +19,7 @@ from lamc.design.fields import (
     Damping,
     Density,
     Direction,
+    Gap,
     InertiaTensor,
     LayerNames,
     Length,
@@ -169,6 +170,12 @@ class SceneModel(Model):
     )
     angles: dict[str, AnyAngle] = {}
     rates: dict[str, AngleRate] = {}
+    branch: int | None = Field(
+        None, description="way out of a singular start: 1, 2, … as listed; negative for the other way"
+    )
+    closure_tolerance: Gap | None = Field(
+        None, description="gap up to which loops that do not fit count as closed"
+    )
 
 
 class DesignModel(Model):

@@ -1,32 +1,39 @@
-"""What the loops of a mechanism come to: equations, rank, freedoms.
+"""What the loops of a mechanism come to: equations, rank, freedoms, misfit.
 
-In: a `Tree`. Out: a `LoopCount`. It looks at generic closed positions, never at the drawn one alone, which is often
-flat and of smaller rank; and never at masses, forces or a scene's start.
+In: a `Tree` and the gap that its user allows. Out: a `LoopCount`. It looks at generic closed positions, never at the
+drawn one alone, which is often flat and of smaller rank; and never at masses, forces or a scene's start.
+
+A loop whose axes do not meet, or whose lengths do not close, has a singular value that is small and not zero. With the
+rank that leaves it out the mechanism moves, and its loops stay open by a misfit; with the rank that takes it in it is
+locked. Which of the two is meant cannot be known from the drawing; the misfit is measured, and the user's tolerance
+decides.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from lamc.errors import DesignError
+from lamc.loops.closing import CLOSED, EXACT, SMALL
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
+from lamc.loops.places import Place, ramped_places, scattered_places
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
 
-CLOSED = 1e-12  # rad, and of the size: a few hundred units of round-off
-RANK_TOLERANCE = 1e-7  # relative to the largest singular value; drift and drawings lie below, geometry above
-TRIES = 12  # random places from which to look for generic closed positions
-ENOUGH = 3  # generic positions that agree; what is not generic has no volume
-MAX_ITERATIONS = 60
-LONGEST_STEP = 0.5  # rad
-SPREAD = 0.4  # rad, of the random places
+TOLERANCE = 1e-6  # of the size: gaps that are accepted unless the user says otherwise
 
 
 @dataclass(frozen=True)
 class LoopCount:
     """What the loops of a mechanism come to, counted as in the field: six equations for each, all joints unknown.
 
-    singular_values  of the closure matrix at a generic closed position, descending; rotations in rad, lengths in
-                     units of the mechanism's size, displacements at the middle of its hinges
+    rank             of the equations at a generic closed position: the one that a run uses
+    singular_values  of the closure matrix there, descending; rotations in rad, lengths in units of the mechanism's
+                     size, displacements at the middle of its hinges
+    misfit           how far loops stay open that nearly have a lower rank; None where they close
+    tolerance        m, the gap that was allowed; a misfit within it is accepted, and `rank` is then the lower one
     """
 
     loops: int
@@ -34,6 +41,8 @@ class LoopCount:
     rank: int
     freedoms: int
     singular_values: tuple[float, ...] = ()
+    misfit: Misfit | None = None
+    tolerance: float = 0.0  # m
 
     @property
     def redundant(self) -> int:
@@ -44,49 +53,55 @@ class LoopCount:
         """Rank of the equations without the angles of the cut joints, which are no coordinates of the motion."""
         return self.rank - self.loops
 
+    @property
+    def accepted_gap(self) -> float:
+        """The gap, m, up to which loops count as closed; 0 where they close to round-off."""
+        return self.tolerance if self.misfit is not None and self.misfit.rank == self.rank else 0.0
 
-def count_loops(tree: Tree) -> LoopCount:
-    """The count for `tree`: the largest rank at closed positions found from random places. Deterministic."""
+
+def count_loops(tree: Tree, tolerance: float | None = None, known: Sequence[Array] = ()) -> LoopCount:
+    """The count for `tree`: the largest rank at closed positions found from random places. Deterministic.
+
+    tolerance  the gap, m, that counts as closed; None: 1e-6 of the size
+    known      closed positions (n,), rad, of all joints as in `LoopGeometry`, to be looked at besides
+    """
     if not tree.cuts:
         return LoopCount(0, 0, 0, len(tree.links))
     geometry = LoopGeometry(tree)
-    count = len(geometry.names)
-    random = np.random.default_rng(20260101)
-    best = _singular_values(geometry, np.zeros(count))
-    found: list[int] = []
-    for _ in range(TRIES):
-        angles, error = close(geometry, random.normal(0.0, SPREAD, count))
-        if error <= CLOSED:
-            values = _singular_values(geometry, angles)
-            found.append(_rank(values))
-            best = max(best, values, key=_rank)
-            if found.count(max(found)) == ENOUGH:
-                break
-    rank = _rank(best)
-    return LoopCount(
-        geometry.loops, 6 * geometry.loops, rank, count - rank, tuple(float(value) for value in best)
+    allowed = TOLERANCE * geometry.size if tolerance is None else tolerance
+    ramped = ramped_places(geometry)
+    closed = [Place.at(geometry, angles) for angles in (np.zeros(len(geometry.names)), *known)]
+    closed += [place for place in ramped if place.error <= CLOSED] + scattered_places(geometry)
+    nearly = [place for place in ramped if place.error > CLOSED]
+    judged = closed + nearly if len(nearly) > len(ramped) / 2 else closed
+    rank = max(place.rank(EXACT) for place in judged)
+    # Closed places of smaller rank are other branches of the motion, and no misfit.
+    clearest = max(
+        (place for place in judged if place.rank(EXACT) == rank or place.error > CLOSED),
+        key=lambda place: (place.rank(SMALL), place.clearness(SMALL)),
     )
+    misfit = None
+    if clearest.rank(SMALL) < rank:
+        misfit = measure_misfit(geometry, clearest.angles, clearest.rank(SMALL))
+        if misfit is not None and misfit.gap <= allowed:
+            rank = misfit.rank
+    best = max(judged, key=lambda place: place.values[rank - 1] / place.values[0])
+    count = len(geometry.names)
+    values = tuple(float(value) for value in best.values)
+    return LoopCount(geometry.loops, 6 * geometry.loops, rank, count - rank, values, misfit, allowed)
 
 
-def close(geometry: LoopGeometry, angles: Array) -> tuple[Array, float]:
-    """Gauss-Newton from `angles` (n,). Returns the place reached and its largest residual, rad or units."""
-    angles = angles.copy()
-    residual, jacobian = geometry.closure(angles)
-    for _ in range(MAX_ITERATIONS):
-        if np.abs(residual).max() <= 1e-2 * CLOSED:
-            break
-        step = np.linalg.lstsq(jacobian, -residual, rcond=1e-9)[0]
-        longest = float(np.abs(step).max(initial=0.0))
-        if longest < 1e-15:
-            break
-        angles += step * min(1.0, LONGEST_STEP / longest)
-        residual, jacobian = geometry.closure(angles)
-    return angles, float(np.abs(residual).max())
-
-
-def _singular_values(geometry: LoopGeometry, angles: Array) -> Array:
-    return np.asarray(np.linalg.svd(geometry.jacobian(angles), compute_uv=False))
-
-
-def _rank(values: Array) -> int:
-    return int((values > RANK_TOLERANCE * values[0]).sum())
+def check_freedom(count: LoopCount) -> None:
+    """Raises DesignError for loops that leave nothing to move, with the misfit if that is why."""
+    if count.freedoms > 0 or not count.loops:
+        return
+    if count.misfit is not None:
+        raise DesignError(
+            f"{count.misfit.text}; taken exactly (rank {count.rank}, not {count.misfit.rank}) nothing moves: align "
+            "its axes and lengths, or accept the gap with a closure_tolerance of "
+            f"{rounded_up(count.misfit.gap):g} m or more"
+        )
+    raise DesignError(
+        f"the mechanism has no degree of freedom: its loops put {count.rank} independent equations on {count.rank} "
+        "hinge angles; add a hinge, or remove one that closes a loop"
+    )

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from lamc.effects.registry import Choice
-from lamc.loops.rank import LoopCount
 from lamc.mechanism.limits import outside_limits
 from lamc.pipeline import Times
+from lamc.report.loops_text import branch_lines, loops_line
 from lamc.report.plan_view import shortened
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -67,6 +67,7 @@ def energy_drift(result: Result) -> float | None:
 def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     """The whole summary, a labelled line for each matter."""
     rows = [("device", _device(report))]
+    rows += _loops(report)
     rows += _effects(report.account)
     rows += [("note", note) for note in report.notes]
     rows += [("run", _run(report.result)), ("steps", _steps(report.result)), ("times", _times(report.times))]
@@ -94,15 +95,13 @@ def _device(report: RunReport) -> str:
     return (
         f"{shortened(mechanism.name, 40)}: {_count(len(mechanism.bodies), 'body', 'bodies')} ({fixed} fixed), "
         f"{_count(joints, 'hinge', 'hinges')}, {_count(loops.freedoms, 'degree', 'degrees')} of freedom"
-        + (f"; {_loops(loops)}" if loops.loops else "")
     )
 
 
-def _loops(count: LoopCount) -> str:
-    return (
-        f"{_count(count.loops, 'loop', 'loops')}: {count.equations} equations of rank {count.rank}, "
-        f"{count.redundant} redundant"
-    )
+def _loops(report: RunReport) -> list[tuple[str, str]]:
+    """What the loops come to, and the branches of a singular start."""
+    line = loops_line(report.simulator.loops)
+    return [("loops", text) for text in ([line] if line else []) + branch_lines(report.simulator.branches)]
 
 
 def _count(number: int, one: str, many: str) -> str:

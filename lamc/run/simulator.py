@@ -16,13 +16,15 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
-from lamc.errors import RequestError
-from lamc.loops.rank import LoopCount, count_loops
+from lamc.errors import DesignError, RequestError
+from lamc.loops.branches import Branch
+from lamc.loops.geometry import LoopGeometry
+from lamc.loops.rank import LoopCount
+from lamc.loops.starts import Starter, loops_of
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.run import integrators
-from lamc.run.closing import closed_start
 from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
 from lamc.run.request import Array, Progress, checked_request, did_you_mean, finite
@@ -54,8 +56,10 @@ class Simulator(Unchanging):
         equations: Any,
         program: Any,
         module: CompiledModule,
+        loops: LoopCount | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
+        loops: what the mechanism's loops come to; None: counted when it is first asked for.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
@@ -65,6 +69,7 @@ class Simulator(Unchanging):
         self._equations = equations
         self._program = program
         self._module = module
+        self._loops = loops
         self._model = Model(module)
         _check_names(scene, self.joints + self.cut_joints)
 
@@ -82,8 +87,14 @@ class Simulator(Unchanging):
 
     @cached_property
     def loops(self) -> LoopCount:
-        """Loops, equations, rank, redundancy and degrees of freedom."""
-        return count_loops(plan(self.mechanism))
+        """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
+        return self._loops or loops_of(plan(self.mechanism), self.scene)
+
+    @cached_property
+    def branches(self) -> tuple[Branch, ...]:
+        """The ways out of a singular start, such as a flat one, as `Scene.branch` numbers them; empty where the start
+        is regular. Raises DesignError where no position has the scene's angles."""
+        return self._starter.branches(self.scene) if self._model.cuts else ()
 
     @cached_property
     def start(self) -> Array:
@@ -92,8 +103,12 @@ class Simulator(Unchanging):
         Raises DesignError where they cannot be had.
         """
         if self._model.cuts:
-            start = closed_start(self._default_motion, self.scene.angles, self.scene.rates)
+            start = self._starter.state(self.scene)
         else:
+            if self.scene.branch is not None:
+                raise DesignError(
+                    f"branch is {self.scene.branch}, and a mechanism without loops has none; leave it out"
+                )
             start = _start(self.scene, self.joints)
         start.flags.writeable = False
         self._check_start(start)
@@ -231,6 +246,10 @@ class Simulator(Unchanging):
                 angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
             for check in checks:
                 check(self.mechanism, angles)
+
+    @cached_property
+    def _starter(self) -> Starter:
+        return Starter(LoopGeometry(plan(self.mechanism)), self.loops)
 
     @cached_property
     def _default_motion(self) -> Motion:

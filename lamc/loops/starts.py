@@ -1,0 +1,312 @@
+"""Starts of mechanisms with loops: positions that close, and rates that keep them closed.
+
+In: a `LoopGeometry`, what its loops come to, and what a scene gives for some of the joints, cut ones included. Out:
+the nearest consistent start, by the squares of what was left open. Never: integrates, or changes what was given.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tangents
+from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
+from lamc.loops.geometry import LoopGeometry
+from lamc.loops.rank import LoopCount, check_freedom, count_loops
+from lamc.mechanism.records import Array
+from lamc.mechanism.tree import Tree
+from lamc.scene import Scene
+
+TRIES = 12  # random guesses from which to look for the nearest closed position
+LARGE = 60  # joints: more than these are content with the first position found
+SPREAD = 0.4  # rad, of the guesses
+MOST_LED = 64  # steps of a given angle on the way from the drawn position
+LED, FAR = (
+    0.1,
+    10.0,
+)  # rad, their length; others may move as many times as much
+NEAREST = 40  # rounds of the search for the nearest one
+CONSISTENT = 1e-8  # of the largest rate: given rates are some motion's if they miss it by less
+ZERO = 1e-12  # rad/s below which a given rate is none
+
+
+def loops_of(tree: Tree, scene: Scene) -> LoopCount:
+    """What the loops of `tree` come to; where `scene` starts is looked at too, as large ones have many branches.
+
+    Raises DesignError where nothing can move.
+    """
+    count = count_loops(tree, scene.closure_tolerance)
+    if tree.cuts:
+        geometry = LoopGeometry(tree)
+        known = Starter(geometry, count).known_position(scene)
+        if known is not None and rank_at(geometry, known) > count.rank:
+            count = count_loops(tree, scene.closure_tolerance, [known])
+    check_freedom(count)
+    return count
+
+
+def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, tuple[Branch, ...]]:
+    """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
+    count = count_loops(tree, tolerance)
+    if not tree.cuts:
+        return count, ()
+    geometry = LoopGeometry(tree)
+    drawn = np.zeros(len(geometry.names))
+    singular = Starter(geometry, count).is_singular(drawn)
+    return count, find_branches(geometry, drawn) if singular else ()
+
+
+class Starter:
+    """Starts of one mechanism."""
+
+    def __init__(self, geometry: LoopGeometry, count: LoopCount) -> None:
+        self.geometry = geometry
+        self.count = count
+        self.cutoff = SMALL if count.accepted_gap > 0.0 else SOLVE
+        self.size = len(geometry.names)
+
+    def state(self, start: Scene) -> Array:
+        """The state (2 k,) of the k tree joints, rad and rad/s.
+
+        Raises DesignError where no position has the angles, no motion the rates, and at a singular position where
+        neither rates nor a branch say which way the mechanism goes on.
+        """
+        angles = self.position(start.angles)
+        moving = {name: rate for name, rate in start.rates.items() if abs(rate) > ZERO}
+        if not self.is_singular(angles):
+            if start.branch is not None:
+                raise DesignError(
+                    f"branch is {start.branch}, and the start is not singular: no branches part there; leave it out"
+                )
+            rates = self.rates(angles, start.rates)
+        elif start.branch is not None:
+            angles, rates = self._on_branch(angles, start.branch, moving)
+        else:
+            rates = self._at_branching(angles, moving)
+        count = self.geometry.tree_count
+        return np.concatenate([angles[:count], rates[:count]])
+
+    def known_position(self, start: Scene) -> Array | None:
+        """The closed position (n,) of a start, out of a singular one by its branch; None where there is none."""
+        try:
+            angles = self.position(start.angles)
+            if start.branch is not None and self.is_singular(angles):
+                angles = self._on_branch(angles, start.branch, {})[0]
+        except DesignError:
+            return None
+        return angles
+
+    def branches(self, start: Scene) -> tuple[Branch, ...]:
+        """The branches at the position that `start` asks for; empty where it is regular."""
+        angles = self.position(start.angles)
+        return find_branches(self.geometry, angles) if self.is_singular(angles) else ()
+
+    def is_singular(self, angles: Array) -> bool:
+        """Whether the closure has a smaller rank at `angles` (n,) than it has elsewhere."""
+        return rank_at(self.geometry, angles) < self.count.rank
+
+    def position(self, given: Mapping[str, float]) -> Array:
+        """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows."""
+        wanted, free = self._given(given)
+        best, best_gap = wanted, np.inf
+        found: list[Array] = []
+        random = np.random.default_rng(20260102)
+        for attempt in range(TRIES):
+            if attempt == 0:
+                angles, gap = self._led_there(wanted, free)
+            else:
+                spread = random.normal(0.0, SPREAD, self.size) * free if attempt > 1 else 0.0
+                angles, gap = self._closed(wanted + spread, free)
+            if gap < best_gap:
+                best, best_gap = angles, gap
+            if gap == 0.0:
+                found.append(self._nearest(angles, wanted, free))
+            if found and (not given or self.size > LARGE):
+                break
+        if not found:
+            raise DesignError(self._no_position(given, best))
+        return min(found, key=lambda angles: float(((angles - wanted) ** 2).sum()))
+
+    def rates(self, angles: Array, given: Mapping[str, float]) -> Array:
+        """Rates (n,), rad/s, of all joints at closed `angles` (n,): the given ones, and the smallest others."""
+        rates, missed = self._completed(angles, given)
+        if missed:
+            raise DesignError(self._no_motion(angles, given, missed))
+        return rates
+
+    def _given(self, given: Mapping[str, float]) -> tuple[Array, Mask]:
+        values, free = np.zeros(self.size), np.ones(self.size, dtype=bool)
+        for name, value in given.items():
+            index = self.geometry.names.index(name)
+            values[index], free[index] = value, False
+        return values, free
+
+    def _closed(self, guess: Array, free: Mask) -> tuple[Array, float]:
+        """The place that `settle` reaches, and the gap there, m; 0 where the loops count as closed."""
+        angles, error = settle(self.geometry, guess, free, self.cutoff)
+        gap = float(self.geometry.gaps(angles).max())
+        turned = error * self.geometry.size  # a gap may be nil while a cut hinge is away from its given angle
+        closed = error <= CLOSED or max(gap, turned) <= self.count.accepted_gap
+        return angles, 0.0 if closed else max(gap, turned)
+
+    def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
+        """As `_closed`, from the drawn position by small steps of what is given: the same way of assembly."""
+        place = np.zeros(self.size)
+        held = np.logical_not(free)
+        count = max(1, min(MOST_LED, math.ceil(float(np.abs(wanted).max(initial=0.0)) / LED)))
+        for step in range(1, count + 1):
+            guess = np.where(held, wanted * step / count, place)
+            place, gap = self._closed(guess, free)
+            if gap > 0.0 or np.abs(place - guess).max() > FAR * LED:
+                return self._closed(wanted, free)
+        return place, 0.0
+
+    def _nearest(self, angles: Array, wanted: Array, free: Mask) -> Array:
+        """The closed position around `angles` with the least squares of its distance from `wanted`, or `angles`."""
+        place = angles
+        for _ in range(NEAREST):
+            residual, jacobian = self.geometry.closure(place)
+            columns = jacobian[:, free]
+            back = (wanted - place)[free]
+            step = back - np.linalg.lstsq(columns, residual + columns @ back, rcond=self.cutoff)[0]
+            longest = float(np.abs(step).max(initial=0.0))
+            place = place.copy()
+            place[free] += step * min(1.0, 0.2 / max(longest, 0.2))
+            if longest < 1e-9:
+                break
+        place, gap = self._closed(place, free)
+        nearer = ((place - wanted) ** 2).sum() < ((angles - wanted) ** 2).sum()
+        return place if gap == 0.0 and nearer else angles
+
+    def _completed(self, angles: Array, given: Mapping[str, float]) -> tuple[Array, float]:
+        """Rates (n,), and by how much, rad/s, closure is missed; 0 for round-off."""
+        rates, free = self._given(given)
+        jacobian = self.geometry.jacobian(angles)
+        if free.any():
+            rates[free] = np.linalg.lstsq(jacobian[:, free], -jacobian @ rates, rcond=self.cutoff)[0]
+        missed = float(np.abs(jacobian @ rates).max())
+        largest = max((abs(rate) for rate in given.values()), default=0.0)
+        loose = self.count.accepted_gap / self.geometry.size
+        return rates, missed if missed > (CONSISTENT + loose) * largest else 0.0
+
+    def _on_branch(self, angles: Array, number: int, given: Mapping[str, float]) -> tuple[Array, Array]:
+        """Angles and rates (n,): moved a little along the branch and at rest, or there with the given rates."""
+        branches = find_branches(self.geometry, angles)
+        if not 1 <= abs(number) <= len(branches):
+            raise DesignError(
+                f"branch is {number}, and the start has {len(branches)}: {_listed(branches)}; choose one of them"
+            )
+        way = float(np.sign(number)) * branches[abs(number) - 1].row(self.geometry.names)
+        if not given:
+            place = moved_out(self.geometry, angles, way)
+            assert place is not None, "a branch was followed when it was found"
+            return place, np.zeros(self.size)
+        rates = self._scaled(way, given)
+        if rates is None:
+            raise DesignError(
+                f"no motion on branch {number} has the rates given ({_named(given)} rad/s); its ratios are "
+                f"{_ratios(branches[abs(number) - 1])}"
+            )
+        return angles, rates
+
+    def _at_branching(self, angles: Array, given: Mapping[str, float]) -> Array:
+        """Rates (n,) at a singular position, where those given lie on one branch."""
+        branches = find_branches(self.geometry, angles)
+        if not given:
+            if branches:
+                raise DesignError(
+                    "the start is singular and at rest, so nothing says which way the mechanism goes: it has "
+                    f"{_count(branches)}, {_listed(branches)}; choose one with branch=1 (-1 for the other way) in the "
+                    "scene, give rates, or start it a little off"
+                )
+            return np.zeros(self.size)
+        scaled = [self._scaled(b.row(self.geometry.names), given) for b in branches if b.freedoms == 1]
+        fitting = [rates for rates in scaled if rates is not None]
+        if len(fitting) == 1:
+            return fitting[0]
+        if fitting:
+            raise DesignError(
+                f"the start is singular, and the rates given ({_named(given)} rad/s) fit {len(fitting)} of its "
+                f"branches: {_listed(branches)}; choose one with branch=1 in the scene, or give more rates"
+            )
+        rates = self.rates(angles, given)
+        held = np.logical_not(self._given(given)[1])
+        on_family = tangents(self.geometry, angles).nearest(rates, held)
+        if on_family is None:
+            raise DesignError(
+                f"the start is singular, and the rates given ({_named(given)} rad/s) lie on none of its branches: "
+                f"{_listed(branches)}"
+            )
+        return on_family
+
+    def _scaled(self, way: Array, given: Mapping[str, float]) -> Array | None:
+        """A branch's rates (n,) at the size that the given ones have; None where their ratios differ."""
+        values, free = self._given(given)
+        held = np.logical_not(free)
+        square = float(way[held] @ way[held])
+        rates = way * (float(way[held] @ values[held]) / square if square else 0.0)
+        missed = np.abs(rates - values)[held].max()
+        return rates if missed <= CONSISTENT * np.abs(values).max() else None
+
+    def _no_position(self, given: Mapping[str, float], nearest: Array) -> str:
+        gap = max(float(self.geometry.gaps(nearest).max()), 0.0)
+        text = (
+            f"no position closes the loops with the angles given ({_named(given)} rad); the nearest comes within "
+            f"{gap:.3g} m"
+        )
+
+        def without(name: str) -> float | None:
+            _, free = self._given({key: value for key, value in given.items() if key != name})
+            index = self.geometry.names.index(name)
+            angles, left = self._closed(nearest, free)
+            return float(angles[index]) if left == 0.0 else None
+
+        return f"{text}; {self._resistance(given, without, 'rad')}"
+
+    def _no_motion(self, angles: Array, given: Mapping[str, float], missed: float) -> str:
+        text = (
+            f"no motion of the loops has the rates given ({_named(given)} rad/s): the nearest misses them by "
+            f"{missed:.3g} rad/s"
+        )
+
+        def without(name: str) -> float | None:
+            others = {key: value for key, value in given.items() if key != name}
+            rates, left = self._completed(angles, others)
+            return float(rates[self.geometry.names.index(name)]) if left == 0.0 else None
+
+        return f"{text}; {self._resistance(given, without, 'rad/s')}"
+
+    def _resistance(
+        self, given: Mapping[str, float], without: Callable[[str], float | None], unit: str
+    ) -> str:
+        """The given value that, left free, lets the others be had, and what it becomes; the least change of all."""
+        possible = []
+        for name, value in sorted(given.items()):
+            instead = without(name)
+            if instead is not None:
+                possible.append((abs(instead - value), name, instead))
+        if not possible:
+            return "no single one of them is to blame: give fewer, or others"
+        _, name, instead = min(possible)
+        return f"joint {name!r} resists: {instead:.4g} {unit} instead of {given[name]:g} would do"
+
+
+def _named(values: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in sorted(values.items())) or "none"
+
+
+def _ratios(branch: Branch, most: int = 8) -> str:
+    texts = [f"{name} {rate:.4g}" for name, rate in branch.rates.items()]
+    return ", ".join(texts[:most] + ["…"] * (len(texts) > most))
+
+
+def _count(branches: tuple[Branch, ...]) -> str:
+    return f"{len(branches)} branch" if len(branches) == 1 else f"{len(branches)} branches"
+
+
+def _listed(branches: tuple[Branch, ...], most: int = 4) -> str:
+    """The branches with their ratios of rates, numbered as the scene chooses them."""
+    texts = [f"{number}: ({_ratios(branch)})" for number, branch in enumerate(branches[:most], start=1)]
+    more = f"; {len(branches) - most} more in Simulator.branches" if len(branches) > most else ""
+    return "; ".join(texts) + more

@@ -71,7 +71,8 @@ def acceleration() -> np.ndarray:
 
 
 def entries(root: Path) -> list[Path]:
-    return sorted(p for p in root.iterdir() if p.is_dir() and not p.name.startswith("."))
+    """Of models; the objects of the runtime are an entry of their own."""
+    return sorted(p for p in root.iterdir() if p.is_dir() and not p.name.startswith((".", "runtime-")))
 
 
 def no_debris(root: Path) -> None:
@@ -353,12 +354,13 @@ def script(folder: Path, body: str) -> str:
     [
         ("exit 1", "failed with exit code 1: it says nothing; `lamc doctor` tests it"),
         ("echo 'x.c:1: error: no such thing' >&2; exit 3", "exit code 3: x.c:1: error: no such thing"),
-        ("echo garbage; echo more >&2; exit 0", "made no library and gave no error"),
-        ("exit 0", "made no library and gave no error"),
+        ("echo garbage; echo more >&2; exit 0", "made no .* and gave no error"),
+        ("exit 0", "made no .* and gave no error"),
         ("kill -9 $$", "failed with exit code -9"),
         ("head -c 3000 /dev/urandom >&2; exit 1", "failed with exit code 1"),
         (
-            'while [ "$1" != -o ]; do shift; done; echo garbage > "$2"',
+            'case " $* " in *" -c "*) for f in *.c; do : > "${f%.c}.o"; done;; '
+            '*) while [ "$1" != -o ]; do shift; done; echo garbage > "$2";; esac',
             "does not load",
         ),
     ],
@@ -369,7 +371,7 @@ def test_a_broken_compiler_is_told_in_one_line_and_leaves_nothing(
 ) -> None:
     message = refused(words, compiler=script(tmp_path, body))
     assert len(message) < 1000
-    assert list(root.iterdir()) == []
+    assert [path.name for path in root.iterdir() if not path.name.startswith("runtime-")] == []
 
 
 def test_a_compiler_that_hangs_is_stopped(

@@ -1,12 +1,14 @@
 """`build`: compiles a SourceTree and loads it through cffi, by way of the cache.
 
-Comes out: a Module. The library is plain C and is opened by a binding that cffi makes from the declarations of the
-same headers that C users include; neither needs Python's own headers. Nothing is written outside the cache.
+Comes out: a Module. The runtime is the same for every model: its objects are compiled once for a compiler and its
+flags, and are an entry of the cache of their own. The library is plain C and is opened by a binding that cffi makes
+from the declarations of the same headers that C users include; neither needs Python's own headers. Nothing is written
+outside the cache.
 """
 
 import hashlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import cffi
@@ -59,17 +61,43 @@ def build(
             "flags": " ".join(options.flags),
             "lamc": __version__,
         }
-        folder = cache.put(key, _maker(tree, compiler, options), noted)
+        objects = _runtime_objects(tree, compiler, options, cache, noted)
+        folder = cache.put(key, _maker(tree, objects, compiler, options), noted)
     return key, load_module(folder), found
 
 
-def _maker(tree: SourceTree, compiler: Compiler, options: CompileOptions) -> Callable[[Path], None]:
+def _runtime_objects(
+    tree: SourceTree, compiler: Compiler, options: CompileOptions, cache: Cache, noted: Mapping[str, str]
+) -> list[Path]:
+    """Objects of the runtime, from the cache or compiled into it."""
+    own = (f"{tree.prefix}.h", f"{tree.prefix}.c", "main.c")
+    files = {name: text for name, text in sorted(tree.files.items()) if name not in own}
+    units = [name for name in tree.compiled if name not in own]
+    parts = ["runtime", __version__, compiler.identity, *options.flags]
+    digest = hashlib.sha256("\0".join([*parts, *files, *files.values()]).encode()).hexdigest()
+    key, objects = f"runtime-{digest}", [f"{Path(name).stem}.o" for name in units]
+
+    def make(folder: Path) -> None:
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        run_compiler(compiler, [*options.flags, "-c", *units], folder)
+        for name in objects:
+            if not (folder / name).is_file():
+                raise BuildError(f"the C compiler {compiler.command[0]!r} made no {name} and gave no error")
+
+    folder = cache.find(key) or cache.put(key, make, noted)
+    return [folder / name for name in objects]
+
+
+def _maker(
+    tree: SourceTree, objects: list[Path], compiler: Compiler, options: CompileOptions
+) -> Callable[[Path], None]:
     def make(folder: Path) -> None:
         source = folder / SOURCES
         source.mkdir()
         write_sources(tree, source)
         (folder / "this_model.c").write_text(_THIS_MODEL.format(prefix=tree.prefix), encoding="utf-8")
-        inputs = ["this_model.c", *(f"{SOURCES}/{name}" for name in tree.compiled)]
+        inputs = ["this_model.c", f"{SOURCES}/{tree.prefix}.c", *map(str, objects)]
         arguments = [*options.flags, "-shared", f"-I{SOURCES}", "-o", LIBRARY, *inputs, "-lm"]
         run_compiler(compiler, arguments, folder)
         if not (folder / LIBRARY).is_file():

@@ -251,7 +251,8 @@ def targets(report: Mapping[str, Any], t_end: float) -> Rows:
         rows.append(target(f"{name}, {t_end:g} s: seconds", exact["seconds"], limit, at_most=True))
         if others:
             stiffest = others[1]
-            for label, row in ((f"rtol {RTOL:g}", exact), ("errors no larger", found[-1])):
+            quickest = min(exact, found[-1], key=lambda row: row["seconds"])
+            for label, row in ((f"rtol {RTOL:g}", exact), ("errors no larger", quickest)):
                 ratio = stiffest["seconds"] / row["seconds"]
                 rows.append(target(f"{name}: MuJoCo / lamc at {label}", ratio, 20.0, at_most=False))
     vertex = [row for row in report["undamped"] if row["case"] == "vertex4_flatfoldable"]

@@ -29,6 +29,9 @@ THEORY = {
     "limit_stop": (0, 0, 2),
     "miura": (4, 11, 1),  # 12 creases, one freedom
     "miura:2x2": (1, 3, 1),
+    "miura:2x5": (4, 12, 1),
+    "miura:4x3": (6, 16, 1),
+    "miura:4x5": (12, 30, 1),
     "miura:1x4": (0, 0, 3),  # a strip: each crease by itself
     "n_four_bar": (2, 6, 1),
     "n_four_bar:1": (1, 3, 1),
@@ -86,7 +89,7 @@ def test_every_example_tells_what_is_hard_and_where_to_look(name: str) -> None:
         assert example.text.startswith("# ")
 
 
-@pytest.mark.parametrize("name", ["miura:2x2", "miura:3x3"])
+@pytest.mark.parametrize("name", ["miura:2x2", "miura:3x3", "miura:2x5", "miura:4x3", "miura:4x5"])
 def test_miura_creases_keep_the_published_relation(name: str) -> None:
     """Tachi 2009: zigzag creases alike, straight ones alike, tan(s/2) = cos(acute angle) tan(z/2)."""
     result = folded(name, 1.0, 1e-9)

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 import lamc
 from lamc import Body, Joint, Mechanism, Scene, Spring
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
+from lamc.effects.limits import JointLimits
 from lamc.errors import UnsupportedError
 from lamc.loops.geometry import rotation_vector
 from lamc.reference import MaximalCoordinates, NewtonEuler, check, simulate
@@ -295,3 +296,16 @@ def test_half_a_turn_is_not_taken_for_none(angle: float) -> None:
     # near a half turn the angle is told to the square root of round-off
     assert np.abs(turned - matrix).max() < (1e-7 if angle > 3.0 else 1e-14)
     assert np.linalg.norm(rotation_vector(matrix)) == pytest.approx(angle, rel=1e-7, abs=1e-15)
+
+
+@pytest.mark.parametrize("effect", [JointLimits(), JointLimits(restitution=0.5)], ids=["stops", "impacts"])
+def test_check_of_limits_compares_the_c_with_the_interpreter(effect: JointLimits) -> None:
+    bar = Body("bar", 0.1, (0.1, 0, 0), np.diag([1e-4, 3e-3, 3e-3]))
+    pin = Joint("pin", "wall", "bar", axis=(0, 1, 0), limits=(-0.3, 0.5))
+    mechanism = Mechanism((Body("wall", fixed=True), bar), (pin,))
+    report = check(lamc.compile(mechanism, Scene(effects=(Gravity(), effect))), states=5, t_end=0.3)
+    assert report.passed, report.table()
+    assert any("'joint_limits'" in note for note in report.notes)
+    assert ("accelerations, random states", ("C", "interpreter")) in {
+        (c.quantity, c.voices) for c in report.comparisons
+    }

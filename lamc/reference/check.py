@@ -114,9 +114,12 @@ def check(
         comparisons += closures(simulator, interpreter, constants, newton, random, limits, reasons)
         comparisons += cut_hinges(interpreter, constants, newton, result, limits, reasons)
     others = {name: budget for name, budget in _budgets(program).items() if name in voices}
-    motion, missed = motions(voices, others, newton, result, tell)
-    comparisons += motion
-    notes += missed
+    if any(guard.mode < 0 for guard in program.guards):
+        notes.append("the motion is not compared: the other voices' runs know no impacts")
+    else:
+        motion, missed = motions(voices, others, newton, result, tell)
+        comparisons += motion
+        notes += missed
     return Report(program.name, tuple(comparisons), (*notes, *_not_finite(comparisons)))
 
 

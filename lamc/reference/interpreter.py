@@ -68,6 +68,10 @@ class Interpreter:
 
     def acceleration(self, t: float, q: Array, u: Array, constants: Array) -> Array:
         """du/dt, rad/s², shape of q. t in s, q in rad, u in rad/s. With loops, those of closed states."""
+        if self.program.guards and np.ndim(q) == 2:
+            rows = zip(q, u, strict=True)
+            return np.array([self.acceleration(t, *row, constants) for row in rows]).reshape(np.shape(q))
+        constants = self._sensed(t, q, u, constants)
         if not self.program.cuts:
             return self._evaluate("acceleration", t, q, u, constants)
         system = self._evaluate("system", t, q, u, constants)
@@ -89,13 +93,26 @@ class Interpreter:
 
     def energy(self, t: float, q: Array, u: Array, constants: Array) -> Array:
         """Energies, J, shape (len(program.energies),), "kinetic" first."""
-        return self._evaluate("energy", t, q, u, constants)
+        if self.program.guards and np.ndim(q) == 2:
+            return np.array([self.energy(t, *row, constants) for row in zip(q, u, strict=True)])
+        return self._evaluate("energy", t, q, u, self._sensed(t, q, u, constants))
 
     def poses(self, q: Array, constants: Array) -> tuple[Array, Array]:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
         flat = self._evaluate("poses", 0.0, q, np.zeros_like(q), constants)
         rows = flat.reshape(*flat.shape[:-1], len(self.bodies), 12)
         return rows[..., :3], rows[..., 3:].reshape(*rows.shape[:-1], 3, 3)
+
+    def _sensed(self, t: float, q: Array, u: Array, constants: Array) -> Array:
+        """`constants` with the modes of one state: 1 for guards that are positive there, 0 for the others."""
+        if not self.program.guards:
+            return constants
+        values = self._evaluate("guards", t, q, u, constants)
+        sensed = np.array(constants, dtype=np.float64)
+        for guard, value in zip(self.program.guards, values, strict=False):  # values, then their rates
+            if guard.mode >= 0:
+                sensed[guard.mode] = 1.0 if value > 0.0 else 0.0
+        return sensed
 
     def _solve(self, system: Array, held: Array) -> Array:
         """u̇ from the values of the functions "system" and "constraint" at one state."""

@@ -87,6 +87,17 @@ class Motion(Unchanging):
         self._call(self.model.lib.lamc_motion_accelerations, len(y), self.model.read(t), y, out)
         return out
 
+    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
+        """Derivatives of the accelerations by angles (n, n), 1/s², and by rates (n, n), 1/s, at one state y (2n,)."""
+        model = self.model
+        n = len(model.joints)
+        by_q, by_u, by_t = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
+        scratch = np.zeros(model.lib.lamc_motion_jacobian_scratch(model.handle))
+        write = [model.write(a) for a in (by_q, by_u, by_t, scratch)]
+        status = model.lib.lamc_motion_jacobian(self.handle, t, model.read(y), *write)
+        assert status == model.lib.LAMC_OK
+        return by_q, by_u
+
     def energies(self, t: Array, y: Array) -> Array:
         """Energies, shape (m, len(model.energies)), J; kinetic first, then one for each effect that stores
         any."""

@@ -212,6 +212,23 @@ class Simulator(Unchanging):
         times, rows, shape = self._states(q, u, t)
         return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.joints))
 
+    def jacobian(
+        self,
+        q: npt.ArrayLike,
+        u: npt.ArrayLike,
+        t: float = 0.0,
+        parameters: Mapping[str, float] = NO_PARAMETERS,
+    ) -> tuple[Array, Array]:
+        """Derivatives of the accelerations by the angles, shape (n, n), 1/s², and by the rates, shape (n, n), 1/s,
+        at angles q (n,), rad, rates u (n,), rad/s, and time t, s: [i, j] is that of joint i by joint j.
+
+        Loops hold: the derivatives are those of the accelerations under closure. Raises RequestError for other
+        shapes."""
+        times, rows, shape = self._states(q, u, t)
+        if shape:
+            raise RequestError(f"jacobian takes one state; these are {shape} of them")
+        return self._motion(parameters).jacobian(float(times[0]), rows[0])
+
     def energy(
         self,
         q: npt.ArrayLike,

@@ -125,6 +125,13 @@ lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, con
 /* -> poses (count, body_count, 12) */
 lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *y, double *poses);
 
+/* Doubles of scratch for the function below */
+long long lamc_motion_jacobian_scratch(const lamc_model *model);
+/* One state y = [q, u] at t: -> d(udot)/dq (n, n) 1/s^2, d(udot)/du (n, n) 1/s, d(udot)/dt (n,) rad/s^3; analytic where the
+ * model brings them, else by differences */
+lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const double *y, double *by_q,
+                                 double *by_u, double *by_t, double *scratch);
+
 /* ---- Ordinary differential equations ----------------------------------------------------------------------- */
 
 /* dy/dt = rhs(t, y), y of shape (n,). rhs writes all of dydt, and may write NaN where it is not defined. What follows

@@ -99,6 +99,19 @@ lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, con
   return LAMC_OK;
 }
 
+long long lamc_motion_jacobian_scratch(const lamc_model *model) {
+  return lamc_linearise_scratch(model);
+}
+
+lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const double *y, double *by_q,
+                                 double *by_u, double *by_t, double *scratch) {
+  if (!is_usable(motion, 1, y, by_q) || by_u == NULL || by_t == NULL || scratch == NULL)
+    return LAMC_BAD_ARGUMENT;
+  sense(motion, t, y);
+  lamc_linearise(motion, t, y, by_q, by_u, by_t, scratch);
+  return LAMC_OK;
+}
+
 lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *y, double *poses) {
   if (!is_usable(motion, count, y, poses)) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;

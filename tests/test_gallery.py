@@ -15,6 +15,8 @@ from lamc.cli import main
 from lamc.commands.examples import mechanism_of_example
 from lamc.errors import DesignError, LamcError
 from lamc.examples.miura import ACUTE
+from lamc.loops.rank import count_loops
+from lamc.mechanism.tree import plan
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
@@ -102,6 +104,15 @@ def test_miura_creases_keep_the_published_relation(name: str) -> None:
     assert np.ptp(zigzag, axis=0).max() < close
     assert np.ptp(straight, axis=0).max() < close
     assert np.abs(np.tan(straight / 2) - math.cos(ACUTE) * np.tan(zigzag[0] / 2)).max() < close
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(5, 5), (8, 8)])
+def test_a_large_miura_has_one_freedom(columns: int, rows: int) -> None:
+    """Round-off near a singular position among the places that are looked at must not count for rank."""
+    mechanism = mechanism_of_example(examples.find(f"miura:{columns}x{rows}"))
+    count = count_loops(plan(mechanism))
+    creases = (columns - 1) * rows + columns * (rows - 1)
+    assert (count.loops, count.rank, count.freedoms) == ((columns - 1) * (rows - 1), creases - 1, 1)
 
 
 @pytest.mark.parametrize("name", ["miura:3x3", "bricard"])

@@ -14,6 +14,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import lamc
+from lamc.cli import main
 from lamc.effects import Gravity
 from lamc.loops.branches import find_branches, rank_at, tangents
 from lamc.loops.geometry import LoopGeometry
@@ -387,3 +388,31 @@ def test_scenes_carry_branch_and_tolerance_through_files_and_pickles(tmp_path: P
     loaded = lamc.load(path)
     assert loaded.scene is not None
     assert (loaded.scene.branch, loaded.scene.closure_tolerance) == (-2, 2e-6)
+
+
+def test_split_and_run_tell_loops_and_branches(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "vertex.yaml"
+    write_mechanism(vertex(np.radians([60.0, 75.0, 120.0, 105.0])), path)
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["split", str(path), *out], standalone_mode=False) == 0
+    told = capsys.readouterr().out
+    assert "1 loop: 6 equations of rank 3, 3 redundant" in told
+    assert "branch 1: c0 -0.1413, c1 +1, c2 +0.1413, c3 +1" in told  # the published ratios
+    assert "branch 2: c0 +1, c1 -0.386, c2 +1, c3 +0.386" in told
+    run = ["run", str(path), "--t-end", "0.01", "--no-animation", *out]
+    assert main(run, standalone_mode=False) == 2
+    assert "it has 2 branches" in capsys.readouterr().err
+    assert main([*run, "--branch", "-2"], standalone_mode=False) == 0
+    assert "branch 2: c0 +1" in capsys.readouterr().out
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text(encoding="utf-8"))
+    assert (manifest["loops"]["rank"], len(manifest["loops"]["branches"])) == (3, 2)
+
+
+def test_a_misfit_is_told_by_split(
+    cases: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mechanism, _ = tilted(cases["fourbar_crank"], 1e-3)
+    path = tmp_path / "four_bar.yaml"
+    write_mechanism(mechanism, path)
+    assert main(["split", str(path), "--out", str(tmp_path / "out")], standalone_mode=False) == 0
+    assert "closes only within 77 µm over its motion" in capsys.readouterr().out

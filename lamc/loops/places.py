@@ -51,8 +51,8 @@ def ramped_places(geometry: LoopGeometry) -> list[Place]:
     motions = vectors[(values > SMALL * values[0]).sum() :]
     random = np.random.default_rng(20260101)
     tangents = random.normal(size=(RAMPS if len(motions) else 0, len(motions))) @ motions
-    found = [_ramp(geometry, tangent) for tangent in tangents]
-    return [place for place in found if place is not None]
+    found = [place for place in (_ramp(geometry, tangent) for tangent in tangents) if place is not None]
+    return [place for place in found if place.error > CLOSED or place.clearness(EXACT) > CLEAR]
 
 
 def scattered_places(geometry: LoopGeometry) -> list[Place]:

@@ -14,6 +14,7 @@ from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tange
 from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount, check_freedom, count_loops
+from lamc.loops.words import counted, listed, named, ratios
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
 from lamc.scene import Scene
@@ -195,7 +196,7 @@ class Starter:
         branches = find_branches(self.geometry, angles)
         if not 1 <= abs(number) <= len(branches):
             raise DesignError(
-                f"branch is {number}, and the start has {len(branches)}: {_listed(branches)}; choose one of them"
+                f"branch is {number}, and the start has {len(branches)}: {listed(branches)}; choose one of them"
             )
         way = float(np.sign(number)) * branches[abs(number) - 1].row(self.geometry.names)
         if not given:
@@ -205,8 +206,8 @@ class Starter:
         rates = self._scaled(way, given)
         if rates is None:
             raise DesignError(
-                f"no motion on branch {number} has the rates given ({_named(given)} rad/s); its ratios are "
-                f"{_ratios(branches[abs(number) - 1])}"
+                f"no motion on branch {number} has the rates given ({named(given)} rad/s); its ratios are "
+                f"{ratios(branches[abs(number) - 1])}"
             )
         return angles, rates
 
@@ -217,7 +218,7 @@ class Starter:
             if branches:
                 raise DesignError(
                     "the start is singular and at rest, so nothing says which way the mechanism goes: it has "
-                    f"{_count(branches)}, {_listed(branches)}; choose one with branch=1 (-1 for the other way) in the "
+                    f"{counted(branches)}, {listed(branches)}; choose one with branch=1 (-1 for the other way) in the "
                     "scene, give rates, or start it a little off"
                 )
             return np.zeros(self.size)
@@ -227,16 +228,16 @@ class Starter:
             return fitting[0]
         if fitting:
             raise DesignError(
-                f"the start is singular, and the rates given ({_named(given)} rad/s) fit {len(fitting)} of its "
-                f"branches: {_listed(branches)}; choose one with branch=1 in the scene, or give more rates"
+                f"the start is singular, and the rates given ({named(given)} rad/s) fit {len(fitting)} of its "
+                f"branches: {listed(branches)}; choose one with branch=1 in the scene, or give more rates"
             )
         rates = self.rates(angles, given)
         held = np.logical_not(self._given(given)[1])
         on_family = tangents(self.geometry, angles).nearest(rates, held)
         if on_family is None:
             raise DesignError(
-                f"the start is singular, and the rates given ({_named(given)} rad/s) lie on none of its branches: "
-                f"{_listed(branches)}"
+                f"the start is singular, and the rates given ({named(given)} rad/s) lie on none of its branches: "
+                f"{listed(branches)}"
             )
         return on_family
 
@@ -252,7 +253,7 @@ class Starter:
     def _no_position(self, given: Mapping[str, float], nearest: Array) -> str:
         gap = max(float(self.geometry.gaps(nearest).max()), 0.0)
         text = (
-            f"no position closes the loops with the angles given ({_named(given)} rad); the nearest comes within "
+            f"no position closes the loops with the angles given ({named(given)} rad); the nearest comes within "
             f"{gap:.3g} m"
         )
 
@@ -266,7 +267,7 @@ class Starter:
 
     def _no_motion(self, angles: Array, given: Mapping[str, float], missed: float) -> str:
         text = (
-            f"no motion of the loops has the rates given ({_named(given)} rad/s): the nearest misses them by "
+            f"no motion of the loops has the rates given ({named(given)} rad/s): the nearest misses them by "
             f"{missed:.3g} rad/s"
         )
 
@@ -290,23 +291,3 @@ class Starter:
             return "no single one of them is to blame: give fewer, or others"
         _, name, instead = min(possible)
         return f"joint {name!r} resists: {instead:.4g} {unit} instead of {given[name]:g} would do"
-
-
-def _named(values: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} = {value:g}" for name, value in sorted(values.items())) or "none"
-
-
-def _ratios(branch: Branch, most: int = 8) -> str:
-    texts = [f"{name} {rate:.4g}" for name, rate in branch.rates.items()]
-    return ", ".join(texts[:most] + ["…"] * (len(texts) > most))
-
-
-def _count(branches: tuple[Branch, ...]) -> str:
-    return f"{len(branches)} branch" if len(branches) == 1 else f"{len(branches)} branches"
-
-
-def _listed(branches: tuple[Branch, ...], most: int = 4) -> str:
-    """The branches with their ratios of rates, numbered as the scene chooses them."""
-    texts = [f"{number}: ({_ratios(branch)})" for number, branch in enumerate(branches[:most], start=1)]
-    more = f"; {len(branches) - most} more in Simulator.branches" if len(branches) > most else ""
-    return "; ".join(texts) + more

@@ -253,6 +253,7 @@ typedef struct lamc_run {
   int was_closed;     /* 0: the step before this one lost what must hold */
   int has_jacobian;   /* 1: work holds the Jacobian at t */
   int has_polynomial; /* 1: work holds the polynomial of the last step, for a first guess of the next */
+  int may_pass;       /* 1: the first step of an implicit method is still to come, see implicit.h */
   lamc_status status; /* of the last call; a negative one stays */
   double *work;       /* (lamc_run_work_size(&ode, method),) */
 } lamc_run;

@@ -89,6 +89,16 @@ void lamc_implicit_solve(const implicit *parts, double c, double *v) {
   }
 }
 
+double lamc_implicit_pass(const lamc_run *run, const implicit *parts, double c, const double *error,
+                          double squared, double *room) {
+  const double MOST = 1e4; /* 100 tolerances, squared */
+  if (!run->may_pass || squared <= 1.0 || !(squared <= MOST)) return squared;
+  for (int i = 0; i < run->ode.n; i++) room[i] = c * error[i];
+  lamc_implicit_solve(parts, c, room);
+  const double left = weighed(run, room) / run->ode.n;
+  return left <= 1.0 ? left : squared;
+}
+
 /* ---- Complex shift: numbers are pairs, real part first ------------------------------------------------------- */
 
 static double squared_size(const double *z) {

@@ -37,4 +37,14 @@ void lamc_implicit_solve(const implicit *parts, double c, double *v);
 int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const double *c);
 void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re, double *im);
 
+/* The squared error norm that counts. `error` is that of a step, `squared` its norm, c the shift of the factors.
+ *
+ * A fast oscillation that is too small to matter may still be above the tolerance of the rates. No step control gets past
+ * it: steps near its period resolve it, longer ones are refused. So the first step of an implicit method may leave out up
+ * to 100 tolerances of motion that c (c I - J)^-1 takes off, as the steps after it do (they are L-stable), if what is left
+ * is within the tolerance. For an oscillation of frequency w that is an error of its rate / w in the angle, within the
+ * tolerance by far. `room` (n,). */
+double lamc_implicit_pass(const lamc_run *run, const implicit *parts, double c, const double *error,
+                          double squared, double *room);
+
 #endif /* LAMC_IMPLICIT_H */

@@ -138,7 +138,8 @@ static double attempt(lamc_run *run, double h) {
   const double *last = slot(run, SLOT_Z + 2);
   for (int i = 0; i < n; i++) y_new[i] = y[i] + last[i];
   if (!all_finite(run, y_new)) return HUGE_VAL;
-  return estimate(run, &parts, h);
+  return lamc_implicit_pass(run, &parts, REAL_EIGENVALUE / h, slot(run, SLOT_ERROR), estimate(run, &parts, h),
+                            slot(run, SLOT_STAGE));
 }
 
 static void make_dense(lamc_run *run) {

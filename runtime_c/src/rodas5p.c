@@ -98,7 +98,8 @@ static double attempt(lamc_run *run, double h) {
   const double *error = slot(run, SLOT_K + STAGES - 1);
   for (int i = 0; i < n; i++) y_new[i] += error[i];
   if (!all_finite(run, y_new)) return HUGE_VAL;
-  return n > 0 ? weighed(run, error) / n : 0.0;
+  if (n == 0) return 0.0;
+  return lamc_implicit_pass(run, &parts, shift, error, weighed(run, error) / n, sum);
 }
 
 static void make_dense(lamc_run *run) {

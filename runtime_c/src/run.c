@@ -131,6 +131,7 @@ static void accept(lamc_run *run, const method *m, double h, double log_error) {
   run->row_due = run->t_eval == NULL;
   run->was_rejected = 0;
   run->has_jacobian = 0;
+  run->may_pass = 0;
   run->accepted++;
   if (m->keeps_dense) {
     m->make_dense(run);
@@ -286,7 +287,7 @@ lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method which
   run->log_error_old = LOG_LEAST_ERROR;
   run->stride = padded(ode->n);
   run->row_due = t_eval == NULL;
-  run->was_finite = run->was_closed = 1;
+  run->was_finite = run->was_closed = run->may_pass = 1;
   run->event_guard = -1;
   run->work = work;
   lamc_watch_start(run, which);

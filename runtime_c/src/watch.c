@@ -66,7 +66,10 @@ void lamc_watch_switch(lamc_run *run) {
   run->has_jacobian = 0;
   run->has_polynomial = 0;
   run->dense = LAMC_DENSE_NONE; /* the other method's */
-  if (!was_implicit) lamc_run_restart(run);
+  if (!was_implicit) {
+    lamc_run_restart(run);
+    run->may_pass = 1;
+  }
   mark(run);
 }
 

@@ -112,7 +112,7 @@ static void stiff_equations_take_few_steps(check_counts *counts) {
       double y[2];
       CHECK(counts, solve(&ode, methods[m], &options, y0, 10.0, y, &run));
       CHECK(counts, hypot(y[0] - cos(10.0), y[1] + sin(10.0)) < 1e-4); /* a hundred times the tolerance */
-      CHECK(counts, run.steps < 1500);
+      CHECK(counts, run.steps < 2500); /* an explicit method takes 300 000 at least */
     }
   }
 }

@@ -50,10 +50,10 @@ static double guard_at(lamc_run *run, const room *r, int guard, double after) {
   return r->trial[guard];
 }
 
-/* Where the cubic through both ends has its maximum, as a part of the step; 0: none inside */
-static double top_of_cubic(const room *r, int guard, double h, double *top) {
-  const double a = r->here[guard], b = r->there[guard];
-  const double sa = h * r->here[r->k + guard], sb = h * r->there[r->k + guard];
+/* Where the cubic through both ends, times `sign`, has its maximum inside, as a part of the step; 0: nowhere */
+static double top_of_cubic(const room *r, int guard, double h, double sign, double *top) {
+  const double a = sign * r->here[guard], b = sign * r->there[guard];
+  const double sa = sign * h * r->here[r->k + guard], sb = sign * h * r->there[r->k + guard];
   *top = -HUGE_VAL;
   if (!(sa > 0.0 && sb < 0.0)) return 0.0;
   const double c3 = 2.0 * (a - b) + sa + sb, c2 = 3.0 * (b - a) - 2.0 * sa - sb;
@@ -65,25 +65,12 @@ static double top_of_cubic(const room *r, int guard, double h, double *top) {
   return s;
 }
 
-/* s into the step at which the guard becomes positive; negative: it does not */
-static double find(lamc_run *run, const room *r, int guard) {
-  const double h = run->h_last;
-  const double begin = r->here[guard], end = r->there[guard];
-  double low = 0.0, high = h;
-  if (end > 0.0) {
-    if (begin > 0.0)
-      return end > begin ? 0.0 : -1.0; /* round-off of an event here, going back; or pushed on */
-  } else {
-    double top;
-    const double s = top_of_cubic(r, guard, h, &top);
-    if (s == 0.0 || top < -0.1 * larger(fabs(begin), fabs(end))) return -1.0;
-    high = s * h;
-    if (!(guard_at(run, r, guard, high) > 0.0)) return -1.0;
-    if (begin > 0.0) return -1.0;
-  }
-  /* Illinois: false position that halves the weight of an end that stays */
-  double at_low = smaller(begin, 0.0), at_high = high == h ? end : guard_at(run, r, guard, high);
-  for (int i = 0; i < MAX_HALVINGS && high - low > 4.0 * DBL_EPSILON * larger(fabs(run->t), h); i++) {
+/* The guard passes zero between low, where it is not positive, and high, where it is. Illinois: false position that
+ * halves the weight of an end that stays. */
+static double close_in(lamc_run *run, const room *r, int guard, double low, double at_low, double high,
+                       double at_high) {
+  const double enough = 4.0 * DBL_EPSILON * larger(fabs(run->t), run->h_last);
+  for (int i = 0; i < MAX_HALVINGS && high - low > enough; i++) {
     double middle =
         at_high > at_low ? (low * at_high - high * at_low) / (at_high - at_low) : 0.5 * (low + high);
     if (!(middle > low && middle < high)) middle = 0.5 * (low + high);
@@ -99,6 +86,26 @@ static double find(lamc_run *run, const room *r, int guard) {
     }
   }
   return high;
+}
+
+/* s into the step at which the guard becomes positive; negative: it does not. A guard may begin a little above zero after
+ * an event there, by round-off, and may be above zero inside the step only, or below it inside only. */
+static double find(lamc_run *run, const room *r, int guard) {
+  const double h = run->h_last;
+  const double begin = r->here[guard], end = r->there[guard];
+  double extreme;
+  if (begin > 0.0) {
+    if (!(end > 0.0)) return -1.0;
+    const double bottom = h * top_of_cubic(r, guard, h, -1.0, &extreme);
+    const double value = bottom > 0.0 ? guard_at(run, r, guard, bottom) : 1.0;
+    if (value <= 0.0) return close_in(run, r, guard, bottom, value, h, end);
+    return end > begin ? 0.0 : -1.0;
+  }
+  if (end > 0.0) return close_in(run, r, guard, 0.0, begin, h, end);
+  const double top = h * top_of_cubic(r, guard, h, 1.0, &extreme);
+  if (top == 0.0 || extreme < -0.1 * larger(fabs(begin), fabs(end))) return -1.0;
+  const double value = guard_at(run, r, guard, top);
+  return value > 0.0 ? close_in(run, r, guard, 0.0, begin, top, value) : -1.0;
 }
 
 /* Fills when; the first guard to become positive, -1 if none does */

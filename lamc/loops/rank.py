@@ -59,6 +59,9 @@ class LoopCount:
         return self.tolerance if self.misfit is not None and self.misfit.rank == self.rank else 0.0
 
 
+NO_LOOPS = LoopCount(0, 0, 0, 0)
+
+
 def count_loops(tree: Tree, tolerance: float | None = None, known: Sequence[Array] = ()) -> LoopCount:
     """The count for `tree`: the largest rank at closed positions found from random places. Deterministic.
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Operations, Parameter
-from lamc.loops.rank import LoopCount
+from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree
@@ -61,11 +61,11 @@ class Equations:
     problem: "Problem"
     energies: Mapping[str, Scalar]
     poses: tuple[Scalar, ...]
-    loops: LoopCount
     solver: str
     solver_flops: Mapping[str, int]
     closure: "Closure | None" = None
     guards: "tuple[GuardTerms, ...]" = ()
+    loops: LoopCount = NO_LOOPS
 
     def __repr__(self) -> str:
         return (

@@ -30,7 +30,7 @@ class Linearisation:
 def linearise(equations: Equations) -> Linearisation | None:
     """The derivatives, or None where they would be too long."""
     count = len(equations.joints)
-    if not 0 < count <= MAX_JOINTS:
+    if not 0 < count <= MAX_JOINTS or equations.problem is None:  # accelerations written by hand have none
         return None
     store = equations.store
     names = equations.joints

@@ -144,6 +144,8 @@ typedef struct lamc_ode {
   lamc_status (*settle)(const void *context, double t, double *y, double *moved);
   /* After a step was accepted and its end settled: whether the run can go on. NULL: it always can. */
   lamc_status (*judge)(const void *context);
+  /* How many evaluations of rhs so far are not to be relied on between the ends of a step. NULL: all are. */
+  long long (*doubts)(const void *context);
   /* Implicit methods need y = [q, u] with dq/dt = u, k = n / 2, and of udot at a state: its derivatives by q (k, k), by
    * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size doubles. */
   void (*jacobian)(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,

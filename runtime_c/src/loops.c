@@ -38,8 +38,10 @@ typedef struct parts {
   double *order; /* (m,): the equation that direction k was taken from, a whole number */
   double *x;     /* (n,) */
   double *y;     /* (2 n,): a settled copy of a state */
-  double *state; /* (2,): equations taken when a state was last settled, steps in a row with too few */
-  double *raw;   /* what the model writes: the largest of its functions */
+  double *
+      state; /* (3,): equations taken when a state was last settled, steps in a row with too few, accelerations
+                    with too few */
+  double *raw; /* what the model writes: the largest of its functions */
 } parts;
 
 static long long raw_size(long long n, long long m) {
@@ -52,7 +54,7 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long n = model->joint_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + 2 * n + 2 + raw_size(n, m);
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + 2 * n + 3 + raw_size(n, m);
 }
 
 static parts parts_of(const lamc_motion *motion) {
@@ -72,7 +74,7 @@ static parts parts_of(const lamc_motion *motion) {
   p.x = p.order + m;
   p.y = p.x + n;
   p.state = p.y + 2 * n;
-  p.raw = p.state + 2;
+  p.raw = p.state + 3;
   return p;
 }
 
@@ -220,6 +222,7 @@ int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q
       count = prepare(motion, &p, t, p.y, p.y + p.n);
     }
   }
+  if (count < motion->model->rank) p.state[2] += 1.0;
   memcpy(udot, p.f, (size_t)p.n * sizeof *udot);
   lamc_solve_lower(p.n, p.l, udot);
   impose(&p, count, p.extra, udot);
@@ -313,7 +316,12 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
 
 void lamc_loops_begin(const lamc_motion *motion) {
   const parts p = parts_of(motion);
-  p.state[1] = 0.0;
+  p.state[1] = p.state[2] = 0.0;
+}
+
+long long lamc_loops_doubts(const void *context) {
+  const parts p = parts_of((const lamc_motion *)context);
+  return (long long)p.state[2];
 }
 
 lamc_status lamc_loops_judge(const void *context) {

@@ -20,6 +20,9 @@ void lamc_loops_begin(const lamc_motion *motion);
 /* LAMC_RANK_LOST where equations have been missing for many steps in a row: lamc_ode.judge of a motion with loops */
 lamc_status lamc_loops_judge(const void *motion);
 
+/* How many accelerations were worked out without all equations: lamc_ode.doubts of a motion with loops */
+long long lamc_loops_doubts(const void *motion);
+
 /* u after an impact on a guard with this gradient (n,), 1: its rate is reversed times the restitution, all loops hold */
 void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
                        const double *gradient, double restitution);

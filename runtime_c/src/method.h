@@ -26,7 +26,8 @@ enum {
   SLOT_Y = 0,     /* and 1: y at t and at t_old, by side */
   SLOT_SLOPE = 2, /* and 3: dy/dt there */
   SLOT_STAGE = 4, /* argument of the stage being evaluated */
-  SLOT_OWN = 5    /* the first of the method's own */
+  SLOT_KEPT = 5,  /* and 6: y and dy/dt, kept for a while */
+  SLOT_OWN = 7    /* the first of the method's own */
 };
 
 typedef struct method {

@@ -42,6 +42,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   if (model->cut_count > 0 && motion->baumgarte == 0.0) {
     ode.settle = motion_settle;
     ode.judge = lamc_loops_judge;
+    ode.doubts = lamc_loops_doubts;
   }
   ode.jacobian = lamc_linearise;
   ode.scratch_size = lamc_linearise_scratch(model);

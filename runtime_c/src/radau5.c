@@ -82,7 +82,7 @@ static double iterate(lamc_run *run, const implicit *parts, double h) {
   return sqrt((weighed(run, f[0]) + weighed(run, f[1]) + weighed(run, f[2])) / (3.0 * n));
 }
 
-/* Solves for the stages. 0 where the iteration does not converge. */
+/* Solves for the stages. 0 where the iteration does not converge, -1 where it meets what is not finite. */
 static int solve_stages(lamc_run *run, const implicit *parts, double h) {
   const int n = run->ode.n;
   const double rtol = run->options.rtol;
@@ -92,7 +92,7 @@ static int solve_stages(lamc_run *run, const implicit *parts, double h) {
   change_basis(run, TI, SLOT_Z, SLOT_W);
   for (int round = 0; round < MAX_ITERATIONS; round++) {
     const double change = iterate(run, parts, h);
-    if (!is_finite(change)) return 0;
+    if (!is_finite(change)) return -1;
     const double rate = round > 0 ? change / before : 0.0;
     if (rate >= 1.0) return 0;
     if (round > 0 && pow(rate, MAX_ITERATIONS - round) / (1.0 - rate) * change > enough) return 0;
@@ -134,7 +134,9 @@ static double attempt(lamc_run *run, double h) {
   if (!lamc_implicit_factorise_pair(run, &parts, pair)) return HUGE_VAL;
   memcpy(y_new, y,
          (size_t)n * sizeof *y); /* the tolerance of the iteration goes by the state before the step */
-  if (!solve_stages(run, &parts, h)) return NOT_CONVERGED;
+  const int solved = solve_stages(run, &parts, h);
+  if (solved < 0) return HUGE_VAL;
+  if (solved == 0) return NOT_CONVERGED;
   const double *last = slot(run, SLOT_Z + 2);
   for (int i = 0; i < n; i++) y_new[i] = y[i] + last[i];
   if (!all_finite(run, y_new)) return HUGE_VAL;

@@ -330,6 +330,55 @@ static lamc_status write_event(lamc_run *run, lamc_rows *rows) {
   return LAMC_OK;
 }
 
+/* y at a time within the last step by steps of their own from where that one began, and that one taken again, which gives
+ * the same bits. LAMC_PAUSED: it cannot be had. */
+static lamc_status row_by_steps(lamc_run *run, double t, double *y) {
+  const size_t bytes = (size_t)run->ode.n * sizeof *y;
+  const long long steps = run->steps;
+  const double h = run->h_last, t_new = run->t, t_old = run->t_old;
+  double part = t - t_old, squared;
+  lamc_status status = LAMC_OK;
+  lamc_run_move_back(run);
+  memcpy(slot(run, SLOT_KEPT), y_here(run), bytes);
+  memcpy(slot(run, SLOT_KEPT + 1), slope_here(run), bytes);
+  while (run->t < t && status == LAMC_OK) {
+    const int is_last = part >= t - run->t;
+    status = lamc_run_take(run, is_last ? t - run->t : part, 0, &squared);
+    if (status == LAMC_OK && is_last) run->t = t;
+    if (status == LAMC_PAUSED && part > 1e-3 * h) {
+      part *= 0.25;
+      status = LAMC_OK;
+    }
+  }
+  if (status == LAMC_OK) memcpy(y, y_here(run), bytes);
+  memcpy(y_here(run), slot(run, SLOT_KEPT), bytes);
+  memcpy(slope_here(run), slot(run, SLOT_KEPT + 1), bytes);
+  run->t = t_old;
+  const lamc_status again = lamc_run_take(run, h, t_new == run->t_end, &squared);
+  run->t = t_new;
+  run->steps = steps;
+  return again == LAMC_OK ? status : again;
+}
+
+/* y at a time within the last step, between its ends. What the polynomial met inside may not be what the error estimate of
+ * the step saw (DOP853's three extra stages, beside a singular position): such rows are worth steps of their own. */
+static lamc_status row_between(lamc_run *run, double t, double *y) {
+  const int can_step = METHODS[run->method]->stable_extent > 0.0 && run->t_event != run->t;
+  if (run->ode.doubts == NULL || !can_step || run->dense == LAMC_DENSE_READY) {
+    (void)lamc_run_interpolate(run, t, y); /* cannot fail: the time lies in the step just accepted */
+  } else {
+    const long long before = run->ode.doubts(run->ode.context);
+    (void)lamc_run_interpolate(run, t, y);
+    if (run->ode.doubts(run->ode.context) > before) {
+      const lamc_status status = row_by_steps(run, t, y);
+      if (status != LAMC_PAUSED) return status;
+      (void)lamc_run_interpolate(run, t, y);
+    }
+  }
+  double moved = 0.0; /* it strays from what must hold by the tolerance */
+  return run->ode.settle == NULL ? LAMC_OK : run->ode.settle(run->ode.context, t, y, &moved);
+}
+
 /* Writes the rows that are due at or before t. LAMC_OK, or LAMC_OUTPUT_FULL where some remain. */
 static lamc_status write_rows(lamc_run *run, lamc_rows *rows) {
   const int n = run->ode.n;
@@ -348,10 +397,7 @@ static lamc_status write_rows(lamc_run *run, lamc_rows *rows) {
     if (t == run->t) {
       memcpy(y, lamc_run_state(run), (size_t)n * sizeof *y);
     } else {
-      (void)lamc_run_interpolate(run, t, y); /* cannot fail: a row before t lies in the step just accepted */
-      double moved = 0.0; /* between the ends of a step the polynomial strays from closure by the tolerance */
-      const lamc_status settled =
-          run->ode.settle == NULL ? LAMC_OK : run->ode.settle(run->ode.context, t, y, &moved);
+      const lamc_status settled = row_between(run, t, y);
       if (settled != LAMC_OK) {
         rows->count--; /* a row that does not close is no result */
         return settled;

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_COMPONENTS = 4, MOST_ROWS = 4000, WORK = 14 * 4 };
+enum { MOST_COMPONENTS = 4, MOST_ROWS = 4000, WORK = 16 * 4 };
 
 /* y at t_end; -1 evaluations on failure */
 static long long solve(const lamc_ode *ode, const lamc_options *options, const double *y0, double t_end,

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { WORK = 14 * 4, MOST_ROWS = 5000 };
+enum { WORK = 16 * 4, MOST_ROWS = 5000 };
 
 static const double AT_ZERO[2] = {0.0, 1.0};
 

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROWS = 3, WORK = 14 * 4 };
+enum { ROWS = 3, WORK = 16 * 4 };
 
 /* parameters: length m, gravity m/s^2, mass kg; constants: g / L, m L^2 / 2, m g L, L */
 static void setup(const double *p, double *c) {

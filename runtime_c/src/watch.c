@@ -21,6 +21,7 @@ enum {
 
 static const double TIGHT = 3e-6;         /* tolerance below which the higher orders are faster */
 static const double LINEAR_ALGEBRA = 3.0; /* of an implicit step, in evaluations: factors and solutions */
+static const double TIGHT_FOR_RADAU = 1e-7;
 static const double VERY_STIFF =
     100.0; /* times the step: k / (m g L) of some 1e7 (measured: triple pendulum) */
 static const double CLEARLY_WORTH_IT = 10.0; /* times as fast: the trial need not go on */
@@ -115,8 +116,10 @@ static void watch_trial(lamc_run *run) {
   w->probe_steps = 0;
   if (pace > WORTH_IT * w->pace) {
     w->backoff = FIRST_BACKOFF;
-    /* Rosenbrock methods lose digits far beyond the fast motion that Radau IIA keeps; but they get past it at first */
-    if (run->h_last * w->eigenvalue > VERY_STIFF) ask_for(run, LAMC_RADAU5);
+    /* Far beyond the fast motion Rosenbrock methods lose digits that Radau IIA keeps (1e-5: nine of ten); but they get
+     * past it at first, and at tight tolerances their many steps are the cheaper ones */
+    if (run->h_last * w->eigenvalue > VERY_STIFF && run->options.rtol > TIGHT_FOR_RADAU)
+      ask_for(run, LAMC_RADAU5);
     return;
   }
   forget_trial(run);

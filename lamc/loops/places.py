@@ -18,7 +18,8 @@ RAMP = (0.1, 0.2, 0.4)  # rad, of one joint, on each of them
 SCATTER, LARGE = (12, 2), 60  # random guesses, and how many where there are more joints than LARGE
 SPREAD = 0.4  # rad, of the random guesses
 HELD = (0.3, 1.0)  # rad, by which one joint is held away from the drawn position
-WALKS, STEPS, STEP = 2, 12, 0.05  # walks from the drawn position, both ways; steps of each, and their length, rad
+WALKS, STEPS = 2, 12  # from the drawn position, both ways, and the steps of each
+STEP = 0.05  # rad, their length
 ADVANCE = 0.5  # of a step's length: a step that comes less far is none
 POLISH = 0.1  # rad: a place that closes nearly has a closed one nearer than this, or none that belongs to it
 CLEAR = 1e-6  # relative to the largest singular value: nearer to a singular position none can be told from round-off
@@ -81,7 +82,9 @@ def walked_places(geometry: LoopGeometry) -> list[Place]:
     motions = vectors[(values > EXACT * values[0]).sum() :]
     random = np.random.default_rng(20260103)
     tangents = random.normal(size=(WALKS if len(motions) else 0, len(motions))) @ motions
-    places = [place for tangent in tangents for way in (1.0, -1.0) for place in _walk(geometry, way * tangent)]
+    places = [
+        place for tangent in tangents for way in (1.0, -1.0) for place in _walk(geometry, way * tangent)
+    ]
     return [place for place in places if place.clearness(EXACT) > CLEAR]
 
 

@@ -191,14 +191,10 @@ FAMILIES: dict[str, Callable[[Rng], Network]] = {
 
 @dataclass(frozen=True)
 class ClosedMechanism:
-    """A mechanism with loops, and the freedoms that it has by theory where it is drawn and moves from there.
-
-    has_rigid_assemblies: its hinges can also be put together so that nothing moves, which no motion reaches.
-    """
+    """A mechanism with loops, and the freedoms that it has by theory where it is drawn and moves from there."""
 
     mechanism: Mechanism
     freedoms: int
-    has_rigid_assemblies: bool
 
     def __repr__(self) -> str:
         return f"{self.mechanism.name}: {len(self.mechanism.joints)} hinges"
@@ -236,7 +232,7 @@ def closed_mechanism(family: str, seed: int, sprung: bool = True) -> ClosedMecha
     bodies = [bodies[k] for k in rng.permutation(len(bodies))]
     joints = [joints[k] for k in rng.permutation(len(joints))]
     mechanism = Mechanism(tuple(bodies), tuple(joints), name=f"{family}{seed}")
-    return ClosedMechanism(mechanism, network.freedoms, family == "bricard")
+    return ClosedMechanism(mechanism, network.freedoms)
 
 
 def closed_mechanisms() -> st.SearchStrategy[ClosedMechanism]:

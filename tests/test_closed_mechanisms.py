@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 import lamc
 from lamc import Scene
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
+from lamc.loops.rank import count_loops
+from lamc.mechanism.tree import plan
 from lamc.reference import Interpreter, MaximalCoordinates, NewtonEuler, check
 from lamc.reference.closing import State, random_states
 from lamc.run.request import Status
@@ -96,8 +98,7 @@ def assert_energy_is_kept(sim: Simulator, result: Result, *, damped: bool) -> No
 
 def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> None:
     sim = lamc.compile(closed.mechanism, Scene(effects=effects_of(closed, damped=damped)))
-    # lamc counts over the positions that it finds, and a rigid assembly may be among them.
-    assert sim.loops.freedoms in ((closed.freedoms, 0) if closed.has_rigid_assemblies else (closed.freedoms,))
+    assert sim.loops.freedoms == closed.freedoms
     states = states_of(closed, sim.joints, seed)
     assert_voices_agree(sim, states)
     result = started(sim, states[-1]).run(t_end=0.5, rtol=RTOL, atol=1e-2 * RTOL)
@@ -111,6 +112,13 @@ def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> None:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_family_closes_as_drawn_and_moves(family: str) -> None:
     examine(closed_mechanism(family, seed=5), seed=1, damped=False)
+
+
+@pytest.mark.parametrize("seed", [138, 160, 264, 385, 418])
+def test_a_joint_that_can_turn_little_does_not_lock_the_count(seed: int) -> None:
+    """One joint of these loops turns back within some tenths of a radian; the loops move on all the same."""
+    closed = closed_mechanism("bricard", seed)
+    assert count_loops(plan(closed.mechanism)).freedoms == closed.freedoms
 
 
 @settings(

@@ -117,6 +117,33 @@ def test_origami_swings_through_its_flat_state_at_any_tolerance(
         assert np.abs(halves[1] - ratio * halves[0]).max() <= 1e-8  # the drawing has angles to 1e-9 or better
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("down", [-9.81, 9.81])
+@pytest.mark.parametrize("name", ["vertex4_flatfoldable", "miura22", "miura33"])
+def test_gravity_drives_origami_through_its_flat_state(
+    cases: dict[str, Any], name: str, down: float, rtol: float
+) -> None:
+    """Weight pulls across the branch where the rank falls, and nothing but closure holds it there."""
+    mechanism, scene = from_reference(cases[name]["spec"])
+    flat = dataclasses.replace(
+        mechanism, joints=tuple(dataclasses.replace(j, rest_angle=0.0) for j in mechanism.joints)
+    )
+    effects = (lamc.HingeStiffness(), lamc.effects.Gravity((0.0, 0.0, down)))
+    result = lamc.compile(flat, lamc.Scene(effects=effects, angles=scene.angles)).run(
+        t_end=1.0, rtol=rtol, atol=1e-2 * rtol
+    )
+    assert result.success, result.message
+    assert (np.diff(np.sign(result.q[:, 0])) != 0).sum() >= 10
+    assert result.constraint_error.max() <= 1e-9 * mechanism.size  # the reference file's rule for loops
+    assert result.stats.rejected is not None
+    # The lock-up of redundant equations shows in 20 to 250 times the steps, nearly all of them rejected.
+    assert result.stats.rejected < result.stats.accepted / 3
+    in_play = sum(np.abs(energy).max() for energy in result.energies.values())
+    drift = np.abs(result.energy - result.energy[0]).max() / in_play
+    # What some hundred steps cost, and below it what the passages do, some 1e-9 each.
+    assert drift <= 10.0 * len(result.t) * rtol + 1e-7
+
+
 @pytest.mark.parametrize("lightness", [1e-3, 1e-6, 1e-9])
 def test_a_light_body_in_a_loop_is_no_singular_position(cases: dict[str, Any], lightness: float) -> None:
     """Its equations are small beside others in the mass metric; they are not let go for that."""

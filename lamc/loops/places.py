@@ -18,6 +18,9 @@ RAMP = (0.1, 0.2, 0.4)  # rad, of one joint, on each of them
 SCATTER, LARGE = (12, 2), 60  # random guesses, and how many where there are more joints than LARGE
 SPREAD = 0.4  # rad, of the random guesses
 HELD = (0.3, 1.0)  # rad, by which one joint is held away from the drawn position
+WALKS, STEPS = 2, 12  # from the drawn position, both ways, and the steps of each
+STEP = 0.05  # rad, their length
+ADVANCE = 0.5  # of a step's length: a step that comes less far is none
 POLISH = 0.1  # rad: a place that closes nearly has a closed one nearer than this, or none that belongs to it
 CLEAR = 1e-6  # relative to the largest singular value: nearer to a singular position none can be told from round-off
 
@@ -68,6 +71,39 @@ def scattered_places(geometry: LoopGeometry) -> list[Place]:
         place = Place.at(geometry, angles, error)
         if error <= CLOSED and place.clearness(EXACT) > CLEAR:
             places.append(place)
+    return places
+
+
+def walked_places(geometry: LoopGeometry) -> list[Place]:
+    """Closed positions that small steps from the drawn one reach with the loops closed all the way, and from which it
+    goes on: what the mechanism as assembled can do, however little one of its joints may turn."""
+    drawn = np.zeros(len(geometry.names))
+    values, vectors = directions(geometry, drawn)
+    motions = vectors[(values > EXACT * values[0]).sum() :]
+    random = np.random.default_rng(20260103)
+    tangents = random.normal(size=(WALKS if len(motions) else 0, len(motions))) @ motions
+    places = [
+        place for tangent in tangents for way in (1.0, -1.0) for place in _walk(geometry, way * tangent)
+    ]
+    return [place for place in places if place.clearness(EXACT) > CLEAR]
+
+
+def _walk(geometry: LoopGeometry, tangent: Array) -> list[Place]:
+    """The places of one walk; none where it cannot take its steps, as on a tangent that is no motion."""
+    places: list[Place] = []
+    angles = np.zeros(len(tangent))
+    for _ in range(STEPS):
+        ahead = tangent / np.linalg.norm(tangent)
+        following, error = settle(geometry, angles + STEP * ahead)
+        if error > CLOSED or (following - angles) @ ahead < ADVANCE * STEP:
+            break
+        angles = following
+        values, vectors = directions(geometry, angles)
+        motions = vectors[(values > EXACT * values[0]).sum() :]
+        if not len(motions):
+            return []
+        places.append(Place(angles, error, values))
+        tangent = motions.T @ (motions @ ahead)
     return places
 
 

@@ -17,10 +17,12 @@
 #include <string.h>
 
 static const double RANK_TOLERANCE = 1e-6;
-static const double PASSING = 3e-4; /* of the first: what fades below is let go, see take_equations */
+static const double PASSING = 3e-5;  /* of the first: what fades below is let go, see take_equations */
+static const double TOGETHER = 3e-4; /* likewise: what has faded to this goes with it */
 static const double NEAR_SINGULAR =
     0.1; /* of the first: closer than this, states are settled before they are used */
 static const double CLOSED = 1e-13; /* of the size: round-off of the residuals */
+static const double EXACT = 1e-15;  /* likewise, to the last digit: what a place near to singular asks for */
 static const double LOST = 1e-4;    /* of the size: no drift of a step comes near it */
 static const int MAX_ITERATIONS = 8;
 static const double LONG_SINGULAR = 3000.0; /* steps in a row: a passage takes some hundred at 1e-13 */
@@ -134,14 +136,21 @@ static int decompose(const parts *p, int rank, int metric, double tolerance) {
 
 /* Directions in the mass metric of the equations that hold here. Where an equation fades at a singular position, with
  * pivot s of the first, round-off turns the tangent of the branch by round-off / s^2, so it cannot be used all the way.
- * Doing without it costs s^3. Both are least at a few 1e-4 (measured: five passages of two parallelograms keep 1e-10).
+ * Doing without it leaves the branch to the forces, which turns rates by s or so. Both are least at some 1e-5 (measured:
+ * a swing through flat that gravity drives keeps 1e-11; at 3e-4 it kept 1e-8). With one equation go all that fade with
+ * it: the order of small pivots changes from stage to stage, and with it which directions are held.
  * Fading must show in the plain metric too: beside a light body pivots are small everywhere in the mass metric, as beside
  * a small loop in the plain one. */
 static int take_equations(const lamc_motion *motion, const parts *p) {
-  const int by_mass = decompose(p, motion->model->rank, MASS_METRIC, PASSING);
-  if (by_mass == motion->model->rank) return by_mass;
-  const int plain = decompose(p, motion->model->rank, PLAIN_METRIC, PASSING);
-  return decompose(p, by_mass > plain ? by_mass : plain, MASS_METRIC, RANK_TOLERANCE);
+  const int rank = motion->model->rank;
+  if (decompose(p, rank, MASS_METRIC, PASSING) == rank) return rank;
+  int most = decompose(p, rank, PLAIN_METRIC, PASSING);
+  if (most < rank) {
+    const int by_mass = decompose(p, rank, MASS_METRIC, TOGETHER);
+    most = decompose(p, rank, PLAIN_METRIC, TOGETHER);
+    most = by_mass > most ? by_mass : most;
+  }
+  return decompose(p, most, MASS_METRIC, RANK_TOLERANCE);
 }
 
 /* x such that the taken equations have the values -goal: components g along the directions, added to x after what x
@@ -282,7 +291,9 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   evaluate_closure(motion, &p, q);
   int count = take_equations(motion, &p);
   double gap = largest(p.m, p.extra);
-  for (int round = 0; round < MAX_ITERATIONS && gap > CLOSED * model->size; round++) {
+  for (int round = 0; round < MAX_ITERATIONS; round++) {
+    const double enough = is_near_singular(motion, &p, count) ? EXACT : CLOSED;
+    if (gap <= enough * model->size) break;
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
     impose(&p, count, p.extra, p.x);
     lamc_solve_upper(p.n, p.l, p.x);

@@ -70,7 +70,8 @@ def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     rows += _loops(report)
     rows += _effects(report.account)
     rows += [("note", note) for note in report.notes]
-    rows += [("run", _run(report.result)), ("steps", _steps(report.result)), ("times", _times(report.times))]
+    rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_happenings(report.result)]
+    rows += [("times", _times(report.times))]
     if report.drift is not None:
         rows.append(("energy", _drift(report)))
     rows.append(("files", f"{folder}: {', '.join(files)}"))
@@ -132,6 +133,15 @@ def _steps(result: Result) -> str:
         f"{stats.accepted} accepted, {rejected}, {stats.evaluations} evaluations "
         f"({stats.integrator}, rtol {stats.rtol:g}, atol {stats.atol:g}); {len(result.t)} rows"
     )
+
+
+def _happenings(result: Result) -> list[tuple[str, str]]:
+    """When the integrator changed, and the limits that were met."""
+    rows = [("auto", ", ".join(f"{name} from {duration(t)}" for t, name in result.stats.switches[:_NAMES]))]
+    first = ", ".join(f"{e.name} at {duration(e.t)}" for e in result.events[:_NAMES])
+    more = f", … ({len(result.events)} in all)" if len(result.events) > _NAMES else ""
+    rows.append(("events", first + more))
+    return [(head, text) for head, text in rows if text]
 
 
 def _times(times: Times) -> str:

@@ -4,7 +4,6 @@ In: a mechanism, a scene and the module that `build` made of them. Out: `Result`
 It never changes; runs share nothing but the compiled code.
 """
 
-import math
 import time
 from collections.abc import Callable, Mapping
 from functools import cached_property
@@ -21,13 +20,13 @@ from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
-from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.run import integrators
+from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
 from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
-from lamc.run.request import Array, Progress, checked_request, did_you_mean, finite
+from lamc.run.request import Array, Progress, checked_request
 from lamc.run.result import Event, Provenance, Result, RunStats
 from lamc.scene import Scene
 
@@ -71,7 +70,7 @@ class Simulator(Unchanging):
         self._module = module
         self._loops = loops
         self._model = Model(module)
-        _check_names(scene, self.joints + self.cut_joints)
+        check_names(scene, self.joints + self.cut_joints)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
@@ -109,7 +108,7 @@ class Simulator(Unchanging):
                 raise DesignError(
                     f"branch is {self.scene.branch}, and a mechanism without loops has none; leave it out"
                 )
-            start = _start(self.scene, self.joints)
+            start = drawn_start(self.scene, self.joints)
         start.flags.writeable = False
         self._check_start(start)
         return start
@@ -171,7 +170,7 @@ class Simulator(Unchanging):
         Raises RequestError for arguments that make no run.
         """
         request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
-        motion = self._motion(parameters, _rate(baumgarte))
+        motion = self._motion(parameters, checked_rate(baumgarte))
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
@@ -209,7 +208,7 @@ class Simulator(Unchanging):
     ) -> Array:
         """Joint accelerations, shape (…, n), rad/s², at angles q (…, n), rad, rates u (…, n), rad/s, and
         times t (…), s. The leading shapes broadcast. Raises RequestError for other shapes."""
-        times, rows, shape = self._states(q, u, t)
+        times, rows, shape = states(q, u, t, len(self.joints))
         return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.joints))
 
     def jacobian(
@@ -224,7 +223,7 @@ class Simulator(Unchanging):
 
         Loops hold: the derivatives are those of the accelerations under closure. Raises RequestError for other
         shapes."""
-        times, rows, shape = self._states(q, u, t)
+        times, rows, shape = states(q, u, t, len(self.joints))
         if shape:
             raise RequestError(f"jacobian takes one state; these are {shape} of them")
         return self._motion(parameters).jacobian(float(times[0]), rows[0])
@@ -237,14 +236,14 @@ class Simulator(Unchanging):
         parameters: Mapping[str, float] = NO_PARAMETERS,
     ) -> Array:
         """Kinetic plus stored energy, shape (…), J, at angles q (…, n), rates u (…, n) and times t (…)."""
-        times, rows, shape = self._states(q, u, t)
+        times, rows, shape = states(q, u, t, len(self.joints))
         total: Array = self._motion(parameters).energies(times, rows).sum(axis=1).reshape(shape)
         return total
 
     def closure(self, q: npt.ArrayLike) -> tuple[Array, Array]:
         """Residuals φ, shape (m,), m, of the loops' equations and their Jacobian, shape (m, n), m/rad, at angles q
         (n,), rad; m is 0 for a tree. Raises RequestError for another shape."""
-        angles = _numbers(q, "q")
+        angles = numbers(q, "q")
         n, m = len(self.joints), self._model.closure_count
         if angles.shape != (n,):
             raise RequestError(f"q has shape {angles.shape}; it must be ({n},), one angle per joint")
@@ -278,25 +277,6 @@ class Simulator(Unchanging):
             return self._model.motion(parameters, baumgarte)
         return self._default_motion
 
-    def _states(
-        self, q: npt.ArrayLike, u: npt.ArrayLike, t: npt.ArrayLike
-    ) -> tuple[Array, Array, tuple[int, ...]]:
-        """Times (m,), rows (m, 2n) and the leading shape."""
-        n = len(self.joints)
-        angles, rates, times = (_numbers(a, name) for a, name in ((q, "q"), (u, "u"), (t, "t")))
-        for array, name in ((angles, "q"), (rates, "u")):
-            if array.ndim == 0 or array.shape[-1] != n:
-                raise RequestError(f"{name} has shape {array.shape}; its last length must be {n}, the joints")
-        try:
-            shape = np.broadcast_shapes(angles.shape[:-1], rates.shape[:-1], times.shape)
-        except ValueError as error:
-            raise RequestError(
-                f"q {angles.shape}, u {rates.shape} and t {times.shape} do not broadcast to one shape"
-            ) from error
-        halves = [np.broadcast_to(half, (*shape, n)) for half in (angles, rates)]
-        rows = np.concatenate(halves, axis=-1).reshape(math.prod(shape), 2 * n)
-        return np.ascontiguousarray(np.broadcast_to(times, shape)).reshape(-1), rows, shape
-
     def _provenance(self, motion: Motion) -> Provenance:
         names = self._model.parameters
         return Provenance(
@@ -310,44 +290,7 @@ class Simulator(Unchanging):
         )
 
 
-def _numbers(values: npt.ArrayLike, name: str) -> Array:
-    """`values` as an array of floats, or RequestError."""
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise RequestError(f"{name} is {shown(values)}; it must be an array of numbers") from error
-
-
 def _settled(value: Any) -> Any:
     """The value, or what it gives when it is a function without arguments."""
     make: Callable[[], Any] | None = value if callable(value) else None
     return make() if make else value
-
-
-def _check_names(scene: Scene, joints: tuple[str, ...]) -> None:
-    """Raises RequestError if the scene starts a joint that is not there."""
-    for values, what in ((scene.angles, "angle"), (scene.rates, "rate")):
-        for name in values:
-            if name not in joints:
-                raise RequestError(
-                    f"the scene gives an initial {what} to joint {name!r}, which is not there; "
-                    f"{did_you_mean(name, joints)}"
-                )
-
-
-def _start(scene: Scene, joints: tuple[str, ...]) -> Array:
-    """Initial state (2n,) of a tree: the scene's angles and rates, zero where it gives none."""
-    angles = [scene.angles.get(name, 0.0) for name in joints]
-    rates = [scene.rates.get(name, 0.0) for name in joints]
-    return np.array([*angles, *rates], dtype=np.float64)
-
-
-def _rate(baumgarte: float | None) -> float:
-    if baumgarte is None:
-        return 0.0
-    rate = finite(baumgarte, "baumgarte", "a rate in 1/s above zero, or None")
-    if rate <= 0.0:
-        raise RequestError(
-            f"baumgarte is {rate!r}; it must be a rate in 1/s above zero, or None for projection"
-        )
-    return rate

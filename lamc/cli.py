@@ -203,7 +203,8 @@ def check(
 def split(file: str | None, example: str | None, out: str | None, terminal: Terminal) -> int:
     """Find the bodies and hinges of a design; write them as files.
 
-    Prints the tables, writes a joint definition (.joints), a mechanism file and a picture of the steps.
+    Prints the tables, what the loops come to and the ways out of a singular drawing; writes a joint definition
+    (.joints), a mechanism file and a picture of the steps.
 
     \b
     Example:

@@ -27,10 +27,19 @@ def commands() -> list[str]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with the files that the README speaks of."""
-    for name in ("design.cad", "pendulum.cad"):
-        shutil.copy(ROOT / "lamc" / "examples" / "pendulum.cad", tmp_path / name)
+    """A folder with the design of the reader's own that the README speaks of."""
+    shutil.copy(ROOT / "lamc" / "examples" / "pendulum.cad", tmp_path / "design.cad")
     return tmp_path
+
+
+@pytest.fixture
+def folder_with_copies(folder: Path) -> Path:
+    """The folder after the README's commands that copy examples."""
+    for name, copies in re.findall(r"lamc examples (\S+) --copy (\S+)", README):
+        example = examples.find(name)
+        (folder / copies).mkdir(exist_ok=True)
+        (folder / copies / example.file_name).write_text(example.text, encoding="utf-8")
+    return folder
 
 
 @pytest.mark.parametrize("command", [c for c in commands() if c.startswith("lamc")])
@@ -54,12 +63,17 @@ def test_the_readme_has_commands_of_both_kinds() -> None:
 
 
 @pytest.mark.parametrize("program", blocks("python"))
-def test_each_program_of_the_readme_runs(program: str, folder: Path) -> None:
+def test_each_program_of_the_readme_runs(program: str, folder_with_copies: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", program],
+        cwd=folder_with_copies,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "to_csv" not in program or (folder / "pendulum.csv").is_file()
+    assert "to_csv" not in program or (folder_with_copies / "pendulum.csv").is_file()
 
 
 def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ class JointLimits:
     stiffness    N·m/rad; with neither stiffness nor restitution: 100 times the mechanism's weight times its size
     damping      N·m·s/rad, while beyond the limit; left out with the stiffness: 0.3 of critical
     restitution  above 0, at most 1. A joint that comes to rest on its limit bounces without end: use a stiffness
-    flat_fold    True: limits of ±180° count too, where one face lies flat on the other; None as False: they do not,
+    flat_fold    True: limits of ±180° count too, where one face lies flat on the other; False: they do not,
                  since a joint without limits has these and may turn round and round
     """
 

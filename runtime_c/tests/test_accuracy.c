@@ -1,4 +1,4 @@
-/* test_rk45_accuracy.c: the order of the pair and of its dense output, and what a tolerance buys. */
+/* test_accuracy.c: the order of Dormand-Prince 5(4) and of its dense output, and what a tolerance buys. */
 #include "check.h"
 #include "lamc.h"
 #include "problems.h"

@@ -1,4 +1,4 @@
-/* test_rk45_control.c: every way in which a run can stop, go on, or be refused. */
+/* test_control.c: every way in which a run can stop, go on, or be refused. */
 #include "check.h"
 #include "lamc.h"
 #include "problems.h"

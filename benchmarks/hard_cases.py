@@ -174,8 +174,9 @@ def _frictionless(joint: Joint, *, sprung: bool) -> Joint:
 
 
 def beside_mujoco(cases: Mapping[str, Any], t_end: float, repeats: int) -> Rows:
-    """For each case lamc at RTOL with all springs; then, without the spring of the cut hinge, lamc, MuJoCo with its default constraint and with the stiffest, and lamc once more at the
-    loosest tolerance whose errors are no larger than those of MuJoCo's stiffest."""
+    """For each case lamc at RTOL with all springs; then, without the spring of the cut hinge, lamc, MuJoCo with its
+    default constraint and with the stiffest, and lamc once more at the loosest tolerance whose errors are no larger
+    than those of MuJoCo's stiffest."""
     rows: Rows = []
     for name in UNDAMPED:
         gravity = cases[name]["spec"]["gravity"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 import lamc
@@ -45,10 +45,10 @@ def effects_of(closed: ClosedMechanism, *, damped: bool) -> tuple[Any, ...]:
 
 
 def states_of(closed: ClosedMechanism, joints: Sequence[str], seed: int) -> list[State]:
-    """Closed states that no part of the road to the C had a hand in."""
+    """Closed states that no part of the road to the C had a hand in; none where a loop is so near to singular all
+    around its drawn position that states there tell of round-off."""
     voice = NewtonEuler(closed.mechanism, CONSERVATIVE, joints)
     states = random_states(voice, np.zeros(len(joints)), 3, 1.0, seed)
-    assert states, "every family moves away from where it is drawn"
     for _, q, _ in states:
         assert len(joints) - voice.condition(q)[0] == closed.freedoms
     return states
@@ -96,10 +96,13 @@ def assert_energy_is_kept(sim: Simulator, result: Result, *, damped: bool) -> No
     assert np.abs(result.energy - result.energy[0]).max() <= allowed
 
 
-def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> None:
+def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> bool:
+    """Whether there was a state to examine it at."""
     sim = lamc.compile(closed.mechanism, Scene(effects=effects_of(closed, damped=damped)))
     assert sim.loops.freedoms == closed.freedoms
     states = states_of(closed, sim.joints, seed)
+    if not states:
+        return False
     assert_voices_agree(sim, states)
     result = started(sim, states[-1]).run(t_end=0.5, rtol=RTOL, atol=1e-2 * RTOL)
     # 1e-9 of the size: the project's bound for every row of every run
@@ -107,11 +110,12 @@ def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> None:
     assert_energy_is_kept(sim, result, damped=damped)
     if not result.success:
         assert_told_truly(sim, result)
+    return True
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_family_closes_as_drawn_and_moves(family: str) -> None:
-    examine(closed_mechanism(family, seed=5), seed=1, damped=False)
+    assert examine(closed_mechanism(family, seed=5), seed=1, damped=False)
 
 
 @pytest.mark.parametrize("seed", [138, 160, 264, 385, 418])
@@ -130,14 +134,14 @@ def test_a_joint_that_can_turn_little_does_not_lock_the_count(seed: int) -> None
 )
 @given(closed=closed_mechanisms(), seed=st.integers(0, 2**31), damped=st.booleans())
 def test_random_closed_mechanisms(closed: ClosedMechanism, seed: int, damped: bool) -> None:
-    examine(closed, seed, damped=damped)
+    assume(examine(closed, seed, damped=damped))
 
 
 @pytest.mark.slow
 @settings(max_examples=250, phases=AS_DRAWN, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(closed=closed_mechanisms(), seed=st.integers(0, 2**31), damped=st.booleans())
 def test_many_random_closed_mechanisms(closed: ClosedMechanism, seed: int, damped: bool) -> None:
-    examine(closed, seed, damped=damped)
+    assume(examine(closed, seed, damped=damped))
 
 
 @pytest.mark.parametrize("family", [pytest.param("bennett"), pytest.param("several", marks=pytest.mark.slow)])

@@ -314,6 +314,22 @@ def test_a_singular_start_at_rest_asks_for_a_branch() -> None:
         sim.run(t_end=0.1)
 
 
+def test_a_cut_crease_whose_sides_run_against_each_other_does_not_close(cases: dict[str, Any]) -> None:
+    """The residuals of a cut hinge, three distances and two sines, vanish for axes half a turn apart as for none."""
+    mechanism, _ = from_reference(cases["vertex4_flatfoldable"]["spec"])
+    sim = compiled(mechanism)
+    q = np.array([{"c0": 0.9133, "c1": -4.1636, "c2": -3.5428}[joint] for joint in sim.joints])
+    for _ in range(4):
+        residual, jacobian = sim.closure(q)
+        q = q - np.linalg.lstsq(jacobian, residual, rcond=1e-9)[0]
+    assert np.abs(sim.closure(q)[0]).max() <= 1e-13 * mechanism.size  # round-off: the equations see nothing
+    angles = dict(zip(sim.joints, q.tolist(), strict=True))
+    with pytest.raises(
+        lamc.DesignError, match=r"no position closes the loops .* nearest comes within [\d.]+ m"
+    ):
+        compiled(mechanism, angles=angles).run(t_end=0.1)
+
+
 @pytest.mark.parametrize(
     ("scene", "message"),
     [

@@ -20,7 +20,7 @@ CLOSED = 1e-13  # of the size: round-off of positions
 WELL_CONDITIONED = (
     100.0  # largest over least singular value; beyond, a state tells of round-off, not of equations
 )
-STEP = 0.4  # rad, from one random place of loops to the next
+STEP, PARTS = 0.4, 4  # rad, from one random place of loops to the next, and in how many parts
 _ROUNDS = 40
 _TRIES = 3  # steps per state that is wanted
 _LONGEST = 0.5  # rad, one step
@@ -52,8 +52,8 @@ def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, se
     """States with angles within ±π and rates large enough for forces of motion to matter.
 
     With loops: closed ones on a random walk from the closed angles `start` (n,), away from singular positions. A walk,
-    because loops may close in other ways, rigid ones among them, that no motion reaches. They may be fewer than
-    `count`, and none where the loops cannot move at all.
+    because loops may close in other ways, rigid ones among them, that no motion reaches; by small parts, because a
+    long step may come down on one of those. They may be fewer than `count`, and none where the loops cannot move.
     """
     rng = np.random.default_rng(seed)
     n = len(voice.joints)
@@ -66,10 +66,10 @@ def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, se
         if len(places) == count or not free.size:
             break
         step = free @ rng.normal(size=free.shape[1])
-        q, _, gap = settled(voice, place + STEP * step / np.linalg.norm(step), np.zeros(n))
-        if gap <= CLOSED * voice.size:
-            place = q
-            places.append(q)
+        following = _walked(voice, place, STEP * step / np.linalg.norm(step))
+        if following is not None:
+            place = following
+            places.append(place)
     conditions = [voice.condition(q) for q in places]
     full = max((rank for rank, _ in conditions), default=0)
     regular = [
@@ -78,6 +78,18 @@ def random_states(voice: NewtonEuler, start: Array, count: int, t_end: float, se
         if rank == full and condition <= WELL_CONDITIONED
     ]
     return [_moving(voice, rng, t_end, q) for q in regular]
+
+
+def _walked(voice: NewtonEuler, place: Array, step: Array) -> Array | None:
+    """The closed place that a step (n,), rad, leads to from `place`; None where a part of it does not come about."""
+    for _ in range(PARTS):
+        guess = place + step / PARTS
+        place, _, gap = settled(voice, guess, np.zeros(len(step)))
+        if gap > CLOSED * voice.size or np.linalg.norm(place - guess) > np.linalg.norm(step) / PARTS:
+            return None
+        free = split(voice.gaps(place)[1]).free
+        step = free @ (free.T @ step)
+    return place
 
 
 def on_closure(voice: NewtonEuler, acceleration: Acceleration, rank: int) -> Acceleration:

@@ -133,6 +133,7 @@ static lamc_status step_to(lamc_run *run, const room *r, int guard) {
     const lamc_status taken = lamc_run_take(run, h, 0, &squared);
     if (taken == LAMC_PAUSED) {
       run->h = 0.5 * h;
+      run->row_due = 0; /* the row where the run stands again is written */
       run->rejected++;
     }
     if (taken != LAMC_OK) return taken;

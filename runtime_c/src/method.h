@@ -120,16 +120,21 @@ static inline int all_finite(const lamc_run *run, const double *v) {
 }
 
 /* Size of the eigenvalues that two near states and their slopes tell of, 1/s, for y = [q, u] with dq/dt = u. In the
- * metric in which a mode of frequency w turns at a steady pace, w^2 is |change of udot| over |change of q|. */
+ * metric in which a mode of frequency w turns at a steady pace, w^2 is |change of udot| over |change of q|. Where the
+ * change of q drowns in round-off, as under heavy damping, |change of udot| over |change of u| tells. */
 static inline double steepness(const lamc_run *run, const double *fa, const double *fb, const double *a,
                                const double *b) {
   const int half = run->ode.n / 2;
-  double top = 0.0, bottom = 0.0;
+  double accelerations = 0.0, rates = 0.0, angles = 0.0, size = 0.0;
   for (int i = 0; i < half; i++) {
-    top += (fa[half + i] - fb[half + i]) * (fa[half + i] - fb[half + i]);
-    bottom += (a[i] - b[i]) * (a[i] - b[i]);
+    accelerations += (fa[half + i] - fb[half + i]) * (fa[half + i] - fb[half + i]);
+    rates += (a[half + i] - b[half + i]) * (a[half + i] - b[half + i]);
+    angles += (a[i] - b[i]) * (a[i] - b[i]);
+    size += a[i] * a[i];
   }
-  return bottom > 0.0 ? sqrt(sqrt(top / bottom)) : 0.0;
+  const double noise = 16.0 * DBL_EPSILON;
+  if (angles > noise * noise * size) return sqrt(sqrt(accelerations / angles));
+  return rates > 0.0 ? sqrt(accelerations / rates) : 0.0;
 }
 
 #endif /* LAMC_METHOD_H */

@@ -3,7 +3,7 @@
  * In the residual form: with r = M udot - f - J^T lambda and c = J udot + gamma, both zero along the motion, d(udot) follows
  * from M d(udot) = J^T d(lambda) - dr, J d(udot) = -dc, where r and c are differentiated at constant udot and lambda: the
  * same linear system as that of the accelerations, and no derivative of an inverse. Where the model does not bring these
- * derivatives, forward differences are taken. */
+ * derivatives, and under Baumgarte's stabilisation, whose terms they lack, forward differences are taken. */
 #include "linearise.h"
 
 #include "cholesky.h"
@@ -23,8 +23,14 @@ long long lamc_linearise_scratch(const lamc_model *model) {
   return n + m + (n + m) * (2 * n + 1) + n * n + triangle(n) + n + m;
 }
 
-double lamc_linearise_cost(const lamc_model *model) {
-  return model->jacobian == NULL ? 2.0 * model->joint_count + 2.0 : model->jacobian_cost + 1.0;
+/* 1 if the derivatives are those of the accelerations that the run takes */
+static int is_analytic(const lamc_motion *motion) {
+  return motion->model->jacobian != NULL && motion->baumgarte == 0.0;
+}
+
+double lamc_linearise_cost(const lamc_motion *motion) {
+  const lamc_model *model = motion->model;
+  return is_analytic(motion) ? model->jacobian_cost + 1.0 : 2.0 * model->joint_count + 2.0;
 }
 
 static void accelerate(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
@@ -61,7 +67,7 @@ void lamc_linearise(const void *context, double t, const double *y, double *by_q
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
   const int n = model->joint_count, m = model->closure_count, columns = 2 * n + 1;
-  if (model->jacobian == NULL) {
+  if (!is_analytic(motion)) {
     by_differences(motion, t, y, by_q, by_u, by_t, scratch);
     return;
   }

@@ -46,7 +46,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   }
   ode.jacobian = lamc_linearise;
   ode.scratch_size = lamc_linearise_scratch(model);
-  ode.jacobian_cost = lamc_linearise_cost(model);
+  ode.jacobian_cost = lamc_linearise_cost(motion);
   ode.guard_count = model->guard_count;
   ode.guards = lamc_guards_values;
   ode.sense = lamc_guards_sense;

@@ -10,7 +10,7 @@ import pytest
 
 import lamc
 from lamc import Body, Gravity, Joint, JointLimits, Mechanism, Scene
-from lamc.errors import DesignError
+from lamc.errors import DesignError, RequestError
 from tests.ctools import needs_cc
 
 pytestmark = needs_cc
@@ -73,3 +73,21 @@ def test_a_start_beyond_a_limit_is_refused() -> None:
 
 def test_a_start_on_a_limit_is_accepted() -> None:
     assert released(JointLimits(stiffness=50.0), angle=LOWER).run(t_end=0.1).success
+
+
+@pytest.mark.parametrize("restitution", [2.0, 0.0, -1.0])
+def test_a_run_cannot_change_the_restitution_to_what_nature_forbids(restitution: float) -> None:
+    sim = released(JointLimits(restitution=0.5))
+    with pytest.raises(RequestError, match=r"a restitution must be above zero and at most 1"):
+        sim.run(t_end=0.1, parameters={"joint_limits.restitution": restitution})
+
+
+@pytest.mark.parametrize("limits", [JointLimits(stiffness=50.0), JointLimits(restitution=0.5)])
+def test_a_run_cannot_move_a_limit_beyond_the_start(limits: JointLimits) -> None:
+    sim = released(limits)
+    with pytest.raises(DesignError, match=r"joint 'h' starts at 1\.571 rad, outside its limits \(2, 10\)"):
+        sim.run(t_end=0.1, parameters={"h.lower_limit": 2.0})
+    with pytest.raises(RequestError, match=r"\(11, 10\) rad; the lower must be below the upper"):
+        sim.run(t_end=0.1, parameters={"h.lower_limit": 11.0})
+    result = sim.run(t_end=0.5, parameters={"h.lower_limit": 0.5})
+    assert result.angle("h")[result.t == result.events[0].t] == pytest.approx(0.5, abs=1e-9)

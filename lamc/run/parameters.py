@@ -4,17 +4,21 @@ In: parameters by name and the names a model has. Out: floats, or a RequestError
 quantity a parameter is follows from the end of its name, as `link_1.mass`. Never: looks at defaults.
 """
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
-from lamc.errors import RequestError
+from lamc.errors import DesignError, RequestError
 from lamc.mechanism.checks import shown
+from lamc.mechanism.records import Joint, Mechanism
 from lamc.run.request import did_you_mean, finite
 
 
 class _Rule(NamedTuple):
     what: str
     may_be_zero: bool
+    most: float = math.inf
 
 
 _RULES: Mapping[str, _Rule] = {
@@ -24,6 +28,7 @@ _RULES: Mapping[str, _Rule] = {
     "inertia_xx": _Rule("a moment of inertia", may_be_zero=True),
     "inertia_yy": _Rule("a moment of inertia", may_be_zero=True),
     "inertia_zz": _Rule("a moment of inertia", may_be_zero=True),
+    "restitution": _Rule("a restitution", may_be_zero=False, most=1.0),
 }
 
 
@@ -45,7 +50,32 @@ def _value(name: str, value: object, units: Mapping[str, str]) -> float:
         raise RequestError(f"no parameter is named {shown(name)}; {did_you_mean(name, units)}")
     number = finite(value, f"parameter {name!r}", f"a number in {units[name]}")
     rule = _RULES.get(name.rpartition(".")[2])
-    if rule is not None and (number < 0.0 or (number == 0.0 and not rule.may_be_zero)):
+    if rule is None:
+        return number
+    if number < 0.0 or (number == 0.0 and not rule.may_be_zero) or number > rule.most:
         bound = "zero or more" if rule.may_be_zero else "above zero"
-        raise RequestError(f"parameter {name!r} is {number:g} {units[name]}; {rule.what} must be {bound}")
+        if math.isfinite(rule.most):
+            bound += f" and at most {rule.most:g}"
+        unit = "" if units[name] == "1" else f" {units[name]}"
+        raise RequestError(f"parameter {name!r} is {number:g}{unit}; {rule.what} must be {bound}")
     return number
+
+
+def with_limits(mechanism: Mechanism, parameters: Mapping[str, float]) -> Mechanism:
+    """The mechanism with the joint limits, rad, that `parameters` (checked) give as `joint.lower_limit` and
+    `joint.upper_limit`; itself where they give none. Raises RequestError for limits that no joint can have."""
+    joints = tuple(_limited(joint, parameters) for joint in mechanism.joints)
+    return mechanism if joints == mechanism.joints else replace(mechanism, joints=joints)
+
+
+def _limited(joint: Joint, parameters: Mapping[str, float]) -> Joint:
+    names = (f"{joint.name}.lower_limit", f"{joint.name}.upper_limit")
+    if not any(name in parameters for name in names):
+        return joint
+    lower, upper = (
+        float(parameters.get(name, limit)) for name, limit in zip(names, joint.limits, strict=True)
+    )
+    try:
+        return replace(joint, limits=(lower, upper))
+    except DesignError as error:
+        raise RequestError(f"parameters: {error}") from error

@@ -26,6 +26,7 @@ from lamc.run import integrators
 from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
 from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
+from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, checked_request
 from lamc.run.result import Event, Provenance, Result, RunStats
 from lamc.scene import Scene
@@ -110,7 +111,7 @@ class Simulator(Unchanging):
                 )
             start = drawn_start(self.scene, self.joints)
         start.flags.writeable = False
-        self._check_start(start)
+        self._check_start(start, self.mechanism)
         return start
 
     @property
@@ -167,10 +168,13 @@ class Simulator(Unchanging):
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
         `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
-        Raises RequestError for arguments that make no run.
+        Raises RequestError for arguments that make no run, and DesignError for limits that leave the start outside.
         """
         request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
         motion = self._motion(parameters, checked_rate(baumgarte))
+        limited = with_limits(self.mechanism, parameters)
+        if limited is not self.mechanism:
+            self._check_start(self.start, limited)
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
@@ -251,8 +255,9 @@ class Simulator(Unchanging):
         flat = self._motion(NO_PARAMETERS).closures(row)[0]
         return flat[:m], flat[m:].reshape(m, n)
 
-    def _check_start(self, start: Array) -> None:
-        """Shows the start to the effects that ask for it. Raises DesignError if one of them refuses it."""
+    def _check_start(self, start: Array, mechanism: Mechanism) -> None:
+        """Shows the start and the mechanism with the limits of the run to the effects that ask for it. Raises
+        DesignError if one of them refuses it."""
         checks = [effect.check_start for effect in self.effects if hasattr(effect, "check_start")]
         if checks:
             count, cuts = len(self.joints), len(self.cut_joints)
@@ -261,7 +266,7 @@ class Simulator(Unchanging):
                 state = self._default_motion.cut_states(start.reshape(1, -1))[0]
                 angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
             for check in checks:
-                check(self.mechanism, angles)
+                check(mechanism, angles)
 
     @cached_property
     def _starter(self) -> Starter:

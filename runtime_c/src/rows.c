@@ -93,7 +93,9 @@ lamc_status lamc_rows_write(lamc_run *run, lamc_rows *rows) {
     if (t == run->t) {
       memcpy(y, lamc_run_state(run), (size_t)n * sizeof *y);
     } else {
+      const long long before = run->evaluations;
       const lamc_status settled = row_between(run, t, y);
+      run->watch.mark_cost += (double)(run->evaluations - before); /* rows must not sway LAMC_AUTO */
       if (settled != LAMC_OK) {
         rows->count--; /* a row that does not close is no result */
         return settled;

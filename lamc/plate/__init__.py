@@ -1,0 +1,26 @@
+"""Plates: how a laminate bends.
+
+In: plies with materials and angles. Out: the stiffness of the laminate, its strains and stresses. Never: bodies and
+joints; a mechanism is rigid here, and a plate knows nothing of it.
+
+    from lamc import plate
+
+    cfrp = plate.Material(E1=350e9, E2=7e9, nu12=0.33, G12=5e9, density=1600)
+    laminate = plate.Laminate([plate.Ply(cfrp, 50e-6, angle) for angle in (45, 22.5, 45)])  # bottom to top
+    laminate.A, laminate.B, laminate.D
+"""
+
+from lamc.plate.laminate import Deformation, EngineeringConstants, Laminate, Ply, PlyState, Resultants
+from lamc.plate.materials import LIBRARY, Material, material
+
+__all__ = [
+    "LIBRARY",
+    "Deformation",
+    "EngineeringConstants",
+    "Laminate",
+    "Material",
+    "Ply",
+    "PlyState",
+    "Resultants",
+    "material",
+]

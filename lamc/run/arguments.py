@@ -60,10 +60,16 @@ def drawn_start(scene: Scene, joints: tuple[str, ...]) -> Array:
     return np.array([*angles, *rates], dtype=np.float64)
 
 
-def checked_rate(baumgarte: float | None) -> float:
+def checked_rate(baumgarte: float | None, *, has_loops: bool) -> float:
     """Rate of Baumgarte's stabilisation, 1/s; 0 for None."""
     if baumgarte is None:
         return 0.0
+    if isinstance(baumgarte, bool):
+        raise RequestError(f"baumgarte is {baumgarte}; it must be a rate in 1/s above zero, or None")
+    if not has_loops:
+        raise RequestError(
+            f"baumgarte is {shown(baumgarte)}, but there are no loops to stabilise; leave it out"
+        )
     rate = finite(baumgarte, "baumgarte", "a rate in 1/s above zero, or None")
     if rate <= 0.0:
         raise RequestError(

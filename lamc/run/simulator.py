@@ -164,14 +164,15 @@ class Simulator(Unchanging):
         max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only
         progress    called with (t, t_end) now and then
         baumgarte   rate, 1/s, at which loops that drift apart are pulled together (Baumgarte's stabilisation, for
-                    comparison); None: each accepted step is projected on closure, with nothing to choose
+                    comparison, and for a fixed cost per step: with rtol=1, atol=1e6 and a max_step all steps but
+                    the first are of that length); None: each step is projected on closure, with nothing to choose
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
         `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
         Raises RequestError for arguments that make no run, and DesignError for limits that leave the start outside.
         """
         request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
-        motion = self._motion(parameters, checked_rate(baumgarte))
+        motion = self._motion(parameters, checked_rate(baumgarte, has_loops=bool(self.cut_joints)))
         limited = with_limits(self.mechanism, parameters)
         if limited is not self.mechanism:
             self._check_start(self.start, limited)

@@ -51,9 +51,10 @@ static lamc_status row_by_steps(lamc_run *run, double t, double *y) {
   memcpy(slope_here(run), slot(run, SLOT_KEPT + 1), bytes);
   run->t = t_old;
   const lamc_status again = lamc_run_take(run, h, t_new == run->t_end, &squared);
-  run->t = t_new;
   run->steps = steps;
-  return again == LAMC_OK ? status : again;
+  if (again != LAMC_OK) return again < 0 ? again : LAMC_NOT_FINITE; /* cannot be: it was taken before */
+  run->t = t_new;
+  return status;
 }
 
 /* y at a time within the last step, between its ends. What the polynomial met inside may not be what the error estimate of

@@ -155,6 +155,20 @@ def test_off_axis_modulus_is_the_textbook_one() -> None:
     assert stack(m, 1e-4, 25).engineering_constants.Ex == pytest.approx(1 / compliance, rel=1e-12)
 
 
+def test_two_directions_of_fibres_open_like_scissors() -> None:
+    """Fibres that hardly stretch, in two directions d: the free strain keeps their lengths, dᵀ ε d = 0 for both. For
+    45° and 22.5° that gives ε_y / ε_x = 1 + √2 under any pull: a negative Poisson ratio.
+    """
+
+    def miss(E1: float) -> float:
+        stiff = Material(E1=E1, E2=1e9, nu12=0.3, G12=1e9, density=1)
+        return abs(stack(stiff, 1e-4, 45, 22.5).engineering_constants.nuxy + (1 + math.sqrt(2)))
+
+    # What fibres do stretch is of first order in E2/E1: ten times stiffer, ten times closer, to second order.
+    assert miss(1e15) < 1e-3
+    assert miss(1e14) / miss(1e15) == pytest.approx(10, rel=0.02)
+
+
 def test_symmetric_stack_does_not_couple_stretch_and_bending() -> None:
     laminate = stack(CFRP, 50e-6, 10, -35, 80, 80, -35, 10)
     close(laminate.B, np.zeros((3, 3)), ROUND_OFF, CFRP.E1 * laminate.thickness**2)

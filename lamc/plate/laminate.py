@@ -127,9 +127,7 @@ class Laminate:
     def _set_stiffness(self) -> None:
         z = self.interfaces
         middle = 0.5 * (z[:-1] + z[1:])
-        t = np.array(
-            [ply.thickness for ply in self.plies]
-        )  # a difference of z far from the plies has lost digits
+        t = np.array([ply.thickness for ply in self.plies])  # differences of z far away have lost digits
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = np.array([ply.material.stiffness(ply.angle) for ply in self.plies])
             # Moments of each ply's thickness by its middle: differences of z³ would lose digits of thin plies.

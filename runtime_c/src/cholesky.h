@@ -1,4 +1,5 @@
-/* cholesky.h, of lamc: M = L L^T for small dense M. L (n, n) row-major, lower. */
+/* cholesky.h, of lamc: M = L L^T for small dense M. L (n, n) row-major, lower; its diagonal holds 1 / L_ii, since solving
+ * with it then takes no division, which would be a fifth of the time of a small loop. */
 #ifndef LAMC_CHOLESKY_H
 #define LAMC_CHOLESKY_H
 
@@ -19,7 +20,7 @@ static inline void lamc_cholesky(int n, const double *lower_triangle, double *l)
     for (int k = 0; k <= i; k++) {
       const double *lk = l + (ptrdiff_t)k * n;
       const double rest = row[k] - lamc_dot(k, li, lk);
-      li[k] = k == i ? sqrt(rest) : rest / lk[k];
+      li[k] = k == i ? 1.0 / sqrt(rest) : rest * lk[k];
     }
     row += i + 1;
   }
@@ -29,7 +30,7 @@ static inline void lamc_cholesky(int n, const double *lower_triangle, double *l)
 static inline void lamc_solve_lower(int n, const double *l, double *x) {
   for (int i = 0; i < n; i++) {
     const double *li = l + (ptrdiff_t)i * n;
-    x[i] = (x[i] - lamc_dot(i, li, x)) / li[i];
+    x[i] = (x[i] - lamc_dot(i, li, x)) * li[i];
   }
 }
 
@@ -38,7 +39,7 @@ static inline void lamc_solve_upper(int n, const double *l, double *x) {
   for (int i = n - 1; i >= 0; i--) {
     double sum = x[i];
     for (int k = i + 1; k < n; k++) sum -= l[(ptrdiff_t)k * n + i] * x[k];
-    x[i] = sum / l[(ptrdiff_t)i * n + i];
+    x[i] = sum * l[(ptrdiff_t)i * n + i];
   }
 }
 

@@ -309,8 +309,8 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   if (!(gap <= (lost > model->tolerance ? lost : model->tolerance))) return LAMC_CLOSURE_LOST;
   /* Rates: x = L^T u, without its parts along the equations */
   for (int i = 0; i < p.n; i++) {
-    double sum = 0.0;
-    for (int k = i; k < p.n; k++) sum += p.l[(ptrdiff_t)k * p.n + i] * u[k];
+    double sum = u[i] / p.l[(ptrdiff_t)i * p.n + i];
+    for (int k = i + 1; k < p.n; k++) sum += p.l[(ptrdiff_t)k * p.n + i] * u[k];
     p.x[i] = sum;
   }
   memset(p.extra, 0, (size_t)p.m * sizeof *p.extra);

@@ -38,6 +38,7 @@ CONSTRAINT = (
     "Jacobian of the loops (m, n), m/rad, then their acceleration bias (m), m/s^2",
     (Space.CONSTANT, Space.ANGLE, Space.RATE),
 )
+DYNAMICS = ("dynamics", "what system and constraint give, one after the other, their sines shared", _STATE)
 INERTIA = ("inertia", "mass matrix, lower triangle by rows, kg m^2", (Space.CONSTANT, Space.ANGLE))
 JACOBIAN = (
     "jacobian",
@@ -117,6 +118,7 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
         (CLOSURE, [*closure.residual, *jacobian]),
         (CONSTRAINT, [*jacobian, *closure.bias]),
         (CUTS, cuts),
+        (DYNAMICS, [*lower_triangle, *equations.forces, *jacobian, *closure.bias]),
     ]
 
 

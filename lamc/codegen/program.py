@@ -113,6 +113,7 @@ class Program:
       "acceleration"  t, q, u → du/dt, shape (n,), rad/s²
                       a mechanism with loops has instead of it:
       "system"        t, q, u → M, lower triangle by rows, kg·m², then f, N·m, of M u̇ = f without the loops
+      "dynamics"      t, q, u → what "system" and "constraint" give, one after the other, for less
       "closure"       q → residuals φ (m), m, then Jacobian J (m, n), m/rad
       "constraint"    q, u → J (m, n), then bias γ (m), m/s², of J u̇ + γ = 0
       "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s

@@ -90,6 +90,8 @@ typedef struct lamc_model {
   void (*guards)(const double *constants, double t, const double *q, const double *u, double *guards);
   /* -> restitutions (guard_count,), then derivatives of the guards by q (guard_count, n) */
   void (*impacts)(const double *constants, double t, const double *q, double *impacts);
+  /* Loops: -> what system and constraint give, one after the other, in one call that costs less */
+  void (*dynamics)(const double *constants, double t, const double *q, const double *u, double *dynamics);
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use

@@ -49,7 +49,7 @@ typedef struct parts {
 static long long raw_size(long long n, long long m) {
   const long long system = n * (n + 1) / 2 + n;
   const long long closure = m * n + m;
-  return system > closure ? system : closure;
+  return system + closure;
 }
 
 long long lamc_loops_work(const lamc_model *model) {
@@ -178,11 +178,13 @@ static void evaluate_system(const lamc_motion *motion, const parts *p, double t,
 
 /* M, f, J, gamma and the directions at a state; returns how many equations were taken */
 static int prepare(const lamc_motion *motion, const parts *p, double t, const double *q, const double *u) {
-  const size_t entries = (size_t)p->m * (size_t)p->n;
-  evaluate_system(motion, p, t, q, u);
-  motion->model->constraint(motion->constants, q, u, p->raw);
-  memcpy(p->j, p->raw, entries * sizeof *p->j);
-  memcpy(p->extra, p->raw + entries, (size_t)p->m * sizeof *p->extra);
+  const size_t n = (size_t)p->n, entries = (size_t)p->m * n;
+  const double *f = p->raw + n * (n + 1) / 2, *jacobian = f + n;
+  motion->model->dynamics(motion->constants, t, q, u, p->raw);
+  lamc_cholesky(p->n, p->raw, p->l);
+  memcpy(p->f, f, n * sizeof *p->f);
+  memcpy(p->j, jacobian, entries * sizeof *p->j);
+  memcpy(p->extra, jacobian + entries, (size_t)p->m * sizeof *p->extra);
   return take_equations(motion, p);
 }
 

@@ -187,6 +187,7 @@ const lamc_model *driven_model(void) {
       driven_jacobian,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

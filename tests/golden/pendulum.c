@@ -517,6 +517,7 @@ const lamc_model *pendulum_model(void) {
       pendulum_jacobian,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

@@ -41,7 +41,12 @@ def linearise(equations: Equations) -> Linearisation | None:
     if equations.closure is not None:
         residuals = [*_with_multipliers(equations, q, residuals), *_second_derivative(equations, q, u, udot)]
     with store.section("Derivatives of the residuals", source="for implicit integrators"):
-        columns = [derivatives(residuals, {x: 1}) for x in (*q, *u, store.symbol("t", Space.TIME, 0))]
+        columns: list[list[Scalar]] = []
+        before = len(store)
+        for x in (*q, *u, store.symbol("t", Space.TIME, 0)):
+            columns.append(derivatives(residuals, {x: 1}))
+            if len(store) - before > 2 * MAX_FLOPS:  # it will be too long: no need to write the rest
+                return None
     entries = tuple(zip(*columns, strict=True))
     flops = count_operations(store, [x for row in entries for x in row], Level.PARAMETER).flops
     return Linearisation(entries) if flops <= MAX_FLOPS else None

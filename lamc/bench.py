@@ -248,7 +248,7 @@ class _Measuring:
 
     def _flops(self) -> int:
         functions = self.simulator.program.functions
-        names = ("system", "constraint") if self.values.is_closed else ("acceleration",)
+        names = ("dynamics",) if self.values.is_closed else ("acceleration",)
         return sum(int(functions[name].operations.flops) for name in names)
 
     def _inputs(self, q: Array, u: Array, t: float) -> Mapping[str, float]:

@@ -51,7 +51,7 @@ static const double defaults[] = {@DEFAULTS@, 0.0, 1e300};
 static const lamc_model model = {
   "rod", "00ff", 0.3, @JOINTS@, 0, 0, 0, 0.0, @JOINTS@, 5, 6, @ENERGIES@, 0,
   joints, 0, bodies, names, units, energies, 0, defaults, 0, 0.0,
-  setup, acceleration, 0, 0, 0, 0, energy, poses, 0, 0, 0, 0, 0
+  setup, acceleration, 0, 0, 0, 0, energy, poses, 0, 0, 0, 0
 };
 static const lamc_model *lamc_this_model(void) { return &model; }
 """

@@ -15,7 +15,7 @@ from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment,
 # parallel hinges: nearly twice as quick); gcc then takes about a second. What runs once per row compiles quickly.
 MAX_BLOCK = 400
 MAX_BLOCK_AT_EVERY_STEP = 1500
-AT_EVERY_STEP = ("acceleration", "dynamics", "system", "constraint", "closure")
+AT_EVERY_STEP = ("acceleration", "dynamics", "system", "closure")
 SHORT_INDEX, LONG_INDEX, MAX_SHORT_INDEX = "unsigned short", "unsigned int", 65535  # C promises no more
 PART = 250  # statements in one part of what does not repeat in a long function
 MAX_PERIOD = 4  # like links in turns: signs that alternate from link to link make two classes of one

@@ -33,12 +33,11 @@ CLOSURE = (
     "residuals of the loops (m), m, then their Jacobian (m, n), m/rad",
     (Space.CONSTANT, Space.ANGLE),
 )
-CONSTRAINT = (
-    "constraint",
-    "Jacobian of the loops (m, n), m/rad, then their acceleration bias (m), m/s^2",
-    (Space.CONSTANT, Space.ANGLE, Space.RATE),
+DYNAMICS = (
+    "dynamics",
+    "mass matrix and forces as system gives them, then Jacobian of the loops (m, n), m/rad, and their bias (m), m/s^2",
+    _STATE,
 )
-DYNAMICS = ("dynamics", "what system and constraint give, one after the other, their sines shared", _STATE)
 INERTIA = ("inertia", "mass matrix, lower triangle by rows, kg m^2", (Space.CONSTANT, Space.ANGLE))
 JACOBIAN = (
     "jacobian",
@@ -116,7 +115,6 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
     return [
         (SYSTEM, [*lower_triangle, *equations.forces]),
         (CLOSURE, [*closure.residual, *jacobian]),
-        (CONSTRAINT, [*jacobian, *closure.bias]),
         (CUTS, cuts),
         (DYNAMICS, [*lower_triangle, *equations.forces, *jacobian, *closure.bias]),
     ]
@@ -149,7 +147,7 @@ def _lower_triangle(equations: Equations) -> list[Scalar]:
 def _jacobian_cost(functions: Sequence[Function]) -> float:
     """Operations of the Jacobian over those of an acceleration; library calls count ten."""
     work = {f.name: f.operations.flops + 10 * f.operations.calls for f in functions}
-    once = work.get("acceleration", work.get("system", 0) + work.get("constraint", 0))
+    once = work.get("acceleration", work.get("dynamics", 0))
     return round((work.get("jacobian", 0) + work.get("inertia", 0)) / max(once, 1), 2)
 
 

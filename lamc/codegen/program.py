@@ -113,9 +113,8 @@ class Program:
       "acceleration"  t, q, u → du/dt, shape (n,), rad/s²
                       a mechanism with loops has instead of it:
       "system"        t, q, u → M, lower triangle by rows, kg·m², then f, N·m, of M u̇ = f without the loops
-      "dynamics"      t, q, u → what "system" and "constraint" give, one after the other, for less
+      "dynamics"      t, q, u → what "system" gives, then J (m, n) and bias γ (m), m/s², of J u̇ + γ = 0
       "closure"       q → residuals φ (m), m, then Jacobian J (m, n), m/rad
-      "constraint"    q, u → J (m, n), then bias γ (m), m/s², of J u̇ + γ = 0
       "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s
       "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
       "inertia"       a tree, where impacts or the Jacobian need it: q → M, lower triangle by rows, kg·m²

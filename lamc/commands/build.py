@@ -142,7 +142,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def _operations(program: Program) -> Operations:
     """Of one right-hand side; with loops, of what the runtime solves it from."""
-    names = ("acceleration", "system", "constraint")
+    names = ("acceleration", "dynamics")
     parts = [program.functions[name].operations for name in names if name in program.functions]
     return Operations(
         additions=sum(p.additions for p in parts),

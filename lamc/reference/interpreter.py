@@ -74,11 +74,10 @@ class Interpreter:
         constants = self._sensed(t, q, u, constants)
         if not self.program.cuts:
             return self._evaluate("acceleration", t, q, u, constants)
-        system = self._evaluate("system", t, q, u, constants)
-        held = self._evaluate("constraint", t, q, u, constants)
-        if system.ndim == 1:
-            return self._solve(system, held)
-        return np.array([self._solve(*rows) for rows in zip(system, held, strict=True)]).reshape(np.shape(q))
+        values = self._evaluate("dynamics", t, q, u, constants)
+        if values.ndim == 1:
+            return self._solve(values)
+        return np.array([self._solve(row) for row in values]).reshape(np.shape(q))
 
     def gaps(self, q: Array, constants: Array) -> tuple[Array, Array]:
         """Residuals φ (m,), m, of the loops and their Jacobian (m, n), m/rad, at angles q (n,)."""
@@ -114,9 +113,10 @@ class Interpreter:
                 sensed[guard.mode] = 1.0 if value > 0.0 else 0.0
         return sensed
 
-    def _solve(self, system: Array, held: Array) -> Array:
-        """u̇ from the values of the functions "system" and "constraint" at one state."""
+    def _solve(self, values: Array) -> Array:
+        """u̇ from the values of the function "dynamics" at one state."""
         n, m = len(self.joints), self.program.closure_count
+        system, held = np.split(values, [n * (n + 1) // 2 + n])
         mass = np.zeros((n, n))
         mass[np.tril_indices(n)] = system[: n * (n + 1) // 2]
         mass += np.tril(mass, -1).T

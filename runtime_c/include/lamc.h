@@ -72,8 +72,8 @@ typedef struct lamc_model {
   void (*system)(const double *constants, double t, const double *q, const double *u, double *system);
   /* -> phi (m,) m, J (m, n) m/rad */
   void (*closure)(const double *constants, const double *q, double *closure);
-  /* -> J (m, n) m/rad, gamma (m,) m/s^2 of J udot + gamma = 0 */
-  void (*constraint)(const double *constants, const double *q, const double *u, double *constraint);
+  /* -> what system gives, then J (m, n) m/rad, gamma (m,) m/s^2 of J udot + gamma = 0: all that an acceleration needs */
+  void (*dynamics)(const double *constants, double t, const double *q, const double *u, double *dynamics);
   /* -> angles (cut_count,) rad within -pi .. pi, rates (cut_count,) rad/s */
   void (*cuts)(const double *constants, const double *q, const double *u, double *cuts);
   /* -> energies (energy_count,) J */
@@ -90,8 +90,6 @@ typedef struct lamc_model {
   void (*guards)(const double *constants, double t, const double *q, const double *u, double *guards);
   /* -> restitutions (guard_count,), then derivatives of the guards by q (guard_count, n) */
   void (*impacts)(const double *constants, double t, const double *q, double *impacts);
-  /* Loops: -> what system and constraint give, one after the other, in one call that costs less */
-  void (*dynamics)(const double *constants, double t, const double *q, const double *u, double *dynamics);
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use

@@ -43,7 +43,7 @@ static const lamc_model PENDULUM = {
     "pendulum", "0",   0.5,          1,    0,      0,          0,     0.0,      1,     3,        4,
     2,          0,     JOINTS,       NULL, BODIES, PARAMETERS, UNITS, ENERGIES, NULL,  DEFAULTS, NULL,
     0.0,        setup, acceleration, NULL, NULL,   NULL,       NULL,  energy,   poses, NULL,     NULL,
-    NULL,       NULL,  NULL};
+    NULL,       NULL};
 
 static void rows_are_evaluated_one_by_one(check_counts *counts) {
   double constants[4], udot[ROWS], energies[2 * ROWS], pose_rows[12 * ROWS];

@@ -187,7 +187,6 @@ const lamc_model *driven_model(void) {
       driven_jacobian,
       NULL,
       NULL,
-      NULL,
   };
   return &model;
 }

@@ -517,7 +517,6 @@ const lamc_model *pendulum_model(void) {
       pendulum_jacobian,
       NULL,
       NULL,
-      NULL,
   };
   return &model;
 }

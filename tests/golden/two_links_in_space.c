@@ -463,7 +463,6 @@ const lamc_model *two_links_in_space_model(void) {
       two_links_in_space_jacobian,
       NULL,
       NULL,
-      NULL,
   };
   return &model;
 }

@@ -191,7 +191,6 @@ class _Lowering:
             statements=tuple(statements),
             outputs=tuple(self._output(v) for v in outputs),
             sections=tuple(sections),
-            local_count=len(statements),
             operations=count_operations(store, outputs, self.outer),
         )
 

@@ -81,7 +81,6 @@ class Function:
     statements: tuple[Statement, ...]
     outputs: tuple[tuple[int, Operand], ...]
     sections: tuple[Section, ...]
-    local_count: int
     operations: Operations
 
 

@@ -36,7 +36,7 @@ SECTION = (Section("by hand", "", ""),)
 
 
 def function(name: str, statements: list[Statement], outputs: list[tuple[int, Operand]]) -> Function:
-    return Function(name, "", (), tuple(statements), tuple(outputs), SECTION, len(statements), NO_OPERATIONS)
+    return Function(name, "", (), tuple(statements), tuple(outputs), SECTION, NO_OPERATIONS)
 
 
 def one_shape(shape: Shape) -> Program:

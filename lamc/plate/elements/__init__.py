@@ -1,0 +1,1 @@
+"""Finite elements, derived by sympy from their shape functions."""

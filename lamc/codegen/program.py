@@ -20,6 +20,15 @@ class Space(Enum):
     TIME = "t"  # s
     ACCELERATION = "a"  # joint accelerations, rad/s²
     MULTIPLIER = "l"  # forces of the closure equations
+    # of a finite element; units in `lamc/plate/elements/`
+    CORNER = "xy"  # coordinates of the corners, x and y of one after the other, m
+    SECTION = "s"  # unique entries of the section's stiffness
+    AREAL_MASS = "rho"  # kg/m²
+    MEMBRANE_FORCE = "n"  # N_x, N_y, N_xy, N/m, tension positive
+    INTENSITY = "f"  # forces per area at the corners, N/m²: one field after the other
+    RESULTANT = "r"  # membrane forces, N/m, and moments, N
+    NATURAL = "xi"  # ξ and η
+    UNKNOWN = "d"  # of the element, node by node
     NUMBER = "#"  # a literal
 
 

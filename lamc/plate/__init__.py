@@ -10,8 +10,10 @@ joints; a mechanism is rigid here, and a plate knows nothing of it.
     laminate.A, laminate.B, laminate.D
 """
 
+from lamc.plate.grid import grid, grid_of_lines, lines
 from lamc.plate.laminate import Deformation, EngineeringConstants, Laminate, Ply, PlyState, Resultants
 from lamc.plate.materials import LIBRARY, Material, material
+from lamc.plate.mesh import Mesh
 
 __all__ = [
     "LIBRARY",
@@ -19,8 +21,12 @@ __all__ = [
     "EngineeringConstants",
     "Laminate",
     "Material",
+    "Mesh",
     "Ply",
     "PlyState",
     "Resultants",
+    "grid",
+    "grid_of_lines",
+    "lines",
     "material",
 ]

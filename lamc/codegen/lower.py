@@ -9,11 +9,11 @@ from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
 from lamc.allocation import collector_paused
-from lamc.codegen.program import Function, Guard, Operand, Program, Section, Shape, Space, Statement
+from lamc.codegen.lowering import Lowering, canonical
+from lamc.codegen.program import Function, Guard, Program, Space
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
-from lamc.mechanics.staging import Level, Scalar, Store, Symbol, Value
-from lamc.mechanics.statements import count_operations, group
+from lamc.mechanics.staging import Level, Scalar, Value
 
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
 
@@ -72,10 +72,10 @@ def lower(equations: Equations) -> Program:
         mode.index: k for k, mode in enumerate(modes)
     }  # node → slot; modes first, zero at first
     functions = [
-        _Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
+        Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
         for (name, purpose, reads), outputs in jobs
     ]
-    setup = _Lowering(store, Level.NUMBER, {}).function(
+    setup = Lowering(store, Level.NUMBER, {}).function(
         "setup",
         "everything that depends on parameters only; once per change of parameters",
         (Space.PARAMETER,),
@@ -159,68 +159,6 @@ def _solver_note(equations: Equations) -> str:
     return f"Accelerations by {equations.solver} (operations: {flops})."
 
 
-class _Lowering:
-    """One function. `constants` grows by the outer values that it reads."""
-
-    def __init__(self, store: Store, outer: Level, constants: dict[int, int]) -> None:
-        self.store = store
-        self.outer = outer
-        self.constants = constants
-        self.slots: dict[int, Operand] = {}
-
-    def function(
-        self, name: str, purpose: str, reads: tuple[Space, ...], outputs: Sequence[Scalar]
-    ) -> Function:
-        store = self.store
-        grouping = group(store, outputs, self.outer)
-        for index in grouping.leaves:
-            self.slots[index] = self._leaf(index)
-        sections: dict[Section, int] = {}
-        statements: list[Statement] = []
-        for position, index in enumerate(grouping.named):
-            operands: list[Operand] = []
-            shape = self._shape(index, operands)
-            target = Operand(Space.LOCAL, position)
-            section = sections.setdefault(store.sections[store.section_of[index]], len(sections))
-            statements.append(Statement(target, shape, tuple(operands), section, store.link_of[index]))
-            self.slots[index] = target
-        return Function(
-            name=name,
-            purpose=purpose,
-            reads=reads,
-            statements=tuple(statements),
-            outputs=tuple(self._output(v) for v in outputs),
-            sections=tuple(sections),
-            operations=count_operations(store, outputs, self.outer),
-        )
-
-    def _leaf(self, index: int) -> Operand:
-        payload = self.store.payloads.get(index)
-        if self.store.levels[index] == Level.PARAMETER and self.outer == Level.PARAMETER:
-            return Operand(Space.CONSTANT, self.constants.setdefault(index, len(self.constants)))
-        if isinstance(payload, Symbol):
-            return Operand(payload.space, payload.index)
-        assert payload is not None, "a leaf is an input or a number"
-        return Operand(Space.NUMBER, value=float(payload))
-
-    def _shape(self, index: int, operands: list[Operand]) -> Shape:
-        """The expression of one statement; recursion is bounded by `statements.MAX_OPERANDS`."""
-        parts: list[str | Shape] = [self.store.operations[index]]
-        for argument in self.store.arguments[index]:
-            slot = self.slots.get(argument)
-            if slot is None:
-                parts.append(self._shape(argument, operands))
-            else:
-                parts.append(len(operands))
-                operands.append(slot)
-        return tuple(parts)
-
-    def _output(self, value: Scalar) -> tuple[int, Operand]:
-        if isinstance(value, Value):
-            return value.sign, self.slots[value.index]
-        return 1, Operand(Space.NUMBER, value=float(value))
-
-
 def _with_digest(program: Program) -> Program:
     text = hashlib.sha256()
     for part in _canonical(program):
@@ -252,14 +190,4 @@ def _canonical(program: Program) -> Iterable[str]:
     for parameter in program.parameters:
         yield repr(parameter)
     for function in program.functions.values():
-        yield repr((function.name, function.purpose, function.sections))
-        for s in function.statements:
-            yield f"{_slot(s.target)}={s.shape}{','.join(map(_slot, s.operands))};{s.section}"
-        for sign, operand in function.outputs:
-            yield f"{sign}{_slot(operand)}"
-
-
-def _slot(operand: Operand) -> str:
-    if operand.space is Space.NUMBER:
-        return f"#{operand.value!r}"
-    return f"{operand.space.value}{operand.index}"
+        yield from canonical(function)

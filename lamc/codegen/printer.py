@@ -6,6 +6,8 @@ a second where statement by statement took seven.
 
 import re
 from collections.abc import Callable
+from decimal import Context, Decimal
+from fractions import Fraction
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
@@ -14,6 +16,7 @@ from lamc.codegen.program import Operand, Shape
 from lamc.errors import EmitError
 from lamc.mechanics.functions import FUNCTIONS
 
+FRACTION_DIGITS = 40  # more than any long double has
 _PLACE = re.compile(r"P(\d+)Q")
 
 
@@ -66,7 +69,12 @@ def _unevaluated(shape: Shape) -> sp.Expr:
             raise EmitError(f"operation {operation!r} has no C form")
 
 
-def literal(value: float) -> str:
-    """A C double literal that reads back exactly; negative ones in brackets."""
-    text = repr(value)
+def literal(value: float | Fraction) -> str:
+    """A C double literal that reads back exactly; negative ones in brackets. A fraction has the digits of any precision
+    and stands in NUMBER(…), which gives it the precision that is asked for."""
+    if isinstance(value, Fraction):
+        digits = Context(prec=FRACTION_DIGITS).divide(Decimal(value.numerator), Decimal(value.denominator))
+        text = f"NUMBER({digits:e})"
+    else:
+        text = repr(value)
     return f"({text})" if value < 0 else text

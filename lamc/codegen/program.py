@@ -7,6 +7,7 @@ no name from the design outside the string tables, and no text in any language.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 
 
 class Space(Enum):
@@ -38,7 +39,7 @@ class Operand:
 
     space: Space
     index: int = 0
-    value: float = 0.0
+    value: float | Fraction = 0.0  # a fraction only where no double holds it and its digits are asked for
 
 
 # An expression shape: an int is the position of an operand; a tuple is (operation, argument, …). Operations:

@@ -4,32 +4,18 @@ A `Program` goes in, numbers come out, one state at a time or a batch of states 
 operation comes from `operations.py`; nothing is shared with the C printer, and no text is made on the way.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 
-from lamc.codegen.program import Function, Operand, Program, Shape, Space
-from lamc.errors import DesignError, EmitError
+from lamc.codegen.program import Program, Space
+from lamc.errors import DesignError
 from lamc.reference.constrained import constrained
+from lamc.reference.listing import listing_of, run
 from lamc.reference.operations import BATCHED, SCALAR
 
 Array = npt.NDArray[np.float64]
-Step = tuple[int, Callable[[Sequence[Any]], Any], tuple[int, ...]]
-
-
-@dataclass(frozen=True)
-class _Listing:
-    """A function with every slot as one address: steps (target, shape, operands) and signed outputs."""
-
-    steps: tuple[Step, ...]
-    outputs: tuple[tuple[int, int], ...]
-    inputs: tuple[tuple[int, Space, int], ...]  # address, space, index
-    literals: tuple[tuple[int, float], ...]
-    constants: tuple[tuple[int, int], ...]  # address, index of constant slots that the function assigns
-    size: int
 
 
 class Interpreter:
@@ -43,8 +29,8 @@ class Interpreter:
         self.program = program
         self.joints = program.joints
         self.bodies = program.bodies
-        self._scalar = {name: _list(f, SCALAR) for name, f in program.functions.items()}
-        self._batched = {name: _list(f, BATCHED) for name, f in program.functions.items()}
+        self._scalar = {name: listing_of(f, SCALAR) for name, f in program.functions.items()}
+        self._batched = {name: listing_of(f, BATCHED) for name, f in program.functions.items()}
 
     def constants(self, parameters: Mapping[str, float] | None = None) -> Array:
         """Parameter-only values, shape (constant_count,), with defaults replaced by `parameters` by name.
@@ -58,7 +44,7 @@ class Interpreter:
                 raise DesignError(f"no parameter is named {name!r}; there are {', '.join(known[:8])}")
         values = [float(given.get(p.name, p.default)) for p in self.program.parameters]
         listing = self._scalar["setup"]
-        memory = _run(listing, {Space.PARAMETER: values})
+        memory = run(listing, {Space.PARAMETER: values})
         constants = np.zeros(self.program.constant_count)
         for k, (sign, address) in enumerate(listing.outputs):
             constants[k] = sign * memory[address]
@@ -129,78 +115,12 @@ class Interpreter:
         fixed = {Space.CONSTANT: np.asarray(constants).tolist(), Space.TIME: [float(t)]}
         if q.ndim == 1:
             listing = self._scalar[name]
-            memory = _run(listing, {**fixed, Space.ANGLE: q.tolist(), Space.RATE: u.tolist()})
+            memory = run(listing, {**fixed, Space.ANGLE: q.tolist(), Space.RATE: u.tolist()})
             return np.array([sign * memory[address] for sign, address in listing.outputs])
         listing = self._batched[name]
         with np.errstate(all="ignore"):
-            memory = _run(listing, {**fixed, Space.ANGLE: list(q.T), Space.RATE: list(u.T)})
+            memory = run(listing, {**fixed, Space.ANGLE: list(q.T), Space.RATE: list(u.T)})
         result = np.empty((len(q), len(listing.outputs)))
         for k, (sign, address) in enumerate(listing.outputs):
             result[:, k] = sign * memory[address]
         return result
-
-
-def _run(listing: _Listing, values: Mapping[Space, Sequence[Any]]) -> list[Any]:
-    memory: list[Any] = [None] * listing.size
-    for address, number in listing.literals:
-        memory[address] = number
-    for address, space, index in listing.inputs:
-        memory[address] = values[space][index]
-    for target, operation, operands in listing.steps:
-        memory[target] = operation([memory[k] for k in operands])
-    return memory
-
-
-def _list(function: Function, table: Mapping[str, Callable[..., Any]]) -> _Listing:
-    """`function` with flat addresses. A slot that no statement assigned before is an input or a literal."""
-    addresses: dict[tuple[Space, int, float], int] = {}
-    inputs: list[tuple[int, Space, int]] = []
-    literals: list[tuple[int, float]] = []
-    constants: list[tuple[int, int]] = []
-    shapes: dict[Shape, Callable[[Sequence[Any]], Any]] = {}
-    steps: list[Step] = []
-
-    def address(operand: Operand) -> int:
-        key = (operand.space, operand.index, operand.value)
-        if key not in addresses:
-            assert operand.space is not Space.LOCAL, f"{function.name} reads z{operand.index} too early"
-            addresses[key] = len(addresses)
-            if operand.space is Space.NUMBER:
-                literals.append((addresses[key], operand.value))
-            else:
-                inputs.append((addresses[key], operand.space, operand.index))
-        return addresses[key]
-
-    for statement in function.statements:
-        operands = tuple(address(o) for o in statement.operands)
-        target = statement.target
-        key = (target.space, target.index, target.value)
-        assert key not in addresses, f"{function.name} assigns {target} twice or after reading it"
-        addresses[key] = len(addresses)
-        if target.space is Space.CONSTANT:
-            constants.append((addresses[key], target.index))
-        if statement.shape not in shapes:
-            shapes[statement.shape] = _meaning(statement.shape, table)
-        steps.append((addresses[key], shapes[statement.shape], operands))
-    outputs = tuple((sign, address(operand)) for sign, operand in function.outputs)
-    return _Listing(tuple(steps), outputs, tuple(inputs), tuple(literals), tuple(constants), len(addresses))
-
-
-def _meaning(shape: Shape, table: Mapping[str, Callable[..., Any]]) -> Callable[[Sequence[Any]], Any]:
-    """The shape as a function of its operands' values."""
-    if isinstance(shape, int):
-        position = shape
-        return lambda values: values[position]
-    name, *parts = shape
-    if not isinstance(name, str) or name not in table:
-        raise EmitError(f"the operation {name!r} has no meaning in the interpreter")
-    operation = table[name]
-    if all(isinstance(part, int) for part in parts) and len(parts) == 2:
-        i, j = parts
-        return lambda values: operation(values[i], values[j])  # type: ignore[index]
-    arguments = [_meaning(part, table) for part in parts]  # type: ignore[arg-type]
-    if len(arguments) == 1:
-        (only,) = arguments
-        return lambda values: operation(only(values))
-    first, second = arguments
-    return lambda values: operation(first(values), second(values))

@@ -445,7 +445,7 @@ BAD_PLIES = {
     "too large": (lambda: Laminate([Ply(CFRP, 1e120)]), "out of the range .* check the units"),
     "force": (lambda: Laminate([Ply(CFRP, 1e-4)]).deformation((1, 0)), "the force per width .* shape"),
     "strain": (lambda: Laminate([Ply(CFRP, 1e-4)]).ply_states((1, 0, math.inf)), "the strain of a laminate"),
-    "library": (lambda: plate.material("unobtainium"), "no material 'unobtainium' .* Kapton HN, Scotchply"),
+    "library": (lambda: plate.material("unobtainium"), "no material 'unobtainium' .* Kapton HN, Mylar"),
 }
 
 

@@ -11,9 +11,11 @@ joints; a mechanism is rigid here, and a plate knows nothing of it.
 """
 
 from lamc.plate.grid import grid, grid_of_lines, lines
-from lamc.plate.laminate import Deformation, EngineeringConstants, Laminate, Ply, PlyState, Resultants
-from lamc.plate.materials import LIBRARY, Material, material
+from lamc.plate.laminate import Laminate
+from lamc.plate.library import LIBRARY, material
+from lamc.plate.materials import Material
 from lamc.plate.mesh import Mesh
+from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 
 __all__ = [
     "LIBRARY",

@@ -1,7 +1,8 @@
 """Classical laminate theory: the stiffness of a stack of bonded plies, and the stress in each.
 
-In: plies from bottom to top and a reference surface. Out: A, B, D, what warming and moisture do, deformation under
-resultants, strain and stress in every ply. Never: transverse shear, failure, meshes.
+In: plies from bottom to top and a reference surface. Out: A, B, D, what warming, moisture and electric fields do,
+deformation under resultants, strain and stress in every ply. Never: failure, meshes; shear through the thickness is
+estimated (`shear.py`) and not solved for.
 
     strain(z) = strain of the reference surface + z κ,   κ = -(w_xx, w_yy, 2 w_xy),   w and z up
     N = ∫ stress dz = A strain + B κ,   M = ∫ stress z dz = B strain + D κ
@@ -13,77 +14,21 @@ Composite Plates and Shells, 2nd ed. 2004, section 3.3; R. M. Jones, Mechanics o
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, checked_number, checked_records, shown
+from lamc.plate.layup import layup_angles
 from lamc.plate.materials import Material, strain_rotation
+from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
+from lamc.plate.shear import shear_share, shear_warning
+
+Fields: TypeAlias = float | Sequence[float] | Array  # V/m, in all plies or one per ply
 
 _NONE = (0.0, 0.0, 0.0)
 _SURFACES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # height above the middle, in thicknesses
-
-
-@dataclass(frozen=True)
-class Ply:
-    """One layer. Raises DesignError unless the thickness is positive and all is finite."""
-
-    material: Material
-    thickness: float  # m
-    angle: float = 0.0  # degrees, from plate axis x towards y to the fibres, seen from above
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.material, Material):
-            raise DesignError(
-                f"the material of a ply is {shown(self.material)}; it must be a Material: "
-                "make one, or take one by plate.material(name)"
-            )
-        thickness = checked_number(self.thickness, "the thickness of a ply")
-        if thickness <= 0.0:
-            raise DesignError(
-                f"the thickness of a ply is {thickness:g} m; it must be positive: leave out a ply that is not there"
-            )
-        object.__setattr__(self, "thickness", thickness)
-        object.__setattr__(self, "angle", checked_number(self.angle, "the angle of a ply"))
-
-
-@dataclass(frozen=True, eq=False)
-class Resultants:
-    """Force and moment per width, plate axes, about the laminate's reference surface."""
-
-    force: Array  # (3,), N/m
-    moment: Array  # (3,), N
-
-
-@dataclass(frozen=True, eq=False)
-class Deformation:
-    """What the reference surface does, plate axes."""
-
-    strain: Array  # (3,)
-    curvature: Array  # (3,), 1/m, -(w_xx, w_yy, 2 w_xy)
-
-
-@dataclass(frozen=True)
-class EngineeringConstants:
-    """Of the homogeneous sheet that stretches as the laminate does while it is kept from bending."""
-
-    Ex: float  # Pa
-    Ey: float  # Pa
-    Gxy: float  # Pa
-    nuxy: float
-
-
-@dataclass(frozen=True, eq=False)
-class PlyState:
-    """Strain and stress in one ply; the rows are at its bottom and at its top, and between them all is linear."""
-
-    ply: Ply
-    z: Array  # (2,), m above the reference surface
-    strain: Array  # (2, 3), plate axes, expansion included
-    stress: Array  # (2, 3), Pa, plate axes
-    strain_material: Array  # (2, 3), along and across the fibres
-    stress_material: Array  # (2, 3), Pa
 
 
 @dataclass(frozen=True)
@@ -95,8 +40,8 @@ class Laminate:
     A, B, D    shape (3, 3), N/m, N and N·m, symmetric; A and D positive definite; B zero about the middle of a
                symmetric stack
 
-    Raises DesignError for no plies, things that are no plies, an unknown reference, and numbers so large or small
-    that the stiffness is out of the range of floating-point numbers.
+    Raises DesignError for no plies, things that are no plies, a gap below the lowest, an unknown reference, and numbers
+    so large or small that the stiffness is out of the range of floating-point numbers.
     """
 
     plies: Sequence[Ply]  # kept as a tuple
@@ -109,6 +54,11 @@ class Laminate:
         self._put("plies", checked_records(self.plies, Ply, "plies", "a laminate"))
         if not self.plies:
             raise DesignError("a laminate has no plies; give one at least, from bottom to top")
+        if self.plies[0].gap > 0.0:
+            raise DesignError(
+                f"the lowest ply of a laminate has a gap of {self.plies[0].gap:g} m below it; a gap lies between two "
+                "plies: give the height of the reference surface instead"
+            )
         if isinstance(self.reference, str):
             if self.reference not in _SURFACES:
                 raise DesignError(
@@ -119,14 +69,39 @@ class Laminate:
             self._put("reference", checked_number(self.reference, "the reference surface of a laminate"))
         self._set_stiffness()
 
+    @classmethod
+    def parse(
+        cls, layup: str, material: Material, thickness: float, reference: str | float = "middle"
+    ) -> "Laminate":
+        """Of plies of one material and one thickness, m, from notation such as "[0/90/±45]s" (see `layup.py`).
+
+        Raises DesignError with the place of what is wrong.
+        """
+        return cls([Ply(material, thickness, angle) for angle in layup_angles(layup)], reference)
+
+    @classmethod
+    def sandwich(cls, face: Ply | Sequence[Ply], core: Ply, reference: str | float = "middle") -> "Laminate":
+        """A core between two faces, one the mirror image of the other; `face` is the lower one, from the bottom up.
+
+        Raises DesignError.
+        """
+        lower = (face,) if isinstance(face, Ply) else checked_records(face, Ply, "face", "a sandwich")
+        return cls((*lower, core, *lower[::-1]), reference)
+
+    @classmethod
+    def layer(
+        cls, material: Material, thickness: float, angle: float = 0.0, height: float = 0.0
+    ) -> "Laminate":
+        """A single layer, as in a hinge, with its middle `height` m above the reference surface. Raises DesignError."""
+        return cls([Ply(material, thickness, angle)], -checked_number(height, "the height of a layer"))
+
     def _put(self, name: str, value: Any) -> None:
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
         object.__setattr__(self, name, value)
 
     def _set_stiffness(self) -> None:
-        z = self.interfaces
-        middle = 0.5 * (z[:-1] + z[1:])
+        middle = self.heights.mean(axis=1)
         t = np.array([ply.thickness for ply in self.plies])  # differences of z far away have lost digits
         with np.errstate(over="ignore", invalid="ignore"):
             stiffness = np.array([ply.material.stiffness(ply.angle) for ply in self.plies])
@@ -143,8 +118,8 @@ class Laminate:
 
     @property
     def thickness(self) -> float:
-        """Of all plies together, m."""
-        return float(sum(ply.thickness for ply in self.plies))
+        """From the lowest face to the highest, m, gaps included."""
+        return float(sum(ply.gap + ply.thickness for ply in self.plies))
 
     @property
     def reference_height(self) -> float:
@@ -154,10 +129,22 @@ class Laminate:
         return self.reference
 
     @property
+    def heights(self) -> Array:
+        """Of each ply's lower and upper face above the reference surface, shape (plies, 2), m."""
+        edges = np.cumsum([step for ply in self.plies for step in (ply.gap, ply.thickness)])
+        return np.asarray(edges - 0.5 * edges[-1] - self.reference_height).reshape(-1, 2)
+
+    @property
     def interfaces(self) -> Array:
-        """Heights of the plies' faces above the reference surface, ascending, shape (plies + 1,), m."""
-        heights = np.cumsum([0.0, *(ply.thickness for ply in self.plies)])
-        return np.asarray(heights - 0.5 * heights[-1] - self.reference_height)
+        """Heights of all faces above the reference surface, ascending, m, shape (plies + 1,), and one more per gap."""
+        heights = self.heights
+        apart = [k > 0 and ply.gap > 0.0 for k, ply in enumerate(self.plies)]
+        return np.concatenate(
+            [
+                heights[:1, 0],
+                *([low, high] if a else [high] for a, (low, high) in zip(apart, heights, strict=True)),
+            ]
+        )
 
     @property
     def ABD(self) -> Array:  # noqa: N802  the field's symbol
@@ -186,23 +173,39 @@ class Laminate:
     @property
     def thermal(self) -> Resultants:
         """Thermal resultants per kelvin, N/(m·K) and N/K: N = A strain + B κ - ΔT thermal.force, and M likewise."""
-        return self._expansion(1.0, 0.0)
+        return self.expansion(temperature=1.0)
 
     @property
     def moisture(self) -> Resultants:
         """As `thermal`, per mass of moisture over dry mass: N/m and N."""
-        return self._expansion(0.0, 1.0)
+        return self.expansion(moisture=1.0)
 
-    def _expansion(self, temperature: float, moisture: float) -> Resultants:
-        """The resultants that would stretch and bend an unheated, dry laminate as much."""
-        z = self.interfaces
+    def expansion(self, temperature: float = 0.0, moisture: float = 0.0, fields: Fields = 0.0) -> Resultants:
+        """What warming by `temperature` K, `moisture` and electric `fields` do, as the resultants that would stretch
+        and bend the untouched laminate as much: N = A strain + B κ - expansion.force, and M likewise.
+
+        fields  V/m along +z, in all plies or one per ply; plies without piezoelectric constants do not mind
+
+        Raises DesignError where these are not finite numbers, or not as many fields as plies.
+        """
         force, moment = np.zeros(3), np.zeros(3)
-        for ply, low, high in zip(self.plies, z[:-1], z[1:], strict=True):
-            free = ply.material.free_strain(temperature, moisture)
-            push = strain_rotation(ply.angle).T @ ply.material.Q @ free
+        free = self._free_strains(temperature, moisture, fields)
+        for ply, strain, middle in zip(self.plies, free, self.heights.mean(axis=1), strict=True):
+            push = strain_rotation(ply.angle).T @ ply.material.Q @ strain
             force += ply.thickness * push
-            moment += ply.thickness * 0.5 * (low + high) * push
+            moment += ply.thickness * middle * push
         return Resultants(force, moment)
+
+    def _free_strains(self, temperature: float, moisture: float, fields: Fields) -> Array:
+        """Of each ply, material axes, shape (plies, 3)."""
+        rise = checked_number(temperature, "the rise in temperature of a laminate")
+        content = checked_number(moisture, "the moisture of a laminate")
+        count = len(self.plies)
+        what = f"the electric field in the {count} plies of a laminate"
+        each = checked_array(np.full(count, fields) if np.ndim(fields) == 0 else fields, (count,), what)
+        return np.array(
+            [p.material.free_strain(rise, content, f) for p, f in zip(self.plies, each, strict=True)]
+        )
 
     def deformation(
         self,
@@ -211,12 +214,13 @@ class Laminate:
         *,
         temperature: float = 0.0,
         moisture: float = 0.0,
+        fields: Fields = 0.0,
     ) -> Deformation:
-        """What the laminate does under `force` N/m and `moment` N per width, each (3,), and warmed by `temperature` K.
+        """What the laminate does under `force` N/m and `moment` N per width, each (3,), and what `expansion` names.
 
         Raises DesignError where these are not finite numbers of that shape.
         """
-        expansion = self._expansion(*_checked_climate(temperature, moisture))
+        expansion = self.expansion(temperature, moisture, fields)
         N = checked_array(force, (3,), "the force per width on a laminate") + expansion.force
         M = checked_array(moment, (3,), "the moment per width on a laminate") + expansion.moment
         # In units of the thickness, where A and D are of one size: the answer does not depend on the unit of length.
@@ -232,29 +236,57 @@ class Laminate:
         *,
         temperature: float = 0.0,
         moisture: float = 0.0,
+        fields: Fields = 0.0,
     ) -> tuple[PlyState, ...]:
         """Strain and stress of every ply, bottom to top, where the reference surface has `strain` (3,) and `curvature`
-        (3,), 1/m, in a laminate that is `temperature` K warmer than where it is free of stress.
+        (3,), 1/m, in a laminate with what `expansion` names.
 
         Raises DesignError where these are not finite numbers of that shape.
         """
         strain0 = checked_array(strain, (3,), "the strain of a laminate")
         kappa = checked_array(curvature, (3,), "the curvature of a laminate")
-        climate = _checked_climate(temperature, moisture)
-        z = self.interfaces
+        free = self._free_strains(temperature, moisture, fields)
         states = []
-        for ply, low, high in zip(self.plies, z[:-1], z[1:], strict=True):
-            ends = np.array([low, high])
+        for ply, ends, expansion in zip(self.plies, self.heights, free, strict=True):
             turn = strain_rotation(ply.angle)
             total = strain0 + np.outer(ends, kappa)
             along = total @ turn.T
-            stress = (along - ply.material.free_strain(*climate)) @ ply.material.Q
+            stress = (along - expansion) @ ply.material.Q
             states.append(PlyState(ply, ends, total, stress @ turn, along, stress))
         return tuple(states)
 
+    def material_stress(
+        self,
+        strain: Array,
+        curvature: Array,
+        *,
+        temperature: float = 0.0,
+        moisture: float = 0.0,
+        fields: Fields = 0.0,
+    ) -> Array:
+        """Stress along and across the fibres at the lower and upper face of every ply, Pa, shape (..., plies, 2, 3),
+        from strains (..., 3) and curvatures (..., 3) of many places at once; for a result, so nothing is checked."""
+        free = self._free_strains(temperature, moisture, fields)
+        turns = np.array([strain_rotation(ply.angle) for ply in self.plies])
+        Q = np.array([ply.material.Q for ply in self.plies])
+        bend = np.asarray(curvature)[..., None, None, :]
+        total = np.asarray(strain)[..., None, None, :] + self.heights[:, :, None] * bend
+        along = np.einsum("pij,...pfj->...pfi", turns, total) - free[:, None, :]
+        return np.asarray(np.einsum("pij,...pfj->...pfi", Q, along))
 
-def _checked_climate(temperature: float, moisture: float) -> tuple[float, float]:
-    return (
-        checked_number(temperature, "the rise in temperature of a laminate"),
-        checked_number(moisture, "the moisture of a laminate"),
-    )
+    def shear_share(self, length: float) -> float:
+        """Deflection by shear through the thickness over that by bending, over a span of `length` m: an estimate from
+        G13 and G23, or G12 where a material has none; inf across a gap. Raises DesignError."""
+        return shear_share(self.plies, _checked_span(length))
+
+    def shear_warning(self, length: float) -> str:
+        """A sentence where the laminate is too thick or too soft in shear for classical theory over a span of `length`
+        m: h/a above 1/20, or a share above 5 %; else nothing. Raises DesignError."""
+        return shear_warning(self.plies, _checked_span(length))
+
+
+def _checked_span(length: float) -> float:
+    span = checked_number(length, "the span of a laminate")
+    if span <= 0.0:
+        raise DesignError(f"the span of a laminate is {span:g} m; it must be positive")
+    return span

@@ -1,8 +1,8 @@
 """Orthotropic materials in plane stress.
 
 In: engineering constants in SI, in the material's own axes: 1 along the fibres, 2 across, in the plane. Out: the
-reduced stiffness in these axes or in turned ones, and a few materials whose numbers are printed somewhere. Never:
-thicknesses or stacking, which are `laminate.py`'s.
+reduced stiffness in these axes or in turned ones, free strains, and the strengths as they were given. Never:
+thicknesses or stacking, which are `laminate.py`'s; numbers of real materials, which are `library.py`'s.
 
 Vectors of strain are (x, y, xy) with the engineering shear strain γ = 2 ε_xy; vectors of stress are (x, y, xy). Source:
 R. M. Jones, Mechanics of Composite Materials, 2nd ed. 1999, sections 2.5 and 2.6.
@@ -15,15 +15,20 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_number, shown
-from lamc.readonly import ReadOnlyDict
+
+STRENGTHS = ("Xt", "Xc", "Yt", "Yc", "S")
+_NUMBERS = ("E1", "E2", "nu12", "G12", "density", "alpha1", "alpha2", "beta1", "beta2", "d31", "d32")
+_OPTIONAL_MODULI = ("G13", "G23")
 
 
 @dataclass(frozen=True)
 class Material:
     """An orthotropic material as a thin ply shows it: plane stress, axes 1 and 2 in its plane.
 
-    Raises DesignError where a number is not finite, a modulus not positive, a density negative, or |nu12| not below
-    sqrt(E1/E2), beyond which some strain would release energy.
+    What is None is not known, and whatever needs it says so by an error that names it. Strengths are magnitudes.
+
+    Raises DesignError where a number is not finite, a modulus or a strength not positive, a density negative, or |nu12|
+    not below sqrt(E1/E2), beyond which some strain would release energy.
     """
 
     E1: float  # Pa
@@ -35,6 +40,17 @@ class Material:
     alpha2: float = 0.0  # 1/K
     beta1: float = 0.0  # expansion per mass of moisture over dry mass
     beta2: float = 0.0
+    d31: float = (
+        0.0  # m/V, free strain along 1 per field along z; negative for one that shortens, as PZT does
+    )
+    d32: float = 0.0  # m/V, along 2
+    G13: float | None = None  # Pa, shear through the thickness, in the plane of 1 and z
+    G23: float | None = None  # Pa
+    Xt: float | None = None  # Pa, strength along 1 in tension
+    Xc: float | None = None  # Pa, along 1 in compression
+    Yt: float | None = None  # Pa, along 2
+    Yc: float | None = None  # Pa
+    S: float | None = None  # Pa, in shear in the plane
     name: str = ""
     source: str = ""  # where the numbers are printed
 
@@ -43,13 +59,24 @@ class Material:
             if not isinstance(getattr(self, text), str):
                 raise DesignError(f"{text} of a material is {shown(getattr(self, text))}; it must be text")
         what = f"material {self.name!r}" if self.name else "a material"
-        for symbol in ("E1", "E2", "nu12", "G12", "density", "alpha1", "alpha2", "beta1", "beta2"):
+        for symbol in _NUMBERS:
             object.__setattr__(self, symbol, checked_number(getattr(self, symbol), f"{symbol} of {what}"))
-        for symbol in ("E1", "E2", "G12"):
-            if getattr(self, symbol) <= 0.0:
+        for symbol in (*_OPTIONAL_MODULI, *STRENGTHS):
+            if getattr(self, symbol) is not None:
+                object.__setattr__(self, symbol, checked_number(getattr(self, symbol), f"{symbol} of {what}"))
+        for symbol in ("E1", "E2", "G12", *_OPTIONAL_MODULI):
+            value = getattr(self, symbol)
+            if value is not None and value <= 0.0:
                 raise DesignError(
-                    f"{symbol} of {what} is {getattr(self, symbol):g} Pa; a modulus must be positive: "
+                    f"{symbol} of {what} is {value:g} Pa; a modulus must be positive: "
                     "for a layer without stiffness leave the ply out"
+                )
+        for symbol in STRENGTHS:
+            value = getattr(self, symbol)
+            if value is not None and value <= 0.0:
+                raise DesignError(
+                    f"{symbol} of {what} is {value:g} Pa; a strength is a magnitude and must be positive, in "
+                    "compression too: leave it out where it is not known"
                 )
         checked_number(self.density, f"density of {what}", minimum=0.0)
         if not self.nu12 * self.nu12 * (self.E2 / self.E1) < 1.0:
@@ -89,7 +116,21 @@ class Material:
                 "ply out"
             )
         shear = modulus / (2.0 * (1.0 + ratio))
-        return cls(modulus, modulus, ratio, shear, density, alpha, alpha, beta, beta, name, source)
+        return cls(
+            E1=modulus,
+            E2=modulus,
+            nu12=ratio,
+            G12=shear,
+            density=density,
+            alpha1=alpha,
+            alpha2=alpha,
+            beta1=beta,
+            beta2=beta,
+            G13=shear,
+            G23=shear,
+            name=name,
+            source=source,
+        )
 
     @property
     def Q(self) -> Array:  # noqa: N802  the field's symbol
@@ -106,11 +147,16 @@ class Material:
         turned = turn.T @ self.Q @ turn
         return np.asarray(0.5 * (turned + turned.T))
 
-    def free_strain(self, temperature: float = 0.0, moisture: float = 0.0) -> Array:
+    @property
+    def transverse_shear(self) -> Array:
+        """G13 and G23, shape (2,), Pa; G12 for one that is not known, which across fibres is too high for G23."""
+        return np.array([self.G12 if g is None else g for g in (self.G13, self.G23)])
+
+    def free_strain(self, temperature: float = 0.0, moisture: float = 0.0, field: float = 0.0) -> Array:
         """Strain of the unloaded material, material axes, shape (3,): `temperature` K and `moisture` above the state
-        without stress."""
-        along = self.alpha1 * temperature + self.beta1 * moisture
-        across = self.alpha2 * temperature + self.beta2 * moisture
+        without stress, `field` V/m along z."""
+        along = self.alpha1 * temperature + self.beta1 * moisture + self.d31 * field
+        across = self.alpha2 * temperature + self.beta2 * moisture + self.d32 * field
         return np.array([along, across, 0.0])
 
 
@@ -128,65 +174,3 @@ def strain_rotation(angle: float) -> Array:
     return np.array(
         [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2.0 * c * s, 2.0 * c * s, c * c - s * s]]
     )
-
-
-# An expansion that is not given here is not in the source, and counts as zero.
-_TSAI_HAHN = "S. W. Tsai and H. T. Hahn, Introduction to Composite Materials, 1980"
-
-LIBRARY: ReadOnlyDict[str, Material] = ReadOnlyDict(
-    {
-        entry.name: entry
-        for entry in (
-            Material(
-                E1=181e9,
-                E2=10.3e9,
-                nu12=0.28,
-                G12=7.17e9,
-                density=1600.0,
-                alpha1=0.02e-6,
-                alpha2=22.5e-6,
-                beta2=0.6,
-                name="T300/5208",
-                source=f"{_TSAI_HAHN}: carbon fibre in epoxy, 70 % fibres by volume",
-            ),
-            Material(
-                E1=38.6e9,
-                E2=8.27e9,
-                nu12=0.26,
-                G12=4.14e9,
-                density=1800.0,
-                alpha1=8.6e-6,
-                alpha2=22.1e-6,
-                beta2=0.6,
-                name="Scotchply 1002",
-                source=f"{_TSAI_HAHN}: E-glass in epoxy, 45 % fibres by volume",
-            ),
-            Material.isotropic(
-                E=2.5e9,
-                nu=0.34,
-                density=1420.0,
-                alpha=20e-6,
-                name="Kapton HN",
-                source="DuPont, Kapton HN data sheet: polyimide film at 23 °C",
-            ),
-            Material.isotropic(
-                E=210e9,
-                nu=0.3,
-                density=7850.0,
-                alpha=12e-6,
-                name="steel",
-                source="EN 1993-1-1:2005, 3.2.6; density EN 1993-1-2:2005, 3.2.2",
-            ),
-        )
-    }
-)
-
-
-def material(name: str) -> Material:
-    """The material of that name in `LIBRARY`. Raises DesignError with the names there are."""
-    if name not in LIBRARY:
-        raise DesignError(
-            f"there is no material {shown(name)} in the library; there are {', '.join(sorted(LIBRARY))}: "
-            "choose one, or give Material(E1=…, E2=…, nu12=…, G12=…, density=…)"
-        )
-    return LIBRARY[name]

@@ -1,78 +1,162 @@
-"""What acts on a plate. Forces are positive along +x, +y, +z; `where` is as for supports."""
+"""What acts on a plate.
+
+In: where, and how much. Out: records, checked by themselves. Never: meshes; whether a load touches anything is the
+problem's to say.
+
+Forces are positive along +x, +y, +z (w is up). `where` is as for supports.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from lamc.plate.supports import Where
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array, checked_array, checked_name, checked_number
+from lamc.plate.supports import Where, checked_where
 
 Force: TypeAlias = float | Sequence[float]  # along z, or (x, y, z)
-Intensity: TypeAlias = (
-    float | Callable[[float, float], float]
-)  # or a function of x, y in m, called with arrays
+Intensity: TypeAlias = float | Callable[[Array, Array], Array]  # or a function of x, y in m, called with arrays
 
 
 @dataclass(frozen=True, eq=False)
 class PointLoad:
-    """A force at a point anywhere on the plate, N."""
+    """A force at a point anywhere on the plate.
 
-    at: tuple[float, float]  # m
+    at     (x, y), m
+    force  N along z, or (x, y, z)
+
+    Right under it curvature and moments are infinite, and their values there grow as the mesh is refined. Raises
+    DesignError.
+    """
+
+    at: Sequence[float]
     force: Force
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "at", tuple(checked_array(self.at, (2,), "the place of a PointLoad").tolist()))
+        object.__setattr__(self, "force", _checked_force(self.force, "the force of a PointLoad"))
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeLoad:
-    """A force per length, N/m, along edges."""
+    """A force per length along edges of the mesh, inner ones too: N/m along z, or (x, y, z). Raises DesignError."""
 
     where: Where
     force: Force
+
+    def __post_init__(self) -> None:
+        checked_where(self.where, "an EdgeLoad")
+        object.__setattr__(self, "force", _checked_force(self.force, "the force of an EdgeLoad"))
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeMoment:
     """A moment per length, N, that bends like a positive M_n about the laminate's reference surface.
 
-    On the right-hand edge of a plate it is M_x: it pulls at the upper face and turns the edge's slope down.
+    On the right-hand edge of a plate it is M_x: it pulls at the upper face and turns the edge's slope down. It acts on
+    edges of the boundary: which side of an inner line is outside would be anyone's guess. Raises DesignError.
     """
 
     where: Where
     moment: float
 
+    def __post_init__(self) -> None:
+        checked_where(self.where, "an EdgeMoment")
+        object.__setattr__(self, "moment", checked_number(self.moment, "the moment of an EdgeMoment"))
+
 
 @dataclass(frozen=True, eq=False)
 class Pressure:
-    """A force per area along +z, Pa; everywhere, or on the region named."""
+    """A force per area along +z, Pa; everywhere, or on the region named.
+
+    intensity  a number, or a function of x and y that takes and gives arrays; it is taken at the corners of the cells
+               and linear between them
+
+    Raises DesignError.
+    """
 
     intensity: Intensity
     region: str | None = None
 
+    def __post_init__(self) -> None:
+        if not callable(self.intensity):
+            value = checked_number(self.intensity, "the intensity of a Pressure")
+            object.__setattr__(self, "intensity", value)
+        _check_region(self.region, "a Pressure")
+
 
 @dataclass(frozen=True, eq=False)
 class Gravity:
-    """Weight: (gx, gy, gz), m/s²."""
+    """Weight of the laminate's own mass: (gx, gy, gz), m/s². Raises DesignError."""
 
     acceleration: Sequence[float] = (0.0, 0.0, -9.81)
+
+    def __post_init__(self) -> None:
+        value = checked_array(self.acceleration, (3,), "the acceleration of Gravity")
+        object.__setattr__(self, "acceleration", tuple(value.tolist()))
 
 
 @dataclass(frozen=True, eq=False)
 class Temperature:
-    """Warmer by `rise` K than where the plate is free of stress; everywhere, or on the region named."""
+    """Warmer by `rise` K than where the plate is free of stress; everywhere, or on the region named.
+
+    Raises DesignError.
+    """
 
     rise: float
     region: str | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rise", checked_number(self.rise, "the rise of a Temperature"))
+        _check_region(self.region, "a Temperature")
+
 
 @dataclass(frozen=True, eq=False)
 class Moisture:
-    """Mass of moisture over dry mass."""
+    """Mass of moisture over dry mass; everywhere, or on the region named. Raises DesignError."""
 
     content: float
     region: str | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "content", checked_number(self.content, "the content of a Moisture"))
+        _check_region(self.region, "a Moisture")
+
 
 @dataclass(frozen=True, eq=False)
 class ElectricField:
-    """Field through the thickness of every piezoelectric ply, V/m, positive upwards; or one field per ply."""
+    """Field through the thickness of every piezoelectric ply, V/m, positive upwards; or one field per ply.
+
+    Everywhere, or on the region named. Raises DesignError.
+    """
 
     field: float | Sequence[float]
     region: str | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.field, Sequence) and not isinstance(self.field, str):
+            value = checked_array(self.field, (len(self.field),), "the field of an ElectricField")
+            object.__setattr__(self, "field", tuple(value.tolist()))
+        else:
+            object.__setattr__(self, "field", checked_number(self.field, "the field of an ElectricField"))
+        _check_region(self.region, "an ElectricField")
+
+
+LoadRecord: TypeAlias = (
+    PointLoad | EdgeLoad | EdgeMoment | Pressure | Gravity | Temperature | Moisture | ElectricField
+)
+LOADS = (PointLoad, EdgeLoad, EdgeMoment, Pressure, Gravity, Temperature, Moisture, ElectricField)
+CLIMATES = (Temperature, Moisture, ElectricField)  # what makes a free laminate stretch and bend
+
+
+def _checked_force(force: object, what: str) -> tuple[float, float, float]:
+    """As (x, y, z)."""
+    if isinstance(force, str) or not hasattr(force, "__len__"):
+        return (0.0, 0.0, checked_number(force, f"{what} along z"))
+    x, y, z = checked_array(force, (3,), what).tolist()
+    return (x, y, z)
+
+
+def _check_region(region: object, what: str) -> None:
+    if region is not None and region != "":  # the region of a mesh without names
+        checked_name(region, f"the region of {what}")

@@ -1,0 +1,90 @@
+"""From a place, "boundary" or a shapely geometry, to nodes and edges of a mesh.
+
+In: the nodes of a problem and a tolerance. Out: numbers of nodes; edges as (cell, local edge). Never: supports, loads.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array
+from lamc.plate.dofs import Dofs
+from lamc.plate.mesh import Integers
+from lamc.plate.supports import Where, where_text
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where nodes and edges are.
+
+    tolerance  m; nearer than this is "on it"
+    """
+
+    dofs: Dofs
+    tolerance: float
+
+    @cached_property
+    def _used(self) -> Flags:
+        return np.asarray((self.dofs.table >= 0).any(axis=1))
+
+    @cached_property
+    def edges(self) -> Integers:
+        """All edges, each once, as (cell, local edge), shape (e, 2), in the order of `mesh.edges`."""
+        corners = self.dofs.mesh.corner_count
+        _, first = np.unique(self.dofs.mesh.cell_edges.ravel(), return_index=True)
+        return np.stack(np.divmod(first, corners), axis=1).astype(np.int32)
+
+    @cached_property
+    def on_boundary(self) -> Flags:
+        """Which of `edges` belong to one cell only, shape (e,)."""
+        mesh = self.dofs.mesh
+        return np.asarray(np.bincount(mesh.cell_edges.ravel(), minlength=len(mesh.edges)) == 1)
+
+    def nodes(self, where: Where, what: str) -> Integers:
+        """Nodes on `where`, ascending. Raises DesignError, naming `what`, if there is none."""
+        if isinstance(where, str):
+            cells, edges = self.edges[self.on_boundary].T
+            return np.unique(self.dofs.on_edges(cells, edges)).astype(np.int32)
+        on = np.flatnonzero(self._on(where, self.dofs.points) & self._used)
+        if not len(on):
+            distance = np.min(shapely.distance(where, shapely.points(self.dofs.points[self._used])))
+            raise DesignError(
+                f"{what} at {where_text(where)} touches no node of the mesh; the nearest is {distance:.3g} m away, and "
+                f"the tolerance is {self.tolerance:.3g} m: move it, mesh along it, or raise `tolerance`"
+            )
+        return on.astype(np.int32)
+
+    def edges_on(self, where: Where) -> Integers:
+        """Edges with their ends and their middle on `where`, as (cell, local edge), each once, shape (k, 2)."""
+        if isinstance(where, str):
+            return np.asarray(self.edges[self.on_boundary])
+        on = self._on(where, self.dofs.mesh.points)
+        ends = self.dofs.mesh.edges
+        both = np.flatnonzero(on[ends].all(axis=1))
+        middle = self.dofs.mesh.points[ends[both]].mean(axis=1)
+        return np.asarray(self.edges[both[self._on(where, middle)]])
+
+    def some_edges_on(self, where: Where, what: str) -> Integers:
+        """As `edges_on`. Raises DesignError, naming `what`, if there is none."""
+        edges = self.edges_on(where)
+        if not len(edges):
+            assert not isinstance(where, str)
+            middle = self.dofs.mesh.points[self.dofs.mesh.edges].mean(axis=1)
+            distance = np.min(shapely.distance(where, shapely.points(middle)))
+            raise DesignError(
+                f"{what} at {where_text(where)} lies along no edge of the mesh; the middle of the nearest is "
+                f"{distance:.3g} m away, and the tolerance is {self.tolerance:.3g} m: move it, mesh along it, or raise "
+                "`tolerance`"
+            )
+        return edges
+
+    def _on(self, where: BaseGeometry, points: Array) -> Flags:
+        shapely.prepare(where)
+        return np.asarray(shapely.dwithin(where, shapely.points(points), self.tolerance))

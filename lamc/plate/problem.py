@@ -1,0 +1,214 @@
+"""A plate problem: a mesh, what it is made of, how it is held, what acts on it.
+
+In: records that a user makes. Out: the same, checked against each other, with the element that they call for. Never:
+assembles or solves; `model.py` does.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import checked_name, checked_number, shown
+from lamc.plate.dofs import Dofs
+from lamc.plate.elements.definition import TRIANGLE, Element
+from lamc.plate.elements.library import combine, element
+from lamc.plate.laminate import Laminate
+from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
+from lamc.plate.mesh import Mesh
+from lamc.plate.places import Places
+from lamc.plate.sections import couples, expansion
+from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord
+
+_COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares
+_IN_PLANE = ("u", "v")
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A plate, its supports and its loads.
+
+    mesh       cells, and the regions they belong to
+    laminate   one for all regions, or one for each by name
+    element    a name of `plate.ELEMENTS`, two joined by "+" ("dkt+lst"), or an Element. One that only bends gets a
+               membrane by itself ("dkt" becomes "dkt+cst") where a laminate couples bending and stretching (B is not
+               zero), and where supports or loads concern the plane
+    supports   records of `supports.py`
+    loads      records of `loads.py`; they act in every case
+    cases      more loads by the name of a case; they are solved together
+    tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
+
+    laminates  (regions,), in the order of the mesh's regions
+    dofs       unknowns of the element that was chosen: `problem.dofs.element`
+
+    Raises DesignError where anything is missing, unknown, or touches nothing.
+    """
+
+    mesh: Mesh
+    laminate: Laminate | Mapping[str, Laminate]
+    element: str | Element = "dkt"
+    supports: Sequence[SupportRecord] = ()
+    loads: Sequence[LoadRecord] = ()
+    cases: Mapping[str, Sequence[LoadRecord]] = field(default_factory=dict)
+    tolerance: float = 1e-6
+    laminates: tuple[Laminate, ...] = field(init=False, repr=False)
+    dofs: Dofs = field(init=False, repr=False)
+    places: Places = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.mesh, Mesh):
+            raise DesignError(f"the mesh of a Problem is {shown(self.mesh)}; make one by plate.grid or plate.mesh")
+        self._put("tolerance", checked_number(self.tolerance, "the tolerance of a Problem", minimum=0.0))
+        self._put("supports", checked_kinds(self.supports, SUPPORTS, "supports of a Problem"))
+        self._put("loads", checked_kinds(self.loads, LOADS, "loads of a Problem"))
+        self._put("cases", _checked_cases(self.cases))
+        self._put("laminates", laminates_of(self.laminate, self.mesh))
+        self._put("dofs", Dofs(self.mesh, self._chosen_element()))
+        size = float(np.hypot(*np.ptp(self.mesh.points, axis=0)))
+        self._put("places", Places(self.dofs, self.tolerance * size))
+        for support in self.supports:
+            self._check_support(support)
+        for load in self.all_loads:
+            check_load(self, load)
+
+    def _put(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+    @property
+    def all_loads(self) -> tuple[LoadRecord, ...]:
+        """Those of every case, then those of each."""
+        return (*self.loads, *(load for case in self.cases.values() for load in case))
+
+    @property
+    def size(self) -> float:
+        """Of the mesh: the diagonal of its bounding box, m."""
+        return float(np.hypot(*np.ptp(self.mesh.points, axis=0)))
+
+    def _chosen_element(self) -> Element:
+        chosen = checked_element(self.element)
+        if chosen.bends and not chosen.stretches and self._concerns_plane():
+            return combine(chosen, element(_COMPANIONS.get(chosen.cell, "q4")))
+        return chosen
+
+    def _concerns_plane(self) -> bool:
+        return (
+            any(couples(laminate) for laminate in self.laminates)
+            or any(_holds_plane(support) for support in self.supports)
+            or any(self._pulls_plane(load) for load in self.all_loads)
+        )
+
+    def _pulls_plane(self, load: LoadRecord) -> bool:
+        if isinstance(load, PointLoad | EdgeLoad):
+            return any(_vector(load.force)[:2])
+        if isinstance(load, Gravity):
+            return any(load.acceleration[:2])
+        if isinstance(load, Pressure | EdgeMoment):
+            return False
+        return any(expansion(laminate, load).force.any() for laminate in self.laminates)
+
+    def _check_support(self, support: SupportRecord) -> None:
+        what = f"the {type(support).__name__} support"
+        self.places.nodes(support.where, what)
+        if isinstance(support, Hinged) and support.stiffness > 0.0:
+            self.places.some_edges_on(support.where, what)
+        if isinstance(support, Support):
+            missing = [name for name in support.dofs if name not in self.dofs.names]
+            if missing:
+                raise DesignError(
+                    f"a Support holds {missing[0]!r}, which element {self.dofs.element.name!r} does not have (it has "
+                    f"{', '.join(self.dofs.names)}); leave it out, or choose another element"
+                )
+
+
+def check_load(problem: Problem, load: LoadRecord) -> None:
+    """Raises DesignError where `load` touches nothing, names no region, or pulls where the element has no unknown."""
+    region = getattr(load, "region", None)
+    if region is not None and region not in problem.mesh.region_names:
+        raise DesignError(
+            f"a {type(load).__name__} acts on region {region!r}, which the mesh does not have; it has "
+            f"{', '.join(repr(name) for name in problem.mesh.region_names)}"
+        )
+    chosen = problem.dofs.element
+    if isinstance(load, EdgeLoad | EdgeMoment):
+        edges = problem.places.some_edges_on(load.where, f"the {type(load).__name__}")
+        del edges
+    across = isinstance(load, Pressure | EdgeMoment) or (
+        isinstance(load, PointLoad | EdgeLoad) and _vector(load.force)[2] != 0.0
+    )
+    if across and not chosen.bends:
+        raise DesignError(
+            f"a {type(load).__name__} acts across the plate, and element {chosen.name!r} has no deflection; choose one "
+            f"that bends, such as 'dkt+{chosen.name}'"
+        )
+    if problem._pulls_plane(load) and not chosen.stretches:
+        raise DesignError(
+            f"a {type(load).__name__} acts in the plane, and element {chosen.name!r} of the model only bends; give it "
+            "with the problem, or choose an element with a membrane, such as 'dkt+cst'"
+        )
+
+
+def checked_element(given: str | Element) -> Element:
+    """The element of that name, of two names joined by "+", or as it is."""
+    if isinstance(given, Element):
+        return given
+    if not isinstance(given, str):
+        raise DesignError(f"the element of a Problem is {shown(given)}; it must be a name or an Element")
+    bending, plus, membrane = given.partition("+")
+    return combine(element(bending), element(membrane)) if plus else element(bending)
+
+
+def laminates_of(laminate: Laminate | Mapping[str, Laminate], mesh: Mesh) -> tuple[Laminate, ...]:
+    """One per region of the mesh. Raises DesignError, naming the region, where one has none."""
+    names = mesh.region_names
+    if isinstance(laminate, Laminate):
+        return (laminate,) * len(names)
+    if not isinstance(laminate, Mapping):
+        raise DesignError(
+            f"the laminate of a Problem is {shown(laminate)}; it must be a Laminate, or one by region: "
+            f"{{{names[0]!r}: Laminate(…)}}"
+        )
+    for name, value in laminate.items():
+        if name not in names:
+            raise DesignError(
+                f"a laminate is given for region {shown(name)}, which the mesh does not have; it has "
+                f"{', '.join(repr(n) for n in names)}"
+            )
+        if not isinstance(value, Laminate):
+            raise DesignError(f"the laminate of region {name!r} is {shown(value)}; it must be a Laminate")
+    for name in names:
+        if name not in laminate:
+            raise DesignError(f"region {name!r} of the mesh has no laminate; give one: laminate={{{name!r}: …}}")
+    return tuple(laminate[name] for name in names)
+
+
+def checked_kinds(values: Any, kinds: tuple[type, ...], what: str) -> tuple[Any, ...]:
+    """`values` as a tuple of records of any of `kinds`, or DesignError."""
+    names = ", ".join(kind.__name__ for kind in kinds)
+    if isinstance(values, kinds):
+        raise DesignError(f"{what} are a single {type(values).__name__}; put it into a list")
+    if isinstance(values, Mapping | str | bytes) or not hasattr(values, "__iter__"):
+        raise DesignError(f"{what} are {shown(values)}; they must be a list of {names}")
+    items = tuple(values)
+    for item in items:
+        if not isinstance(item, kinds):
+            raise DesignError(f"{what} hold {shown(item)}; each must be one of {names}")
+    return items
+
+
+def _checked_cases(cases: Any) -> dict[str, tuple[LoadRecord, ...]]:
+    if not isinstance(cases, Mapping):
+        raise DesignError(f"cases of a Problem are {shown(cases)}; they must be loads by name: {{'wind': [Pressure(5.0)]}}")
+    return {
+        checked_name(name, "a case of a Problem"): checked_kinds(loads, LOADS, f"loads of case {shown(name)}")
+        for name, loads in cases.items()
+    }
+
+
+def _holds_plane(support: SupportRecord) -> bool:
+    return isinstance(support, Support) and any(name in _IN_PLANE for name in support.dofs)
+
+
+def _vector(force: Any) -> tuple[float, float, float]:
+    return force  # type: ignore[no-any-return]  # a record has made it three numbers

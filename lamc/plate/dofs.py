@@ -5,7 +5,7 @@ the element's own order. Never: stiffness, supports.
 
 Nodes are the mesh's points first, in its order; then those on edges, edge by edge in the order of `mesh.edges`, each
 from the end with the lower number to the other; then those inside cells. Unknowns are numbered node by node, at each
-node in the order of `definition.DOFS`. A point of the mesh that belongs to no cell has no unknowns.
+node in the order of `definition.DOFS`.
 """
 
 from collections.abc import Sequence
@@ -122,12 +122,12 @@ def edge_nodes(element: Element) -> tuple[tuple[int, ...], ...]:
 def _place(cell: str, node: Node) -> Place:
     """Where in a cell a node lies."""
     a, b = (Fraction(value) for value in node.at)
-    if (a, b) in CORNERS[cell]:
-        return "corner", CORNERS[cell].index((a, b)), Fraction(0)  # type: ignore[arg-type]
-    if cell == TRIANGLE:
-        distances = (b, 1 - a - b, a)
-        along = (a, b, 1 - b)
-    else:
+    corners = [(Fraction(x), Fraction(y)) for x, y in CORNERS[cell]]
+    if (a, b) in corners:
+        return "corner", corners.index((a, b)), Fraction(0)
+    distances: tuple[Fraction, ...] = (b, 1 - a - b, a)
+    along: tuple[Fraction, ...] = (a, b, 1 - b)
+    if cell != TRIANGLE:
         distances = (b + 1, 1 - a, 1 - b, a + 1)
         along = ((a + 1) / 2, (b + 1) / 2, (1 - a) / 2, (1 - b) / 2)
     if 0 in distances:

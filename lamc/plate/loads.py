@@ -10,12 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, checked_name, checked_number
 from lamc.plate.supports import Where, checked_where
 
 Force: TypeAlias = float | Sequence[float]  # along z, or (x, y, z)
-Intensity: TypeAlias = float | Callable[[Array, Array], Array]  # or a function of x, y in m, called with arrays
+Intensity: TypeAlias = (
+    float | Callable[[Array, Array], Array]
+)  # or a function of x, y in m, called with arrays
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,9 @@ class PointLoad:
     force: Force
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "at", tuple(checked_array(self.at, (2,), "the place of a PointLoad").tolist()))
+        object.__setattr__(
+            self, "at", tuple(checked_array(self.at, (2,), "the place of a PointLoad").tolist())
+        )
         object.__setattr__(self, "force", _checked_force(self.force, "the force of a PointLoad"))
 
 

@@ -31,10 +31,6 @@ class Places:
     tolerance: float
 
     @cached_property
-    def _used(self) -> Flags:
-        return np.asarray((self.dofs.table >= 0).any(axis=1))
-
-    @cached_property
     def edges(self) -> Integers:
         """All edges, each once, as (cell, local edge), shape (e, 2), in the order of `mesh.edges`."""
         corners = self.dofs.mesh.corner_count
@@ -52,9 +48,9 @@ class Places:
         if isinstance(where, str):
             cells, edges = self.edges[self.on_boundary].T
             return np.unique(self.dofs.on_edges(cells, edges)).astype(np.int32)
-        on = np.flatnonzero(self._on(where, self.dofs.points) & self._used)
+        on = np.flatnonzero(self._on(where, self.dofs.points))
         if not len(on):
-            distance = np.min(shapely.distance(where, shapely.points(self.dofs.points[self._used])))
+            distance = np.min(shapely.distance(where, shapely.points(self.dofs.points)))
             raise DesignError(
                 f"{what} at {where_text(where)} touches no node of the mesh; the nearest is {distance:.3g} m away, and "
                 f"the tolerance is {self.tolerance:.3g} m: move it, mesh along it, or raise `tolerance`"

@@ -14,12 +14,12 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
-from lamc.plate.elements.library import combine, element
+from lamc.plate.elements.library import combine, element  # type: ignore[import-not-found,import-untyped]
 from lamc.plate.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
 from lamc.plate.mesh import Mesh
 from lamc.plate.places import Places
-from lamc.plate.sections import couples, expansion
+from lamc.plate.sections import climates, couples
 from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord
 
 _COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares
@@ -59,7 +59,9 @@ class Problem:
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):
-            raise DesignError(f"the mesh of a Problem is {shown(self.mesh)}; make one by plate.grid or plate.mesh")
+            raise DesignError(
+                f"the mesh of a Problem is {shown(self.mesh)}; make one by plate.grid or plate.mesh"
+            )
         self._put("tolerance", checked_number(self.tolerance, "the tolerance of a Problem", minimum=0.0))
         self._put("supports", checked_kinds(self.supports, SUPPORTS, "supports of a Problem"))
         self._put("loads", checked_kinds(self.loads, LOADS, "loads of a Problem"))
@@ -89,7 +91,8 @@ class Problem:
     def _chosen_element(self) -> Element:
         chosen = checked_element(self.element)
         if chosen.bends and not chosen.stretches and self._concerns_plane():
-            return combine(chosen, element(_COMPANIONS.get(chosen.cell, "q4")))
+            both: Element = combine(chosen, element(_COMPANIONS.get(chosen.cell, "q4")))
+            return both
         return chosen
 
     def _concerns_plane(self) -> bool:
@@ -106,7 +109,11 @@ class Problem:
             return any(load.acceleration[:2])
         if isinstance(load, Pressure | EdgeMoment):
             return False
-        return any(expansion(laminate, load).force.any() for laminate in self.laminates)
+        names = self.mesh.region_names
+        for laminate, state in zip(self.laminates, climates(self.laminates, [load], names), strict=True):
+            if laminate.expansion(state.temperature, state.moisture, state.fields).force.any():
+                return True
+        return False
 
     def _check_support(self, support: SupportRecord) -> None:
         what = f"the {type(support).__name__} support"
@@ -132,8 +139,7 @@ def check_load(problem: Problem, load: LoadRecord) -> None:
         )
     chosen = problem.dofs.element
     if isinstance(load, EdgeLoad | EdgeMoment):
-        edges = problem.places.some_edges_on(load.where, f"the {type(load).__name__}")
-        del edges
+        problem.places.some_edges_on(load.where, f"the {type(load).__name__}")
     across = isinstance(load, Pressure | EdgeMoment) or (
         isinstance(load, PointLoad | EdgeLoad) and _vector(load.force)[2] != 0.0
     )
@@ -156,7 +162,8 @@ def checked_element(given: str | Element) -> Element:
     if not isinstance(given, str):
         raise DesignError(f"the element of a Problem is {shown(given)}; it must be a name or an Element")
     bending, plus, membrane = given.partition("+")
-    return combine(element(bending), element(membrane)) if plus else element(bending)
+    found: Element = combine(element(bending), element(membrane)) if plus else element(bending)
+    return found
 
 
 def laminates_of(laminate: Laminate | Mapping[str, Laminate], mesh: Mesh) -> tuple[Laminate, ...]:
@@ -179,7 +186,9 @@ def laminates_of(laminate: Laminate | Mapping[str, Laminate], mesh: Mesh) -> tup
             raise DesignError(f"the laminate of region {name!r} is {shown(value)}; it must be a Laminate")
     for name in names:
         if name not in laminate:
-            raise DesignError(f"region {name!r} of the mesh has no laminate; give one: laminate={{{name!r}: …}}")
+            raise DesignError(
+                f"region {name!r} of the mesh has no laminate; give one: laminate={{{name!r}: …}}"
+            )
     return tuple(laminate[name] for name in names)
 
 
@@ -199,7 +208,9 @@ def checked_kinds(values: Any, kinds: tuple[type, ...], what: str) -> tuple[Any,
 
 def _checked_cases(cases: Any) -> dict[str, tuple[LoadRecord, ...]]:
     if not isinstance(cases, Mapping):
-        raise DesignError(f"cases of a Problem are {shown(cases)}; they must be loads by name: {{'wind': [Pressure(5.0)]}}")
+        raise DesignError(
+            f"cases of a Problem are {shown(cases)}; they must be loads by name: {{'wind': [Pressure(5.0)]}}"
+        )
     return {
         checked_name(name, "a case of a Problem"): checked_kinds(loads, LOADS, f"loads of case {shown(name)}")
         for name, loads in cases.items()

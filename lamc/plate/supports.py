@@ -4,9 +4,9 @@ In: where, and which unknowns. Out: records, checked by themselves. Never: meshe
 the problem's to say.
 
 `where` is "boundary", or a shapely geometry: a node is held if it lies on it, or in it, within a tolerance. An edge
-belongs to a support if its ends and its middle do. What depends on a direction (a hard simple support, a symmetry) takes
-it from these edges: where two of them meet at a node and turn by less than 30°, they are taken for pieces of one smooth
-curve, and the node has their mean direction; where they turn by more, it is a corner, and both directions hold there.
+belongs to a support if its ends and its middle do. What depends on a direction (a hard simple support, a symmetry)
+takes it from these edges: where two of them meet at a node and turn by less than 30°, they are taken for pieces of one
+smooth curve, and the node has their mean direction; where they turn by more, it is a corner, and both directions hold.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,9 @@ from lamc.plate.elements.definition import DOFS
 
 BOUNDARY = "boundary"
 Where: TypeAlias = str | BaseGeometry
-Value: TypeAlias = float | Callable[[Array, Array], Array]  # or a function of x and y in m, called with arrays
+Value: TypeAlias = (
+    float | Callable[[Array, Array], Array]
+)  # or a function of x and y in m, called with arrays
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +44,15 @@ class Support:
     def __post_init__(self) -> None:
         checked_where(self.where, "a Support")
         if isinstance(self.dofs, str):
-            raise DesignError(f"dofs of a Support are {shown(self.dofs)}; put names into a tuple: ({self.dofs!r},)")
+            raise DesignError(
+                f"dofs of a Support are {shown(self.dofs)}; put names into a tuple: ({self.dofs!r},)"
+            )
         try:
             names = tuple(self.dofs)
         except TypeError as error:
-            raise DesignError(f"dofs of a Support are {shown(self.dofs)}; they must be a tuple of names") from error
+            raise DesignError(
+                f"dofs of a Support are {shown(self.dofs)}; they must be a tuple of names"
+            ) from error
         if not names:
             raise DesignError("dofs of a Support are empty; name what it holds, such as ('w',)")
         for name in names:
@@ -93,8 +99,8 @@ class SimplySupported:
         checked_where(self.where, "a SimplySupported edge")
         if self.kind not in ("hard", "soft"):
             raise DesignError(
-                f"the kind of a SimplySupported edge is {shown(self.kind)}; it must be 'hard' (no slope along the edge) "
-                "or 'soft'"
+                f"the kind of a SimplySupported edge is {shown(self.kind)}; it must be 'hard' (no slope along the "
+                "edge) or 'soft'"
             )
 
 

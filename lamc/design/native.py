@@ -71,7 +71,7 @@ class _Reader:
         problems.raise_if_any()
         materials = {
             name: Material(
-                name, m.density, m.E1, m.E2, m.poisson, m.rigid, m.flexible, m.adhesive, m.conductive
+                name, m.density, m.E1, m.E2, m.poisson, m.rigid, m.flexible, m.adhesive, m.conductive, m.G12
             )
             for name, m in model.materials.items()
         }

@@ -28,6 +28,7 @@ class Material:
     is_flexible: bool = False
     is_adhesive: bool = False
     is_conductive: bool = False
+    G12: float | None = None  # Pa; with E1 = E2 and none of it, the material is isotropic
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,7 @@ class MaterialModel(Model):
     E1: Modulus | None = None
     E2: Modulus | None = None
     poisson: Poisson | None = None
+    G12: Modulus | None = Field(None, description="shear modulus; needed where E2 differs from E1")
     rigid: bool = False
     flexible: bool = False
     adhesive: bool = False

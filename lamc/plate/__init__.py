@@ -10,7 +10,9 @@ joints; a mechanism is rigid here, and a plate knows nothing of it.
     laminate.A, laminate.B, laminate.D
 """
 
+from lamc.plate.from_design import DesignPlate, plate_of
 from lamc.plate.grid import grid, grid_of_lines, lines
+from lamc.plate.hinge_edges import HingeEdge
 from lamc.plate.laminate import Laminate
 from lamc.plate.library import LIBRARY, material
 from lamc.plate.materials import Material
@@ -20,7 +22,9 @@ from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, R
 __all__ = [
     "LIBRARY",
     "Deformation",
+    "DesignPlate",
     "EngineeringConstants",
+    "HingeEdge",
     "Laminate",
     "Material",
     "Mesh",
@@ -31,4 +35,5 @@ __all__ = [
     "grid_of_lines",
     "lines",
     "material",
+    "plate_of",
 ]

@@ -1,0 +1,107 @@
+"""The elements that come with lamc, by name, and how one that bends and one that stretches become one.
+
+In: names. Out: elements. Never: formulas, which are in `triangles.py` and `squares.py`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+
+import sympy as sp
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import shown
+from lamc.plate.elements.definition import DOFS, Element, Node
+from lamc.plate.elements.squares import BFS, Q4, Q8, Q9, Q12
+from lamc.plate.elements.triangles import BCIZ, CST, DKT, LST, SPECHT
+from lamc.readonly import ReadOnlyDict
+
+ELEMENTS: Mapping[str, Element] = ReadOnlyDict(
+    {e.name: e for e in (BCIZ, DKT, SPECHT, CST, LST, Q4, Q8, Q9, Q12, BFS)}
+)
+
+
+def element(name: str) -> Element:
+    """The element of that name: one of `ELEMENTS`, or two with a plus between, as in "dkt+cst".
+
+    Raises DesignError for a name that is not there, and as `combine` does.
+    """
+    if not isinstance(name, str):
+        raise DesignError(f"the element is {shown(name)}; give its name, or an Element")
+    names = [part.strip().lower() for part in name.split("+")]
+    for part in names:
+        if part not in ELEMENTS:
+            close = get_close_matches(part, ELEMENTS, 1)
+            hint = f"did you mean {close[0]!r}?" if close else f"there are {', '.join(ELEMENTS)}"
+            raise DesignError(f"there is no element {shown(part)}; {hint}")
+    if len(names) > 2:
+        raise DesignError(
+            f"the element {shown(name)} has {len(names)} parts; one that bends and one that stretches do"
+        )
+    if len(names) == 1:
+        return ELEMENTS[names[0]]
+    first, second = (ELEMENTS[part] for part in names)
+    return combine(first, second) if first.bends else combine(second, first)
+
+
+def combine(bending: Element, membrane: Element) -> Element:
+    """One element with the unknowns of both, for laminates that bend when they are stretched.
+
+    Nodes of both that are at the same place are one; corners come first, then edges, then the inside. Raises
+    DesignError unless one only bends, the other only stretches, and both have the same cell.
+    """
+    for part, does, wrong in (
+        (bending, bending.bends, bending.stretches),
+        (membrane, membrane.stretches, membrane.bends),
+    ):
+        if not does or wrong:
+            what = "bends only" if part is bending else "stretches only"
+            raise DesignError(
+                f"{part.name!r} cannot be combined: of {bending.name}+{membrane.name}, it must be one that {what}"
+            )
+    if bending.cell != membrane.cell:
+        raise DesignError(
+            f"{bending.name!r} is for {bending.cell}s and {membrane.name!r} for {membrane.cell}s; "
+            "combine elements of one kind of cell"
+        )
+    places = [node.at for node in membrane.nodes]
+    places += [node.at for node in bending.nodes if node.at not in places]
+    found = [{node.at: node.dofs for node in part.nodes} for part in (membrane, bending)]
+    nodes = tuple(
+        Node(at, tuple(sorted((*found[0].get(at, ()), *found[1].get(at, ())), key=DOFS.index)))
+        for at in places
+    )
+    slots = {
+        (node.at, dof): k for k, (node, dof) in enumerate((node, dof) for node in nodes for dof in node.dofs)
+    }
+    whole = Element(f"{bending.name}+{membrane.name}", bending.cell, nodes)
+    renamed = {
+        old: whole.unknowns[slots[at, dof]]
+        for old, (at, dof) in zip(
+            bending.unknowns, ((node.at, dof) for node in bending.nodes for dof in node.dofs), strict=True
+        )
+    }
+
+    def spread(part: Element, functions: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+        if not functions:
+            return ()
+        result = [sp.Integer(0)] * len(slots)
+        keys = ((node.at, dof) for node in part.nodes for dof in node.dofs)
+        for key, function in zip(keys, functions, strict=True):
+            result[slots[key]] = function
+        return tuple(result)
+
+    slopes = bending.slopes
+    if slopes and not bending.amounts:
+        slopes = tuple(spread(bending, component) for component in slopes)
+    return replace(
+        whole,
+        u=spread(membrane, membrane.u),
+        v=spread(membrane, membrane.v),
+        w=spread(bending, bending.w),
+        slopes=slopes,
+        degree=max(bending.degree, membrane.degree),
+        source="; ".join(text for text in (bending.source, membrane.source) if text),
+        geometry={**membrane.geometry, **bending.geometry},
+        amounts=tuple(amount.xreplace(renamed) for amount in bending.amounts),
+    )

@@ -26,7 +26,7 @@ def custom(error: DesignError) -> PydanticCustomError:
     return PydanticCustomError("lamc", "{text}", {"text": error.message})
 
 
-def _reader(quantity: Quantity, rule: Callable[[float], str | None] | None = None) -> BeforeValidator:
+def reader(quantity: Quantity, rule: Callable[[float], str | None] | None = None) -> BeforeValidator:
     def read(value: Any, info: ValidationInfo) -> float:
         bare = (info.context or {}).get(LENGTH_UNIT) if quantity is units.LENGTH else None
         try:
@@ -41,17 +41,17 @@ def _reader(quantity: Quantity, rule: Callable[[float], str | None] | None = Non
     return BeforeValidator(read)
 
 
-def _schema(quantity: Quantity, note: str = "") -> WithJsonSchema:
+def described(quantity: Quantity, note: str = "") -> WithJsonSchema:
     bare = "the file's units" if quantity is units.LENGTH else quantity.unit or "plain"
     text = f"{quantity.name}, a number ({bare}) or text with a unit such as {quantity.example!r}{note}"
     return WithJsonSchema({"type": ["number", "string"], "description": text})
 
 
-def _above_zero(number: float) -> str | None:
+def above_zero(number: float) -> str | None:
     return None if number > 0.0 else "is not above 0"
 
 
-def _not_negative(number: float) -> str | None:
+def not_negative(number: float) -> str | None:
     return None if number >= 0.0 else "is below 0"
 
 
@@ -71,22 +71,22 @@ def _names(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
-Coordinate = Annotated[float, _reader(units.LENGTH), _schema(units.LENGTH)]
-Length = Annotated[float, _reader(units.LENGTH, _above_zero), _schema(units.LENGTH, ", above 0")]
-Gap = Annotated[float, _reader(units.LENGTH, _not_negative), _schema(units.LENGTH, ", at least 0")]
-Angle = Annotated[float, _reader(units.ANGLE, _plausible_angle), _schema(units.ANGLE)]
-AnyAngle = Annotated[float, _reader(units.ANGLE), _schema(units.ANGLE)]
-AngleRate = Annotated[float, _reader(units.ANGLE_RATE), _schema(units.ANGLE_RATE)]
-Density = Annotated[float, _reader(units.DENSITY, _not_negative), _schema(units.DENSITY, ", at least 0")]
-Modulus = Annotated[float, _reader(units.MODULUS, _above_zero), _schema(units.MODULUS, ", above 0")]
+Coordinate = Annotated[float, reader(units.LENGTH), described(units.LENGTH)]
+Length = Annotated[float, reader(units.LENGTH, above_zero), described(units.LENGTH, ", above 0")]
+Gap = Annotated[float, reader(units.LENGTH, not_negative), described(units.LENGTH, ", at least 0")]
+Angle = Annotated[float, reader(units.ANGLE, _plausible_angle), described(units.ANGLE)]
+AnyAngle = Annotated[float, reader(units.ANGLE), described(units.ANGLE)]
+AngleRate = Annotated[float, reader(units.ANGLE_RATE), described(units.ANGLE_RATE)]
+Density = Annotated[float, reader(units.DENSITY, not_negative), described(units.DENSITY, ", at least 0")]
+Modulus = Annotated[float, reader(units.MODULUS, above_zero), described(units.MODULUS, ", above 0")]
 Stiffness = Annotated[
-    float, _reader(units.STIFFNESS, _not_negative), _schema(units.STIFFNESS, ", at least 0")
+    float, reader(units.STIFFNESS, not_negative), described(units.STIFFNESS, ", at least 0")
 ]
-Damping = Annotated[float, _reader(units.DAMPING, _not_negative), _schema(units.DAMPING, ", at least 0")]
-Poisson = Annotated[float, _reader(units.RATIO, _poisson), _schema(units.RATIO, ", between -1 and 1")]
-Mass = Annotated[float, _reader(units.MASS, _not_negative), _schema(units.MASS, ", at least 0")]
-Inertia = Annotated[float, _reader(units.INERTIA), _schema(units.INERTIA)]
-Number = Annotated[float, _reader(units.RATIO), _schema(units.RATIO)]
+Damping = Annotated[float, reader(units.DAMPING, not_negative), described(units.DAMPING, ", at least 0")]
+Poisson = Annotated[float, reader(units.RATIO, _poisson), described(units.RATIO, ", between -1 and 1")]
+Mass = Annotated[float, reader(units.MASS, not_negative), described(units.MASS, ", at least 0")]
+Inertia = Annotated[float, reader(units.INERTIA), described(units.INERTIA)]
+Number = Annotated[float, reader(units.RATIO), described(units.RATIO)]
 
 Point = tuple[Coordinate, Coordinate]
 SpacePoint = tuple[Coordinate, Coordinate, Coordinate]

@@ -53,9 +53,7 @@ def load(
         raise DesignError(f"the path is {shown(path)}; it must be a string or a pathlib.Path")
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
-    path = Path(path)
-    text = _text(read_bytes(path, limits.bytes), str(path))
-    return _read(text, str(path), materials or {}, progress, limits)
+    return _read(file_text(path, limits), str(path), materials or {}, progress, limits)
 
 
 def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
@@ -68,9 +66,13 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
 
     For a file that `load` has read. Raises DesignError as `load` does.
     """
-    path = Path(path)
-    node = compose(_text(read_bytes(path, limits.bytes), str(path)), str(path), limits=limits)
+    node = compose(file_text(path, limits), str(path), limits=limits)
     return joints_file.read_definition(node) if joints_file.is_joint_definition(node) else None
+
+
+def file_text(path: Path | str, limits: Limits = DEFAULT_LIMITS) -> str:
+    """The text of a file. Raises DesignError where there is none, or what it holds is no text."""
+    return _text(read_bytes(Path(path), limits.bytes), str(path))
 
 
 def _read(
@@ -121,6 +123,10 @@ def _native(node: Node) -> Design | Mechanism:
     if kind == "mechanism":
         return read_mechanism(node)
     assert kind_node is not None
+    if kind == "plate":
+        raise DesignError(
+            "the file holds a plate problem, not a design; `lamc plate` solves it", kind_node.place
+        )
     shown = repr(kind[:40]) if kind is not None else "this"
     raise DesignError(f"kind: {shown} is unknown; it is 'design' or 'mechanism'", kind_node.place)
 

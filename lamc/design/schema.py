@@ -5,6 +5,7 @@ material, a hinge's layer) and geometry are checked where models become records 
 `lamc.mechanism`).
 """
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, model_validator
@@ -39,6 +40,9 @@ def _length_unit(value: Any, info: ValidationInfo) -> str:
         return length_unit(value)
     except DesignError as error:
         raise fields.custom(error) from error
+
+
+LengthUnit = Annotated[str, BeforeValidator(_length_unit)]
 
 
 class Model(BaseModel):
@@ -185,9 +189,7 @@ class DesignModel(Model):
     kind: Literal["design"] = "design"
     name: str | None = None
     story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
-    units: Annotated[str, BeforeValidator(_length_unit)] = Field(
-        "m", description="the unit of every length written without one, such as mm"
-    )
+    units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
     materials: dict[str, MaterialModel]
     layers: list[LayerModel]
     shapes: list[ShapeModel]
@@ -238,22 +240,25 @@ class MechanismModel(Model):
     kind: Literal["mechanism"] = "mechanism"
     name: str | None = None
     story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
-    units: Annotated[str, BeforeValidator(_length_unit)] = "m"
+    units: LengthUnit = "m"
     bodies: list[BodyModel]
     joints: list[JointModel] = []
     scene: SceneModel | None = None
 
 
-def json_schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of native files: a design or a mechanism."""
-    parts = [m.model_json_schema(ref_template="#/$defs/{model}") for m in (DesignModel, MechanismModel)]
+FILES: dict[str, type[Model]] = {"Design": DesignModel, "Mechanism": MechanismModel}
+
+
+def json_schema(files: Mapping[str, type[Model]] = FILES) -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of native files: any of `files`, which have names that differ from their parts'."""
+    parts = [m.model_json_schema(ref_template="#/$defs/{model}") for m in files.values()]
     shared: dict[str, Any] = {}
     for part in parts:
         shared |= part.pop("$defs", {})
-    named = dict(zip(("Design", "Mechanism"), parts, strict=True))
+    named = dict(zip(files, parts, strict=True))
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "lamc design or mechanism",
+        "title": f"lamc {' or '.join(name.lower() for name in files)}",
         "anyOf": [{"$ref": f"#/$defs/{name}"} for name in sorted(named)],
         "$defs": dict(sorted((shared | named).items())),
     }

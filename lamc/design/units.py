@@ -47,6 +47,18 @@ DAMPING = Quantity("hinge damping", "N*m*s/rad", "2e-6 N*m*s/rad")
 MASS = Quantity("mass", "kg", "12 mg")
 INERTIA = Quantity("moment of inertia", "kg*m^2", "3 g*mm^2")
 RATIO = Quantity("ratio", "", "0.3")
+PLY_ANGLE = Quantity("ply angle", "deg", "45 deg")  # degrees stay degrees: 30° is 30 to the last digit
+FORCE = Quantity("force", "N", "2 mN")
+LINE_FORCE = Quantity("force per length", "N/m", "0.5 N/mm")
+LINE_MOMENT = Quantity("moment per length", "N", "2 N*mm/mm")
+LINE_STIFFNESS = Quantity("hinge stiffness per length", "N/rad", "3 N*mm/mm/rad")
+CURVATURE = Quantity("curvature", "m^-1", "0.2 mm^-1")
+PRESSURE = Quantity("pressure", "Pa", "3 kPa")
+ACCELERATION = Quantity("acceleration", "m/s^2", "9.81 m/s^2")
+WARMING = Quantity("rise in temperature", "K", "-150 K")
+EXPANSION = Quantity("thermal expansion", "K^-1", "22e-6 K^-1")
+STRAIN_PER_FIELD = Quantity("piezoelectric strain", "m/V", "-190 pm/V")
+ELECTRIC_FIELD = Quantity("electric field", "V/m", "0.5 kV/mm")
 
 
 def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> float:

@@ -89,7 +89,7 @@ def find(name: str) -> Example:
         raise DesignError(f"there is no example {name[:60]!r}; {did_you_mean(name, names())}")
     path = _FOLDER / (name if name in _FOREIGN else f"{name}.yaml")
     text = path.read_text(encoding="utf-8")
-    return Example(name, path.name, text, path, *_FOREIGN.get(name, (_first_line(text),)))
+    return Example(name, path.name, text, path, *_FOREIGN.get(name, (first_line(text),)))
 
 
 def path(name: str) -> Path:
@@ -121,9 +121,9 @@ def _generated(stem: str, size: str) -> Example:
         )
     shown = "x".join(str(number) for number in numbers)
     text = generator.make(*numbers)
-    return Example(f"{stem}:{shown}", f"{stem}_{shown}.yaml", text, None, _first_line(text))
+    return Example(f"{stem}:{shown}", f"{stem}_{shown}.yaml", text, None, first_line(text))
 
 
-def _first_line(text: str) -> str:
+def first_line(text: str) -> str:
     """The comment that opens a file of ours."""
     return text.partition("\n")[0].removeprefix("# ")

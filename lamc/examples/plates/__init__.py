@@ -1,0 +1,26 @@
+"""Plate problems that ship with lamc, each with a story.
+
+In: a name, such as "square". Out: an `Example`, the text of an editable file. Never: loads or solves one.
+"""
+
+from pathlib import Path
+
+from lamc.errors import DesignError
+from lamc.examples import Example, first_line
+from lamc.run.request import did_you_mean
+
+_FOLDER = Path(__file__).resolve().parent
+
+
+def names() -> tuple[str, ...]:
+    """Names of all examples, sorted."""
+    return tuple(sorted(file.stem for file in _FOLDER.glob("*.yaml")))
+
+
+def find(name: str) -> Example:
+    """The example of that name. Raises DesignError with the nearest names."""
+    if name not in names():
+        raise DesignError(f"there is no plate example {name[:60]!r}; {did_you_mean(name, names())}")
+    path = _FOLDER / f"{name}.yaml"
+    text = path.read_text(encoding="utf-8")
+    return Example(name, path.name, text, path, first_line(text))

@@ -12,7 +12,7 @@ from lamc.plate.elements.cell import Cell
 from lamc.plate.elements.definition import SQUARE
 from lamc.plate.elements.factor import factored, gradient, plain, value
 from lamc.plate.elements.frame import Varying, constant, scaled
-from lamc.plate.elements.polynomials import Polynomial, integral, product
+from lamc.plate.elements.polynomials import Polynomial, inner, product
 from lamc.plate.elements.strains import Chain, Part, moments, slopes_part
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
@@ -45,7 +45,7 @@ def load(cell: Cell) -> Sequence[Scalar]:
             areal = [factor * p for p in own]
             for a, rows in enumerate(part.basis):
                 shares = [
-                    plain(integral(product(product(rows[0], hat), between), cell.element.cell))
+                    plain(inner(product(rows[0], hat), between, cell.element.cell))
                     for hat in _hats(cell.element.cell)
                 ]
                 found[a] = found[a] + weighted_sum(zip(shares, areal, strict=True))
@@ -129,7 +129,7 @@ def _slopes(cell: Cell) -> Part:
 
 
 def _integrated(polynomial: Polynomial, weights: Varying, cell: Cell) -> Scalar:
-    return weighted_sum((plain(integral(product(polynomial, p), cell.element.cell)), f) for p, f in weights)
+    return weighted_sum((plain(inner(polynomial, p, cell.element.cell)), f) for p, f in weights)
 
 
 def _hats(kind: str) -> tuple[Polynomial, ...]:

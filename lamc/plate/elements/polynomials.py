@@ -5,6 +5,7 @@ In: sympy expressions. Out: {(i, j): coefficient of ξ^i η^j}, sorted. Never: f
 
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import cache
 from math import factorial
 from typing import TypeAlias
 
@@ -32,12 +33,25 @@ def product(p: Polynomial, q: Polynomial) -> Polynomial:
     return {key: c for key, c in sorted(result.items()) if c}
 
 
+@cache
+def monomial_integral(i: int, j: int, cell: str) -> Fraction:
+    """Of ξ^i η^j over L1, L2, L3 ≥ 0 (area 1/2), by i! j! / (i + j + 2)!, or over [-1, 1]² (area 4)."""
+    if cell == TRIANGLE:
+        return Fraction(factorial(i) * factorial(j), factorial(i + j + 2))
+    return Fraction(4, (i + 1) * (j + 1)) if i % 2 == 0 and j % 2 == 0 else Fraction(0)
+
+
 def integral(p: Polynomial, cell: str) -> Fraction:
-    """Over L1, L2, L3 ≥ 0 (area 1/2), by i! j! / (i + j + 2)!, or over [-1, 1]² (area 4)."""
+    """Over the natural cell."""
+    return sum((c * monomial_integral(i, j, cell) for (i, j), c in p.items()), start=Fraction(0))
+
+
+def inner(p: Polynomial, q: Polynomial, cell: str) -> Fraction:
+    """Integral of the product over the natural cell."""
     total = Fraction(0)
     for (i, j), c in p.items():
-        if cell == TRIANGLE:
-            total += c * Fraction(factorial(i) * factorial(j), factorial(i + j + 2))
-        elif i % 2 == 0 and j % 2 == 0:
-            total += c * Fraction(4, (i + 1) * (j + 1))
+        for (k, m), d in q.items():
+            integrated = monomial_integral(i + k, j + m, cell)
+            if integrated:
+                total += c * d * integrated
     return total

@@ -10,9 +10,9 @@ from lamc.codegen.program import Space
 from lamc.mechanics.staging import Scalar, reciprocal
 from lamc.plate.elements.cell import Cell
 from lamc.plate.elements.factor import plain
-from lamc.plate.elements.polynomials import integral, product
+from lamc.plate.elements.polynomials import inner
 from lamc.plate.elements.quadrature import Point, square_points
-from lamc.plate.elements.strains import affine_stiffness, joined
+from lamc.plate.elements.strains import affine_force, affine_stiffness, joined
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
 # Sums over points of more operations than this are left to a loop: compilers take long over long straight code.
@@ -43,8 +43,9 @@ def force(cell: Cell) -> Found:
     chain = joined(cell.strains)
     amounts = chain.amounts(cell.unknowns)
     if cell.element.is_affine:
-        matrix = affine_stiffness(cell.strains, cell.frame, cell.section, cell.element.cell)
-        return chain.forces([weighted_sum(zip(row, amounts, strict=True)) for row in matrix]), ()
+        return chain.forces(
+            affine_force(cell.strains, cell.frame, cell.section, amounts, cell.element.cell)
+        ), ()
     points = square_points(cell.element.degree)
     if 12 * len(amounts) * len(points) > _MAX_STRAIGHT:
         return chain.forces(_force_at(cell, amounts, *cell.natural)), points
@@ -102,7 +103,7 @@ def prestress(cell: Cell) -> Sequence[Scalar]:
                 shared: dict[Scalar, list[tuple[Scalar, Scalar]]] = {}
                 for a in range(3):
                     for q, factor in strain_.rows[a][r]:
-                        c = integral(product(p, q), cell.element.cell)
+                        c = inner(p, q, cell.element.cell)
                         if c:
                             shared.setdefault(plain(c), []).append((factor, own[a]))
                 terms += [(c, weighted_sum(parts)) for c, parts in shared.items()]

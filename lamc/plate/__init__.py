@@ -10,6 +10,7 @@ joints; a mechanism is rigid here, and a plate knows nothing of it.
     laminate.A, laminate.B, laminate.D
 """
 
+from lamc.plate.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
 from lamc.plate.from_design import DesignPlate, plate_of
 from lamc.plate.grid import grid, grid_of_lines, lines
 from lamc.plate.hinge_edges import HingeEdge
@@ -24,16 +25,20 @@ __all__ = [
     "Deformation",
     "DesignPlate",
     "EngineeringConstants",
+    "FirstPlyFailure",
     "HingeEdge",
     "Laminate",
     "Material",
     "Mesh",
     "Ply",
+    "PlyFailure",
     "PlyState",
     "Resultants",
+    "first_ply_failure",
     "grid",
     "grid_of_lines",
     "lines",
     "material",
     "plate_of",
+    "ply_failures",
 ]

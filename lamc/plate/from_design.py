@@ -187,7 +187,8 @@ def _middle_of_largest(design: Design, stacks: Mapping[str, tuple[Stack, MultiPo
 
 def _laminate(design: Design, stack: Stack, materials: Mapping[str, Material], height: float) -> Laminate:
     z = design.z
-    plies, top = [], z[stack[0]]
+    plies: list[Ply] = []
+    top = z[stack[0]]
     for k in stack:
         layer = design.layers[k]
         gap = z[k] - top if k - 1 not in stack and plies else 0.0

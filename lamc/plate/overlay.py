@@ -40,7 +40,9 @@ def overlay(layers: Sequence[BaseGeometry], tolerance: float) -> Overlay:
     covered = MultiPolygon()
     for index, sheet in enumerate(layers):
         area = _areas(shapely.set_precision(sheet, grid))
-        parted = {(index,): _areas(shapely.difference(area, covered, grid_size=grid))}
+        parted: dict[Stack, MultiPolygon] = {
+            (index,): _areas(shapely.difference(area, covered, grid_size=grid))
+        }
         for stack, cell in cells.items():
             parted[stack] = _areas(shapely.difference(cell, area, grid_size=grid))
             parted[(*stack, index)] = _areas(shapely.intersection(cell, area, grid_size=grid))

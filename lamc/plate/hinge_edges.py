@@ -16,6 +16,7 @@ from shapely.geometry.base import BaseGeometry
 from lamc.design.contact import free_parts
 from lamc.design.cutting import SLIT
 from lamc.design.steps import Connection, SplitBody, SplitSteps
+from lamc.plate.overlay import areas_of
 
 _TOUCH = (
     1.5 * SLIT
@@ -71,14 +72,14 @@ class PlateHinge:
         """Between two parallels of the line, distances in hinge widths, positive to the left."""
         return shapely.union_all([_band(part, start * self.width, end * self.width) for part in self.free])
 
-    def added(self, hinges: str) -> BaseGeometry:
+    def added(self, hinges: str) -> MultiPolygon:
         """What of the flexible layer the plate gets besides what the body has of it."""
         if hinges == "none":
             return MultiPolygon()
         if hinges == "lines":
-            return shapely.intersection(self.band(0.0, self.sides[0] * _TOUCH), self.drawn)
+            return areas_of(shapely.intersection(self.band(0.0, self.sides[0] * _TOUCH), self.drawn))
         strip = shapely.intersection(self.band(-1.0, 1.0), self.drawn)
-        return shapely.difference(strip, self.beyond)
+        return areas_of(shapely.difference(strip, self.beyond))
 
     def edge(self, hinges: str, layer: BaseGeometry, tolerance: float) -> HingeEdge:
         """The stretches along the hinge of the edge of `layer`: the plate's part of the flexible layer."""

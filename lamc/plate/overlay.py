@@ -15,7 +15,7 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-GRID = 1e-3  # spacing of the grid of coordinates, in tolerances
+GRID = 1e-3  # largest spacing of the grid of coordinates, in tolerances
 
 Stack = tuple[int, ...]  # layers from the bottom up
 
@@ -35,23 +35,23 @@ def overlay(layers: Sequence[BaseGeometry], tolerance: float) -> Overlay:
     layers     the area of each layer, m
     tolerance  what is narrower is a sliver, m
     """
-    grid = GRID * tolerance
+    grid = _spacing(tolerance)
     cells: dict[Stack, MultiPolygon] = {}
     covered = MultiPolygon()
     for index, sheet in enumerate(layers):
-        area = _areas(shapely.set_precision(sheet, grid))
+        area = areas_of(shapely.set_precision(sheet, grid))
         parted: dict[Stack, MultiPolygon] = {
-            (index,): _areas(shapely.difference(area, covered, grid_size=grid))
+            (index,): areas_of(shapely.difference(area, covered, grid_size=grid))
         }
         for stack, cell in cells.items():
-            parted[stack] = _areas(shapely.difference(cell, area, grid_size=grid))
-            parted[(*stack, index)] = _areas(shapely.intersection(cell, area, grid_size=grid))
+            parted[stack] = areas_of(shapely.difference(cell, area, grid_size=grid))
+            parted[(*stack, index)] = areas_of(shapely.intersection(cell, area, grid_size=grid))
         cells = {stack: part for stack, part in parted.items() if not part.is_empty}
-        covered = _areas(shapely.union(covered, area, grid_size=grid))
+        covered = areas_of(shapely.union(covered, area, grid_size=grid))
     return _without_slivers({stack: list(cells[stack].geoms) for stack in sorted(cells)}, tolerance)
 
 
-def _areas(geometry: BaseGeometry) -> MultiPolygon:
+def areas_of(geometry: BaseGeometry) -> MultiPolygon:
     """Lines and points, where areas touch, are left out."""
     return MultiPolygon(polygons_of(geometry))
 
@@ -74,8 +74,13 @@ def is_sliver(polygon: Polygon, tolerance: float) -> bool:
     return bool(shapely.buffer(polygon, -0.5 * tolerance).is_empty)
 
 
+def _spacing(tolerance: float) -> float:
+    """Of the grid, m: a power of ten, which leaves coordinates where they are that were drawn in mm or µm."""
+    return float(10.0 ** math.floor(math.log10(GRID * tolerance)))
+
+
 def _without_slivers(cells: Mapping[Stack, Sequence[Polygon]], tolerance: float) -> Overlay:
-    grid = GRID * tolerance
+    grid = _spacing(tolerance)
     kept = {stack: [p for p in parts if not is_sliver(p, tolerance)] for stack, parts in cells.items()}
     slivers = [p for parts in cells.values() for p in parts if is_sliver(p, tolerance)]
     whole = {stack: shapely.MultiPolygon(parts) for stack, parts in kept.items() if parts}

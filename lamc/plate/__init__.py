@@ -10,6 +10,7 @@ joints; a mechanism is rigid here, and a plate knows nothing of it.
     laminate.A, laminate.B, laminate.D
 """
 
+from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
 from lamc.plate.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
 from lamc.plate.from_design import DesignPlate, plate_of
 from lamc.plate.grid import grid, grid_of_lines, lines
@@ -21,19 +22,27 @@ from lamc.plate.mesh import Mesh
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 
 __all__ = [
+    "ELEMENTS",
     "LIBRARY",
     "Deformation",
     "DesignPlate",
+    "Element",
     "EngineeringConstants",
     "FirstPlyFailure",
     "HingeEdge",
     "Laminate",
     "Material",
     "Mesh",
+    "Node",
     "Ply",
     "PlyFailure",
     "PlyState",
     "Resultants",
+    "combine",
+    "corners",
+    "describe",
+    "edges",
+    "element",
     "first_ply_failure",
     "grid",
     "grid_of_lines",

@@ -22,6 +22,7 @@ from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
 from lamc.mechanics.staging import Scalar, Store
 from lamc.plate.elements.cell import Cell
+from lamc.plate.elements.checks import check_element
 from lamc.plate.elements.definition import Element
 from lamc.plate.elements.fields import displacement, geometric, load, mass
 from lamc.plate.elements.quadrature import Point
@@ -55,6 +56,7 @@ class ElementEquations:
 @collector_paused
 def derive(element: Element) -> ElementEquations:
     """The functions of `element`. Raises DesignError for shape functions that are none; see `checks.py`."""
+    check_element(element)
     cell = Cell(element)
     strains = "N/m, then N" if element.stretches and element.bends else "N/m" if element.stretches else "N"
     functions = [

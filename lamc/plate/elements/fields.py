@@ -9,10 +9,9 @@ from fractions import Fraction
 from lamc.codegen.program import Space
 from lamc.mechanics.staging import Scalar, reciprocal
 from lamc.plate.elements.cell import Cell
-from lamc.plate.elements.definition import SQUARE
 from lamc.plate.elements.factor import factored, gradient, plain, value
 from lamc.plate.elements.frame import Varying, constant, scaled
-from lamc.plate.elements.polynomials import Polynomial, inner, product
+from lamc.plate.elements.polynomials import Polynomial, hats, inner, product
 from lamc.plate.elements.strains import Chain, Part, moments, slopes_part
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
@@ -46,7 +45,7 @@ def load(cell: Cell) -> Sequence[Scalar]:
             for a, rows in enumerate(part.basis):
                 shares = [
                     plain(inner(product(rows[0], hat), between, cell.element.cell))
-                    for hat in _hats(cell.element.cell)
+                    for hat in hats(cell.element.cell)
                 ]
                 found[a] = found[a] + weighted_sum(zip(shares, areal, strict=True))
         total = [s + f for s, f in zip(total, part.chain.forces(found), strict=True)]
@@ -130,16 +129,3 @@ def _slopes(cell: Cell) -> Part:
 
 def _integrated(polynomial: Polynomial, weights: Varying, cell: Cell) -> Scalar:
     return weighted_sum((plain(inner(polynomial, p, cell.element.cell)), f) for p, f in weights)
-
-
-def _hats(kind: str) -> tuple[Polynomial, ...]:
-    """Functions that are 1 at one corner and linear (bilinear) between."""
-    one = Fraction(1)
-    if kind == SQUARE:
-        quarter = Fraction(1, 4)
-        signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-        return tuple(
-            {(0, 0): quarter, (0, 1): quarter * b, (1, 0): quarter * a, (1, 1): quarter * a * b}
-            for a, b in signs
-        )
-    return {(0, 0): one, (0, 1): -one, (1, 0): -one}, {(1, 0): one}, {(0, 1): one}

@@ -4,14 +4,13 @@ In: names. Out: elements. Never: formulas, which are in `triangles.py` and `squa
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from difflib import get_close_matches
 
 import sympy as sp
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import shown
-from lamc.plate.elements.definition import DOFS, Element, Node
+from lamc.plate.elements.definition import DOFS, Element, Node, symbols_of
 from lamc.plate.elements.squares import BFS, Q4, Q8, Q9, Q12
 from lamc.plate.elements.triangles import BCIZ, CST, DKT, LST, SPECHT
 from lamc.readonly import ReadOnlyDict
@@ -71,31 +70,23 @@ def combine(bending: Element, membrane: Element) -> Element:
         Node(at, tuple(sorted((*found[0].get(at, ()), *found[1].get(at, ())), key=DOFS.index)))
         for at in places
     )
-    slots = {
-        (node.at, dof): k for k, (node, dof) in enumerate((node, dof) for node in nodes for dof in node.dofs)
-    }
-    whole = Element(f"{bending.name}+{membrane.name}", bending.cell, nodes)
-    renamed = {
-        old: whole.unknowns[slots[at, dof]]
-        for old, (at, dof) in zip(
-            bending.unknowns, ((node.at, dof) for node in bending.nodes for dof in node.dofs), strict=True
-        )
-    }
+    places_of = [(node.at, dof) for node in nodes for dof in node.dofs]
+    own = [(node.at, dof) for node in bending.nodes for dof in node.dofs]
+    symbols = dict(zip(places_of, symbols_of(nodes), strict=True))
+    renamed = {old: symbols[place] for old, place in zip(bending.unknowns, own, strict=True)}
 
     def spread(part: Element, functions: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
-        if not functions:
-            return ()
-        result = [sp.Integer(0)] * len(slots)
-        keys = ((node.at, dof) for node in part.nodes for dof in node.dofs)
-        for key, function in zip(keys, functions, strict=True):
-            result[slots[key]] = function
-        return tuple(result)
+        keys = [(node.at, dof) for node in part.nodes for dof in node.dofs]
+        found = dict(zip(keys, functions, strict=True))
+        return tuple(found.get(place, sp.Integer(0)) for place in places_of)
 
     slopes = bending.slopes
     if slopes and not bending.amounts:
         slopes = tuple(spread(bending, component) for component in slopes)
-    return replace(
-        whole,
+    return Element(
+        f"{bending.name}+{membrane.name}",
+        bending.cell,
+        nodes,
         u=spread(membrane, membrane.u),
         v=spread(membrane, membrane.v),
         w=spread(bending, bending.w),

@@ -9,7 +9,7 @@ from functools import cache
 from math import factorial
 from typing import TypeAlias
 
-from lamc.plate.elements.definition import TRIANGLE
+from lamc.plate.elements.definition import CORNERS, SQUARE, TRIANGLE
 
 Polynomial: TypeAlias = Mapping[tuple[int, int], Fraction]
 
@@ -55,3 +55,15 @@ def inner(p: Polynomial, q: Polynomial, cell: str) -> Fraction:
             if integrated:
                 total += c * d * integrated
     return total
+
+
+def hats(cell: str) -> tuple[Polynomial, ...]:
+    """Functions that are 1 at one corner and linear (bilinear) between."""
+    one = Fraction(1)
+    if cell == SQUARE:
+        quarter = Fraction(1, 4)
+        return tuple(
+            {(0, 0): quarter, (0, 1): quarter * b, (1, 0): quarter * a, (1, 1): quarter * a * b}
+            for a, b in CORNERS[SQUARE]
+        )
+    return {(0, 0): one, (0, 1): -one, (1, 0): -one}, {(1, 0): one}, {(0, 1): one}

@@ -6,12 +6,12 @@ The membranes are isoparametric with straight sides: x and y are bilinear in ξ 
 sides along x and y, as its unknowns w_x, w_y and w_xy are along its own sides only there.
 """
 
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 
 import sympy as sp
 
 from lamc.plate.elements.definition import CORNERS, SQUARE, Element, Node, corners, edges, eta, side, xi
-from lamc.plate.elements.triangles import membrane
 
 _PLANE = ("u", "v")
 _CORNERS = corners(SQUARE, _PLANE)
@@ -23,6 +23,13 @@ _SOURCE = "O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, 5th ed. 2
 
 def _rational(number: Fraction) -> sp.Rational:
     return sp.Rational(number.numerator, number.denominator)
+
+
+def _membrane(
+    name: str, nodes: Sequence[Node], shape: Callable[[Node], sp.Expr], degree: int, source: str = _SOURCE
+) -> Element:
+    functions = [shape(node) for node in nodes]
+    return Element(name, SQUARE, nodes, u=functions, v=functions, degree=degree, source=source)
 
 
 def _q4(node: Node) -> sp.Expr:
@@ -85,17 +92,8 @@ def _bfs() -> Element:
     )
 
 
-Q4 = membrane(
-    "q4", SQUARE, _CORNERS, [_q4(n) for n in _CORNERS], 2, "I. C. Taig, English Electric Rep. S017, 1961"
-)
-Q8 = membrane("q8", SQUARE, (*_CORNERS, *_MIDDLES), [_q8(n) for n in (*_CORNERS, *_MIDDLES)], 4, _SOURCE)
-Q9 = membrane(
-    "q9",
-    SQUARE,
-    (*_CORNERS, *_MIDDLES, *_CENTRE),
-    [_q9(n) for n in (*_CORNERS, *_MIDDLES, *_CENTRE)],
-    4,
-    _SOURCE,
-)
-Q12 = membrane("q12", SQUARE, (*_CORNERS, *_THIRDS), [_q12(n) for n in (*_CORNERS, *_THIRDS)], 6, _SOURCE)
+Q4 = _membrane("q4", _CORNERS, _q4, 2, "I. C. Taig, English Electric Rep. S017, 1961")
+Q8 = _membrane("q8", (*_CORNERS, *_MIDDLES), _q8, 4)
+Q9 = _membrane("q9", (*_CORNERS, *_MIDDLES, *_CENTRE), _q9, 4)
+Q12 = _membrane("q12", (*_CORNERS, *_THIRDS), _q12, 6)
 BFS = _bfs()

@@ -7,27 +7,17 @@ Along an edge every w here is the cubic of its ends' deflections and slopes: w_i
 ψ_ji L_j² L_i. The elements differ in what the edges' functions are inside.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import sympy as sp
 
-from lamc.plate.elements.definition import L1, L2, L3, TRIANGLE, Element, Node, corners, edges, side
+from lamc.plate.elements.definition import L1, L2, L3, TRIANGLE, Element, corners, edges, side
 
 _L = (L1, L2, L3)
 _EDGES = ((0, 1), (1, 2), (2, 0))
 _BUBBLE = L1 * L2 * L3
 _HALF = sp.Rational(1, 2)
 _BENDING = corners(TRIANGLE, ("w", "w_x", "w_y"))
-
-
-def membrane(
-    name: str, cell: str, nodes: Sequence[Node], functions: Sequence[sp.Expr], degree: int, source: str
-) -> Element:
-    """u and v by the same functions, one per node."""
-    zero = sp.Integer(0)
-    u = [f for function in functions for f in (function, zero)]
-    v = [f for function in functions for f in (zero, function)]
-    return Element(name, cell, tuple(nodes), u=tuple(u), v=tuple(v), degree=degree, source=source)
 
 
 def _deflection(ends: Mapping[tuple[int, int], sp.Expr]) -> tuple[sp.Expr, ...]:
@@ -111,21 +101,23 @@ def _specht() -> Element:
     )
 
 
-CST = membrane(
+CST = Element(
     "cst",
     TRIANGLE,
     corners(TRIANGLE, ("u", "v")),
-    _L,
-    0,
-    "M. J. Turner, R. W. Clough, H. C. Martin, L. J. Topp, J. Aeronaut. Sci. 23, 1956",
+    u=_L,
+    v=_L,
+    degree=0,
+    source="M. J. Turner, R. W. Clough, H. C. Martin, L. J. Topp, J. Aeronaut. Sci. 23, 1956",
 )
-LST = membrane(
+_QUADRATIC = (*(L * (2 * L - 1) for L in _L), *(4 * _L[i] * _L[j] for i, j in _EDGES))
+LST = Element(
     "lst",
     TRIANGLE,
     (*corners(TRIANGLE, ("u", "v")), *edges(TRIANGLE, ("u", "v"))),
-    [*(L * (2 * L - 1) for L in _L), *(4 * _L[i] * _L[j] for i, j in _EDGES)],
-    2,
-    "B. M. Fraeijs de Veubeke, in: Stress Analysis, Wiley 1965",
+    u=_QUADRATIC,
+    v=_QUADRATIC,
+    source="B. M. Fraeijs de Veubeke, in: Stress Analysis, Wiley 1965",
 )
 BCIZ = _bciz()
 DKT = _dkt(BCIZ)

@@ -27,7 +27,7 @@ from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
 from lamc.options import CompileOptions
-from lamc.resources import data_dir
+from lamc.resources import data_dir, stamps
 from lamc.run.simulator import Simulator
 from lamc.scene import Scene
 
@@ -199,10 +199,4 @@ def _own_sources() -> str:
     package = Path(__file__).parent
     folders = [package / name for name in ("mechanism", "loops", "mechanics", "effects", "codegen")]
     folders += [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
-    parts = []
-    for folder in folders:
-        for path in sorted(folder.iterdir()):
-            if path.is_file():
-                status = path.stat()
-                parts.append(f"{path.name} {status.st_size} {status.st_mtime_ns}")
-    return "\n".join(parts)
+    return stamps(folders)

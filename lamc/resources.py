@@ -3,6 +3,7 @@
 In a wheel they lie in `lamc/_data/`; in a checkout (a folder with `pyproject.toml`) in place.
 """
 
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -20,3 +21,14 @@ def data_dir(name: str) -> Path:
     if (checkout / "pyproject.toml").is_file() and (checkout / name).is_dir():
         return checkout / name
     raise LamcError(f"lamc's own folder {name!r} is missing from this installation: reinstall lamc")
+
+
+def stamps(folders: Iterable[Path]) -> str:
+    """Names, sizes and times of the files in `folders`: another text once one of them has changed."""
+    parts = []
+    for folder in folders:
+        for path in sorted(folder.iterdir()):
+            if path.is_file():
+                status = path.stat()
+                parts.append(f"{path.name} {status.st_size} {status.st_mtime_ns}")
+    return "\n".join(parts)

@@ -22,12 +22,12 @@ from lamc.codegen.toolchain import Compiler, run_compiler
 from lamc.errors import BuildError
 from lamc.options import CompileOptions
 
-# The generic name under which the Python side asks for the model, whatever its prefix is.
-_THIS_MODEL = """#include "{prefix}.h"
+# The generic name under which the Python side asks for the model or the element, whatever its prefix is.
+_THIS = """#include "{prefix}.h"
 
-const lamc_model *lamc_this_model(void);
+const lamc_{kind} *lamc_this_{kind}(void);
 
-const lamc_model *lamc_this_model(void) {{ return {prefix}_model(); }}
+const lamc_{kind} *lamc_this_{kind}(void) {{ return {prefix}_{kind}(); }}
 """
 
 
@@ -70,9 +70,8 @@ def _runtime_objects(
     tree: SourceTree, compiler: Compiler, options: CompileOptions, cache: Cache, noted: Mapping[str, str]
 ) -> list[Path]:
     """Objects of the runtime, from the cache or compiled into it."""
-    own = (f"{tree.prefix}.h", f"{tree.prefix}.c", "main.c")
-    files = {name: text for name, text in sorted(tree.files.items()) if name not in own}
-    units = [name for name in tree.compiled if name not in own]
+    files = {name: tree.files[name] for name in tree.shared}
+    units = [name for name in tree.compiled if name in tree.shared]
     parts = ["runtime", __version__, compiler.identity, *options.flags]
     digest = hashlib.sha256("\0".join([*parts, *files, *files.values()]).encode()).hexdigest()
     key, objects = f"runtime-{digest}", [f"{Path(name).stem}.o" for name in units]
@@ -96,14 +95,15 @@ def _maker(
         source = folder / SOURCES
         source.mkdir()
         write_sources(tree, source)
-        (folder / "this_model.c").write_text(_THIS_MODEL.format(prefix=tree.prefix), encoding="utf-8")
-        inputs = ["this_model.c", f"{SOURCES}/{tree.prefix}.c", *map(str, objects)]
+        entry = f"this_{tree.kind}.c"
+        (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
+        inputs = [entry, f"{SOURCES}/{tree.prefix}.c", *map(str, objects)]
         arguments = [*options.flags, "-shared", f"-I{SOURCES}", "-o", LIBRARY, *inputs, "-lm"]
         run_compiler(compiler, arguments, folder)
         if not (folder / LIBRARY).is_file():
             raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
         binding = cffi.FFI()
-        binding.cdef(tree.declarations + "const lamc_model *lamc_this_model(void);\n")
+        binding.cdef(tree.declarations + f"const lamc_{tree.kind} *lamc_this_{tree.kind}(void);\n")
         binding.set_source("binding", None)
         # What FFI.emit_python_code does, without the line that it prints.
         recompiler.make_py_source(binding, "binding", str(folder / BINDING))

@@ -28,12 +28,14 @@ _DECLARATIONS = re.compile(
 
 @dataclass(frozen=True)
 class SourceTree:
-    """Files by name, all in one flat folder; `compiled` are the ones a library needs, main.c is the example."""
+    """Files by name, all in one flat folder; `compiled` are the ones a library needs; main.c is the example."""
 
     prefix: str
     files: Mapping[str, str]
     compiled: tuple[str, ...]
     declarations: str  # for cffi
+    shared: tuple[str, ...]  # names of the files that are the same for everything of this kind
+    kind: str = "model"  # of lamc_model, lamc_element: what the library offers
 
 
 @dataclass(frozen=True)
@@ -54,16 +56,15 @@ def emit(program: Program) -> SourceTree:
     runtime = _runtime()
     prefix = identifier(program.name, taken=[Path(name).stem for name in runtime])
     context = _context(program, prefix)
-    environment = _environment()
     files = {
-        f"{prefix}.h": environment.get_template("model.h.j2").render(context),
-        f"{prefix}.c": environment.get_template("model.c.j2").render(context),
-        "main.c": environment.get_template("main.c.j2").render(context),
+        f"{prefix}.h": environment().get_template("model.h.j2").render(context),
+        f"{prefix}.c": environment().get_template("model.c.j2").render(context),
+        "main.c": environment().get_template("main.c.j2").render(context),
         **runtime,
     }
     compiled = (f"{prefix}.c", *(name for name in sorted(runtime) if name.endswith(".c")))
     declarations = declarations_of(runtime["lamc.h"]) + declarations_of(files[f"{prefix}.h"])
-    return SourceTree(prefix, MappingProxyType(files), compiled, declarations)
+    return SourceTree(prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)))
 
 
 def declarations_of(header: str) -> str:
@@ -80,7 +81,8 @@ def _runtime() -> Mapping[str, str]:
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
+    """The templates, strictly: a name that is not there is an error."""
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(data_dir("templates")),
         undefined=jinja2.StrictUndefined,

@@ -38,7 +38,7 @@ def _block(function: Function, printer: ShapePrinter, fields: list[str], number:
     for statement in function.statements:
         if statement.section != section:
             section = statement.section
-            lines.append(heading(function, section))
+            lines += heading(function, section)
         text = printer.text(statement.shape, statement.operands, name)
         lines.append(f"const {number} z{statement.target.index} = {text};")
     used = {operand.space for s in function.statements for operand in s.operands}

@@ -96,7 +96,7 @@ class Long:
         return operand_name(operand, self.fields)
 
     def _kernel(self, number: int, kernel: KernelClass) -> CRoutine:
-        lines = [heading(self.function, kernel.section)]
+        lines = heading(self.function, kernel.section)
         arrays: dict[int, str] = {}
         for _, operands in kernel.pattern:
             for operand in operands:
@@ -210,7 +210,7 @@ class Long:
         for statement in statements:
             if statement.section != section:
                 section = statement.section
-                yield heading(self.function, section)
+                yield from heading(self.function, section)
             index = statement.target.index
             text = self.printer.text(statement.shape, statement.operands, name)
             yield f"const {self.number} z{index} = {text};"

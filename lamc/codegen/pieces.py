@@ -68,12 +68,14 @@ def unused(function: Function, used: set[Space]) -> tuple[str, ...]:
     return tuple(space.value for space in function.reads if space not in used)
 
 
-def heading(function: Function, section: int) -> str:
-    """The comment over a run of statements: what, from which equation, for which effect."""
+def heading(function: Function, section: int) -> list[str]:
+    """The comment over a run of statements: what, from which equation, for which effect; none where nothing is told."""
     entry = function.sections[section]
+    if not entry.title:
+        return []
     source = f" ({entry.source})" if entry.source else ""
     effect = f" [{entry.effect}]" if entry.effect else ""
-    return f"/* {comment(entry.title + source + effect)} */"
+    return [f"/* {comment(entry.title + source + effect)} */"]
 
 
 def operand_name(operand: Operand, fields: list[str]) -> str:

@@ -20,12 +20,25 @@ FRACTION_DIGITS = 40  # more than any long double has
 _PLACE = re.compile(r"P(\d+)Q")
 
 
-class ShapePrinter:
-    """Prints shapes; remembers each one."""
+class _Product(sp.Function):  # type: ignore[misc]
+    """A product that is printed as it stands."""
 
-    def __init__(self) -> None:
+
+class _Printer(C99CodePrinter):  # type: ignore[misc]
+    def _print__Product(self, expr: sp.Expr) -> str:  # noqa: N802  sympy's own naming
+        return str(self._print(expr.args[0]))
+
+
+class ShapePrinter:
+    """Prints shapes; remembers each one.
+
+    brackets: keep those of a - b*(c*d) too, which sympy writes as a - b*c*d: the same number but for its last bit.
+    """
+
+    def __init__(self, *, brackets: bool = False) -> None:
         # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
-        self._printer = C99CodePrinter({"order": "none"})
+        self._printer = _Printer({"order": "none"})
+        self._brackets = brackets
         self._pieces: dict[Shape, tuple[list[str], list[int]]] = {}
 
     def text(self, shape: Shape, operands: tuple[Operand, ...], name: Callable[[Operand], str]) -> str:
@@ -38,7 +51,7 @@ class ShapePrinter:
         return "".join(parts)
 
     def _print(self, shape: Shape) -> tuple[list[str], list[int]]:
-        text = self._printer.doprint(_unevaluated(shape))
+        text = self._printer.doprint(_unevaluated(shape, self._brackets))
         if "Not supported" in text:
             raise EmitError(f"an operation of {shape} has no C form")
         pieces = _PLACE.split(text)
@@ -46,12 +59,14 @@ class ShapePrinter:
         return self._pieces[shape]
 
 
-def _unevaluated(shape: Shape) -> sp.Expr:
+def _unevaluated(shape: Shape, brackets: bool) -> sp.Expr:
     """The shape in sympy exactly as it is, operand k as the symbol PkQ."""
     if isinstance(shape, int):
         return sp.Symbol(f"P{shape}Q")
     operation, *rest = shape
-    arguments = [_unevaluated(a) for a in rest if not isinstance(a, str)]
+    arguments = [_unevaluated(a, brackets) for a in rest if not isinstance(a, str)]
+    if brackets and operation in ("-", "neg") and isinstance(arguments[-1], sp.Mul):
+        arguments[-1] = _Product(arguments[-1])
     match operation:
         case "+":
             return sp.Add(*arguments, evaluate=False)

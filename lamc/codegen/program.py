@@ -151,3 +151,63 @@ class Program:
     tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
     size: float = 1.0  # m, the mechanism's length scale
     digest: str = ""  # of everything above
+
+
+@dataclass(frozen=True)
+class ElementProgram:
+    """A finite element: everything there is to emit.
+
+    functions, by name; those that make no sense for the element are absent:
+      "stiffness"     xy, s → ∫ BᵀSB dA, lower triangle by rows
+      "mass"          xy, rho → consistent mass, lower triangle by rows
+      "geometric"     xy, n → ∫ ∇wᵀN∇w dA, lower triangle by rows
+      "load"          xy, f → forces and moments on the unknowns
+      "prestress"     xy, r → ∫ Bᵀr dA
+      "strain"        xy, xi, d → membrane strains, then curvatures, at one point
+      "displacement"  xy, xi, d → u, v, then w, w_x, w_y, at one point
+      "force"         xy, s, d → ∫ BᵀSBd dA by way of the strains
+
+    points  of functions that are to be summed up: (ξ, η, weight) each, which they read as three slots of NATURAL
+    """
+
+    name: str
+    nodes: tuple[tuple[str, ...], ...]  # names of the unknowns of each node
+    corner_count: int
+    fields: tuple[str, ...]  # of u, v, w
+    functions: Mapping[str, Function]
+    points: Mapping[str, tuple[tuple[float, float, float], ...]]
+    source: str = ""  # where the element comes from
+    digest: str = ""  # of everything above
+
+    @property
+    def unknown_count(self) -> int:
+        return sum(map(len, self.nodes))
+
+    def inputs(self, name: str) -> tuple[Space, ...]:
+        """What a function is given for each cell."""
+        return tuple(
+            s for s in self.functions[name].reads if s is not Space.NATURAL or name not in self.points
+        )
+
+    @property
+    def strain_count(self) -> int:
+        """Membrane strains where it has u and v, curvatures where it has w; three of each."""
+        return 3 * (("u" in self.fields) + ("w" in self.fields))
+
+    @property
+    def section_count(self) -> int:
+        """Unique entries of D or A, or of A, B and D."""
+        return 18 if self.strain_count == 6 else 6
+
+    def size(self, space: Space) -> int:
+        """How many values a cell has of an input."""
+        return {
+            Space.CORNER: 2 * self.corner_count,
+            Space.SECTION: self.section_count,
+            Space.AREAL_MASS: 1,
+            Space.MEMBRANE_FORCE: 3,
+            Space.INTENSITY: len(self.fields) * self.corner_count,
+            Space.RESULTANT: self.strain_count,
+            Space.NATURAL: 2,
+            Space.UNKNOWN: self.unknown_count,
+        }[space]

@@ -19,6 +19,7 @@ from lamc.plate.laminate import Laminate
 from lamc.plate.library import LIBRARY, material
 from lamc.plate.materials import Material
 from lamc.plate.mesh import Mesh
+from lamc.plate.mesher import mesh
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 
 __all__ = [
@@ -48,6 +49,7 @@ __all__ = [
     "grid_of_lines",
     "lines",
     "material",
+    "mesh",
     "plate_of",
     "ply_failures",
 ]

@@ -1,0 +1,251 @@
+"""Triangles for any polygon: with holes, regions that share borders, and a size for each.
+
+In: shapely polygons in m. Out: a `Mesh` whose edges follow every border. Never: materials, supports.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import TypeAlias
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import MultiPolygon, Polygon
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array, checked_name, checked_number, shown
+from lamc.plate.linework import Divided, Linework, corner_sizes, count_of_parts, divide, linework
+from lamc.plate.mesh import Mesh
+from lamc.plate.mesh_checks import place
+from lamc.plate.mesher_native import BYTES_PER_CELL, Full, Lines, MesherError, Triangulation, triangulate
+
+Integers = NDArray[np.int32]
+Area: TypeAlias = Polygon | MultiPolygon
+
+MOST_TRIANGLES = 5_000_000
+GRADING = 0.3
+
+_TOLERANCE = 1e-9  # of the extent: corners this near to each other, or to a segment, are meant to be the same
+_LEAST = 1e-3  # of the wanted size: no smaller triangles for the sake of angles
+_PER_PART = (
+    2.5  # triangles from a part of a border on one side until they have their full size, times the grading
+)
+_SPARE = 1.3  # triangles there are over those of wanted edges on the area
+_AROUND = 8.0  # half the side of the box around all, over the extent
+
+
+def mesh(
+    polygon: Area,
+    size: float,
+    *,
+    regions: Mapping[str, Area] | None = None,
+    sizes: Mapping[str, float] | None = None,
+    grading: float = GRADING,
+    limit: int = MOST_TRIANGLES,
+) -> Mesh:
+    """Triangles with edges of about `size` m, all corners and borders of the polygon among theirs.
+
+    regions   polygons inside by name, which may share borders but not area; what is in none belongs to region ""
+    sizes     size per region, m, where it is not `size`; "" for what is in none
+    grading   how much edges grow per length from where they are short, 0.05 to 1
+    limit     largest number of triangles
+
+    Edges are shorter where the outline has short segments or narrow strips, and grow away from there. Edges are 0.9
+    of the size on average and 1.5 at most. Angles are 25° at least, except where the outline has smaller ones, or gaps
+    narrower than a thousandth of the size. The same input gives the same mesh, byte for byte.
+
+    Raises DesignError for polygons that are empty or cross themselves, or hang together at a point only; for regions
+    that overlap or lie outside; for sizes that are not positive or would give more triangles than the limit. Raises
+    BuildError without a C compiler.
+    """
+    _check_area(polygon, "the polygon of a mesh")
+    named = _checked_regions(polygon, regions or {})
+    wanted = _checked_sizes(size, named, sizes or {})
+    slope = checked_number(grading, "the grading of a mesh")
+    if not 0.05 <= slope <= 1.0:
+        raise DesignError(f"the grading of a mesh is {slope:g}; it must be between 0.05 and 1: 0.3 is usual")
+    most = checked_number(limit, "the limit of a mesh", minimum=1.0)
+    extent = _extent(polygon)
+    lines = linework(
+        _rings(polygon),
+        [_rings(area) for area in named.values()],
+        wanted[0],
+        wanted[1:].tolist(),
+        _TOLERANCE * extent,
+    )
+    at_corners = corner_sizes(lines, slope)
+    expected = _expected(polygon, named, wanted, count_of_parts(lines, at_corners, slope), slope)
+    if expected > most:
+        raise DesignError(_too_many(f"about {expected:.2g}", expected, most, wanted))
+    divided = divide(lines, at_corners, slope)
+    triangles = _triangulate(polygon, named, wanted, slope, lines, divided, expected, most)
+    return _mesh_of(triangles, divided, named)
+
+
+def _check_area(area: object, what: str) -> None:
+    if not isinstance(area, Polygon | MultiPolygon):
+        raise DesignError(f"{what} is {shown(area)}; it must be a shapely Polygon or MultiPolygon, in m")
+    if area.is_empty:
+        raise DesignError(f"{what} is empty; it must have an area")
+    if not np.isfinite(shapely.get_coordinates(area)).all():
+        raise DesignError(f"{what} has coordinates that are not finite")
+    if not area.is_valid:
+        raise DesignError(
+            f"{what} is not a simple polygon: {shapely.is_valid_reason(area)} (m); its rings must not cross or touch "
+            "along a line: correct the outline there, or try shapely.make_valid"
+        )
+
+
+def _extent(area: Area) -> float:
+    low_x, low_y, high_x, high_y = area.bounds
+    return float(max(high_x - low_x, high_y - low_y))
+
+
+def _rings(area: Area) -> list[Array]:
+    pieces = area.geoms if isinstance(area, MultiPolygon) else [area]
+    return [shapely.get_coordinates(r) for piece in pieces for r in (piece.exterior, *piece.interiors)]
+
+
+def _checked_regions(polygon: Area, regions: Mapping[str, Area]) -> dict[str, Area]:
+    """Regions in their order. What round-off makes them overlap or reach outside is let pass."""
+    if not isinstance(regions, Mapping):
+        raise DesignError(f"the regions of a mesh are {shown(regions)}; give a polygon by name")
+    named = dict(regions)
+    slack = _TOLERANCE * _extent(polygon)
+    for name, area in named.items():
+        checked_name(name, "a region")
+        _check_area(area, f"region {name!r}")
+        outside = area.difference(polygon)
+        if outside.area > slack * area.length:
+            at = np.array(outside.representative_point().coords[0])
+            raise DesignError(
+                f"region {name!r} reaches outside the polygon with {outside.area:.6g} m² of its {area.area:.6g} m², "
+                f"around {place(at)}: cut it at the polygon's border"
+            )
+    if not named:
+        return named
+    areas = list(named.values())
+    first, second = shapely.STRtree(areas).query(areas, predicate="intersects")
+    for one, other in sorted((int(i), int(j)) for i, j in zip(first, second, strict=True) if i < j):
+        common = areas[one].intersection(areas[other])
+        if common.area > slack * (areas[one].length + areas[other].length):
+            names = list(named)
+            at = np.array(common.representative_point().coords[0])
+            raise DesignError(
+                f"regions {names[one]!r} and {names[other]!r} overlap with {common.area:.6g} m² around {place(at)}; "
+                "a triangle has one region: cut one of them at the other"
+            )
+    return named
+
+
+def _checked_sizes(size: float, regions: Mapping[str, Area], sizes: Mapping[str, float]) -> Array:
+    """Of what is in no region, then of each region."""
+    wanted = {"": size, **dict.fromkeys(regions, size)}
+    if not isinstance(sizes, Mapping):
+        raise DesignError(f"the sizes of a mesh are {shown(sizes)}; give a size by name of region")
+    for name, value in sizes.items():
+        if name not in wanted:
+            raise DesignError(
+                f"a size is given for {shown(name)}, which is no region; regions are "
+                f"{', '.join(map(repr, wanted))}: correct the name"
+            )
+        wanted[name] = value
+    for name, value in wanted.items():
+        what = f"the size of region {name!r}" if name and name in sizes else "the size of a mesh"
+        wanted[name] = checked_number(value, what)
+        if wanted[name] <= 0.0:
+            raise DesignError(f"{what} is {wanted[name]:g} m; it must be positive: the length of an edge")
+    return np.array(list(wanted.values()))
+
+
+def _expected(
+    polygon: Area, regions: Mapping[str, Area], wanted: Array, parts: float, grading: float
+) -> float:
+    """About how many triangles there will be: those of wanted edges on the area, and those of the borders."""
+    areas = np.array([polygon.area, *(area.area for area in regions.values())])
+    areas[0] = max(0.0, areas[0] - areas[1:].sum())
+    on_area = float(np.sum(areas / wanted / wanted)) / (math.sqrt(3.0) / 4.0)
+    return _SPARE * on_area + 2.0 * _PER_PART / grading * parts
+
+
+def _too_many(number: str, count: float, most: float, wanted: Array) -> str:
+    memory = count * BYTES_PER_CELL / 2.0**30
+    return (
+        f"a mesh of size {wanted.min():g} m would have {number} triangles, {memory:.2g} GiB while it is made and many "
+        f"times that to solve; the limit is {most:.0f}: take a larger size, give a small one to single "
+        "regions only, or raise the limit"
+    )
+
+
+def _triangulate(
+    polygon: Area,
+    regions: Mapping[str, Area],
+    wanted: Array,
+    grading: float,
+    lines: Linework,
+    divided: Divided,
+    expected: float,
+    most: float,
+) -> Triangulation:
+    """In coordinates of order one, and back. Doubles the room until it is enough."""
+    low_x, low_y, high_x, high_y = polygon.bounds
+    middle = np.array([0.5 * (low_x + high_x), 0.5 * (low_y + high_y)])
+    scale = 2.0 ** -math.ceil(math.log2(_extent(polygon)))
+    box = _AROUND * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    native = Lines(
+        np.concatenate([box, (divided.points - middle) * scale]),
+        np.concatenate([np.full(4, 2.0 * _AROUND), divided.sizes * scale]),
+        np.concatenate([np.full(4, -1, dtype=np.int32), divided.segment_of]),
+        divided.parts + np.int32(4),
+        lines.segments + np.int32(4),
+    )
+
+    def regions_at(points: Array) -> Integers:
+        places = shapely.points(points / scale + middle)
+        index = np.where(shapely.contains(polygon, places), 0, -1).astype(np.int32)
+        for number, area in enumerate(regions.values(), start=1):
+            index[shapely.contains(area, places)] = number
+        return index
+
+    capacity = int(1.2 * expected) + 1000
+    while True:
+        try:
+            made = triangulate(native, regions_at, wanted * scale, grading, _LEAST, capacity)
+            break
+        except MesherError as error:
+            raise DesignError(
+                f"lines of the polygon or of regions cross near {place(error.at / scale + middle)}; they must meet in "
+                "corners: give both the same corners there"
+            ) from error
+        except Full:
+            if capacity > 2.0 * most + 1000:
+                raise DesignError(_too_many(f"more than {most:.0f}", most, most, wanted)) from None
+            capacity *= 2
+    if len(made.cells) > most:
+        raise DesignError(_too_many(str(len(made.cells)), len(made.cells), most, wanted))
+    return Triangulation(made.points / scale + middle, made.cells, made.regions)
+
+
+def _mesh_of(made: Triangulation, divided: Divided, regions: Mapping[str, Area]) -> Mesh:
+    """Without the box and what is outside; given points exactly where they were."""
+    points = made.points[4:]
+    points[: len(divided.points)] = divided.points
+    used, cells = np.unique(made.cells - 4, return_inverse=True)
+    cells = cells.reshape(-1, 3)
+    present = np.unique(made.regions)
+    names = ("", *regions)
+    index = np.searchsorted(present, made.regions).astype(np.int32)
+    result = Mesh(points[used], cells.astype(np.int32), index, [names[k] for k in present])
+    _check_connected(result)
+    return result
+
+
+def _check_connected(mesh: Mesh) -> None:
+    cell, side = mesh.boundary_edges.T
+    starts = mesh.cells[cell, side]
+    meeting = np.flatnonzero(np.bincount(starts, minlength=len(mesh.points)) > 1)
+    if len(meeting):
+        raise DesignError(
+            f"parts of the polygon touch at the single point {place(mesh.points[meeting[0]])}; a plate cannot carry "
+            "anything there: give the neck a width, or move the parts apart"
+        )

@@ -53,7 +53,9 @@ class StagedElement:
 
     def _rows(self, name: str, corners: Numbers, inputs: dict[Space, Numbers]) -> Numbers:
         function, m = self.equations.functions[name], len(corners)
-        assert set(function.reads) == {Space.CORNER, *inputs} | ({Space.NATURAL} if function.points else set())
+        assert set(function.reads) == {Space.CORNER, *inputs} | (
+            {Space.NATURAL} if function.points else set()
+        )
         slots = {space: list(np.asarray(value, dtype=float).T) for space, value in inputs.items()}
         slots[Space.CORNER] = list(np.asarray(corners, dtype=float).reshape(m, -1).T)
         total = np.zeros((m, len(function.outputs)))

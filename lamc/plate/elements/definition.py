@@ -156,6 +156,16 @@ class Element:
                     f"element {self.name!r} has {'shape functions' if there[name] else 'unknowns'} for {name}, and no "
                     f"{'unknowns' if there[name] else 'shape functions'}; give both or neither"
                 )
+        for amount in self.amounts:
+            unknowns = self.unknowns
+            weights = [sp.diff(amount, d) for d in unknowns]
+            if any(weight.has(*unknowns) for weight in weights) or amount.xreplace(
+                dict.fromkeys(unknowns, sp.S.Zero)
+            ):
+                raise DesignError(
+                    f"element {self.name!r} has the amount {amount}; it must be linear in the unknowns, which are "
+                    f"{', '.join(map(str, unknowns))}"
+                )
         count = len(self.amounts or self.dofs)
         counts = [len(part) for part in self.slopes]
         if self.slopes and (not self.w or counts != [count, count]):

@@ -137,7 +137,7 @@ class ReferenceElement:
         rule = square_rule((degree + 2) // 2) if self._square else triangle_rule(degree)
         for point, weight in zip(*rule, strict=True):
             xi = np.broadcast_to(point.astype(corners.dtype), (len(corners), 2))
-            yield weight * frame(self._geometry, corners, xi).area, xi
+            yield weight.astype(corners.dtype) * frame(self._geometry, corners, xi).area, xi
 
     # --- rows over all unknowns, at a point --------------------------------------------------------------------------
 

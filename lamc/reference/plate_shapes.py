@@ -108,18 +108,34 @@ def bicubic_square() -> Polynomials:
     return _solved(_BICUBIC, np.array(conditions), 16)
 
 
+def _gauss(count: int) -> tuple[Numbers, Numbers]:
+    """Gauss's points in [-1, 1] and weights, in long double: numpy's, and two steps of Newton's method."""
+    x: Numbers = np.polynomial.legendre.leggauss(count)[0].astype(np.longdouble)
+    for _ in range(3):
+        before, value = np.ones_like(x), x  # P_0 and P_1
+        for n in range(1, count):
+            before, value = value, ((2 * n + 1) * x * value - n * before) / (n + 1)
+        slope = count * (before - x * value) / (1 - x * x)
+        weight = 2 / ((1 - x * x) * slope * slope)
+        x = x - value / slope  # the last step is idle
+    return x, weight
+
+
 def triangle_rule(degree: int) -> tuple[Numbers, Numbers]:
-    """Points (p, 2) and weights (p,), sum 1/2, exact up to `degree`: Gauss's rule on a square folded to a triangle."""
-    x, weight = np.polynomial.legendre.leggauss(degree // 2 + 1)
-    y, weight_y = np.polynomial.legendre.leggauss((degree + 1) // 2 + 1)
-    a, b = np.meshgrid(0.5 * (x + 1.0), 0.5 * (y + 1.0), indexing="ij")
-    points = np.stack([a * (1.0 - b), b], axis=-1).reshape(-1, 2)
-    return points, (0.25 * np.outer(weight, weight_y) * (1.0 - b)).ravel()
+    """Points (p, 2) and weights (p,), sum 1/2, exact up to `degree`: Gauss's rule on a square folded to a triangle.
+
+    In long double, as the points of every rule here.
+    """
+    x, weight = _gauss(degree // 2 + 1)
+    y, weight_y = _gauss((degree + 1) // 2 + 1)
+    a, b = np.meshgrid((x + 1) / 2, (y + 1) / 2, indexing="ij")
+    points = np.stack([a * (1 - b), b], axis=-1).reshape(-1, 2)
+    return points, (np.outer(weight, weight_y) * (1 - b) / 4).ravel()
 
 
 def square_rule(count: int) -> tuple[Numbers, Numbers]:
     """Gauss's rule of count × count points: points (p, 2) and weights (p,), sum 4."""
-    x, weight = np.polynomial.legendre.leggauss(count)
+    x, weight = _gauss(count)
     points = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
     return points, np.outer(weight, weight).ravel()
 

@@ -1,0 +1,197 @@
+"""A picture of a laminate: its plies from bottom to top, seen from the side.
+
+In: a laminate and a path ending in .png. Out: that file. Never: computes anything about the laminate but heights.
+
+Colours tell materials apart, hatching the direction of fibres, and both are written out. Plies too thin to be labelled
+at true scale are drawn thicker, all others stay in proportion, and the picture says so.
+"""
+
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Patch, Rectangle
+
+from lamc.errors import LamcError
+from lamc.mechanism.checks import Array
+from lamc.plate.laminate import Laminate
+from lamc.plate.plies import Ply
+from lamc.report.plan_view import length_text, shortened
+from lamc.report.style import PALETTE, save
+
+_WIDTH = 7.0  # inches
+_HEIGHTS = (2.2, 11.0)  # inches, least and most
+_LINE = 0.36  # inches per ply
+_LEAST = 0.7  # of the mean height of a ply: what every ply is drawn with at least
+_MOST_LABELS = 48
+_TINT = 0.45  # share of white in a ply's colour
+
+
+def draw_stack(laminate: Laminate, path: str | os.PathLike[str], title: str = "") -> Path:
+    """Draws the plies into `path`. Raises LamcError for a suffix that is not .png, and where it cannot be written."""
+    target = Path(path)
+    if target.suffix.lower() != ".png":
+        raise LamcError(f"cannot draw into {target.name!r}; the name must end in .png")
+    bottoms, heights = _drawn(laminate)
+    inches = float(np.clip(_LINE * len(laminate.plies) + 1.3, *_HEIGHTS))
+    figure = Figure(figsize=(_WIDTH, inches), layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.08))
+    axis = figure.subplots()
+    colours = _colours(laminate)
+    for ply, low, height in zip(laminate.plies, bottoms, heights, strict=True):
+        _draw_ply(axis, ply, low, height, colours)
+    _draw_labels(axis, laminate, bottoms, heights)
+    _draw_reference(axis, laminate, bottoms, heights)
+    _draw_axis(axis, laminate, bottoms, heights)
+    count = len(laminate.plies)
+    lines = [f"{count} {'ply' if count == 1 else 'plies'}, {length_text(laminate.thickness)} thick"]
+    if title:
+        lines[0] = f"{shortened(title, 50)}: {lines[0]}"
+    if not _is_true(laminate, heights):
+        lines.append("thin plies are drawn thicker than they are")
+    if not _holds_reference(laminate):
+        lines.append(_where_reference_is(laminate))
+    axis.set_title("\n".join(lines), fontsize=10, parse_math=False)
+    handles = [Patch(facecolor=tint(colour), edgecolor="#333333", label="m") for colour in colours.values()]
+    legend = axis.legend(
+        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.04), ncols=3, fontsize=8, frameon=False
+    )
+    for text, name in zip(legend.get_texts(), colours, strict=True):
+        text.set_parse_math(False)
+        text.set_text(shortened(name, 32))
+    return save(figure, target)
+
+
+def tint(colour: str) -> tuple[float, float, float]:
+    """The colour mixed with white, so that hatching and text on it can be read."""
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = (part + _TINT * (1.0 - part) for part in parts)
+    return red, green, blue
+
+
+def _colours(laminate: Laminate) -> dict[str, str]:
+    """A colour for each material in the order in which they appear; they repeat after the palette's end."""
+    names = list(dict.fromkeys(_material_name(ply) for ply in laminate.plies))
+    return {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(names)}
+
+
+def _material_name(ply: Ply) -> str:
+    if ply.material.name:
+        return ply.material.name
+    return f"E1 = {ply.material.E1 / 1e9:.3g} GPa, E2 = {ply.material.E2 / 1e9:.3g} GPa"
+
+
+def _is_isotropic(ply: Ply) -> bool:
+    m = ply.material
+    return m.E1 == m.E2 and math.isclose(m.G12, m.E1 / (2.0 * (1.0 + m.nu12)), rel_tol=1e-9)
+
+
+def _hatch(ply: Ply) -> str:
+    """Strokes for the direction of fibres: along x, upwards, downwards, across; none where there is no direction."""
+    if _is_isotropic(ply):
+        return ""
+    angle = math.remainder(ply.angle, 180.0)
+    if abs(angle) < 1.0:
+        return "--"
+    if abs(angle) > 89.0:
+        return ".."  # fibres seen from their ends
+    return "//" if angle > 0.0 else "\\\\"
+
+
+def _drawn(laminate: Laminate) -> tuple[Array, Array]:
+    """Where each ply is drawn, and how high, both (plies,), in parts of the drawing's height."""
+    t = np.array([ply.thickness for ply in laminate.plies])
+    gaps = np.array([ply.gap for ply in laminate.plies])
+    count = len(t) + int((gaps > 0.0).sum())
+    least = _LEAST / count
+    shares, spaces = (np.where(x > 0.0, np.maximum(x / laminate.thickness, least), 0.0) for x in (t, gaps))
+    total = float(shares.sum() + spaces.sum())
+    edges = np.cumsum(np.column_stack([spaces, shares]).ravel()) / total
+    return edges[::2], shares / total
+
+
+def _is_true(laminate: Laminate, heights: Array) -> bool:
+    t = np.array([ply.thickness for ply in laminate.plies])
+    return bool(np.allclose(heights / heights.max(), t / t.max(), rtol=1e-6))
+
+
+def _holds_reference(laminate: Laminate) -> bool:
+    z = laminate.heights
+    return bool(z[0, 0] <= 0.0 <= z[-1, 1])
+
+
+def _where_reference_is(laminate: Laminate) -> str:
+    low, high = float(laminate.heights[0, 0]), float(laminate.heights[-1, 1])
+    if low > 0.0:
+        return f"the reference surface, z = 0, lies {length_text(low)} below"
+    return f"the reference surface, z = 0, lies {length_text(-high)} above"
+
+
+def _draw_ply(axis: Axes, ply: Ply, low: float, height: float, colours: dict[str, str]) -> None:
+    place = Rectangle(
+        (0.0, low),
+        1.0,
+        height,
+        facecolor=tint(colours[_material_name(ply)]),
+        edgecolor="#333333",
+        linewidth=0.8,
+        hatch=_hatch(ply),
+    )
+    place.set_hatch_linewidth(0.4)
+    axis.add_patch(place)
+
+
+def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
+    """Thickness and angle of each ply, within it; of every so many where there are more than can be read."""
+    every = math.ceil(len(laminate.plies) / _MOST_LABELS)
+    for k, (ply, low, height) in enumerate(zip(laminate.plies, bottoms, heights, strict=True)):
+        if k % every:
+            continue
+        direction = "isotropic" if _is_isotropic(ply) else f"{ply.angle:g}°"
+        axis.text(
+            0.5,
+            low + 0.5 * height,
+            f"{k + 1}   {length_text(ply.thickness)}   {direction}",
+            ha="center",
+            va="center",
+            fontsize=8 if len(laminate.plies) < 30 else 6,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85},
+        )
+
+
+def _draw_reference(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
+    """The surface that z counts from, where it lies within the plies: a dashed line."""
+    if not _holds_reference(laminate):
+        return
+    at = _place_of(0.0, laminate.heights, bottoms, heights)
+    axis.plot([-0.03, 1.03], [at, at], color="#B00020", linewidth=1.3, dashes=(5, 2), zorder=5, clip_on=False)
+    axis.text(1.04, at, "z = 0", color="#B00020", va="center", fontsize=8)
+
+
+def _place_of(height: float, z: Array, bottoms: Array, heights: Array) -> float:
+    """Where a height (m, within the plies) is in the drawing."""
+    real = z.ravel()
+    drawn = np.column_stack([bottoms, bottoms + heights]).ravel()
+    return float(np.interp(height, real, drawn))
+
+
+def _draw_axis(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
+    """Heights of the faces at the left, as many as can be read, and the direction of z."""
+    z = laminate.heights
+    drawn = np.column_stack([bottoms, bottoms + heights])
+    faces = {round(float(d), 9): float(height) for d, height in zip(drawn.ravel(), z.ravel(), strict=True)}
+    every = math.ceil(len(faces) / (_MOST_LABELS + 1))
+    ticks: Sequence[float] = sorted(faces)
+    shown = [tick for k, tick in enumerate(ticks) if k % every == 0 or k == len(ticks) - 1]
+    scale, unit = (1e3, "mm") if laminate.thickness >= 1e-3 else (1e6, "µm")
+    axis.set_yticks(shown, [f"{faces[tick] * scale + 0.0:.5g}" for tick in shown], fontsize=7)
+    axis.set_ylabel(f"z [{unit}]  ↑", fontsize=9)
+    axis.set_xticks([])
+    axis.set_xlim(-0.03, 1.12)
+    axis.set_ylim(-0.005, 1.005)
+    for side in ("top", "right", "bottom"):
+        axis.spines[side].set_visible(False)

@@ -198,9 +198,29 @@ def check(
 
 @main.command()
 @design
+@click.option(
+    "--hinge-stiffness",
+    type=click.Choice(["drawn", "from-material"]),
+    default="drawn",
+    help="Stiffness of hinges: as the file gives it, or from the flexible layer's material and the hinge's size.",
+)
+@click.option(
+    "--material",
+    "materials",
+    metavar="NAME=MATERIAL",
+    multiple=True,
+    help="With from-material: a material of lamc's library in place of the file's material NAME.",
+)
 @folder
 @speaking
-def split(file: str | None, example: str | None, out: str | None, terminal: Terminal) -> int:
+def split(
+    file: str | None,
+    example: str | None,
+    hinge_stiffness: str,
+    materials: tuple[str, ...],
+    out: str | None,
+    terminal: Terminal,
+) -> int:
     """Find the bodies and hinges of a design; write them as files.
 
     Prints the tables, what the loops come to and the ways out of a singular drawing; writes a joint definition
@@ -209,11 +229,13 @@ def split(file: str | None, example: str | None, out: str | None, terminal: Term
     \b
     Example:
       lamc split pendulum.cad --out parts
+      lamc split flaps.yaml --hinge-stiffness from-material --material "film=Kapton HN"
     """
     from lamc.commands.inputs import Source
+    from lamc.commands.split import HingeChoice
     from lamc.commands.split import split as work
 
-    return work(Source(file, example), out, terminal)
+    return work(Source(file, example), HingeChoice(hinge_stiffness, materials), out, terminal)
 
 
 @main.command()

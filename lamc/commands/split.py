@@ -1,12 +1,15 @@
 """`lamc split`: the bodies and joints of a design as tables, files and a picture.
 
 In: a design, or a mechanism that is split already. Out: NAME.mechanism.yaml; NAME.joints and a picture where there are
-polygons: split.png of a design, bodies.png of a mechanism.
+polygons: split.png of a design, bodies.png of a mechanism. Hinges are as stiff as the file says, or as their material
+makes them; then a table says where each stiffness comes from.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from lamc.commands.inputs import Source, folder_name, load_source, output_folder
+from lamc.commands.inputs import Source, folder_name, load_source, output_folder, split_pair
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.load import load_definition
 from lamc.design.records import Design
@@ -20,16 +23,30 @@ from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
+from lamc.plate.design_hinges import MaterialHinge, with_material_stiffness
+from lamc.plate.library import material
+from lamc.plate.materials import Material
 from lamc.report.bodies_picture import draw_bodies
+from lamc.report.hinges_text import hinge_data, hinge_table
 from lamc.report.loops_text import branch_lines, loops_data, loops_line
 from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
 
 
-def split(source: Source, out: str | None, terminal: Terminal) -> int:
+@dataclass(frozen=True)
+class HingeChoice:
+    """Where the stiffness of hinges comes from: "drawn" or "from-material"; and materials, as NAME=MATERIAL."""
+
+    stiffness: str = "drawn"
+    materials: Sequence[str] = ()
+
+
+def split(source: Source, choice: HingeChoice, out: str | None, terminal: Terminal) -> int:
     """Splits, writes, prints."""
     times = Times()
     notes: list[str] = []
+    account: tuple[MaterialHinge, ...] = ()
+    replaced = _materials(choice)
     with terminal.progress() as progress:
         times.observer = progress.stage
         loaded = load_source(source, times, progress)
@@ -37,7 +54,15 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
         files: list[str] = []
         with output_folder(out, loaded.name) as folder:
             if isinstance(loaded.record, Design):
-                mechanism = _split_design(loaded.record, folder, name, files, notes, progress)
+                design = loaded.record
+                if choice.stiffness == "from-material":
+                    design, account = with_material_stiffness(design, replaced)
+                mechanism = _split_design(design, folder, name, files, notes, progress)
+            elif choice.stiffness == "from-material":
+                raise DesignError(
+                    f"{loaded.origin!r} holds a mechanism, which has no layers; --hinge-stiffness from-material needs "
+                    "the design that it was split from"
+                )
             else:
                 mechanism = loaded.record
                 _export_mechanism(mechanism, loaded.path, folder, name, files, notes)
@@ -46,10 +71,21 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
     told = split_text(mechanism, notes)
     data = split_data(mechanism, notes)
     loops, data["loops"] = _loops(mechanism)
-    terminal.say("\n\n".join([told, loops] if loops else [told]))
+    hinges = hinge_table(account)
+    if account:
+        data["hinge_stiffness"] = hinge_data(account)
+    terminal.say("\n\n".join(part for part in (told, hinges, loops) if part))
     terminal.say(f"\nfiles   {folder}: {', '.join(files)}")
     terminal.result({"ok": True, "folder": str(folder), "files": files, **data})
     return 0
+
+
+def _materials(choice: HingeChoice) -> dict[str, Material]:
+    """Library materials by the names that they replace. Raises DesignError."""
+    if choice.materials and choice.stiffness != "from-material":
+        raise DesignError("--material replaces the material of hinges; add --hinge-stiffness from-material")
+    pairs = (split_pair(text, "--material", "film=Kapton HN") for text in choice.materials)
+    return {name: material(value) for name, value in pairs}
 
 
 def _loops(mechanism: Mechanism) -> tuple[str, dict[str, object] | None]:

@@ -15,6 +15,7 @@ from lamc.plate.failure import FirstPlyFailure, PlyFailure, first_ply_failure, p
 from lamc.plate.from_design import DesignPlate, plate_of
 from lamc.plate.grid import grid, grid_of_lines, lines
 from lamc.plate.hinge_edges import HingeEdge
+from lamc.plate.hinge_stiffness import HingeStiffness, hinge_stiffness
 from lamc.plate.laminate import Laminate
 from lamc.plate.library import LIBRARY, material
 from lamc.plate.materials import Material
@@ -31,6 +32,7 @@ __all__ = [
     "EngineeringConstants",
     "FirstPlyFailure",
     "HingeEdge",
+    "HingeStiffness",
     "Laminate",
     "Material",
     "Mesh",
@@ -47,6 +49,7 @@ __all__ = [
     "first_ply_failure",
     "grid",
     "grid_of_lines",
+    "hinge_stiffness",
     "lines",
     "material",
     "mesh",

@@ -8,36 +8,42 @@ import math
 from collections.abc import Mapping, Sequence
 
 from lamc.design import records
+from lamc.design.checking import did_you_mean
 from lamc.errors import DesignError
 from lamc.mechanism.checks import shown
 from lamc.plate.materials import Material
 
 
 def plate_materials(
-    layers: Sequence[records.Layer], overrides: Mapping[str, Material] | None = None
+    design: records.Design, layers: Sequence[int], overrides: Mapping[str, Material] | None = None
 ) -> dict[str, Material]:
-    """The plate material of every layer's material, by name.
+    """The plate material of the material of each of some layers (indices), by name.
 
     overrides  materials that replace the design's own of the same name
 
     Isotropic where the design gives E1 and poisson, and E2 not or equal; with E2 it needs G12 too.
-    Raises DesignError, once for all materials that lack something.
+    Raises DesignError, once for all materials that lack something, and for a replacement of what the design has not.
     """
     given = dict(overrides or {})
+    names = sorted({layer.material.name for layer in design.layers})
     for name, material in given.items():
+        if name not in names:
+            raise DesignError(
+                f"design {design.name!r} has no material {shown(name)} to be replaced; {did_you_mean(str(name), names)}"
+            )
         if not isinstance(material, Material):
             raise DesignError(
                 f"the material for {shown(name)} is {shown(material)}; it must be a plate.Material: "
                 "make one, or take one by plate.material(name)"
             )
-    own = {layer.material.name: layer.material for layer in layers}
+    own = {design.layers[k].material.name: design.layers[k].material for k in layers}
     lacking = {name: _missing(m) for name, m in own.items() if name not in given and _missing(m)}
     if lacking:
         told = "; ".join(f"{name!r} has no {', '.join(symbols)}" for name, symbols in sorted(lacking.items()))
         raise DesignError(
             f"moduli are needed for a plate, and those of the design are unknown or placeholders: {told}: give them in "
             f"the file's materials, as {min(lacking)}: {{E1: 2.5 GPa, poisson: 0.34}}, or replace the material, as by "
-            f'materials={{{min(lacking)!r}: plate.material("Kapton HN")}}'
+            f'materials={{{min(lacking)!r}: plate.material("Kapton HN")}} or --material "{min(lacking)}=Kapton HN"'
         )
     return {name: given[name] if name in given else _plate_material(m) for name, m in own.items()}
 

@@ -102,7 +102,7 @@ def plate_of(
     stacks = _named(found, joined, [layer.name for layer in layers])
     regions = {name: _simplest(region) for name, (_, region) in stacks.items()}
     used = sorted({k for stack, _ in stacks.values() for k in stack})
-    plies = plate_materials([layers[k] for k in used], materials)
+    plies = plate_materials(steps.design, used, materials)
     if height is None:
         height = _middle_of_largest(steps.design, stacks)
     outline = shapely.union_all(list(regions.values()))

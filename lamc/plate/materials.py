@@ -148,6 +148,13 @@ class Material:
         return np.asarray(0.5 * (turned + turned.T))
 
     @property
+    def is_isotropic(self) -> bool:
+        """Whether it is the same in all directions of its plane."""
+        return self.E1 == self.E2 and math.isclose(
+            self.G12, self.E1 / (2.0 * (1.0 + self.nu12)), rel_tol=1e-9
+        )
+
+    @property
     def transverse_shear(self) -> Array:
         """G13 and G23, shape (2,), Pa; G12 for one that is not known, which across fibres is too high for G23."""
         return np.array([self.G12 if g is None else g for g in (self.G13, self.G23)])

@@ -85,14 +85,9 @@ def _material_name(ply: Ply) -> str:
     return f"E1 = {ply.material.E1 / 1e9:.3g} GPa, E2 = {ply.material.E2 / 1e9:.3g} GPa"
 
 
-def _is_isotropic(ply: Ply) -> bool:
-    m = ply.material
-    return m.E1 == m.E2 and math.isclose(m.G12, m.E1 / (2.0 * (1.0 + m.nu12)), rel_tol=1e-9)
-
-
 def _hatch(ply: Ply) -> str:
     """Strokes for the direction of fibres: along x, upwards, downwards, across; none where there is no direction."""
-    if _is_isotropic(ply):
+    if ply.material.is_isotropic:
         return ""
     angle = math.remainder(ply.angle, 180.0)
     if abs(angle) < 1.0:
@@ -151,7 +146,7 @@ def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array)
     for k, (ply, low, height) in enumerate(zip(laminate.plies, bottoms, heights, strict=True)):
         if k % every:
             continue
-        direction = "isotropic" if _is_isotropic(ply) else f"{ply.angle:g}°"
+        direction = "isotropic" if ply.material.is_isotropic else f"{ply.angle:g}°"
         axis.text(
             0.5,
             low + 0.5 * height,

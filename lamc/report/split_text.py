@@ -23,7 +23,7 @@ def split_text(mechanism: Mechanism, notes: Sequence[str] = ()) -> str:
     """Name, tables of bodies and joints, and notes, separated by empty lines."""
     bodies, joints = _count(mechanism.bodies, "body", "bodies"), _count(mechanism.joints, "joint", "joints")
     parts = [
-        f"{_short(mechanism.name)}: {bodies}, {joints}",
+        f"{short_name(mechanism.name)}: {bodies}, {joints}",
         body_table(mechanism),
         joint_table(mechanism),
         *(f"note: {note}" for note in notes),
@@ -39,7 +39,7 @@ def body_table(mechanism: Mechanism) -> str:
     heads += [f"I{k} [kg·m²]" for k in "123"]
     rows = [
         [
-            _short(body.name),
+            short_name(body.name),
             "fixed" if body.fixed else "",
             f"{body.mass / mass_scale:.7g}",
             *(_number(c / scale) for c in body.com),
@@ -47,7 +47,7 @@ def body_table(mechanism: Mechanism) -> str:
         ]
         for body in mechanism.bodies
     ]
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def joint_table(mechanism: Mechanism) -> str:
@@ -59,7 +59,7 @@ def joint_table(mechanism: Mechanism) -> str:
     heads += ["k [N·m/rad]", "c [N·m·s/rad]", "rest [°]", "limits [°]"]
     rows = [
         [
-            *(_short(name) for name in (joint.name, joint.parent, joint.child)),
+            *(short_name(name) for name in (joint.name, joint.parent, joint.child)),
             *(_number(p / scale) for p in joint.point),
             "(" + ", ".join(_number(a, 4) for a in joint.axis) + ")",
             f"{joint.stiffness:.6g}",
@@ -69,7 +69,7 @@ def joint_table(mechanism: Mechanism) -> str:
         ]
         for joint in mechanism.joints
     ]
-    return _table(heads, rows)
+    return table(heads, rows)
 
 
 def split_data(mechanism: Mechanism, notes: Sequence[str] = ()) -> dict[str, object]:
@@ -118,7 +118,7 @@ def _limits(joint: Joint) -> str:
     return f"{lower:.6g} to {upper:.6g}"
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Columns padded to their widest entry; those that hold numbers only stand to the right."""
     columns = list(zip(heads, *rows, strict=True))
     widths = [max(len(entry) for entry in column) for column in columns]
@@ -154,5 +154,6 @@ def _count(things: Sequence[object], one: str, many: str) -> str:
     return f"{len(things)} {one if len(things) == 1 else many}"
 
 
-def _short(name: str) -> str:
+def short_name(name: str) -> str:
+    """The name, cut where a table would grow too wide."""
     return name if len(name) <= _LONGEST_NAME else name[: _LONGEST_NAME - 1] + "…"

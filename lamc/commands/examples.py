@@ -46,7 +46,7 @@ def show_example(name: str, copy: str | None, terminal: Terminal) -> int:
     """
     example = examples.find(name)
     facts = _facts(example, example.name)
-    written = _copy(example, Path(copy)) if copy is not None else None
+    written = copy_file(example, Path(copy)) if copy is not None else None
     where = example.path if example.path is not None else "made when it is asked for"
     parts = [
         f"{facts['name']}: {facts['summary']}",
@@ -87,7 +87,7 @@ def _facts(example: Example, name: str) -> dict[str, Any]:
     }
 
 
-def _copy(example: Example, folder: Path) -> Path:
+def copy_file(example: Example, folder: Path) -> Path:
     """Writes the example's file into a folder, which is made if it is missing. Never replaces a file."""
     target = folder / example.file_name
     try:

@@ -76,6 +76,8 @@ def read_plate(node: Node) -> PlateFile:
     sections = Sections(model.materials, model.laminates, problems)
     laminate = sections.laminate(model.laminate, ("laminate",)) if model.laminate is not None else None
     places = Places(model, sections, problems, to_si(1.0, units.LENGTH, bare))
+    if model.laminate is not None and model.geometry.design is not None:
+        problems.add(("laminate",), "the laminates come from the design; take this away")
     if model.laminate is None and problems.none and not places.covered():
         problems.add((), "the plate has no laminate; give laminate: {material: …, thickness: …}, or plies")
     actions = Actions(places, problems, bare)

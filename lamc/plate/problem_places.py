@@ -7,6 +7,7 @@ place in the file. Never: meshes.
 import math
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path as FilePath
 
 import numpy as np
 import shapely
@@ -15,8 +16,11 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.design import shapes
 from lamc.design.checking import Path, Problems, did_you_mean
+from lamc.design.load import load
+from lamc.design.records import Design
 from lamc.errors import DesignError
 from lamc.mechanism.records import checked_name
+from lamc.plate.from_design import DesignPlate, plate_of
 from lamc.plate.problem_records import Region
 from lamc.plate.problem_schema import (
     GeometryModel,
@@ -28,6 +32,9 @@ from lamc.plate.problem_schema import (
 from lamc.plate.section_file import Sections
 from lamc.plate.supports import Where
 
+_ANYWHERE = LineString(
+    [(0.0, 0.0), (1.0, 0.0)]
+)  # of a plate whose outline is a problem that is noted already
 NEAR = 1e-6  # of the plate's size: a point this close to an edge is on it
 
 
@@ -35,15 +42,17 @@ class Places:
     """What a file draws.
 
     outline  empty after a problem was noted
-    regions  by name, those without problems
+    regions  by name, those without problems; of a design's body, one for each of its stacks of layers
+    body     the body of a design, where it is the plate
     """
 
     def __init__(self, model: PlateFileModel, sections: Sections, problems: Problems, step: float) -> None:
         self._problems = problems
         self._sections = sections
         self._step = step
-        self.outline: BaseGeometry = self._draw(model.geometry)
+        self.body: DesignPlate | None = None
         self.regions: dict[str, Region] = {}
+        self.outline: BaseGeometry = self._draw(model.geometry)
         for name, entry in model.regions.items():
             self._region(name, entry)
 
@@ -88,6 +97,8 @@ class Places:
 
     def _draw(self, model: GeometryModel) -> BaseGeometry:
         problems = self._problems
+        if model.design is not None:
+            return self._design(model)
         outer = problems.attempt(("geometry",), lambda: self._shape(model))
         holes = [
             problems.attempt(("geometry", "holes", index), partial(self._shape, hole))
@@ -97,6 +108,25 @@ class Places:
             return Polygon()
         left = problems.attempt(("geometry", "holes"), lambda: _cut(outer, holes))
         return left if left is not None else Polygon()
+
+    def _design(self, model: GeometryModel) -> BaseGeometry:
+        """The outline and the regions of a design's body."""
+        self.body = self._problems.attempt(("geometry",), lambda: self._plate_of(model))
+        if self.body is None:
+            return Polygon()
+        for name, polygon in self.body.regions.items():
+            self.regions[name] = Region(polygon, self.body.laminates[name])
+        return self.body.outline
+
+    def _plate_of(self, model: GeometryModel) -> DesignPlate:
+        """Raises DesignError as `load` and `plate_of` do."""
+        file = FilePath(self._problems.place(()).file).parent / (model.design or "")
+        record = load(file)
+        if not isinstance(record, Design):
+            raise DesignError(
+                f"{model.design!r} holds a mechanism, whose bodies have no layers; name a design"
+            )
+        return plate_of(record, model.body or (), hinges=model.hinges, materials=self._sections.materials)
 
     def _region(self, name: str, entry: PlateRegionModel) -> None:
         path: Path = ("regions", name)
@@ -135,10 +165,14 @@ class Places:
         raise DesignError("the shape has no outline")
 
     def _place(self, model: WhereModel) -> Where:
-        if model.side == "boundary":
+        if model.named == "boundary":
             return "boundary"
-        if model.side is not None:
-            return self._side(model.side)
+        if model.named == "fixed":
+            return self._fixed()
+        if model.named is not None:
+            return self._side(model.named)
+        if model.hinge is not None:
+            return self._hinge(model.hinge)
         if model.point is not None:
             shapes.check_coordinates(model.point, "the point")
             return Point(model.point)
@@ -151,10 +185,35 @@ class Places:
             return self.named(model.region).polygon
         return self._shape(model)
 
+    def _hinge(self, name: str) -> BaseGeometry:
+        """The plate's edge along a hinge of the design."""
+        if self.outline.is_empty:
+            return _ANYWHERE
+        if self.body is None:
+            raise DesignError("only a plate of a design has hinges; name the place another way")
+        if name not in self.body.hinges:
+            raise DesignError(
+                f"no hinge {name[:40]!r} joins the body to another; {did_you_mean(name, sorted(self.body.hinges))}"
+            )
+        line = self.body.hinges[name].line
+        if line.is_empty:
+            raise DesignError(
+                f"nothing of the plate's edge lies along hinge {name!r}; set hinges: lines or strips"
+            )
+        return line
+
+    def _fixed(self) -> BaseGeometry:
+        """What the design holds of the plate."""
+        if self.outline.is_empty:
+            return _ANYWHERE
+        if self.body is None or self.body.fixed.is_empty:
+            raise DesignError("nothing of the plate is fixed by a design; name the place another way")
+        return self.body.fixed
+
     def _side(self, side: str) -> LineString:
         """A side of the box around the outline."""
         if self.outline.is_empty:
-            return LineString([(0.0, 0.0), (1.0, 0.0)])  # the problem with the outline is noted already
+            return _ANYWHERE
         x0, y0, x1, y1 = self.outline.bounds
         ends = {
             "left": ((x0, y0), (x0, y1)),

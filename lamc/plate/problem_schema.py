@@ -5,7 +5,7 @@ named exists, a force at a point or along an edge) and geometry are checked wher
 `problem_file`.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
@@ -15,10 +15,10 @@ from lamc.design.schema import CircleModel, LengthUnit, Model
 from lamc.design.units import to_si
 from lamc.errors import DesignError, ExpressionError
 from lamc.plate import expression
-from lamc.plate.section_schema import LaminateField, PlateMaterialModel, Ratio, one_of, only_with, problem
+from lamc.plate.section_schema import LaminateField, MaterialField, Ratio, one_of, only_with, problem
 
-SIDES = ("left", "right", "bottom", "top")
-PLACES = ("boundary", *SIDES)
+Named = Literal["boundary", "left", "right", "bottom", "top", "fixed"]
+PLACES = get_args(Named)
 VALUES = {  # what can be asked for at a point, and its unit
     "w": "m",
     "u": "m",
@@ -116,7 +116,14 @@ class GeometryModel(Model):
     design: str | None = Field(
         None, description="a laminate design beside this file; the laminates come from it"
     )
-    body: str | None = Field(None, description="the body of that design")
+    body: str | list[str] | None = Field(
+        None, description="the body of that design, or several that hang together"
+    )
+    hinges: Literal["none", "lines", "strips"] = Field(
+        "none",
+        description="the edge along a hinge: as it was cut, on the hinge line (which can be held there), or with the "
+        "strip of the layer that bends",
+    )
     holes: list[OutlineField] = Field(default=[])
     grid: tuple[int, int] | None = Field(None, description="cells along x and y of a regular mesh; for rect")
     pattern: Literal["one-diagonal", "criss-cross", "union-jack", "squares"] = "one-diagonal"
@@ -125,9 +132,9 @@ class GeometryModel(Model):
     @model_validator(mode="after")
     def _one_shape(self) -> "GeometryModel":
         kind = one_of(self, ("rect", "polygon", "circle", "wkt", "design"), "a geometry")
-        only_with(self, kind, {"design": ("body",), "rect": ("grid", "pattern")}, "geometry")
-        if kind == "design" and self.holes:
-            raise problem("holes are drawn in the design")
+        only_with(self, kind, {"design": ("body", "hinges"), "rect": ("grid", "pattern")}, "geometry")
+        if kind == "design" and (self.holes or not self.body):
+            raise problem("a plate of a design names a body of it, and holes are drawn there")
         if self.grid is not None and (self.size is not None or self.holes):
             raise problem("a grid has neither size nor holes: give size alone for a mesh that follows them")
         if self.grid is None and "pattern" in self.model_fields_set:
@@ -140,17 +147,18 @@ class GeometryModel(Model):
 class WhereModel(Model):
     """A place on the plate: the boundary, a side of its bounding box, or what is drawn or named here."""
 
-    side: Literal["boundary", "left", "right", "bottom", "top"] | None = None
+    named: Named | None = Field(None, description="fixed: where the design holds the body")
     point: Point | None = None
     line: list[Point] | None = None
     rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = None
     polygon: list[Point] | None = None
     circle: CircleModel | None = None
     region: str | None = None
+    hinge: str | None = Field(None, description="a hinge of the design, by the name of its joint")
 
     @model_validator(mode="after")
     def _one_place(self) -> "WhereModel":
-        one_of(self, ("side", "point", "line", "rect", "polygon", "circle", "region"), "a place")
+        one_of(self, ("named", "point", "line", "rect", "polygon", "circle", "region", "hinge"), "a place")
         if self.line is not None and len(self.line) < 2:
             raise problem("a line has two points at least")
         return self
@@ -163,15 +171,13 @@ def _where(value: Any) -> Any:
                 f"{value[:40]!r} is no place; write one of {', '.join(PLACES)}, or a map such as "
                 "{line: [[0, 0], [0, 1]]}, {point: [0, 0]} or {region: name}"
             )
-        return {"side": value}
+        return {"named": value}
     return value
 
 
 Where = Annotated[
     WhereModel,
-    BeforeValidator(
-        _where, json_schema_input_type=WhereModel | Literal["boundary", "left", "right", "bottom", "top"]
-    ),
+    BeforeValidator(_where, json_schema_input_type=WhereModel | Named),
 ]
 
 
@@ -252,7 +258,7 @@ class PlateFileModel(Model):
     name: str | None = None
     story: str = Field("", description="what the problem is about, a paragraph of plain text")
     units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
-    materials: dict[str, PlateMaterialModel] = Field(default={})
+    materials: dict[str, MaterialField] = Field(default={})
     laminates: dict[str, LaminateField] = Field(default={})
     laminate: LaminateField | None = Field(None, description="of the plate, where no region has its own")
     geometry: GeometryModel

@@ -10,7 +10,7 @@ from functools import partial
 
 from lamc.design.checking import Path, Problems, did_you_mean
 from lamc.plate.laminate import Laminate
-from lamc.plate.library import LIBRARY
+from lamc.plate.library import LIBRARY, material
 from lamc.plate.materials import Material
 from lamc.plate.plies import Ply
 from lamc.plate.section_schema import LaminateModel, PlateMaterialModel, PlyModel
@@ -41,6 +41,11 @@ class Sections:
                 self._laminates[name] = None
             else:
                 self._laminates[name] = self._made(model, path)
+
+    @property
+    def materials(self) -> dict[str, Material]:
+        """The file's own, those without problems."""
+        return {name: material for name, material in self._materials.items() if material is not None}
 
     def laminate(self, model: LaminateModel, path: Path) -> Laminate | None:
         """The laminate of a model, or None after a problem was noted."""
@@ -88,7 +93,9 @@ class Sections:
 
 
 def _material(name: str, model: PlateMaterialModel) -> Material:
-    """Raises DesignError as Material does."""
+    """Raises DesignError as Material does, and for a name that the library does not have."""
+    if model.library is not None:
+        return material(model.library)
     given = {key: value for key, value in model.model_dump().items() if value is not None}
     expansion = {key: given.pop(key, 0.0) for key in ("alpha", "beta")}
     if "E" not in given:

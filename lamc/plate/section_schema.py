@@ -62,8 +62,9 @@ Expansion = Annotated[float, reader(units.EXPANSION), described(units.EXPANSION)
 
 
 class PlateMaterialModel(Model):
-    """A material of one's own: E and nu, or E1, E2, nu12 and G12."""
+    """A material of one's own, E and nu or E1, E2, nu12 and G12; or the name of one of lamc's library."""
 
+    library: str | None = None
     E: Modulus | None = None
     nu: Ratio | None = None
     E1: Modulus | None = None
@@ -98,11 +99,24 @@ class PlateMaterialModel(Model):
             raise problem(
                 f"{given[0][0]} and {given[1][0]} do not go together: give E and nu, or E1, E2, nu12 and G12"
             )
+        if self.library is not None:
+            if len(self.model_fields_set) > 1:
+                raise problem("a material of the library has its own numbers; give the name alone")
+            return self
         needed = ("E1", "E2", "nu12", "G12") if given[1] else ("E", "nu")
         missing = [name for name in needed if getattr(self, name) is None]
         if missing:
             raise problem(f"{', '.join(missing)} missing: a material has E and nu, or E1, E2, nu12 and G12")
         return self
+
+
+def _material(value: Any) -> Any:
+    return {"library": value} if isinstance(value, str) else value
+
+
+MaterialField = Annotated[
+    PlateMaterialModel, BeforeValidator(_material, json_schema_input_type=PlateMaterialModel | str)
+]
 
 
 class PlyModel(Model):

@@ -3,13 +3,16 @@
 In: a name, such as "square". Out: an `Example`, the text of an editable file. Never: loads or solves one.
 """
 
+import re
 from pathlib import Path
 
+from lamc import examples
 from lamc.errors import DesignError
 from lamc.examples import Example, first_line
 from lamc.run.request import did_you_mean
 
 _FOLDER = Path(__file__).resolve().parent
+_DESIGN = re.compile(r"design: \.\./(\w+)\.yaml")  # of the gallery, one folder up
 
 
 def names() -> tuple[str, ...]:
@@ -24,3 +27,13 @@ def find(name: str) -> Example:
     path = _FOLDER / f"{name}.yaml"
     text = path.read_text(encoding="utf-8")
     return Example(name, path.name, text, path, first_line(text))
+
+
+def designs(example: Example) -> tuple[Example, ...]:
+    """The designs that an example is about."""
+    return tuple(examples.find(name) for name in _DESIGN.findall(example.text))
+
+
+def beside(text: str) -> str:
+    """The text of an example as it reads where its designs lie beside it."""
+    return _DESIGN.sub(r"design: \1.yaml", text)

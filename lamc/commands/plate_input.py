@@ -1,0 +1,129 @@
+"""What `lamc plate` is about: a plate file, an example, or a body of a design with supports and loads from options.
+
+In: words from the command line. Out: a `PlateFile`, or LamcErrors that name the file or the option. Values of options
+are read as YAML, in the language of plate files.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from lamc.design import popupcad
+from lamc.design.inert import ListNode, MapNode, Node, ScalarNode, compose
+from lamc.design.load import file_text
+from lamc.design.native import length_unit_of
+from lamc.errors import DesignError, LamcError
+from lamc.examples import plates
+from lamc.plate.problem_file import is_plate, load_plate, read_plate
+from lamc.plate.problem_records import PlateFile
+from lamc.plate.problem_schema import PLACES
+
+
+@dataclass(frozen=True)
+class PlateSource:
+    """Which plate. Exactly one of `file` and `example` is given; the rest belongs to a file that is a design.
+
+    clamps, hinged  places: a word of `PLACES`, the name of a hinge, or YAML such as "line: [[0, 0], [0, 1]]"
+    loads           PLACE=FORCE or YAML such as "pressure: 2 kPa"
+    """
+
+    file: str | None = None
+    example: str | None = None
+    body: Sequence[str] = ()
+    hinges: str | None = None
+    clamps: Sequence[str] = ()
+    hinged: Sequence[str] = ()
+    loads: Sequence[str] = ()
+
+    @property
+    def for_designs(self) -> bool:
+        """Whether an option is given that only a design takes."""
+        return bool(self.body or self.hinges or self.clamps or self.hinged or self.loads)
+
+
+def load_source(source: PlateSource) -> tuple[PlateFile, str]:
+    """The plate and where it comes from. Raises LamcError for neither file nor example, or both, and as readers do."""
+    if (source.file is None) == (source.example is None):
+        known = ", ".join(plates.names())
+        raise LamcError(f"name a FILE, or one of the examples with --example NAME: {known}")
+    if source.example is not None:
+        path = plates.find(source.example).path
+        assert path is not None
+        if source.for_designs:
+            raise LamcError(
+                "--body, --hinges, --clamp, --hinge and --load belong to a design; an example has its own"
+            )
+        return load_plate(path), str(path)
+    file = source.file or ""
+    root = compose(file_text(file), file)
+    if not is_plate(root):
+        return read_plate(_of_design(root, file, source)), file
+    if source.for_designs:
+        raise LamcError(
+            f"{file!r} is a plate file, which says its own supports and loads; --body, --hinges, --clamp, --hinge and "
+            "--load belong to a design"
+        )
+    return read_plate(root), file
+
+
+def _of_design(design: Node, file: str, source: PlateSource) -> Node:
+    """A plate file's nodes, from a design and options."""
+    if not source.body:
+        raise LamcError(
+            f"{file!r} is a design; say which of its bodies is the plate with --body NAME (`lamc split` lists them)"
+        )
+    units = "mm" if popupcad.is_design(design) else length_unit_of(design) or "m"
+    body = _list([_word(name, "--body") for name in source.body])
+    geometry: list[tuple[str, Node]] = [("design", _word(Path(file).name, file)), ("body", body)]
+    if source.hinges is not None:
+        geometry.append(("hinges", _word(source.hinges, "--hinges")))
+    supports = [_map([("clamped", _place(text, "--clamp"))]) for text in source.clamps]
+    supports += [_map([("hinged", _place(text, "--hinge"))]) for text in source.hinged]
+    entries: list[tuple[str, Node]] = [
+        ("kind", _word("plate", file)),
+        ("name", _word(f"{Path(file).stem} {'+'.join(source.body)}", file)),
+        ("units", _word(units, file)),
+        ("geometry", _map(geometry)),
+        ("supports", _list(supports)),
+        ("loads", _list([_load(text) for text in source.loads])),
+    ]
+    return _map(entries, file)
+
+
+def _place(text: str, option: str) -> Node:
+    """A place: YAML as in a plate file; a word that is none of its places names a hinge."""
+    node = compose(text, f"{option} {text!r}")
+    if isinstance(node, ScalarNode) and node.text not in PLACES:
+        return _map([("hinge", node)], node.file)
+    return node
+
+
+def _load(text: str) -> Node:
+    """A load: YAML as in a plate file; or PLACE=FORCE, where the place is an edge or "x,y"."""
+    origin = f"--load {text!r}"
+    if "=" not in text:
+        node = compose(text, origin)
+        if not isinstance(node, MapNode):
+            raise DesignError(
+                f"{origin} is no load; write PLACE=FORCE, such as left='1 mN' or 10,5='2 N', or a load of a plate "
+                "file, such as 'pressure: 2 kPa'"
+            )
+        return node
+    where, _, force = text.partition("=")
+    value = _word(force.strip(), origin)
+    if "," in where and "{" not in where and "[" not in where:
+        return _map([("point", compose(f"[{where}]", origin)), ("force", value)], origin)
+    return _map([("edge", _place(where.strip(), "--load")), ("total", value)], origin)
+
+
+def _word(text: str, file: str) -> ScalarNode:
+    return ScalarNode("", file, 0, 0, 1, text, plain=True)
+
+
+def _list(items: Sequence[Node], file: str = "") -> ListNode:
+    return ListNode("", file, 0, 0, 1 + sum(item.size for item in items), tuple(items))
+
+
+def _map(entries: Sequence[tuple[str, Node]], file: str = "") -> MapNode:
+    size = 1 + sum(1 + node.size for _, node in entries)
+    return MapNode("", file, 0, 0, size, tuple((_word(key, file), node) for key, node in entries))

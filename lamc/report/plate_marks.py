@@ -1,0 +1,175 @@
+"""Outline, regions, supports and loads of a plate, drawn on axes.
+
+In: a `Problem`, matplotlib axes in a unit of length. Out: artists with labels for a legend. Never: fields, files.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from shapely.geometry.base import BaseGeometry
+
+from lamc.mechanism.checks import Array
+from lamc.plate.loads import EdgeLoad, EdgeMoment, PointLoad
+from lamc.plate.mesh import Mesh
+from lamc.plate.problem import Problem
+from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
+from lamc.report.numbers import shown_number
+
+INK = "#202020"
+LOAD = "#D55E00"  # vermilion of Okabe and Ito
+_HELD = "#0072B2"  # their blue
+_STYLES: tuple[tuple[type, str, Any, float], ...] = (
+    (Clamped, "clamped", "solid", 4.0),
+    (SimplySupported, "simply supported", (0, (2.0, 1.0)), 3.0),
+    (Hinged, "hinged", (0, (0.6, 0.6)), 4.0),
+    (Symmetry, "symmetry", "dashdot", 2.0),
+)
+_FAINTEST = 150  # cells along the picture beyond which mesh lines are a grey wash
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Unit of the axes."""
+
+    unit: str
+    per_metre: float
+
+
+def scale_of(size: float) -> Scale:
+    """The unit that suits a plate of `size` m."""
+    for unit, per_metre in (("m", 1.0), ("mm", 1e3), ("µm", 1e6)):
+        if size * per_metre >= 1.0 or unit == "µm":
+            return Scale(unit, per_metre)
+    raise AssertionError("a unit is always found")
+
+
+def draw_outline(axis: Axes, mesh: Mesh, scale: Scale, *, lines: bool = False) -> None:
+    """The mesh's boundary, borders between regions, and with `lines` all edges."""
+    ends = mesh.points[mesh.edges] * scale.per_metre  # (e, 2, 2)
+    counts = np.bincount(mesh.cell_edges.ravel(), minlength=len(ends))
+    boundary = counts == 1
+    if lines:
+        width = 0.5 if len(mesh.cells) < _FAINTEST**2 else 0.15
+        axis.add_collection(
+            LineCollection(list(ends[~boundary]), colors=INK, linewidths=width, alpha=0.35, zorder=3)
+        )
+    border = _borders(mesh)
+    axis.add_collection(
+        LineCollection(list(ends[border]), colors=INK, linewidths=0.8, linestyles=":", zorder=4)
+    )
+    axis.add_collection(LineCollection(list(ends[boundary]), colors=INK, linewidths=1.0, zorder=4))
+
+
+def _borders(mesh: Mesh) -> Array:
+    """Which edges have cells of two regions, shape (e,)."""
+    regions = np.repeat(mesh.regions[:, None], mesh.corner_count, axis=1).ravel()
+    low = np.full(len(mesh.edges), np.iinfo(np.int32).max)
+    high = np.full(len(mesh.edges), -1)
+    np.minimum.at(low, mesh.cell_edges.ravel(), regions)
+    np.maximum.at(high, mesh.cell_edges.ravel(), regions)
+    return np.asarray(low < high)
+
+
+def draw_supports(axis: Axes, problem: Problem, scale: Scale) -> list[Line2D]:
+    """Lines and points where the plate is held; handles for a legend, one per kind."""
+    handles: dict[str, Line2D] = {}
+    for support in problem.supports:
+        kinds = [(name, style, width) for kind, name, style, width in _STYLES if isinstance(support, kind)]
+        default = (f"held: {', '.join(getattr(support, 'dofs', ()))}", "solid", 2.0)
+        name, style, width = kinds[0] if kinds else default
+        if isinstance(support, SimplySupported) and support.kind == "soft":
+            name += " (soft)"
+        _place(axis, problem, support.where, scale, _HELD, style, width, "s")
+        handles.setdefault(name, _line(name, _HELD, style, width))
+    return list(handles.values())
+
+
+def draw_loads(axis: Axes, problem: Problem, loads: Sequence[Any], scale: Scale) -> list[Line2D]:
+    """Forces at points and along edges; handles for a legend, one per load."""
+    handles: list[Line2D] = []
+    for load in loads:
+        if isinstance(load, PointLoad):
+            x, y = (c * scale.per_metre for c in load.at)
+            mark = _mark(load.force)
+            axis.add_line(Line2D([x], [y], zorder=7, **mark))
+            handles.append(Line2D([], [], label=_told(load.force, "N"), **mark))
+        elif isinstance(load, EdgeLoad | EdgeMoment):
+            _place(axis, problem, load.where, scale, LOAD, "solid", 1.6, "^", order=6)
+            told = (
+                f"moment {shown_number(load.moment, 'N')}"
+                if isinstance(load, EdgeMoment)
+                else _told(load.force, "N/m")
+            )
+            handles.append(_line(told, LOAD, "solid", 1.6))
+    return handles
+
+
+def _line(label: str, colour: str, style: Any, width: float) -> Line2D:
+    return Line2D([], [], color=colour, linestyle=style, linewidth=width, label=label)
+
+
+def _mark(force: Any) -> dict[str, Any]:
+    """A triangle that points the way of the larger component: along z up or down as seen from the side."""
+    fx, fy, fz = force
+    if abs(fz) >= max(abs(fx), abs(fy)):
+        marker = "^" if fz > 0.0 else "v"
+    else:
+        marker = (">" if fx > 0.0 else "<") if abs(fx) >= abs(fy) else ("$↑$" if fy > 0.0 else "$↓$")
+    return {
+        "linestyle": "",
+        "marker": marker,
+        "color": LOAD,
+        "markersize": 8,
+        "markeredgecolor": "white",
+        "markeredgewidth": 0.8,
+    }
+
+
+def _told(force: Any, unit: str) -> str:
+    parts = [
+        f"{shown_number(abs(value), unit)} along {'-' if value < 0.0 else ''}{axis}"
+        for axis, value in zip("xyz", force, strict=True)
+        if value != 0.0
+    ]
+    return " and ".join(parts) or f"0 {unit}"
+
+
+def _place(
+    axis: Axes,
+    problem: Problem,
+    where: str | BaseGeometry,
+    scale: Scale,
+    colour: str,
+    style: Any,
+    width: float,
+    marker: str,
+    order: float = 5,
+) -> None:
+    """Edges on the place as lines; a region as hatching; single points as marks."""
+    if not isinstance(where, str) and where.area > 0.0:
+        for part in shapely.get_parts(where):
+            x, y = np.asarray(part.exterior.coords).T[:2] * scale.per_metre
+            axis.fill(x, y, facecolor="none", edgecolor=colour, hatch="////", linewidth=0.8, zorder=order)
+        return
+    edges = problem.places.edges_on(where)
+    if len(edges):
+        mesh = problem.mesh
+        cells, local = edges.T
+        ends = np.stack(
+            [mesh.cells[cells, local], mesh.cells[cells, (local + 1) % mesh.corner_count]], axis=1
+        )
+        lines = shapely.line_merge(shapely.multilinestrings(list(mesh.points[ends] * scale.per_metre)))
+        pieces = [np.asarray(part.coords) for part in shapely.get_parts(lines)]
+        axis.add_collection(
+            LineCollection(pieces, colors=colour, linewidths=width, linestyles=style, zorder=order)
+        )
+        return
+    nodes = problem.places.nodes(where, "a place that is drawn")
+    x, y = problem.dofs.points[nodes].T * scale.per_metre
+    axis.plot(x, y, linestyle="", marker=marker, color=colour, markersize=6, zorder=order)

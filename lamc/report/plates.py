@@ -1,0 +1,222 @@
+"""Pictures of plates: mesh, deflection, moments, modes.
+
+In: a `Problem`, values at its mesh's points or at the corners of its cells. Out: PNG files. Contours are drawn on the
+mesh's own triangles (quadrilaterals split in two), so that nothing appears where the plate is not; every colour bar has
+its unit. Never: computes a field.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+
+from lamc.mechanism.checks import Array
+from lamc.plate.mesh import Mesh
+from lamc.plate.problem import Problem
+from lamc.report.numbers import prefixed
+from lamc.report.plan_view import shortened
+from lamc.report.plate_marks import Scale, draw_loads, draw_outline, draw_supports, scale_of
+from lamc.report.plate_solid import bent, box, colours_of, split
+from lamc.report.style import PALETTE, save
+
+_LEVELS = 16  # at most, as many as round values allow
+_LINES = 40  # cells along the longer side, up to which contours show the mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A scalar over a plate.
+
+    values  (points,) or, where it may jump between cells, (cells, corners); SI
+    """
+
+    name: str
+    unit: str
+    values: Array
+
+
+def draw_mesh(problem: Problem, path: Path, title: str, loads: Sequence[Any] = ()) -> Path:
+    """Cells, regions in colours, supports and loads. Raises LamcError if it cannot write."""
+    mesh, scale = problem.mesh, scale_of(problem.size)
+    figure, axis = _plan(mesh, 6.4)
+    handles: list[Line2D] = []
+    names = [name or "plate" for name in mesh.region_names]
+    if len(names) > 1:
+        for index, name in enumerate(names):
+            colour = PALETTE[index % len(PALETTE)]
+            axis.tripcolor(
+                triangulation(mesh, scale, mesh.regions == index),
+                np.zeros(len(mesh.points)),
+                cmap=ListedColormap([colour]),
+                alpha=0.35,
+            )
+            label = f"{shortened(name, 24)}"
+            handles.append(Line2D([], [], marker="s", linestyle="", color=colour, alpha=0.5, label=label))
+    draw_outline(axis, mesh, scale, lines=True)
+    handles += draw_supports(axis, problem, scale) + draw_loads(axis, problem, loads, scale)
+    _finish(figure, axis, mesh, scale, f"{title}: {len(mesh.cells)} {_cells(mesh)}", handles)
+    return save(figure, path)
+
+
+def draw_deflection(problem: Problem, w: Array, path: Path, title: str, loads: Sequence[Any] = ()) -> Path:
+    """Contours of the deflection (points,) m, and the plate bent in space. Raises LamcError if it cannot write."""
+    mesh, scale = problem.mesh, scale_of(problem.size)
+    width, height = box(mesh)
+    wide = width >= 1.6 * height  # then the two views stand above each other
+    if wide:
+        figure = Figure(figsize=(7.6, 2.0 + 11.5 * height / width), layout="constrained")
+        plan, view = figure.subplots(2, 1, height_ratios=(1.0, 0.9 + 0.12 * width / height))
+    else:
+        figure = Figure(figsize=(10.6, 4.9), layout="constrained")
+        plan, view = figure.subplots(1, 2)
+    _contours(figure, plan, mesh, Field("deflection w", "m", w), scale)
+    handles = draw_supports(plan, problem, scale) + draw_loads(plan, problem, loads, scale)
+    _frame(plan, mesh, scale)
+    factor = bent(view, mesh, w)
+    view.set_title(f"bent, deflections × {factor:g}", fontsize=9)
+    figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
+    _legend(figure, handles)
+    return save(figure, path)
+
+
+def draw_fields(
+    problem: Problem, fields: Sequence[Field], path: Path, title: str, *, marks: bool = True
+) -> Path:
+    """A panel of contours for each field, each with its own colour bar. Raises LamcError if it cannot write."""
+    mesh, scale = problem.mesh, scale_of(problem.size)
+    width, height = box(mesh)
+    columns = (
+        1
+        if width >= 2.2 * height
+        else 2
+        if width >= 1.6 * height and len(fields) > 2
+        else min(3, len(fields))
+    )
+    lines = math.ceil(len(fields) / columns)
+    panel = 10.5 / columns if columns > 1 else 7.4
+    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + 0.75
+    figure = Figure(figsize=(panel * columns, tall * lines + 0.5), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
+    handles: list[Line2D] = []
+    for axis in axes[len(fields) :]:
+        axis.set_axis_off()
+    for axis, field in zip(axes, fields, strict=False):
+        _contours(figure, axis, mesh, field, scale)
+        if marks:
+            handles = draw_supports(axis, problem, scale)
+        _frame(axis, mesh, scale)
+    figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
+    _legend(figure, handles)
+    return save(figure, path)
+
+
+def draw_modes(problem: Problem, shapes: Array, titles: Sequence[str], path: Path, title: str) -> Path:
+    """Each shape (points, modes) in space with its title; amplitudes mean nothing. Raises LamcError if it cannot."""
+    mesh = problem.mesh
+    count = shapes.shape[1]
+    columns = min(3, count)
+    lines = math.ceil(count / columns)
+    figure = Figure(figsize=(3.4 * columns, 2.5 * lines + 0.4), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
+    for axis in axes[count:]:
+        axis.set_axis_off()
+    for axis, shape, told in zip(axes, shapes.T, titles, strict=False):
+        bent(axis, mesh, shape, signed=True)
+        axis.set_title(told, fontsize=9, parse_math=False)
+    figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
+    return save(figure, path)
+
+
+def triangulation(mesh: Mesh, scale: Scale, chosen: Array | None = None) -> Triangulation:
+    """The cells as triangles, quadrilaterals split in two; `chosen` (cells,) leaves others out."""
+    cells = mesh.cells if chosen is None else mesh.cells[chosen]
+    x, y = mesh.points.T * scale.per_metre
+    return Triangulation(x, y, split(cells))
+
+
+def _loose(mesh: Mesh, scale: Scale) -> Triangulation:
+    """Triangles that share no corner, for values that jump from cell to cell."""
+    x, y = mesh.corners.reshape(-1, 2).T * scale.per_metre
+    return Triangulation(x, y, split(np.arange(x.size).reshape(mesh.cells.shape)))
+
+
+def _contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: Scale) -> None:
+    """Filled contours with a colour bar, lines between them, and where the extremes are."""
+    values = np.asarray(field.values, dtype=float)
+    largest = float(np.abs(values).max(initial=0.0))
+    unit_scale, unit = prefixed(largest, field.unit)
+    shown = values / unit_scale + 0.0  # no -0
+    drawn = triangulation(mesh, scale) if values.ndim == 1 else _loose(mesh, scale)
+    low, high = float(shown.min()), float(shown.max())
+    colours, norm = colours_of(low, high)
+    flat = high - low <= 1e-9 * max(abs(low), abs(high))
+    if flat:
+        axis.tripcolor(drawn, shown.ravel(), cmap=colours, norm=norm, shading="gouraud")
+        mappable = mpl.cm.ScalarMappable(norm=norm, cmap=colours)
+    else:
+        levels = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        mappable = axis.tricontourf(drawn, shown.ravel(), levels=levels, cmap=colours, norm=norm)
+    bar = figure.colorbar(mappable, ax=axis, pad=0.02, fraction=0.05)
+    bar.set_label(f"{field.name} [{unit}]" if unit else field.name, fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+    if flat:
+        bar.set_ticks([low])
+    draw_outline(axis, mesh, scale, lines=len(mesh.cells) <= 2 * _LINES**2)
+
+
+def _plan(mesh: Mesh, width: float) -> tuple[Figure, Axes]:
+    wide, tall = box(mesh)
+    height = min(max(width * tall / wide, 1.2), 7.0)
+    figure = Figure(figsize=(width + 0.8, height + 1.4), layout="constrained")
+    return figure, figure.subplots()
+
+
+def _frame(axis: Axes, mesh: Mesh, scale: Scale) -> None:
+    low, high = mesh.points.min(axis=0) * scale.per_metre, mesh.points.max(axis=0) * scale.per_metre
+    margin = 0.04 * float((high - low).max())
+    axis.set_xlim(low[0] - margin, high[0] + margin)
+    axis.set_ylim(low[1] - margin, high[1] + margin)
+    axis.set_aspect("equal")
+    axis.set_xlabel(f"x [{scale.unit}]", fontsize=8)
+    axis.set_ylabel(f"y [{scale.unit}]", fontsize=8)
+    axis.tick_params(labelsize=7)
+    for line, share in ((axis.xaxis, high[0] - low[0]), (axis.yaxis, high[1] - low[1])):
+        line.set_major_locator(
+            MaxNLocator(max(2, round(8 * share / (high - low).max())), steps=[1, 2, 2.5, 5, 10])
+        )
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+def _finish(
+    figure: Figure, axis: Axes, mesh: Mesh, scale: Scale, title: str, handles: Sequence[Line2D]
+) -> None:
+    _frame(axis, mesh, scale)
+    axis.set_title(shortened(title, 80), fontsize=10, parse_math=False)
+    _legend(figure, handles)
+
+
+def _legend(figure: Figure, handles: Sequence[Line2D]) -> None:
+    if handles:
+        legend = figure.legend(
+            handles=list(handles),
+            loc="outside lower center",
+            ncols=min(4, len(handles)),
+            fontsize=8,
+            frameon=False,
+        )
+        for text in legend.get_texts():
+            text.set_parse_math(False)
+
+
+def _cells(mesh: Mesh) -> str:
+    return "triangles" if mesh.corner_count == 3 else "quadrilaterals"

@@ -6,7 +6,8 @@ for each about one common reference surface, the hinge lines on its edge. Never:
 Splitting cuts a slit along every hinge line, which no one cuts in a device; what becomes of it is the caller's choice:
 
     "none"    the body as it was cut, its edges half a slit from the hinge lines
-    "lines"   grown to the hinge lines, so that each is an edge of the plate, to be supported there
+    "lines"   without what bends: its edges are where its stiff layers end, a hinge width from the line at most, to be
+              supported there, and a rotational spring has the stiffness of the strip
     "strips"  with the whole strip of the flexible layer, one hinge width to both sides of the line, as a soft region of
               its own; its far edge is where the neighbour begins. Several bodies hang together by their strips.
 """
@@ -94,10 +95,9 @@ def plate_of(
     if hinges == "lines":
         _refuse_inner_lines(joined)
     areas = [MultiPolygon([p for part in bodies for p in part.polygons[k]]) for k in range(len(layers))]
-    zones = [each.added(hinges) for each in joined]
-    for each, zone in zip(joined, zones, strict=True):
-        areas[each.layer] = shapely.union(areas[each.layer], zone)
-    strips = zones if hinges == "strips" else []
+    for each in joined:
+        areas[each.layer] = each.changed(areas[each.layer], hinges)
+    strips = [each.strip() for each in joined] if hinges == "strips" else []
     found = overlay([*areas, *strips], tolerance)
     stacks = _named(found, joined, [layer.name for layer in layers])
     regions = {name: _simplest(region) for name, (_, region) in stacks.items()}

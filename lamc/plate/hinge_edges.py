@@ -53,16 +53,17 @@ class PlateHinge:
         self.neighbour = next((name for name in ends if name not in [part.name for part in bodies]), "")
         self.sides = [self._side(part) for part in self.inner]
         self.drawn = shapely.difference(steps.design.layers[self.layer].geometry, steps.holes[self.layer])
-        outside = [part for part in steps.bodies if part.name == self.neighbour]
         # Only what lies against the flexible layer stiffens it: other sheets may pass above or below.
         against = [k for k in (self.layer - 1, self.layer + 1) if 0 <= k < len(steps.holes)]
-        self.beyond = shapely.union_all([p for part in outside for k in against for p in part.polygons[k]])
+        own, beyond = (
+            shapely.union_all([p for part in parts for k in against for p in part.polygons[k]])
+            for parts in (self.inner, [part for part in steps.bodies if part.name == self.neighbour])
+        )
+        self.own, self.beyond = own, beyond  # what stiffens the strip
 
     def _side(self, part: SplitBody) -> int:
         """1 where the body lies to the left of the line, -1 to the right."""
-        own = MultiPolygon(
-            [p for layer in part.polygons for p in layer][:0] or list(part.polygons[self.layer])
-        )
+        own = MultiPolygon(part.polygons[self.layer])
         left, right = (
             shapely.intersection(self.band(sign * SLIT, sign * _TOUCH), own).area for sign in (1, -1)
         )
@@ -72,30 +73,29 @@ class PlateHinge:
         """Between two parallels of the line, distances in hinge widths, positive to the left."""
         return shapely.union_all([_band(part, start * self.width, end * self.width) for part in self.free])
 
-    def added(self, hinges: str) -> MultiPolygon:
-        """What of the flexible layer the plate gets besides what the body has of it."""
+    def strip(self) -> MultiPolygon:
+        """The flexible layer within a hinge width of the line, up to where the neighbour is stiff."""
+        within = shapely.intersection(self.band(-1.0, 1.0), self.drawn)
+        return areas_of(shapely.difference(within, self.beyond))
+
+    def changed(self, area: BaseGeometry, hinges: str) -> MultiPolygon:
+        """The plate's part of the flexible layer, from what the bodies have of it."""
         if hinges == "none":
-            return MultiPolygon()
-        if hinges == "lines":
-            return areas_of(shapely.intersection(self.band(0.0, self.sides[0] * _TOUCH), self.drawn))
-        strip = shapely.intersection(self.band(-1.0, 1.0), self.drawn)
-        return areas_of(shapely.difference(strip, self.beyond))
+            return areas_of(area)
+        if hinges == "strips":
+            return areas_of(shapely.union(area, self.strip()))
+        bending = shapely.difference(self.band(0.0, float(self.sides[0])), self.own)
+        return areas_of(shapely.difference(area, bending))
 
     def edge(self, hinges: str, layer: BaseGeometry, tolerance: float) -> HingeEdge:
         """The stretches along the hinge of the edge of `layer`: the plate's part of the flexible layer."""
         side = self.sides[0]
-        at, reach = {
-            "none": (side * SLIT, 0.2 * SLIT * self.width),
-            "lines": (0.0, tolerance),
-            "strips": (
-                -side * 1.0,
-                0.95 * self.width,
-            ),  # nearer where the neighbour's stiff layers begin earlier
-        }[hinges]
+        # In hinge widths. A strip ends nearer to the line where stiff layers begin earlier.
+        at, reach = {"none": (SLIT, 0.2 * SLIT), "lines": (0.5, 0.55), "strips": (-1.0, 0.95)}[hinges]
         lines = [
             piece
             for part in self.free
-            for piece in _along(layer.boundary, _parallel(part, at * self.width), reach)
+            for piece in _along(layer.boundary, _parallel(part, side * at * self.width), reach * self.width)
         ]
         merged = shapely.line_merge(shapely.union_all(lines))
         kept = [line for line in shapely.get_parts(merged) if line.length > tolerance]

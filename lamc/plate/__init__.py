@@ -18,29 +18,64 @@ from lamc.plate.hinge_edges import HingeEdge
 from lamc.plate.hinge_stiffness import HingeStiffness, hinge_stiffness
 from lamc.plate.laminate import Laminate
 from lamc.plate.library import LIBRARY, material
+from lamc.plate.loads import (
+    EdgeLoad,
+    EdgeMoment,
+    ElectricField,
+    Gravity,
+    Moisture,
+    PointLoad,
+    Pressure,
+    Temperature,
+)
 from lamc.plate.materials import Material
 from lamc.plate.mesh import Mesh
 from lamc.plate.mesher import mesh
+from lamc.plate.model import Model, solve
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
+from lamc.plate.problem import Problem
+from lamc.plate.reactions import Reaction
+from lamc.plate.refine import Accuracy
+from lamc.plate.solution import Solution, SolveReport
+from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry
 
 __all__ = [
     "ELEMENTS",
     "LIBRARY",
+    "Accuracy",
+    "Clamped",
     "Deformation",
     "DesignPlate",
+    "EdgeLoad",
+    "EdgeMoment",
+    "ElectricField",
     "Element",
     "EngineeringConstants",
     "FirstPlyFailure",
+    "Gravity",
     "HingeEdge",
     "HingeStiffness",
+    "Hinged",
     "Laminate",
     "Material",
     "Mesh",
+    "Model",
+    "Moisture",
     "Node",
     "Ply",
     "PlyFailure",
     "PlyState",
+    "PointLoad",
+    "Pressure",
+    "Problem",
+    "Reaction",
     "Resultants",
+    "SimplySupported",
+    "Solution",
+    "SolveReport",
+    "Support",
+    "Symmetry",
+    "Temperature",
     "combine",
     "corners",
     "describe",
@@ -55,4 +90,5 @@ __all__ = [
     "mesh",
     "plate_of",
     "ply_failures",
+    "solve",
 ]

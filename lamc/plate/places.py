@@ -81,6 +81,33 @@ class Places:
             )
         return edges
 
+    def cells_under(self, points: Array, what: str) -> tuple[Integers, Array]:
+        """Cells under `points` (k, 2) and natural coordinates there, (k, 2).
+
+        A point outside by no more than the tolerance is taken at the nearest place of the boundary. Raises DesignError,
+        naming `what`, the first point that is further away, and its distance.
+        """
+        mesh = self.dofs.mesh
+        cells, xi = mesh.locate(points)
+        outside = np.flatnonzero(cells < 0)
+        if not len(outside):
+            return cells, xi
+        sides = shapely.linestrings(mesh.points[mesh.edges[self.on_boundary]])
+        lost = shapely.points(points[outside])
+        nearest = sides[shapely.STRtree(sides).nearest(lost)]
+        distance = shapely.distance(nearest, lost)
+        far = np.flatnonzero(distance > self.tolerance)
+        if len(far):
+            x, y = points[outside[far[0]]]
+            others = f", and {len(far) - 1} more points are outside" if len(far) > 1 else ""
+            raise DesignError(
+                f"{what} is at ({x:.6g}, {y:.6g}), which is {distance[far[0]]:.3g} m outside the plate{others}; it "
+                "must be on the mesh"
+            )
+        there = shapely.line_interpolate_point(nearest, shapely.line_locate_point(nearest, lost))
+        cells[outside], xi[outside] = mesh.locate(shapely.get_coordinates(there))
+        return cells, xi
+
     def _on(self, where: BaseGeometry, points: Array) -> Flags:
         shapely.prepare(where)
         return np.asarray(shapely.dwithin(where, shapely.points(points), self.tolerance))

@@ -14,7 +14,7 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
-from lamc.plate.elements.library import combine, element  # type: ignore[import-not-found,import-untyped]
+from lamc.plate.elements.library import combine, element
 from lamc.plate.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
 from lamc.plate.mesh import Mesh
@@ -83,6 +83,20 @@ class Problem:
         """Those of every case, then those of each."""
         return (*self.loads, *(load for case in self.cases.values() for load in case))
 
+    def with_laminate(self, laminate: Laminate | Mapping[str, Laminate]) -> "Problem":
+        """The same with other laminates. Raises DesignError where they call for another element."""
+        other = object.__new__(Problem)
+        vars(other).update(vars(self))
+        other._put("laminate", laminate)
+        other._put("laminates", laminates_of(laminate, self.mesh))
+        chosen = other._chosen_element()
+        if chosen.name != self.dofs.element.name:
+            raise DesignError(
+                f"these laminates call for element {chosen.name!r}, and the model has {self.dofs.element.name!r}; "
+                "make a new Problem"
+            )
+        return other
+
     @property
     def size(self) -> float:
         """Of the mesh: the diagonal of its bounding box, m."""
@@ -91,8 +105,7 @@ class Problem:
     def _chosen_element(self) -> Element:
         chosen = checked_element(self.element)
         if chosen.bends and not chosen.stretches and self._concerns_plane():
-            both: Element = combine(chosen, element(_COMPANIONS.get(chosen.cell, "q4")))
-            return both
+            return combine(chosen, element(_COMPANIONS.get(chosen.cell, "q4")))
         return chosen
 
     def _concerns_plane(self) -> bool:
@@ -161,9 +174,7 @@ def checked_element(given: str | Element) -> Element:
         return given
     if not isinstance(given, str):
         raise DesignError(f"the element of a Problem is {shown(given)}; it must be a name or an Element")
-    bending, plus, membrane = given.partition("+")
-    found: Element = combine(element(bending), element(membrane)) if plus else element(bending)
-    return found
+    return element(given)
 
 
 def laminates_of(laminate: Laminate | Mapping[str, Laminate], mesh: Mesh) -> tuple[Laminate, ...]:

@@ -1,0 +1,78 @@
+"""What may make an answer worse than its reader expects, said beforehand.
+
+In: a problem, its loads, how exactly it was solved. Out: sentences. Never: raises for it.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lamc.mechanism.checks import Array
+from lamc.plate.loads import LoadRecord
+from lamc.plate.mesh import Mesh
+from lamc.plate.problem import Problem
+from lamc.plate.refine import Accuracy
+
+_SAME = 1e-6  # of the size of a cell: sides that differ by less are equal
+_SLIVER = 40.0  # longest side over height
+_FEW_DIGITS = 1e-9
+
+
+def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> tuple[str, ...]:
+    """Warnings for `problem` under `loads`."""
+    bending = problem.dofs.element.name.partition("+")[0]
+    found = []
+    if bending == "bciz" and not three_directions(problem.mesh):
+        found.append(_bciz_text(problem.mesh))
+    worst = float(slenderness(problem.mesh).max())
+    if bending == "specht" and worst > _SLIVER:
+        found.append(
+            f"element 'specht' on cells up to {worst:.3g} times as long as high: on slivers it is far too stiff; 'dkt' "
+            "stays within 5 % at 1000"
+        )
+    if problem.dofs.element.bends:
+        span = float(np.ptp(problem.mesh.points, axis=0).min())
+        texts = (laminate.shear_warning(span) for laminate in dict.fromkeys(problem.laminates))
+        found.extend(text for text in texts if text)
+    if accuracy.forward_error > _FEW_DIGITS:
+        found.append(
+            f"the unknowns may be wrong by {accuracy.forward_error:.1e} of their size: the condition of the stiffness "
+            f"matrix is {accuracy.condition:.1e}"
+        )
+    return tuple(found)
+
+
+def three_directions(mesh: Mesh) -> bool:
+    """Whether all triangles are one triangle, moved or turned by 180°: then the mesh's lines have three directions and
+    equal distances, and BCIZ passes the patch test (B. M. Irons and A. Razzaque, 1972)."""
+    if mesh.corner_count != 3:
+        return False
+    sides = np.roll(mesh.corners, -1, axis=1) - mesh.corners
+    sides *= np.where((sides[..., :1] < 0.0) | ((sides[..., :1] == 0.0) & (sides[..., 1:] < 0.0)), -1.0, 1.0)
+    size = float(np.sqrt(np.abs(mesh.areas).max()))
+    first = sides[0]
+    near = (
+        np.abs(sides[:, :, None] - first[None, None]).max(axis=3) < _SAME * size
+    )  # (m, 3 sides, 3 of the first)
+    mirrored = np.abs(sides[:, :, None] + first[None, None]).max(axis=3) < _SAME * size
+    return bool((near | mirrored).any(axis=1).all())
+
+
+def _bciz_text(mesh: Mesh) -> str:
+    bias = {
+        "criss-cross": "about 3.2 % too flexible on this criss-cross mesh",
+        "union-jack": "about 3.2 % too flexible on this union-jack mesh",
+    }.get(
+        mesh.pattern, "some 1.6 to 2.4 % too flexible on a mesh like this, up to 20 % where strips are narrow"
+    )
+    return (
+        f"element 'bciz' converges to a wrong answer, {bias}: it is right only where the mesh's lines have three "
+        "directions and equal distances; take 'dkt', or plate.grid(…, pattern='one-diagonal')"
+    )
+
+
+def slenderness(mesh: Mesh) -> Array:
+    """Longest side over the height above it, of the cells, shape (m,); of quadrilaterals, squared over the area."""
+    sides = np.linalg.norm(np.roll(mesh.corners, -1, axis=1) - mesh.corners, axis=2).max(axis=1)
+    half = 2.0 if mesh.corner_count == 3 else 1.0
+    return np.asarray(sides**2 / (half * mesh.areas))

@@ -30,6 +30,9 @@ from lamc.plate.loads import (
 )
 from lamc.plate.materials import Material
 from lamc.plate.mesh import Mesh
+from lamc.plate.mesh_changes import jitter, refine
+from lamc.plate.mesh_files import read_mesh, write_mesh
+from lamc.plate.mesh_report import MeshReport, bciz_bias, mesh_report
 from lamc.plate.mesher import mesh
 from lamc.plate.model import Model, solve
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
@@ -59,6 +62,7 @@ __all__ = [
     "Laminate",
     "Material",
     "Mesh",
+    "MeshReport",
     "Model",
     "Moisture",
     "Node",
@@ -76,6 +80,7 @@ __all__ = [
     "Support",
     "Symmetry",
     "Temperature",
+    "bciz_bias",
     "combine",
     "corners",
     "describe",
@@ -85,10 +90,15 @@ __all__ = [
     "grid",
     "grid_of_lines",
     "hinge_stiffness",
+    "jitter",
     "lines",
     "material",
     "mesh",
+    "mesh_report",
     "plate_of",
     "ply_failures",
+    "read_mesh",
+    "refine",
     "solve",
+    "write_mesh",
 ]

@@ -25,7 +25,7 @@ from lamc.plate.mesh_report import (
 
 
 def shaken() -> Mesh:
-    return plate.jitter(plate.grid(1.0, 1.0, 12, 12), 0.25)
+    return plate.jittered(plate.grid(1.0, 1.0, 12, 12), 0.25)
 
 
 def graded() -> Mesh:
@@ -73,7 +73,7 @@ def test_expected_bias_of_bciz_is_that_of_the_reference(shared: Path) -> None:
 
 def test_what_slivers_do_is_that_of_the_reference(shared: Path) -> None:
     cases = json.loads((shared / "reference" / "plates.json").read_text(encoding="utf-8"))["cases"]
-    note = next(case for case in cases if case["id"] == "sliver")["note"]
+    note = next(case for case in cases if case["id"] == "sliver")["source"]
     assert "BCIZ 0.672" in note
     assert "Specht 0.00016" in note
     slivers = plate.grid(1.0, 1.0, 4, 4000)
@@ -142,7 +142,7 @@ def ring() -> Mesh:
 
 @pytest.mark.parametrize("mesh", [ring(), plate.grid(1, 2, 3, 2, "squares")], ids=["ring", "squares"])
 def test_a_refined_mesh_is_the_same_plate_with_half_the_size(mesh: Mesh) -> None:
-    fine = plate.refine(mesh)
+    fine = plate.refined(mesh)
     assert len(fine.cells) == 4 * len(mesh.cells)
     assert np.array_equal(fine.points[: len(mesh.points)], mesh.points)
     quarters = fine.areas.reshape(-1, 4)
@@ -158,15 +158,15 @@ def test_a_refined_mesh_is_the_same_plate_with_half_the_size(mesh: Mesh) -> None
 
 
 def test_refined_patterns_keep_their_name_only_where_it_stays_true() -> None:
-    assert plate.refine(plate.grid(1, 1, 2, 2)).pattern == "one-diagonal"
-    assert plate.refine(plate.grid(1, 1, 2, 2, "squares")).pattern == "squares"
-    assert plate.refine(plate.grid(1, 1, 2, 2, "criss-cross")).pattern == ""
-    assert kind_of(plate.refine(plate.grid(1, 1, 2, 2))) == THREE_DIRECTIONS
+    assert plate.refined(plate.grid(1, 1, 2, 2)).pattern == "one-diagonal"
+    assert plate.refined(plate.grid(1, 1, 2, 2, "squares")).pattern == "squares"
+    assert plate.refined(plate.grid(1, 1, 2, 2, "criss-cross")).pattern == ""
+    assert kind_of(plate.refined(plate.grid(1, 1, 2, 2))) == THREE_DIRECTIONS
 
 
 def test_jitter_moves_points_inside_regions_only_and_repeats() -> None:
     mesh = ring()
-    moved = plate.jitter(mesh, 0.2, seed=3)
+    moved = plate.jittered(mesh, 0.2, seed=3)
     still = np.unique(mesh.edges[border_edges(mesh)])
     assert np.array_equal(moved.points[still], mesh.points[still])
     inside = np.setdiff1d(np.arange(len(mesh.points)), still)
@@ -174,8 +174,8 @@ def test_jitter_moves_points_inside_regions_only_and_repeats() -> None:
     assert moved.areas.sum() == pytest.approx(mesh.areas.sum(), rel=1e-12)
     by_region = [np.bincount(m.regions, m.areas) for m in (mesh, moved)]
     assert by_region[0] == pytest.approx(by_region[1], rel=1e-12)
-    assert np.array_equal(plate.jitter(mesh, 0.2, seed=3).points, moved.points)
-    assert not np.array_equal(plate.jitter(mesh, 0.2, seed=4).points, moved.points)
+    assert np.array_equal(plate.jittered(mesh, 0.2, seed=3).points, moved.points)
+    assert not np.array_equal(plate.jittered(mesh, 0.2, seed=4).points, moved.points)
     assert moved.pattern == ""
 
 
@@ -191,4 +191,4 @@ def test_jitter_moves_points_inside_regions_only_and_repeats() -> None:
 )
 def test_a_jitter_that_cannot_be_is_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        plate.jitter(plate.grid(1, 1, 8, 8), **arguments)  # type: ignore[arg-type]
+        plate.jittered(plate.grid(1, 1, 8, 8), **arguments)  # type: ignore[arg-type]

@@ -30,7 +30,7 @@ from lamc.plate.loads import (
 )
 from lamc.plate.materials import Material
 from lamc.plate.mesh import Mesh
-from lamc.plate.mesh_changes import jitter, refine
+from lamc.plate.mesh_changes import jittered, refined
 from lamc.plate.mesh_files import read_mesh, write_mesh
 from lamc.plate.mesh_report import MeshReport, bciz_bias, mesh_report
 from lamc.plate.mesher import mesh
@@ -90,7 +90,7 @@ __all__ = [
     "grid",
     "grid_of_lines",
     "hinge_stiffness",
-    "jitter",
+    "jittered",
     "lines",
     "material",
     "mesh",
@@ -98,7 +98,7 @@ __all__ = [
     "plate_of",
     "ply_failures",
     "read_mesh",
-    "refine",
+    "refined",
     "solve",
     "write_mesh",
 ]

@@ -13,7 +13,7 @@ from lamc.plate.mesh import Mesh
 _SURVIVE = ("one-diagonal", "squares")  # patterns whose cells, each cut in four, make the same pattern again
 
 
-def refine(mesh: Mesh) -> Mesh:
+def refined(mesh: Mesh) -> Mesh:
     """Every cell cut into four of its shape, at the middles of its edges; half the size.
 
     Points of `mesh` keep their numbers, and the middle of edge e follows as point n + e; quadrilaterals have their
@@ -35,7 +35,7 @@ def refine(mesh: Mesh) -> Mesh:
     return Mesh(points, cells, np.repeat(mesh.regions, 4), mesh.region_names, pattern)
 
 
-def jitter(mesh: Mesh, fraction: float = 0.25, seed: int = 0) -> Mesh:
+def jittered(mesh: Mesh, fraction: float = 0.25, seed: int = 0) -> Mesh:
     """Points inside regions moved by up to `fraction` of the shortest edge there, in x and in y; the same for the same
     seed. Points on borders, of the plate or between regions, stay.
 

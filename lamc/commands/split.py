@@ -14,7 +14,7 @@ from lamc.commands.terminal import Progress, Terminal
 from lamc.design.load import load_definition
 from lamc.design.records import Design
 from lamc.design.split import split_steps
-from lamc.errors import DesignError
+from lamc.errors import BuildError, DesignError
 from lamc.loops.starts import drawn_loops
 from lamc.mechanism.joint_definition import drawn_layers, drawn_lines
 from lamc.mechanism.joints_layers import layers_of
@@ -24,6 +24,7 @@ from lamc.mechanism.tree import plan
 from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
 from lamc.plate.design_hinges import MaterialHinge, with_material_stiffness
+from lamc.plate.hinge_stiffness import CELLS
 from lamc.plate.library import material
 from lamc.plate.materials import Material
 from lamc.report.bodies_picture import draw_bodies
@@ -56,7 +57,8 @@ def split(source: Source, choice: HingeChoice, out: str | None, terminal: Termin
             if isinstance(loaded.record, Design):
                 design = loaded.record
                 if choice.stiffness == "from-material":
-                    design, account = with_material_stiffness(design, replaced)
+                    progress.stage("hinges")
+                    design, account = _from_material(design, replaced, notes)
                 mechanism = _split_design(design, folder, name, files, notes, progress)
             elif choice.stiffness == "from-material":
                 raise DesignError(
@@ -86,6 +88,17 @@ def _materials(choice: HingeChoice) -> dict[str, Material]:
         raise DesignError("--material replaces the material of hinges; add --hinge-stiffness from-material")
     pairs = (split_pair(text, "--material", "film=Kapton HN") for text in choice.materials)
     return {name: material(value) for name, value in pairs}
+
+
+def _from_material(
+    design: Design, replaced: dict[str, Material], notes: list[str]
+) -> tuple[Design, tuple[MaterialHinge, ...]]:
+    """By formulas, and by finite elements beside them where there is a C compiler to make these."""
+    try:
+        return with_material_stiffness(design, replaced, cells=CELLS)
+    except BuildError as error:
+        notes.append(f"no finite elements stand beside the formulas of the hinges: {error.message}")
+        return with_material_stiffness(design, replaced)
 
 
 def _loops(mechanism: Mechanism) -> tuple[str, dict[str, object] | None]:

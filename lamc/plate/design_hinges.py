@@ -48,19 +48,21 @@ class MaterialHinge:
 
 
 def with_material_stiffness(
-    design: Design, materials: Mapping[str, Material] | None = None
+    design: Design, materials: Mapping[str, Material] | None = None, *, cells: int = 0
 ) -> tuple[Design, tuple[MaterialHinge, ...]]:
     """The design with every hinge's stiffness from its material, and the account, in the order of the joints.
 
     materials  replace the design's own of the same name
+    cells      across each strip for finite elements, which stand beside the formulas; 0: none
 
-    Raises DesignError for a flexible layer without moduli, or a hinge line with nothing of that layer on it.
+    Raises DesignError for a flexible layer without moduli, or a hinge line with nothing of that layer on it; BuildError
+    without a C compiler where there are cells.
     """
     hinges = named_hinges(design)
     flexible = sorted({hinge.properties.layer for hinge in hinges})
     known = plate_materials(design, flexible, materials)
     holes = holes_per_layer(hinges, len(design.layers))
-    account = tuple(_account(design, hinge, holes[hinge.properties.layer], known) for hinge in hinges)
+    account = tuple(_account(design, hinge, holes[hinge.properties.layer], known, cells) for hinge in hinges)
     sets = tuple(
         replace(
             hinge.properties,
@@ -78,7 +80,7 @@ def _line_of(hinge: Hinge) -> HingeLine:
 
 
 def _account(
-    design: Design, hinge: Hinge, holes: shapely.MultiPolygon, known: Mapping[str, Material]
+    design: Design, hinge: Hinge, holes: shapely.MultiPolygon, known: Mapping[str, Material], cells: int
 ) -> MaterialHinge:
     properties: HingeSet = hinge.properties
     layer = design.layers[properties.layer]
@@ -101,7 +103,7 @@ def _account(
         material=material,
         angle=None if material.is_isotropic else float(np.remainder(angle + 90.0, 180.0) - 90.0),
         thickness=layer.thickness,
-        stiffness=hinge_stiffness(strip, width, length),
+        stiffness=hinge_stiffness(strip, width, length, cells=cells),
         note=_note(design, hinge, max(free, key=lambda part: part.length), width),
     )
 

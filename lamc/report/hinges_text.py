@@ -15,7 +15,7 @@ def hinge_table(account: Sequence[MaterialHinge]) -> str:
     if not account:
         return ""
     heads = ["joint", "layer", "material", "E1 [GPa]", "E2 [GPa]", "fibres [°]", "t", "L", "b"]
-    heads += ["k plate [N·m/rad]", "k beam [N·m/rad]", "taken"]
+    heads += ["k plate [N·m/rad]", "k beam [N·m/rad]", "k elements [N·m/rad]", "taken"]
     rows = [
         [
             short_name(hinge.joint),
@@ -27,6 +27,7 @@ def hinge_table(account: Sequence[MaterialHinge]) -> str:
             *(length_text(x) for x in (hinge.thickness, hinge.stiffness.width, hinge.stiffness.length)),
             f"{hinge.stiffness.plate_formula:.6g}",
             f"{hinge.stiffness.beam_formula:.6g}",
+            "" if hinge.stiffness.finite_element is None else f"{hinge.stiffness.finite_element:.6g}",
             hinge.stiffness.formula,
         ]
         for hinge in account
@@ -70,6 +71,7 @@ def hinge_data(account: Sequence[MaterialHinge]) -> list[dict[str, object]]:
             "length": hinge.stiffness.length,
             "plate_formula": hinge.stiffness.plate_formula,
             "beam_formula": hinge.stiffness.beam_formula,
+            "finite_element": hinge.stiffness.finite_element,
             "taken": hinge.stiffness.formula,
             "note": hinge.note,
         }

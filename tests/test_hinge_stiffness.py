@@ -30,7 +30,7 @@ ROUND_OFF = 1e-12
 def test_isotropic_film_has_the_textbook_stiffness() -> None:
     """E t³ b / (12 L) as a beam, and 1/(1 - ν²) times that as a plate."""
     t, L, b = 25e-6, 0.5e-3, 10e-3
-    found = plate.hinge_stiffness(Laminate([Ply(KAPTON, t)]), L, b)
+    found = plate.hinge_stiffness(Laminate([Ply(KAPTON, t)]), L, b, cells=0)
     beam = 2.5e9 * t**3 * b / (12 * L)
     assert found.beam_formula == pytest.approx(beam, rel=ROUND_OFF)
     assert found.plate_formula == pytest.approx(beam / (1 - 0.34**2), rel=ROUND_OFF)
@@ -40,7 +40,7 @@ def test_fibres_across_the_axis_are_what_bends() -> None:
     """At 0° the fibres run from link to link: E1; at 90° along the axis: E2."""
     t, L, b = 125e-6, 1e-3, 20e-3
     for angle, E in ((0.0, T300.E1), (90.0, T300.E2)):
-        found = plate.hinge_stiffness(Laminate([Ply(T300, t, angle)]), L, b)
+        found = plate.hinge_stiffness(Laminate([Ply(T300, t, angle)]), L, b, cells=0)
         assert found.beam_formula == pytest.approx(E * t**3 * b / (12 * L), rel=ROUND_OFF)
         rest = 1 - T300.nu12**2 * T300.E2 / T300.E1
         assert found.plate_formula == pytest.approx(found.beam_formula / rest, rel=ROUND_OFF)
@@ -55,15 +55,93 @@ def test_bonded_films_bend_about_their_neutral_surface() -> None:
         t2**3 / 12 + t2 * (neutral - t1 - t2 / 2) ** 2
     )
     for reference in ("middle", "bottom", 3e-4):
-        found = plate.hinge_stiffness(Laminate([Ply(soft, t1), Ply(hard, t2)], reference), L, b)
+        found = plate.hinge_stiffness(Laminate([Ply(soft, t1), Ply(hard, t2)], reference), L, b, cells=0)
         # A reference surface ten thicknesses away costs two digits.
         assert found.beam_formula == pytest.approx(EI * b / L, rel=1e-9)
         assert found.plate_formula == pytest.approx(EI * b / L / (1 - 0.3**2), rel=1e-9)
 
 
+# --- finite elements -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 7.0, 30.0])
+def test_elements_are_exact_where_nothing_curls(ratio: float) -> None:
+    """ν = 0: the strip bends to a cylinder, both formulas are one, and elements hold the quadratic deflection."""
+    flat = Laminate([Ply(Material.isotropic(E=2e9, nu=0.0, density=1), 50e-6)])
+    found = plate.hinge_stiffness(flat, 1e-3, ratio * 1e-3, cells=4)
+    assert found.plate_formula == pytest.approx(found.beam_formula, rel=ROUND_OFF)
+    # What is refined in strain form keeps the digits but for those of the sums.
+    assert found.finite_element == pytest.approx(found.plate_formula, rel=1e-10)
+
+
+STRIPS = {
+    "film": Laminate([Ply(KAPTON, 25e-6)]),
+    "fibres askew": Laminate([Ply(T300, 125e-6, 30)]),
+    "two bonded": Laminate([Ply(KAPTON, 25e-6), Ply(T300, 25e-6, 30)]),
+}
+
+
+@pytest.mark.parametrize("name", STRIPS)
+def test_elements_lie_between_beam_and_plate(name: str) -> None:
+    """Nearer to the beam for short strips, nearer to the plate for long ones."""
+    parts = []
+    for ratio in (0.3, 1.0, 5.0, 40.0):
+        found = plate.hinge_stiffness(STRIPS[name], 1e-3, ratio * 1e-3, cells=8)
+        assert found.finite_element is not None
+        parts.append((found.finite_element - found.beam_formula) / (found.plate_formula - found.beam_formula))
+    assert parts == sorted(parts)
+    assert parts[0] > 0
+    assert 0.98 < parts[-1] < 1  # one width of strip at each end is free to curl, in part
+
+
+def test_short_film_is_a_beam_to_elements() -> None:
+    """b = L/20: what is clamped at its ends, of length b, keeps a few per cent of the difference."""
+    found = plate.hinge_stiffness(STRIPS["film"], 1e-3, 0.05e-3, cells=100)
+    assert found.finite_element is not None
+    part = (found.finite_element - found.beam_formula) / (found.plate_formula - found.beam_formula)
+    assert 0 < part < 0.06
+
+
+def test_long_film_lacks_a_third_of_a_width_of_strip_to_be_a_plate() -> None:
+    """The share that the two free ends lose is a length over b: doubled b, half of it."""
+    lost = []
+    for ratio in (5.0, 10.0, 20.0):
+        found = plate.hinge_stiffness(STRIPS["film"], 1e-3, ratio * 1e-3)
+        assert found.finite_element is not None
+        gap = found.plate_formula - found.finite_element
+        lost.append(gap / (found.plate_formula - found.beam_formula) * ratio)
+    assert lost == pytest.approx([lost[0]] * 3, rel=1e-3)  # ends three widths long decay to that
+    assert 0.3 < lost[0] < 0.4
+
+
+def test_elements_do_not_depend_on_the_reference_surface() -> None:
+    plies = STRIPS["two bonded"].plies
+    one, other = (plate.hinge_stiffness(Laminate(plies, r), 1e-3, 2e-3, cells=6) for r in ("middle", 1e-4))
+    assert one.finite_element == pytest.approx(other.finite_element, rel=1e-9)
+
+
+def test_finer_elements_come_closer() -> None:
+    """The corners where clamped meets free are singular, so the order is between 1 and 2."""
+    found = [
+        plate.hinge_stiffness(STRIPS["film"], 1e-3, 1e-3, cells=n).finite_element or 0.0
+        for n in (4, 8, 16, 32)
+    ]
+    steps = -np.diff(found)
+    assert (steps > 0).all()  # displacement elements that are too stiff
+    assert (steps[:-1] / steps[1:] > 1.8).all()
+
+
+def test_formulas_alone_need_no_elements() -> None:
+    assert plate.hinge_stiffness(STRIPS["film"], 1e-3, 1e-3, cells=0).finite_element is None
+    with pytest.raises(
+        DesignError, match=r"the cells across a hinge are 2\.5; give a whole number from 0 to 200"
+    ):
+        plate.hinge_stiffness(STRIPS["film"], 1e-3, 1e-3, cells=2.5)  # type: ignore[arg-type]
+
+
 def test_wide_strips_are_plates_and_narrow_ones_beams() -> None:
     laminate = Laminate([Ply(KAPTON, 25e-6)])
-    wide, narrow = plate.hinge_stiffness(laminate, 1e-3, 1e-3), plate.hinge_stiffness(laminate, 1e-3, 0.9e-3)
+    wide, narrow = (plate.hinge_stiffness(laminate, 1e-3, b, cells=0) for b in (1e-3, 0.9e-3))
     assert (wide.value, wide.formula) == (wide.plate_formula, "plate")
     assert (narrow.value, narrow.formula) == (narrow.beam_formula, "beam")
 
@@ -74,8 +152,9 @@ angles = st.lists(st.floats(-90, 90), min_size=1, max_size=5)
 @given(angles, st.floats(-1e-3, 1e-3))
 def test_what_is_kept_from_curling_is_stiffer(plies: list[float], reference: float) -> None:
     """The plate has all of the beam's constraints and more; neither depends on the reference surface."""
-    found = plate.hinge_stiffness(Laminate([Ply(T300, 1e-4, a) for a in plies], reference), 1e-3, 1e-2)
-    middle = plate.hinge_stiffness(Laminate([Ply(T300, 1e-4, a) for a in plies]), 1e-3, 1e-2)
+    stack = [Ply(T300, 1e-4, a) for a in plies]
+    found = plate.hinge_stiffness(Laminate(stack, reference), 1e-3, 1e-2, cells=0)
+    middle = plate.hinge_stiffness(Laminate(stack), 1e-3, 1e-2, cells=0)
     assert found.plate_formula >= found.beam_formula * (1 - 1e-9) > 0
     # Ten thicknesses off, D is a hundred times what is left of it, and ply stiffnesses differ by 20.
     assert found.plate_formula == pytest.approx(middle.plate_formula, rel=1e-8)
@@ -214,6 +293,7 @@ def test_command_line_tells_where_each_stiffness_comes_from(tmp_path: Path) -> N
     assert np.isclose(drawn["joints"][0]["stiffness"], 5e-3)  # type: ignore[index]
     (hinge,) = made["hinge_stiffness"]  # type: ignore[misc]
     assert hinge["taken"] == "plate"
+    assert hinge["beam_formula"] < hinge["finite_element"] < hinge["plate_formula"]
     assert made["joints"][0]["stiffness"] == hinge["plate_formula"]  # type: ignore[index]
     told = CliRunner().invoke(
         main, ["split", str(file), "--out", str(tmp_path / "c"), "--hinge-stiffness", "from-material"]

@@ -30,7 +30,7 @@ from lamc.mechanism.checks import checked_number, shown
 from lamc.plate.grid import grid_of_lines
 from lamc.plate.laminate import Laminate
 from lamc.plate.mesh import Mesh
-from lamc.plate.model import solve
+from lamc.plate.model import Model
 from lamc.plate.problem import Problem
 from lamc.plate.sections import couples
 from lamc.plate.supports import Support
@@ -128,4 +128,4 @@ def _energy(laminate: Laminate, mesh: Mesh, angle: float, pull: float | None = N
         if pull is not None:
             supports += [Support(end, ("v",)), Support(end, ("u",), -0.5 * sign * pull)]
     element = "dkt" if pull is None else "dkt+lst"
-    return solve(Problem(mesh, laminate, element=element, supports=supports)).strain_energy
+    return Model(Problem(mesh, laminate, element=element, supports=supports)).solve().strain_energy

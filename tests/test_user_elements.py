@@ -8,8 +8,10 @@ import sympy as sp
 
 from lamc import plate
 from lamc.errors import DesignError
+from lamc.plate.dofs import Dofs
 from lamc.plate.elements import derive, eta, side, x1, xi
 from lamc.plate.elements.definition import CORNERS
+from lamc.plate.mesh import Mesh
 from tests.staged_elements import (
     StagedElement,
     cells,
@@ -160,7 +162,27 @@ def test_nodes_are_where_they_are_said_to_be() -> None:
 
 def test_description_names_what_matters() -> None:
     text = plate.describe(plate.element("dkt"))
-    for part in ("Batoz", "9 unknowns", "Shape functions of w_x", "κ =", "stiffness", "531", "exact"):
+    for part in (
+        "Batoz",
+        "9 unknowns",
+        "Shape functions of w_x",
+        "Strains -(∂w_x/∂x",
+        "stiffness",
+        "531",
+        "exact",
+    ):
         assert part in text
     assert "3 × 3 Gauss points" in plate.describe(plate.element("q8"))
     assert "{" not in text
+
+
+def test_rectangles_that_bend_refuse_other_cells() -> None:
+    points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+    turned = points @ np.array([[0.8, 0.6], [-0.6, 0.8]])
+    sheared = points + 0.1 * points[:, ::-1] * [1.0, 0.0]
+    for name in ("bfs", "bfs+q4"):
+        Dofs(Mesh(points, [[0, 1, 2, 3]]), plate.element(name))
+        for bad, cell in ((turned, [0, 1, 2, 3]), (points, [1, 2, 3, 0]), (sheared, [0, 1, 2, 3])):
+            with pytest.raises(DesignError, match="rectangles with sides along x and y"):
+                Dofs(Mesh(bad, [cell]), plate.element(name))
+    Dofs(Mesh(turned, [[0, 1, 2, 3]]), plate.element("q4"))

@@ -16,6 +16,7 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, shown
+from lamc.plate.elements.cells import check_cells
 from lamc.plate.elements.definition import CORNERS, DOFS, TRIANGLE, Element, Node
 from lamc.plate.mesh import Integers, Mesh
 
@@ -34,8 +35,8 @@ class Dofs:
     of_cells  (m, nd) int32: numbers of the cells' unknowns, in the element's order
     table     (nodes, 6) int32: number of each unknown of DOFS at each node, -1 where the node has none
 
-    Raises DesignError where the element is for cells of another kind, where its nodes on an edge would not meet those
-    of the neighbour, and where there are more unknowns than an int32 counts.
+    Raises DesignError where the element is for cells of another kind or shape, where its nodes on an edge would not
+    meet those of the neighbour, and where there are more unknowns than an int32 counts.
     """
 
     mesh: Mesh
@@ -52,6 +53,7 @@ class Dofs:
                 f"element {shown(self.element.name)} is for {_KINDS[corners]}, and the mesh has "
                 f"{_KINDS[self.mesh.corner_count]}; choose an element for these, or mesh anew"
             )
+        check_cells(self.element, self.mesh.corners)
         of_nodes, points = _nodes(self.mesh, self.element)
         has = np.zeros((len(points), len(DOFS)), dtype=bool)
         for k, node in enumerate(self.element.nodes):

@@ -6,6 +6,7 @@ into C. Never: meshes, materials, numbers of a plate.
     definition.py   the records; symbols ξ, η, L1, L2, L3, x1, y1, x21, …
     triangles.py, squares.py, library.py   the elements that there are
     checks.py       whether shape functions fit their nodes
+    cells.py        whether cells of a mesh fit the element
     factor.py, strains.py, frame.py   what makes the equations short: see `factor.py`
     derive.py       all functions of an element
     description.py  an element in words and formulas
@@ -20,6 +21,7 @@ A user's own element, here a square membrane of four nodes:
     print(plate.describe(mine))
 """
 
+from lamc.plate.elements.cells import check_cells
 from lamc.plate.elements.definition import (
     L1,
     L2,
@@ -53,6 +55,7 @@ __all__ = [
     "ElementEquations",
     "ElementFunction",
     "Node",
+    "check_cells",
     "combine",
     "corners",
     "derive",

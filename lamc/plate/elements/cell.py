@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from functools import cached_property
 
 from lamc.codegen.program import Space
-from lamc.mechanics.staging import Scalar, Store
+from lamc.mechanics.staging import Scalar, Store, reciprocal
 from lamc.plate.elements.definition import Element
 from lamc.plate.elements.factor import Geometry, plain
-from lamc.plate.elements.frame import Frame, Varying, frame
+from lamc.plate.elements.frame import Frame, Varying, constant, frame
 from lamc.plate.elements.polynomials import Polynomial
-from lamc.plate.elements.strains import Strain, bending, membrane
+from lamc.plate.elements.strains import Chain, Strain, bending, joined, membrane
 from lamc.plate.elements.sums import weighted_sum
 
 _ENTRIES = ((0, 1, 2), (1, 3, 4), (2, 4, 5))  # where a symmetric 3 × 3 finds its unique entries
@@ -27,15 +27,32 @@ class Cell:
         names = [f"{axis}{k + 1}" for k in range(element.corner_count) for axis in "xy"]
         flat = [self.store.symbol(name, Space.CORNER, k) for k, name in enumerate(names)]
         self.corners: Sequence[tuple[Scalar, Scalar]] = list(zip(flat[::2], flat[1::2], strict=True))
-        self.frame: Frame = frame(element, self.corners)
-        self.geometry = Geometry(element, self.store, self.corners)
+        with self.store.section("sides of the cell, and what shape functions take from them"):
+            self.frame: Frame = frame(element, self.corners)
+            self.geometry = Geometry(element, self.store, self.corners)
+            if element.is_affine:
+                reciprocal(
+                    constant(self.frame.determinant)
+                ) ** 3  # made here, so that it is shown with the sides
 
     @cached_property
     def strains(self) -> tuple[Strain, ...]:
         """Of the membrane if it stretches, then of bending if it bends."""
         parts = (self.element, self.geometry, self.frame)
-        found = (membrane(*parts),) if self.element.stretches else ()
-        return (*found, bending(*parts)) if self.element.bends else found
+        with self.store.section("weights of the unknowns in amounts that rigid motion leaves at zero"):
+            found = (membrane(*parts),) if self.element.stretches else ()
+            return (*found, bending(*parts)) if self.element.bends else found
+
+    @cached_property
+    def chain(self) -> Chain:
+        """From the unknowns to the amounts of all strains."""
+        return joined(self.strains)
+
+    @cached_property
+    def amounts(self) -> list[Scalar]:
+        """Of all strains, from the unknowns."""
+        with self.store.section("amounts that rigid motion leaves at zero"):
+            return self.chain.amounts(self.unknowns)
 
     @cached_property
     def unknowns(self) -> list[Scalar]:

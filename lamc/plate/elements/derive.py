@@ -14,9 +14,10 @@ functions, by name; x are the corners' coordinates, d the unknowns, matrices are
   force         ∫ Bᵀ S B d dA from the strain: what rigid motion leaves is round-off of d, not of the stiffness
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TypeAlias
 
 from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
@@ -27,6 +28,9 @@ from lamc.plate.elements.definition import Element
 from lamc.plate.elements.fields import displacement, geometric, load, mass
 from lamc.plate.elements.quadrature import Point
 from lamc.plate.elements.stiffness import force, prestress, stiffness, strain
+
+Staged: TypeAlias = list[Scalar] | tuple[list[Scalar], tuple[Point, ...]]
+_AT_A_POINT = (Space.CORNER, Space.NATURAL, Space.UNKNOWN)
 
 
 @dataclass(frozen=True)
@@ -53,61 +57,62 @@ class ElementEquations:
     functions: Mapping[str, ElementFunction]
 
 
+# name, what it gives, what it reads, how it is staged, the equation it comes from
+_FUNCTIONS: tuple[tuple[str, str, tuple[Space, ...], Callable[[Cell], Staged], str], ...] = (
+    (
+        "stiffness",
+        "stiffness, lower triangle by rows, N/m for displacements",
+        (Space.CORNER, Space.SECTION),
+        stiffness,
+        "∫ Bᵀ S B dA",
+    ),
+    (
+        "mass",
+        "consistent mass, lower triangle by rows, kg for displacements",
+        (Space.CORNER, Space.AREAL_MASS),
+        mass,
+        "∫ ρ (u² + v² + w²) dA",
+    ),
+    ("load", "forces of a load, N for displacements", (Space.CORNER, Space.INTENSITY), load, "∫ N p dA"),
+    (
+        "prestress",
+        "forces of membrane forces and moments, N for displacements",
+        (Space.CORNER, Space.RESULTANT),
+        prestress,
+        "∫ Bᵀ r dA",
+    ),
+    ("strain", "strains at a point, then curvatures, 1/m", _AT_A_POINT, strain, "B d"),
+    ("displacement", "displacements at a point, m, then slopes", _AT_A_POINT, displacement, "N d"),
+    (
+        "force",
+        "forces of the stiffness by way of strains, N for displacements",
+        (Space.CORNER, Space.SECTION, Space.UNKNOWN),
+        force,
+        "∫ Bᵀ S B d dA",
+    ),
+    (
+        "geometric",
+        "stiffness of membrane forces, lower triangle by rows, N/m for displacements",
+        (Space.CORNER, Space.MEMBRANE_FORCE),
+        geometric,
+        "∫ ∇wᵀ N ∇w dA",
+    ),
+)
+
+
 @collector_paused
 def derive(element: Element) -> ElementEquations:
     """The functions of `element`. Raises DesignError for shape functions that are none; see `checks.py`."""
     check_element(element)
     cell = Cell(element)
-    strains = "N/m, then N" if element.stretches and element.bends else "N/m" if element.stretches else "N"
-    functions = [
-        _function(
-            "stiffness",
-            "stiffness, lower triangle by rows",
-            (Space.CORNER, Space.SECTION),
-            stiffness(cell),
-        ),
-        _function(
-            "mass", "mass, lower triangle by rows, kg", (Space.CORNER, Space.AREAL_MASS), (mass(cell), ())
-        ),
-        _function("load", "forces of a load", (Space.CORNER, Space.INTENSITY), (load(cell), ())),
-        _function(
-            "prestress",
-            f"forces of resultants, {strains}",
-            (Space.CORNER, Space.RESULTANT),
-            (prestress(cell), ()),
-        ),
-        _function(
-            "strain", "strains at a point", (Space.CORNER, Space.NATURAL, Space.UNKNOWN), (strain(cell), ())
-        ),
-        _function(
-            "displacement",
-            "displacements and slopes at a point",
-            (Space.CORNER, Space.NATURAL, Space.UNKNOWN),
-            (displacement(cell), ()),
-        ),
-        _function(
-            "force",
-            "forces of the stiffness, by way of strains",
-            (Space.CORNER, Space.SECTION, Space.UNKNOWN),
-            force(cell),
-        ),
-    ]
-    if element.bends:
-        functions.append(
-            _function(
-                "geometric",
-                "stiffness of membrane forces, lower triangle by rows",
-                (Space.CORNER, Space.MEMBRANE_FORCE),
-                (geometric(cell), ()),
-            )
+    functions = {}
+    for name, purpose, reads, staged, equation in _FUNCTIONS:
+        if name == "geometric" and not element.bends:
+            continue
+        with cell.store.section(name, source=equation):
+            found = staged(cell)
+        outputs, points = found if isinstance(found, tuple) else (found, ())
+        functions[name] = ElementFunction(
+            name, purpose, (*reads, Space.NATURAL) if points else reads, tuple(outputs), points
         )
-    return ElementEquations(element, cell.store, MappingProxyType({f.name: f for f in functions}))
-
-
-def _function(
-    name: str, purpose: str, reads: tuple[Space, ...], found: tuple[Sequence[Scalar], tuple[Point, ...]]
-) -> ElementFunction:
-    outputs, points = found
-    if points:
-        reads = (*reads, Space.NATURAL)
-    return ElementFunction(name, purpose, reads, tuple(outputs), points)
+    return ElementEquations(element, cell.store, MappingProxyType(functions))

@@ -8,14 +8,20 @@ from collections.abc import Iterator, Sequence
 import sympy as sp
 
 from lamc.codegen.program import Operations
-from lamc.mechanics.staging import Level
+from lamc.mechanics.staging import Level, Value
 from lamc.mechanics.statements import count_operations
-from lamc.plate.elements.definition import SQUARE, Element
+from lamc.mechanics.sympy_view import expression
+from lamc.plate.elements.cell import Cell
+from lamc.plate.elements.definition import L1, SQUARE, TRIANGLE, Element, eta, xi
 from lamc.plate.elements.derive import ElementEquations, derive
+from lamc.plate.elements.polynomials import Polynomial
 
-_STRETCHING = "(ε_x, ε_y, γ_xy) = (u_x, v_y, u_y + v_x)"
-_BENDING = "κ = -(w_xx, w_yy, 2 w_xy)"
-_SLOPES = "κ = -(∂w_x/∂x, ∂w_y/∂y, ∂w_x/∂y + ∂w_y/∂x), by the slopes' own shape functions"
+_STRETCHING_ROWS = ("u_ξ", "u_η", "v_ξ", "v_η")
+_BENDING_ROWS = ("w_ξξ", "w_ηη", "w_ξη")
+_SLOPE_ROWS = ("w_x,ξ", "w_x,η", "w_y,ξ", "w_y,η")
+_STRETCHING = "(u_x, v_y, u_y + v_x)"
+_BENDING = "-(w_xx, w_yy, 2 w_xy)"
+_SLOPES = "-(∂w_x/∂x, ∂w_y/∂y, ∂w_x/∂y + ∂w_y/∂x)"
 
 
 def operations(equations: ElementEquations) -> dict[str, Operations]:
@@ -29,7 +35,15 @@ def operations(equations: ElementEquations) -> dict[str, Operations]:
 def describe(element: Element) -> str:
     """Lines of plain text about `element`: nodes, unknowns, shape functions, strains, integration, operations."""
     equations = derive(element)
-    return "\n".join((*_heading(element), *_formulas(element), *_integration(element), *_counts(equations)))
+    return "\n".join(
+        (
+            *_heading(element),
+            *_formulas(element),
+            *_strains(element),
+            *_integration(element),
+            *_counts(equations),
+        )
+    )
 
 
 def _heading(element: Element) -> Iterator[str]:
@@ -55,34 +69,69 @@ def _formulas(element: Element) -> Iterator[str]:
         yield ""
         yield "Geometry, x21 = x2 - x1 and so on"
         for symbol, expr in element.geometry.items():
-            yield f"  {symbol} = {_text(expr)}"
+            yield f"  {symbol} = {_text(element, expr)}"
     for field in element.fields:
-        yield from _functions(f"Shape functions of {field}", element.unknowns, getattr(element, field))
+        yield from _functions(
+            element, f"Shape functions of {field}", element.unknowns, getattr(element, field)
+        )
     if element.amounts:
         yield ""
         yield "Amounts that the slopes are written in"
         for number, amount in enumerate(element.amounts, start=1):
-            yield f"  a{number} = {_text(amount)}"
+            yield f"  a{number} = {_text(element, amount)}"
     names = [sp.Symbol(f"a{k}") for k in range(1, len(element.amounts) + 1)] or list(element.unknowns)
     for field, functions in zip(("w_x", "w_y"), element.slopes, strict=False):
-        yield from _functions(f"Shape functions of {field}", names, functions)
-    yield ""
-    yield "Strains"
-    if element.stretches:
-        yield f"  {_STRETCHING}"
-    if element.bends:
-        yield f"  {_SLOPES if element.slopes else _BENDING}"
+        yield from _functions(element, f"Shape functions of {field}", names, functions)
 
 
-def _functions(title: str, names: Sequence[sp.Symbol], functions: Sequence[sp.Expr]) -> Iterator[str]:
+def _strains(element: Element) -> Iterator[str]:
+    """B in its factors: amounts of the unknowns, natural derivatives of these, and the turn to x and y."""
+    cell = Cell(element)
+    named = {
+        value.index: value.sign * sp.Symbol(name, real=True)
+        for name, value in cell.geometry.known.items()
+        if isinstance(value, Value)
+    }
+    amounts = [sp.Symbol(f"a{k}") for k in range(1, len(element.amounts) + 1)] or list(element.unknowns)
+    count = 0
+    for strain in cell.strains:
+        bends = strain is cell.strains[-1] and element.bends
+        rows = _SLOPE_ROWS if bends and element.slopes else _BENDING_ROWS if bends else _STRETCHING_ROWS
+        law = _SLOPES if bends and element.slopes else _BENDING if bends else _STRETCHING
+        names = amounts if bends and element.slopes else list(element.unknowns)
+        yield ""
+        yield f"Strains {law}, of amounts that rigid motion leaves at zero"
+        own = [sp.Symbol(f"e{count + k}") for k in range(1, len(strain.part.basis) + 1)]
+        count += len(own)
+        for symbol, weights in zip(own, strain.part.chain.links[0], strict=True):
+            total = sum(expression(w, named) * names[j] for j, w in weights.items())
+            yield f"  {symbol!s:<4} = {_text(element, total)}"
+        for r, name in enumerate(rows):
+            total = sum(
+                symbol * _polynomial(basis[r]) for symbol, basis in zip(own, strain.part.basis, strict=True)
+            )
+            yield f"  {name:<6} = {_text(element, total)}"
+
+
+def _polynomial(polynomial: Polynomial) -> sp.Expr:
+    return sp.Add(
+        *(sp.Rational(c.numerator, c.denominator) * xi**i * eta**j for (i, j), c in polynomial.items())
+    )
+
+
+def _functions(
+    element: Element, title: str, names: Sequence[sp.Symbol], functions: Sequence[sp.Expr]
+) -> Iterator[str]:
     yield ""
     yield title
     for name, function in zip(names, functions, strict=True):
         if function != 0:
-            yield f"  {name!s:<6} {_text(function)}"
+            yield f"  {name!s:<6} {_text(element, function)}"
 
 
-def _text(expr: sp.Expr) -> str:
+def _text(element: Element, expr: sp.Expr) -> str:
+    if element.cell == TRIANGLE:
+        expr = expr.xreplace({L1: sp.Symbol("L1")}).xreplace({xi: sp.Symbol("L2"), eta: sp.Symbol("L3")})
     return str(expr).replace("**", "^").replace("xi", "ξ").replace("eta", "η")
 
 

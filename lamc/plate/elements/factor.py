@@ -147,7 +147,11 @@ def factored(
     order = [(j, m) for j, column in enumerate(columns) for m in column if m != 1]
     order += [(j, m) for j, column in reversed(list(enumerate(columns))) for m in column if m == 1]
     elimination = _Elimination()
-    shares = {(j, m): elimination.express(_vector(columns[j][m])) for j, m in order}
+    shares: dict[tuple[int, sp.Expr], dict[int, Fraction]] = {}
+    first: list[int] = []  # unknown that brought each basis function
+    for j, m in order:
+        shares[j, m] = elimination.express(_vector(columns[j][m]))
+        first += [j] * (len(elimination.basis) - len(first))
     weights: list[dict[int, Scalar]] = [{} for _ in elimination.basis]
     for j, column in enumerate(columns):
         terms: dict[int, dict[sp.Expr, Fraction]] = {}
@@ -159,8 +163,9 @@ def factored(
             if weight != 0:
                 weights[k][j] = weight
     count = len(functions[0]) * len(operator({})) if functions else 0
-    basis = tuple(_rows(vector, count) for vector in elimination.basis)
-    return Factored(basis, tuple(weights))
+    places = sorted(range(len(first)), key=first.__getitem__)
+    basis = tuple(_rows(elimination.basis[k], count) for k in places)
+    return Factored(basis, tuple(weights[k] for k in places))
 
 
 def _column(

@@ -16,7 +16,7 @@ from lamc.plate.elements.strains import Chain, Part, moments, slopes_part
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
 
-def mass(cell: Cell) -> Sequence[Scalar]:
+def mass(cell: Cell) -> list[Scalar]:
     """Lower triangle by rows."""
     count = len(cell.element.dofs)
     (rho,) = cell.symbols("rho", Space.AREAL_MASS, 1)
@@ -31,7 +31,7 @@ def mass(cell: Cell) -> Sequence[Scalar]:
     return lower_triangle(total)
 
 
-def load(cell: Cell) -> Sequence[Scalar]:
+def load(cell: Cell) -> list[Scalar]:
     """Per unknown, from forces per area at the corners, field after field."""
     fields, corners = cell.element.fields, cell.element.corner_count
     intensity = cell.symbols("p", Space.INTENSITY, len(fields) * corners)
@@ -52,7 +52,7 @@ def load(cell: Cell) -> Sequence[Scalar]:
     return total
 
 
-def geometric(cell: Cell) -> Sequence[Scalar]:
+def geometric(cell: Cell) -> list[Scalar]:
     """Lower triangle by rows."""
     nx, ny, nxy = (
         cell.store.symbol(n, Space.MEMBRANE_FORCE, k) for k, n in enumerate(("N_x", "N_y", "N_xy"))
@@ -86,7 +86,7 @@ def geometric(cell: Cell) -> Sequence[Scalar]:
     return lower_triangle(part.chain.matrix(found))
 
 
-def displacement(cell: Cell) -> Sequence[Scalar]:
+def displacement(cell: Cell) -> list[Scalar]:
     """u, v, then w, w_x, w_y, at ξ, η."""
     xi, eta, _ = cell.natural
     result: list[Scalar] = []

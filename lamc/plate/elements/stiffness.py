@@ -5,6 +5,7 @@ inertia, loads on the surface.
 """
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 from lamc.codegen.program import Space
 from lamc.mechanics.staging import Scalar, reciprocal
@@ -12,47 +13,57 @@ from lamc.plate.elements.cell import Cell
 from lamc.plate.elements.factor import plain
 from lamc.plate.elements.polynomials import inner
 from lamc.plate.elements.quadrature import Point, square_points
-from lamc.plate.elements.strains import affine_force, affine_stiffness, joined
+from lamc.plate.elements.strains import affine_force, affine_stiffness
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
 # Sums over points of more operations than this are left to a loop: compilers take long over long straight code.
 _MAX_STRAIGHT = 3000
 
-Found = tuple[Sequence[Scalar], tuple[Point, ...]]
+Found: TypeAlias = tuple[list[Scalar], tuple[Point, ...]]
 
 
 def stiffness(cell: Cell) -> Found:
     """Lower triangle by rows."""
-    chain = joined(cell.strains)
+    chain = cell.chain
+    with cell.store.section("stiffness against these amounts", source="K = ∫ Bᵀ S B dA"):
+        found, points = _stiffness(cell)
+    with cell.store.section("stiffness against the unknowns", source="Wᵀ K W"):
+        return lower_triangle(chain.matrix(found)), points
+
+
+def _stiffness(cell: Cell) -> tuple[list[list[Scalar]], tuple[Point, ...]]:
     if cell.element.is_affine:
-        found = affine_stiffness(cell.strains, cell.frame, cell.section, cell.element.cell)
-        return lower_triangle(chain.matrix(found)), ()
+        return affine_stiffness(cell.strains, cell.frame, cell.section, cell.element.cell), ()
     points = square_points(cell.element.degree)
     count = len(cell.strains[0].part.basis)
     if 3 * count * count * len(points) > _MAX_STRAIGHT:
-        return lower_triangle(chain.matrix(_stiffness_at(cell, *cell.natural))), points
+        return _stiffness_at(cell, *cell.natural), points
     total: list[list[Scalar]] = [[0] * count for _ in range(count)]
     for point in points:
         found = _stiffness_at(cell, *point)
         total = [[s + a for s, a in zip(*rows, strict=True)] for rows in zip(total, found, strict=True)]
-    return lower_triangle(chain.matrix(total)), ()
+    return total, ()
 
 
 def force(cell: Cell) -> Found:
     """Per unknown."""
-    chain = joined(cell.strains)
-    amounts = chain.amounts(cell.unknowns)
+    amounts = cell.amounts
+    with cell.store.section("forces on these amounts, from strains", source="∫ Bᵀ S ε dA"):
+        found, points = _force(cell, amounts)
+    with cell.store.section("forces on the unknowns"):
+        return cell.chain.forces(found), points
+
+
+def _force(cell: Cell, amounts: Sequence[Scalar]) -> tuple[list[Scalar], tuple[Point, ...]]:
     if cell.element.is_affine:
-        return chain.forces(
-            affine_force(cell.strains, cell.frame, cell.section, amounts, cell.element.cell)
-        ), ()
+        return affine_force(cell.strains, cell.frame, cell.section, amounts, cell.element.cell), ()
     points = square_points(cell.element.degree)
     if 12 * len(amounts) * len(points) > _MAX_STRAIGHT:
-        return chain.forces(_force_at(cell, amounts, *cell.natural)), points
+        return _force_at(cell, amounts, *cell.natural), points
     total: list[Scalar] = [0] * len(amounts)
     for point in points:
         total = [s + f for s, f in zip(total, _force_at(cell, amounts, *point), strict=True)]
-    return chain.forces(total), ()
+    return total, ()
 
 
 def _rows_at(cell: Cell, xi: Scalar, eta: Scalar) -> list[list[Scalar]]:
@@ -88,7 +99,7 @@ def _force_at(cell: Cell, amounts: Sequence[Scalar], xi: Scalar, eta: Scalar, we
     return [weighted_sum((B[a][m], stress[a]) for a in range(3)) for m in range(len(amounts))]
 
 
-def prestress(cell: Cell) -> Sequence[Scalar]:
+def prestress(cell: Cell) -> list[Scalar]:
     """Per unknown, from membrane forces and moments that are the same all over the cell."""
     resultants = cell.symbols("r", Space.RESULTANT, 3 * len(cell.strains))
     result: list[Scalar] = []
@@ -108,16 +119,18 @@ def prestress(cell: Cell) -> Sequence[Scalar]:
                             shared.setdefault(plain(c), []).append((factor, own[a]))
                 terms += [(c, weighted_sum(parts)) for c, parts in shared.items()]
             result.append(weighted_sum(terms))
-    return joined(cell.strains).forces(result)
+    return cell.chain.forces(result)
 
 
-def strain(cell: Cell) -> Sequence[Scalar]:
+def strain(cell: Cell) -> list[Scalar]:
     """Membrane strain, then curvature, at ξ, η."""
     xi, eta, _ = cell.natural
     divisor = reciprocal(cell.varying(cell.frame.determinant, xi, eta))
     result: list[Scalar] = []
+    at = 0
     for strain_ in cell.strains:
-        amounts = strain_.part.chain.amounts(cell.unknowns)
+        amounts = cell.amounts[at : at + len(strain_.part.basis)]
+        at += len(amounts)
         natural = [
             weighted_sum(
                 (cell.value(rows[r], xi, eta), amount)

@@ -59,6 +59,6 @@ def congruence(matrix: Sequence[Sequence[Scalar]], weights: Sparse, count: int) 
     return result
 
 
-def lower_triangle(matrix: Sequence[Sequence[Scalar]]) -> tuple[Scalar, ...]:
+def lower_triangle(matrix: Sequence[Sequence[Scalar]]) -> list[Scalar]:
     """By rows."""
-    return tuple(matrix[i][j] for i in range(len(matrix)) for j in range(i + 1))
+    return [matrix[i][j] for i in range(len(matrix)) for j in range(i + 1)]

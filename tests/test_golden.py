@@ -1,4 +1,4 @@
-"""Generated C of three small designs against files read by eye; `pytest --update-golden` rewrites them.
+"""Generated C of small designs and a finite element against files read by eye; `pytest --update-golden` rewrites it.
 
 A change of the C that nobody meant shows here as a diff.
 """
@@ -11,11 +11,14 @@ from pathlib import Path
 import pytest
 
 import lamc
+from lamc.codegen.emit_element import emit_element
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, Torque
 from lamc.effects.base import Effect
 from lamc.examples import __file__ as examples
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.pipeline import effects_of, equations_of, sources_of
+from lamc.plate.element_build import element_program
+from lamc.plate.elements.library import element
 from lamc.scene import Scene
 
 GOLDEN = Path(__file__).resolve().parent / "golden"
@@ -58,17 +61,24 @@ CASES: Mapping[str, Callable[[], tuple[Mechanism, tuple[Effect, ...]]]] = {
 }
 
 
+ELEMENTS = ("cst",)
+
+
 def generated(name: str) -> dict[str, str]:
-    """The model's own files; lamc's version is masked, so that a release changes nothing here."""
-    mechanism, effects = CASES[name]()
-    _, tree = sources_of(equations_of(mechanism, effects))
+    """The model's or element's own files; lamc's version is masked, so that a release changes nothing here."""
+    if name in ELEMENTS:
+        tree = emit_element(element_program(element(name)))
+    else:
+        mechanism, effects = CASES[name]()
+        _, tree = sources_of(equations_of(mechanism, effects))
     return {
-        f"{name}.{kind}": re.sub(r"(Made by lamc) \S+", r"\1 VERSION", tree.files[f"{tree.prefix}.{kind}"])
-        for kind in ("c", "h")
+        file: re.sub(r"(Made by lamc) \S+", r"\1 VERSION", tree.files[file])
+        for file in sorted(tree.files)
+        if file.startswith(name)
     }
 
 
-@pytest.mark.parametrize("name", sorted(CASES))
+@pytest.mark.parametrize("name", sorted([*CASES, *ELEMENTS]))
 def test_generated_c_is_what_was_read_by_eye(name: str, request: pytest.FixtureRequest) -> None:
     update = request.config.getoption("--update-golden")
     differences: list[str] = []
@@ -94,4 +104,6 @@ def test_generated_c_is_what_was_read_by_eye(name: str, request: pytest.FixtureR
 
 
 def test_no_golden_file_is_left_over() -> None:
-    assert sorted(p.name for p in GOLDEN.iterdir()) == sorted(f"{n}.{k}" for n in CASES for k in ("c", "h"))
+    expected = [f"{n}.{k}" for n in (*CASES, *ELEMENTS) for k in ("c", "h")]
+    expected += [f"{n}_equations.h" for n in ELEMENTS]
+    assert sorted(p.name for p in GOLDEN.iterdir()) == sorted(expected)

@@ -11,6 +11,8 @@ from lamc.codegen.program import Function, Operand, Section, Shape, Space, State
 from lamc.mechanics.staging import Level, Number, Scalar, Store, Symbol, Value
 from lamc.mechanics.statements import count_operations, group
 
+MAX_EXACT = 2**53  # doubles hold all integers up to here
+
 
 class Lowering:
     """One function. `constants` grows by the outer values that it reads.
@@ -62,8 +64,10 @@ class Lowering:
 
     def _number(self, value: Number) -> Operand:
         rounded = float(value)
-        exact = self.exact and isinstance(value, Fraction) and value != rounded
-        return Operand(Space.NUMBER, value=value if exact else rounded)
+        if not self.exact or not isinstance(value, Fraction) or value == rounded:
+            return Operand(Space.NUMBER, value=rounded)
+        short = max(abs(value.numerator), value.denominator) <= MAX_EXACT
+        return Operand(Space.NUMBER, value=value if short else rounded)
 
     def _shape(self, index: int, operands: list[Operand]) -> Shape:
         """The expression of one statement; recursion is bounded by `statements.MAX_OPERANDS`."""

@@ -6,7 +6,6 @@ a second where statement by statement took seven.
 
 import re
 from collections.abc import Callable
-from decimal import Context, Decimal
 from fractions import Fraction
 
 import sympy as sp
@@ -16,7 +15,6 @@ from lamc.codegen.program import Operand, Shape
 from lamc.errors import EmitError
 from lamc.mechanics.functions import FUNCTIONS
 
-FRACTION_DIGITS = 40  # more than any long double has
 _PLACE = re.compile(r"P(\d+)Q")
 
 
@@ -85,11 +83,11 @@ def _unevaluated(shape: Shape, brackets: bool) -> sp.Expr:
 
 
 def literal(value: float | Fraction) -> str:
-    """A C double literal that reads back exactly; negative ones in brackets. A fraction has the digits of any precision
-    and stands in NUMBER(…), which gives it the precision that is asked for."""
+    """A C double literal that reads back exactly; negative ones in brackets.
+
+    A fraction is RATIO(numerator, denominator), which the compiler divides in the precision that is asked for.
+    """
     if isinstance(value, Fraction):
-        digits = Context(prec=FRACTION_DIGITS).divide(Decimal(value.numerator), Decimal(value.denominator))
-        text = f"NUMBER({digits:e})"
-    else:
-        text = repr(value)
+        return f"RATIO({float(value.numerator)!r}, {float(value.denominator)!r})"
+    text = repr(value)
     return f"({text})" if value < 0 else text

@@ -4,6 +4,7 @@ In: an `Element`. Out: an `ElementProgram`, or a `Module` and the C side's `lamc
 """
 
 import hashlib
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -35,8 +36,7 @@ def element_module(element: Element, options: CompileOptions | None = None) -> M
     options = options or CompileOptions()
     compiler = find_compiler(options.compiler)
     store = Cache(cache_root())
-    parts = ("element", __version__, _own_sources(), compiler.identity, *options.flags, repr(element))
-    alias = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+    alias = alias_of(element, compiler.identity, options.flags)
     key = store.recall(alias)
     folder = store.find(key) if key else None
     if folder is not None:
@@ -45,6 +45,12 @@ def element_module(element: Element, options: CompileOptions | None = None) -> M
     key, module, _ = build(emit_element(program), program.digest, compiler, options, store)
     store.remember(alias, key)
     return module
+
+
+def alias_of(element: Element, compiler: str, flags: Sequence[str]) -> str:
+    """Digest of all that the compiled module follows from; it lets a compile skip the derivation."""
+    parts = ("element", __version__, _own_sources(), compiler, *flags, repr(element))
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
 @cache

@@ -1,7 +1,7 @@
 /* cst: a finite element in C, for many cells at once.
  *
  * Made by lamc VERSION from template element.c.j2. Do not edit: change the element and build again.
- * Element digest ed13c9c0197d4d984ceb50b62b6fb9ba7be23acb419a1e6e424ee062d82dd887
+ * Element digest 0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a
  *
  * Operations per cell (+ - *, reciprocals, library calls):
  *   stiffness          84 of which 1 reciprocals; 0 library calls
@@ -269,7 +269,7 @@ void cst_assemble_mass(const lamc_assembly *a, const double *areal_mass, const i
 const lamc_element *cst_element(void) {
   static const lamc_element element = {
       "cst",
-      "ed13c9c0197d4d984ceb50b62b6fb9ba7be23acb419a1e6e424ee062d82dd887",
+      "0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a",
       3,
       3,
       6,

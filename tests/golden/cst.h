@@ -1,7 +1,7 @@
 /* cst: a finite element in C.
  *
  * Made by lamc VERSION from template element.h.j2. Do not edit: change the element and build again.
- * Element digest ed13c9c0197d4d984ceb50b62b6fb9ba7be23acb419a1e6e424ee062d82dd887
+ * Element digest 0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a
  * M. J. Turner, R. W. Clough, H. C. Martin, L. J. Topp, J. Aeronaut. Sci. 23, 1956
  *
  * Corners are counter-clockwise, in m. w is up; curvatures are -(w_xx, w_yy, 2 w_xy). Unknowns, node by node:
@@ -30,31 +30,31 @@ enum {
   cst_value_count = 2
 };
 
-/* stiffness, lower triangle by rows; here in full.
+/* stiffness, lower triangle by rows, N/m for displacements; here in full.
  * corners (m, 6), sections (m, 6) -> out (m, 6, 6) */
 void cst_stiffness(int64_t m, const double *corners, const double *sections, double *out);
 
-/* mass, lower triangle by rows, kg; here in full.
+/* consistent mass, lower triangle by rows, kg for displacements; here in full.
  * corners (m, 6), areal_mass (m, 1) -> out (m, 6, 6) */
 void cst_mass(int64_t m, const double *corners, const double *areal_mass, double *out);
 
-/* forces of a load.
+/* forces of a load, N for displacements.
  * corners (m, 6), intensity (m, 6) -> out (m, 6) */
 void cst_load(int64_t m, const double *corners, const double *intensity, double *out);
 
-/* forces of resultants, N/m.
+/* forces of membrane forces and moments, N for displacements.
  * corners (m, 6), resultants (m, 3) -> out (m, 6) */
 void cst_prestress(int64_t m, const double *corners, const double *resultants, double *out);
 
-/* strains at a point.
+/* strains at a point, then curvatures, 1/m.
  * corners (m, 6), at (m, 2), unknowns (m, 6) -> out (m, 3) */
 void cst_strain(int64_t m, const double *corners, const double *at, const double *unknowns, double *out);
 
-/* displacements and slopes at a point.
+/* displacements at a point, m, then slopes.
  * corners (m, 6), at (m, 2), unknowns (m, 6) -> out (m, 2) */
 void cst_displacement(int64_t m, const double *corners, const double *at, const double *unknowns, double *out);
 
-/* forces of the stiffness, by way of strains.
+/* forces of the stiffness by way of strains, N for displacements.
  * corners (m, 6), sections (m, 6), unknowns (m, 6) -> out (m, 6) */
 void cst_force(int64_t m, const double *corners, const double *sections, const double *unknowns, double *out);
 

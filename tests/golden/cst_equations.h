@@ -1,7 +1,7 @@
 /* cst: the equations of a finite element, straight, for numbers of any kind.
  *
  * Made by lamc VERSION from template element_equations.h.j2. Do not edit: change the element and build again.
- * Element digest ed13c9c0197d4d984ceb50b62b6fb9ba7be23acb419a1e6e424ee062d82dd887
+ * Element digest 0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a
  *
  * cst.c includes this once for each kind of number, having defined
  *
@@ -21,13 +21,15 @@
  *   d    (6)  of the element, node by node
  */
 
-/* stiffness, lower triangle by rows; 84 operations, 1 of them reciprocals */
+/* stiffness, lower triangle by rows, N/m for displacements; 84 operations, 1 of them reciprocals */
 static inline void OF(stiffness)(const real *xy, const real *s, real *out) {
+  /* sides of the cell, and what shape functions take from them */
   const real z0 = xy[0] - xy[2];
   const real z1 = xy[1] - xy[3];
   const real z2 = xy[0] - xy[4];
   const real z3 = xy[1] - xy[5];
   const real z4 = 1.0/(z0*z3 - z1*z2);
+  /* stiffness against these amounts (K = ? B? S B dA) */
   const real z5 = 0.5*z4;
   const real z6 = s[0]*z5;
   const real z7 = s[1]*z5;
@@ -54,43 +56,46 @@ static inline void OF(stiffness)(const real *xy, const real *s, real *out) {
   const real z28 = z0*z16 - z1*z19;
   const real z29 = z0*z17 - z1*z20;
   const real z30 = z0*(z0*z9 - z1*z10) - z1*(z15 - z1*z11);
-  const real z31 = z27 - z28;
-  const real z32 = z22 - z23;
-  const real z33 = z24 - z25;
-  const real z34 = z21 - z22;
-  const real z35 = z29 - z30;
-  const real z36 = z25 - z28;
-  const real z37 = z26 - z29;
-  const real z38 = z24 - z27;
-  const real z39 = z32 - z34;
-  const real z40 = z31 - z33;
-  const real z41 = z35 - z37;
-  out[0] = -z39;
-  out[1] = z40;
-  out[2] = -z41;
-  out[3] = -z34;
-  out[4] = z38;
+  /* stiffness against the unknowns (W? K W) */
+  const real z31 = z21 - z22;
+  const real z32 = z24 - z25;
+  const real z33 = z22 - z23;
+  const real z34 = z27 - z28;
+  const real z35 = z24 - z27;
+  const real z36 = z26 - z29;
+  const real z37 = z25 - z28;
+  const real z38 = z29 - z30;
+  const real z39 = z31 - z33;
+  const real z40 = z32 - z34;
+  const real z41 = z36 - z38;
+  out[0] = z39;
+  out[1] = -z40;
+  out[2] = z41;
+  out[3] = -z31;
+  out[4] = z35;
   out[5] = z21;
-  out[6] = z33;
-  out[7] = -z37;
+  out[6] = z32;
+  out[7] = -z36;
   out[8] = -z24;
   out[9] = z26;
-  out[10] = z32;
-  out[11] = -z36;
+  out[10] = z33;
+  out[11] = -z37;
   out[12] = -z22;
   out[13] = z25;
   out[14] = z23;
-  out[15] = -z31;
-  out[16] = z35;
+  out[15] = -z34;
+  out[16] = z38;
   out[17] = z27;
   out[18] = -z29;
   out[19] = -z28;
   out[20] = z30;
 }
 
-/* mass, lower triangle by rows, kg; 10 operations, 0 of them reciprocals */
+/* consistent mass, lower triangle by rows, kg for displacements; 10 operations, 0 of them reciprocals */
 static inline void OF(mass)(const real *xy, const real *rho, real *out) {
+  /* sides of the cell, and what shape functions take from them */
   const real z0 = (xy[0] - xy[2])*(xy[1] - xy[5]) - (xy[1] - xy[3])*(xy[0] - xy[4]);
+  /* mass (? ? (u^2 + v^2 + w^2) dA) */
   const real z1 = z0*rho[0];
   const real z2 = RATIO(1.0, 12.0)*z1;
   const real z3 = RATIO(1.0, 24.0)*z1;
@@ -117,95 +122,107 @@ static inline void OF(mass)(const real *xy, const real *rho, real *out) {
   out[20] = z2;
 }
 
-/* forces of a load; 37 operations, 0 of them reciprocals */
+/* forces of a load, N for displacements; 37 operations, 0 of them reciprocals */
 static inline void OF(load)(const real *xy, const real *f, real *out) {
+  /* sides of the cell, and what shape functions take from them */
   const real z0 = (xy[0] - xy[2])*(xy[1] - xy[5]) - (xy[1] - xy[3])*(xy[0] - xy[4]);
+  /* load (? N p dA) */
   const real z1 = z0*f[0];
   const real z2 = z0*f[1];
   const real z3 = z0*f[2];
-  const real z4 = RATIO(1.0, 24.0)*(z1 + z2) + RATIO(1.0, 12.0)*z3;
+  const real z4 = RATIO(1.0, 12.0)*z1 + RATIO(1.0, 24.0)*(z2 + z3);
   const real z5 = RATIO(1.0, 24.0)*(z1 + z3) + RATIO(1.0, 12.0)*z2;
-  const real z6 = RATIO(1.0, 12.0)*z1 + RATIO(1.0, 24.0)*(z2 + z3);
+  const real z6 = RATIO(1.0, 24.0)*(z1 + z2) + RATIO(1.0, 12.0)*z3;
   const real z7 = z0*f[3];
   const real z8 = z0*f[4];
   const real z9 = z0*f[5];
-  const real z10 = RATIO(1.0, 24.0)*(z7 + z8) + RATIO(1.0, 12.0)*z9;
+  const real z10 = RATIO(1.0, 12.0)*z7 + RATIO(1.0, 24.0)*(z8 + z9);
   const real z11 = RATIO(1.0, 24.0)*(z7 + z9) + RATIO(1.0, 12.0)*z8;
-  const real z12 = RATIO(1.0, 12.0)*z7 + RATIO(1.0, 24.0)*(z8 + z9);
-  out[0] = z6;
-  out[1] = z12;
+  const real z12 = RATIO(1.0, 24.0)*(z7 + z8) + RATIO(1.0, 12.0)*z9;
+  out[0] = z4;
+  out[1] = z10;
   out[2] = z5;
   out[3] = z11;
-  out[4] = z4;
-  out[5] = z10;
+  out[4] = z6;
+  out[5] = z12;
 }
 
-/* forces of resultants, N/m; 22 operations, 0 of them reciprocals */
+/* forces of membrane forces and moments, N for displacements; 22 operations, 0 of them reciprocals */
 static inline void OF(prestress)(const real *xy, const real *r, real *out) {
+  /* sides of the cell, and what shape functions take from them */
   const real z0 = xy[0] - xy[2];
   const real z1 = xy[1] - xy[3];
   const real z2 = xy[0] - xy[4];
   const real z3 = xy[1] - xy[5];
-  const real z4 = 0.5*(z0*r[1] - z1*r[2]);
-  const real z5 = 0.5*(z1*r[0] - z0*r[2]);
-  const real z6 = 0.5*(z2*r[1] - z3*r[2]);
-  const real z7 = 0.5*(z3*r[0] - z2*r[2]);
-  const real z8 = z5 - z7;
-  const real z9 = z4 - z6;
-  out[0] = -z8;
-  out[1] = z9;
-  out[2] = -z7;
-  out[3] = z6;
-  out[4] = z5;
-  out[5] = -z4;
+  /* prestress (? B? r dA) */
+  const real z4 = 0.5*(z3*r[0] - z2*r[2]);
+  const real z5 = 0.5*(z2*r[1] - z3*r[2]);
+  const real z6 = 0.5*(z1*r[0] - z0*r[2]);
+  const real z7 = 0.5*(z0*r[1] - z1*r[2]);
+  const real z8 = z4 - z6;
+  const real z9 = z5 - z7;
+  out[0] = z8;
+  out[1] = -z9;
+  out[2] = -z4;
+  out[3] = z5;
+  out[4] = z6;
+  out[5] = -z7;
 }
 
-/* strains at a point; 28 operations, 1 of them reciprocals */
+/* strains at a point, then curvatures, 1/m; 28 operations, 1 of them reciprocals */
 static inline void OF(strain)(const real *xy, const real *xi, const real *d, real *out) {
   (void)xi;
+  /* sides of the cell, and what shape functions take from them */
   const real z0 = xy[0] - xy[2];
   const real z1 = xy[1] - xy[3];
   const real z2 = xy[0] - xy[4];
   const real z3 = xy[1] - xy[5];
   const real z4 = 1.0/(z0*z3 - z1*z2);
-  const real z5 = d[1] - d[5];
-  const real z6 = d[0] - d[4];
-  const real z7 = d[1] - d[3];
-  const real z8 = d[0] - d[2];
-  const real z9 = z4*(z3*z8 - z1*z6);
-  const real z10 = z4*(z2*z7 - z0*z5);
-  const real z11 = ((z2*z8 - z0*z6) - z3*z7) + z1*z5;
+  /* amounts that rigid motion leaves at zero */
+  const real z5 = d[0] - d[2];
+  const real z6 = d[1] - d[3];
+  const real z7 = d[0] - d[4];
+  const real z8 = d[1] - d[5];
+  /* strain (B d) */
+  const real z9 = z4*(z3*z5 - z1*z7);
+  const real z10 = z4*(z2*z6 - z0*z8);
+  const real z11 = ((z2*z5 - z0*z7) - z3*z6) + z1*z8;
   const real z12 = z4*z11;
   out[0] = z9;
   out[1] = -z10;
   out[2] = -z12;
 }
 
-/* displacements and slopes at a point; 12 operations, 0 of them reciprocals */
+/* displacements at a point, m, then slopes; 12 operations, 0 of them reciprocals */
 static inline void OF(displacement)(const real *xy, const real *xi, const real *d, real *out) {
   (void)xy;
+  /* displacement (N d) */
   const real z0 = xi[0] + (xi[1] - 1.0);
-  const real z1 = (xi[1]*d[4] + xi[0]*d[2]) - d[0]*z0;
-  const real z2 = (xi[1]*d[5] + xi[0]*d[3]) - d[1]*z0;
-  out[0] = z1;
-  out[1] = z2;
+  const real z1 = (d[0]*z0 - xi[0]*d[2]) - xi[1]*d[4];
+  const real z2 = (d[1]*z0 - xi[0]*d[3]) - xi[1]*d[5];
+  out[0] = -z1;
+  out[1] = -z2;
 }
 
-/* forces of the stiffness, by way of strains; 60 operations, 1 of them reciprocals */
+/* forces of the stiffness by way of strains, N for displacements; 60 operations, 1 of them reciprocals */
 static inline void OF(force)(const real *xy, const real *s, const real *d, real *out) {
+  /* sides of the cell, and what shape functions take from them */
   const real z0 = xy[0] - xy[2];
   const real z1 = xy[1] - xy[3];
   const real z2 = xy[0] - xy[4];
   const real z3 = xy[1] - xy[5];
   const real z4 = 1.0/(z0*z3 - z1*z2);
-  const real z5 = d[1] - d[5];
-  const real z6 = d[0] - d[4];
-  const real z7 = d[1] - d[3];
-  const real z8 = d[0] - d[2];
-  const real z9 = z4*(z3*z8 - z1*z6);
-  const real z10 = z4*(z2*z7 - z0*z5);
-  const real z11 = ((z2*z8 - z0*z6) - z3*z7) + z1*z5;
+  /* amounts that rigid motion leaves at zero */
+  const real z5 = d[0] - d[2];
+  const real z6 = d[1] - d[3];
+  const real z7 = d[0] - d[4];
+  const real z8 = d[1] - d[5];
+  /* strain (B d) */
+  const real z9 = z4*(z3*z5 - z1*z7);
+  const real z10 = z4*(z2*z6 - z0*z8);
+  const real z11 = ((z2*z5 - z0*z7) - z3*z6) + z1*z8;
   const real z12 = z4*z11;
+  /* forces on these amounts, from strains (? B? S ? dA) */
   const real z13 = 0.5*((s[0]*z9 - s[1]*z10) - s[2]*z12);
   const real z14 = 0.5*((s[1]*z9 - s[3]*z10) - s[4]*z12);
   const real z15 = 0.5*((s[2]*z9 - s[4]*z10) - s[5]*z12);
@@ -213,6 +230,7 @@ static inline void OF(force)(const real *xy, const real *s, const real *d, real 
   const real z17 = z1*z13 - z0*z15;
   const real z18 = z2*z14 - z3*z15;
   const real z19 = z0*z14 - z1*z15;
+  /* forces on the unknowns */
   const real z20 = z16 - z17;
   const real z21 = z18 - z19;
   out[0] = z20;

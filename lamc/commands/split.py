@@ -8,6 +8,7 @@ makes them; then a table says where each stiffness comes from.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder, split_pair
 from lamc.commands.terminal import Progress, Terminal
@@ -23,15 +24,15 @@ from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
-from lamc.plate.design_hinges import MaterialHinge, with_material_stiffness
-from lamc.plate.hinge_stiffness import CELLS
-from lamc.plate.library import material
-from lamc.plate.materials import Material
 from lamc.report.bodies_picture import draw_bodies
 from lamc.report.hinges_text import hinge_data, hinge_table
 from lamc.report.loops_text import branch_lines, loops_data, loops_line
 from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
+
+if TYPE_CHECKING:
+    from lamc.plate.design_hinges import MaterialHinge
+    from lamc.plate.materials import Material
 
 
 @dataclass(frozen=True)
@@ -82,18 +83,25 @@ def split(source: Source, choice: HingeChoice, out: str | None, terminal: Termin
     return 0
 
 
-def _materials(choice: HingeChoice) -> dict[str, Material]:
+def _materials(choice: HingeChoice) -> "dict[str, Material]":
     """Library materials by the names that they replace. Raises DesignError."""
     if choice.materials and choice.stiffness != "from-material":
         raise DesignError("--material replaces the material of hinges; add --hinge-stiffness from-material")
+    if not choice.materials:
+        return {}
+    from lamc.plate.library import material  # plates take a second to import, and most splits need none
+
     pairs = (split_pair(text, "--material", "film=Kapton HN") for text in choice.materials)
     return {name: material(value) for name, value in pairs}
 
 
 def _from_material(
-    design: Design, replaced: dict[str, Material], notes: list[str]
-) -> tuple[Design, tuple[MaterialHinge, ...]]:
+    design: Design, replaced: "dict[str, Material]", notes: list[str]
+) -> "tuple[Design, tuple[MaterialHinge, ...]]":
     """By formulas, and by finite elements beside them where there is a C compiler to make these."""
+    from lamc.plate.design_hinges import with_material_stiffness
+    from lamc.plate.hinge_stiffness import CELLS
+
     try:
         return with_material_stiffness(design, replaced, cells=CELLS)
     except BuildError as error:

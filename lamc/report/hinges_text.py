@@ -4,13 +4,16 @@ In: the account of each hinge. Out: a table for a terminal, and a list of dictio
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from lamc.plate.design_hinges import MaterialHinge
 from lamc.report.plan_view import length_text
 from lamc.report.split_text import short_name, table
 
+if TYPE_CHECKING:
+    from lamc.plate.design_hinges import MaterialHinge
 
-def hinge_table(account: Sequence[MaterialHinge]) -> str:
+
+def hinge_table(account: "Sequence[MaterialHinge]") -> str:
     """One line per hinge, a legend and the notes; nothing for no hinges."""
     if not account:
         return ""
@@ -41,7 +44,7 @@ def hinge_table(account: Sequence[MaterialHinge]) -> str:
     return "\n\n".join(told)
 
 
-def _notes(account: Sequence[MaterialHinge]) -> list[str]:
+def _notes(account: "Sequence[MaterialHinge]") -> list[str]:
     """Each note once, with the hinges that it is about."""
     noted: dict[str, list[str]] = {}
     for hinge in account:
@@ -53,7 +56,7 @@ def _notes(account: Sequence[MaterialHinge]) -> list[str]:
     ]
 
 
-def hinge_data(account: Sequence[MaterialHinge]) -> list[dict[str, object]]:
+def hinge_data(account: "Sequence[MaterialHinge]") -> list[dict[str, object]]:
     """The same as plain data, SI, angles in degrees from across the axis."""
     return [
         {

@@ -1,7 +1,7 @@
 /* cst: a finite element in C, for many cells at once.
  *
  * Made by lamc VERSION from template element.c.j2. Do not edit: change the element and build again.
- * Element digest 0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a
+ * Element digest 61ed2f9e5bb1b392e6e46439026e6cbf730a8f152da46fe378309d9ec856d7b9
  *
  * Operations per cell (+ - *, reciprocals, library calls):
  *   stiffness          84 of which 1 reciprocals; 0 library calls
@@ -269,7 +269,7 @@ void cst_assemble_mass(const lamc_assembly *a, const double *areal_mass, const i
 const lamc_element *cst_element(void) {
   static const lamc_element element = {
       "cst",
-      "0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a",
+      "61ed2f9e5bb1b392e6e46439026e6cbf730a8f152da46fe378309d9ec856d7b9",
       3,
       3,
       6,

@@ -1,7 +1,7 @@
 /* cst: a finite element in C.
  *
  * Made by lamc VERSION from template element.h.j2. Do not edit: change the element and build again.
- * Element digest 0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a
+ * Element digest 61ed2f9e5bb1b392e6e46439026e6cbf730a8f152da46fe378309d9ec856d7b9
  * M. J. Turner, R. W. Clough, H. C. Martin, L. J. Topp, J. Aeronaut. Sci. 23, 1956
  *
  * Corners are counter-clockwise, in m. w is up; curvatures are -(w_xx, w_yy, 2 w_xy). Unknowns, node by node:

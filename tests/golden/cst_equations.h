@@ -1,7 +1,7 @@
 /* cst: the equations of a finite element, straight, for numbers of any kind.
  *
  * Made by lamc VERSION from template element_equations.h.j2. Do not edit: change the element and build again.
- * Element digest 0884a9fbbee496d1512389181d3aaa4cc36208beeb19e784bf7519e7292b6a3a
+ * Element digest 61ed2f9e5bb1b392e6e46439026e6cbf730a8f152da46fe378309d9ec856d7b9
  *
  * cst.c includes this once for each kind of number, having defined
  *
@@ -29,7 +29,7 @@ static inline void OF(stiffness)(const real *xy, const real *s, real *out) {
   const real z2 = xy[0] - xy[4];
   const real z3 = xy[1] - xy[5];
   const real z4 = 1.0/(z0*z3 - z1*z2);
-  /* stiffness against these amounts (K = ? B? S B dA) */
+  /* stiffness against these amounts (K = int B^T S B dA) */
   const real z5 = 0.5*z4;
   const real z6 = s[0]*z5;
   const real z7 = s[1]*z5;
@@ -56,7 +56,7 @@ static inline void OF(stiffness)(const real *xy, const real *s, real *out) {
   const real z28 = z0*z16 - z1*z19;
   const real z29 = z0*z17 - z1*z20;
   const real z30 = z0*(z0*z9 - z1*z10) - z1*(z15 - z1*z11);
-  /* stiffness against the unknowns (W? K W) */
+  /* stiffness against the unknowns (W^T K W) */
   const real z31 = z21 - z22;
   const real z32 = z24 - z25;
   const real z33 = z22 - z23;
@@ -95,7 +95,7 @@ static inline void OF(stiffness)(const real *xy, const real *s, real *out) {
 static inline void OF(mass)(const real *xy, const real *rho, real *out) {
   /* sides of the cell, and what shape functions take from them */
   const real z0 = (xy[0] - xy[2])*(xy[1] - xy[5]) - (xy[1] - xy[3])*(xy[0] - xy[4]);
-  /* mass (? ? (u^2 + v^2 + w^2) dA) */
+  /* mass (int rho (u^2 + v^2 + w^2) dA) */
   const real z1 = z0*rho[0];
   const real z2 = RATIO(1.0, 12.0)*z1;
   const real z3 = RATIO(1.0, 24.0)*z1;
@@ -126,7 +126,7 @@ static inline void OF(mass)(const real *xy, const real *rho, real *out) {
 static inline void OF(load)(const real *xy, const real *f, real *out) {
   /* sides of the cell, and what shape functions take from them */
   const real z0 = (xy[0] - xy[2])*(xy[1] - xy[5]) - (xy[1] - xy[3])*(xy[0] - xy[4]);
-  /* load (? N p dA) */
+  /* load (int N p dA) */
   const real z1 = z0*f[0];
   const real z2 = z0*f[1];
   const real z3 = z0*f[2];
@@ -154,7 +154,7 @@ static inline void OF(prestress)(const real *xy, const real *r, real *out) {
   const real z1 = xy[1] - xy[3];
   const real z2 = xy[0] - xy[4];
   const real z3 = xy[1] - xy[5];
-  /* prestress (? B? r dA) */
+  /* prestress (int B^T r dA) */
   const real z4 = 0.5*(z3*r[0] - z2*r[2]);
   const real z5 = 0.5*(z2*r[1] - z3*r[2]);
   const real z6 = 0.5*(z1*r[0] - z0*r[2]);
@@ -222,7 +222,7 @@ static inline void OF(force)(const real *xy, const real *s, const real *d, real 
   const real z10 = z4*(z2*z6 - z0*z8);
   const real z11 = ((z2*z5 - z0*z7) - z3*z6) + z1*z8;
   const real z12 = z4*z11;
-  /* forces on these amounts, from strains (? B? S ? dA) */
+  /* forces on these amounts, from strains (int B^T S eps dA) */
   const real z13 = 0.5*((s[0]*z9 - s[1]*z10) - s[2]*z12);
   const real z14 = 0.5*((s[1]*z9 - s[3]*z10) - s[4]*z12);
   const real z15 = 0.5*((s[2]*z9 - s[4]*z10) - s[5]*z12);

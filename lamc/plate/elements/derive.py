@@ -64,7 +64,7 @@ _FUNCTIONS: tuple[tuple[str, str, tuple[Space, ...], Callable[[Cell], Staged], s
         "stiffness, lower triangle by rows, N/m for displacements",
         (Space.CORNER, Space.SECTION),
         stiffness,
-        "∫ Bᵀ S B dA",
+        "∫ B^T S B dA",
     ),
     (
         "mass",
@@ -79,7 +79,7 @@ _FUNCTIONS: tuple[tuple[str, str, tuple[Space, ...], Callable[[Cell], Staged], s
         "forces of membrane forces and moments, N for displacements",
         (Space.CORNER, Space.RESULTANT),
         prestress,
-        "∫ Bᵀ r dA",
+        "∫ B^T r dA",
     ),
     ("strain", "strains at a point, then curvatures, 1/m", _AT_A_POINT, strain, "B d"),
     ("displacement", "displacements at a point, m, then slopes", _AT_A_POINT, displacement, "N d"),
@@ -88,14 +88,14 @@ _FUNCTIONS: tuple[tuple[str, str, tuple[Space, ...], Callable[[Cell], Staged], s
         "forces of the stiffness by way of strains, N for displacements",
         (Space.CORNER, Space.SECTION, Space.UNKNOWN),
         force,
-        "∫ Bᵀ S B d dA",
+        "∫ B^T S B d dA",
     ),
     (
         "geometric",
         "stiffness of membrane forces, lower triangle by rows, N/m for displacements",
         (Space.CORNER, Space.MEMBRANE_FORCE),
         geometric,
-        "∫ ∇wᵀ N ∇w dA",
+        "∫ ∇w^T N ∇w dA",
     ),
 )
 

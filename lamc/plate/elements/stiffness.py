@@ -25,9 +25,9 @@ Found: TypeAlias = tuple[list[Scalar], tuple[Point, ...]]
 def stiffness(cell: Cell) -> Found:
     """Lower triangle by rows."""
     chain = cell.chain
-    with cell.store.section("stiffness against these amounts", source="K = ∫ Bᵀ S B dA"):
+    with cell.store.section("stiffness against these amounts", source="K = ∫ B^T S B dA"):
         found, points = _stiffness(cell)
-    with cell.store.section("stiffness against the unknowns", source="Wᵀ K W"):
+    with cell.store.section("stiffness against the unknowns", source="W^T K W"):
         return lower_triangle(chain.matrix(found)), points
 
 
@@ -48,7 +48,7 @@ def _stiffness(cell: Cell) -> tuple[list[list[Scalar]], tuple[Point, ...]]:
 def force(cell: Cell) -> Found:
     """Per unknown."""
     amounts = cell.amounts
-    with cell.store.section("forces on these amounts, from strains", source="∫ Bᵀ S ε dA"):
+    with cell.store.section("forces on these amounts, from strains", source="∫ B^T S ε dA"):
         found, points = _force(cell, amounts)
     with cell.store.section("forces on the unknowns"):
         return cell.chain.forces(found), points

@@ -139,6 +139,32 @@ def test_strip_ends_where_the_neighbour_is_stiff() -> None:
     assert found.hinges["h"].line.bounds[0] == pytest.approx(0.2e-3)
 
 
+def deflection_at_the_end(found: plate.DesignPlate, held: plate.Clamped | plate.Hinged, load: float) -> float:
+    """Of the right link, m, where a load pulls its end up."""
+    sizes = {name: 0.25e-3 for name in found.regions if name.startswith("hinge")}
+    cells = plate.mesh(found.outline, 2e-3, regions=found.regions, sizes=sizes)
+    pull = plate.EdgeLoad(LineString([(30e-3, 0), (30e-3, 10e-3)]), load / 10e-3)
+    solution = plate.solve(plate.Problem(cells, found.laminates, supports=[held], loads=[pull]))
+    assert isinstance(solution, plate.Solution)
+    return float(solution.deflection(30e-3, 5e-3))
+
+
+def test_flap_on_its_hinge_turns_as_the_hinge_stiffness_says() -> None:
+    """The film is 1e4 times softer than the link, so the end goes up by P/k times the square of the arm: the mean of
+    the square over a strip, from 29.5 to 30.5 mm, or 29.5 mm to the edge that a spring holds."""
+    load, design = 1e-3, two_links()
+    right = {hinges: plate.plate_of(design, "right", hinges=hinges) for hinges in ("strips", "lines")}
+    k = plate.hinge_stiffness(right["strips"].laminates["hinge h"], 1e-3, 10e-3)
+    strip = deflection_at_the_end(right["strips"], plate.Clamped(right["strips"].hinges["h"].line), load)
+    # What curls at the strip's ends is 0.4 % of k; a mesh of four cells across is stiffer by some of that.
+    assert strip == pytest.approx(load / k.plate_formula * (30.5**3 - 29.5**3) / 3 * MM2, rel=5e-3)
+    assert k.finite_element is not None
+    spring = plate.Hinged(right["lines"].hinges["h"].line, k.finite_element / 10e-3)
+    line = deflection_at_the_end(right["lines"], spring, load)
+    # The link's own bending, of its length cubed over 3 times its stiffness: 4e-5 of the rotation's part.
+    assert line == pytest.approx(load / k.finite_element * 29.5**2 * MM2, rel=2e-4)
+
+
 # --- all examples ----------------------------------------------------------------------------------------------------
 
 

@@ -1,7 +1,7 @@
 """Plates: how a laminate bends.
 
-In: plies with materials and angles. Out: the stiffness of the laminate, its strains and stresses. Never: bodies and
-joints; a mechanism is rigid here, and a plate knows nothing of it.
+In: plies with materials and angles, or a body of a laminate design; supports and loads. Out: the stiffness of the
+laminate, deflections, strains and stresses. Never: motion; what is a plate here is a rigid body there.
 
     from lamc import plate
 

@@ -32,6 +32,14 @@ def test_element_of_a_user_is_the_one_of_the_library() -> None:
     np.testing.assert_array_equal(found, staged("q4").stiffness(cells("q4"), sections("q4")))
 
 
+def test_symbols_are_known_by_name() -> None:
+    """Whoever makes his own xi and eta, without saying that they are real, gets the same element."""
+    a, b = sp.symbols("xi eta")
+    N = [f.subs({xi: a, eta: b}) for f in square_functions()]
+    mine = plate.Element("mine", "square", plate.corners("square", ("u", "v")), u=N, v=N)
+    assert mine.u[::2] == tuple(square_functions())
+
+
 def adini_clough_melosh() -> plate.Element:
     """The rectangle of 12 unknowns, w complete to cubics, from its nodal conditions.
 
@@ -97,6 +105,7 @@ def bad_elements() -> dict[str, tuple[dict[str, object], str]]:
         "no polynomial": ({"u": [sp.sin(xi) * N[0], *N[1:]]}, "no polynomial in xi and eta"),
         "place": ({"u": [x1 * N[0], *N[1:]]}, "changes as the cell is moved"),
         "quotient": ({"u": [N[0] / side("x", 2, 1), *N[1:]]}, "give it a symbol in `geometry`"),
+        "infinite": ({"u": [sp.oo * N[0], *N[1:]]}, "must be finite"),
         "degree": ({"degree": -1}, "degree -1"),
         "cell": ({"cell": "hexagon"}, "cell 'hexagon'"),
         "no nodes": ({"nodes": ["here"]}, "holds 'here'"),
@@ -120,6 +129,10 @@ def bad_elements() -> dict[str, tuple[dict[str, object], str]]:
             },
             "must be linear in the unknowns",
         ),
+        "amounts alone": (
+            {"amounts": [sp.Symbol("u1", real=True)]},
+            "only slopes are written in amounts",
+        ),
         "membrane with w": ({"nodes": plate.corners("square", ("u", "v", "w"))}, "has unknowns for w"),
     }
 
@@ -133,6 +146,18 @@ def test_element_that_cannot_work_is_refused_by_name(case: str) -> None:
         derive(plate.Element(**(good | changes)))
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_element_that_cannot_be_twisted_says_so() -> None:
+    """A bubble that the corners do not see, driven by their deflections up, down, up, down: rigid motions do not call
+    for it, constant twist does."""
+    acm = adini_clough_melosh()
+    assert "does not converge" not in plate.describe(acm)
+    bubble = xi * eta * (1 - xi**2) * (1 - eta**2)
+    signs = [sign * rest for sign in (1, -1, 1, -1) for rest in (1, 0, 0)]
+    w = [f + sign * bubble for f, sign in zip(acm.w, signs, strict=True)]
+    text = plate.describe(plate.Element("bent", "square", acm.nodes, w=w))
+    assert "κ_xy cannot be constant over a cell: the element does not converge" in text
 
 
 def test_names_that_are_no_elements_are_refused() -> None:

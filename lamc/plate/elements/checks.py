@@ -3,7 +3,7 @@
 In: an element. Out: nothing, or a DesignError that names the function or the motion. Never: staged values.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -17,7 +17,7 @@ from lamc.plate.elements.frame import Frame, constant, frame
 from lamc.plate.elements.polynomials import Polynomial, derivative, hats
 
 Place: TypeAlias = tuple[Fraction, Fraction]
-Motion: TypeAlias = Callable[[Fraction, Fraction], tuple[Fraction | int, Fraction | int]]
+Motion: TypeAlias = Mapping[str, Callable[[Fraction, Fraction], Fraction | int]]  # unknowns that are not zero
 
 _TOLERANCE = 1e-9  # round-off of coefficients that were given as floats
 _CELLS = {  # without right angles or sides along the axes; rectangles are made from the square's first and third corner
@@ -35,6 +35,29 @@ _CELLS = {  # without right angles or sides along the axes; rectangles are made 
 }
 _PLACES = tuple((Fraction(a, 7), Fraction(b, 7)) for a, b in ((1, 2), (3, 1), (2, 3), (1, 4), (4, 2), (5, 1)))
 
+_HALF = Fraction(1, 2)
+_RIGID: Mapping[str, Motion] = {
+    "shifts along x": {"u": lambda _x, _y: 1},
+    "shifts along y": {"v": lambda _x, _y: 1},
+    "turns in its plane": {"u": lambda _x, y: -y, "v": lambda x, _y: x},
+    "is lifted": {"w": lambda _x, _y: 1},
+    "tilts along x": {"w": lambda x, _y: x, "w_x": lambda _x, _y: 1},
+    "tilts along y": {"w": lambda _x, y: y, "w_y": lambda _x, _y: 1},
+}
+_STRAINED: Mapping[str, Motion] = {
+    "ε_x": {"u": lambda x, _y: x},
+    "ε_y": {"v": lambda _x, y: y},
+    "γ_xy": {"u": lambda _x, y: y},
+    "κ_x": {"w": lambda x, _y: -_HALF * x * x, "w_x": lambda x, _y: -x},
+    "κ_y": {"w": lambda _x, y: -_HALF * y * y, "w_y": lambda _x, y: -y},
+    "κ_xy": {
+        "w": lambda x, y: -_HALF * x * y,
+        "w_x": lambda _x, y: -_HALF * y,
+        "w_y": lambda x, _y: -_HALF * x,
+        "w_xy": lambda _x, _y: -_HALF,
+    },
+}
+
 
 def check_element(element: Element) -> None:
     """Raises DesignError unless each shape function is 1 at its own unknown and 0 at all others, all symbols are
@@ -43,14 +66,20 @@ def check_element(element: Element) -> None:
     cell = _SampleCell(element)
     for name in element.fields:
         _check_nodes(cell, name)
-    if element.stretches:
-        _check_motion(cell, "shifts along x", lambda _x, _y: (1, 0))
-        _check_motion(cell, "shifts along y", lambda _x, _y: (0, 1))
-        _check_motion(cell, "turns in its plane", lambda x, y: (-y, x))
-    if element.bends:
-        _check_tilt(cell, "is lifted", (1, 0, 0))
-        _check_tilt(cell, "tilts along x", (0, 1, 0))
-        _check_tilt(cell, "tilts along y", (0, 0, 1))
+    for what, motion in _RIGID.items():
+        departure = _departure(cell, motion)
+        if departure is not None:
+            field, found, expected = departure
+            raise DesignError(
+                f"element {element.name!r} is strained when it {what} as a rigid body: {field} inside is {found:.6g}, "
+                f"not {expected:.6g}; its shape functions must contain this motion"
+            )
+
+
+def missing_strains(element: Element) -> tuple[str, ...]:
+    """Constant strains that the element cannot take on exactly; with any, it does not converge."""
+    cell = _SampleCell(element)
+    return tuple(name for name, motion in _STRAINED.items() if _departure(cell, motion) is not None)
 
 
 class _SampleCell:
@@ -143,44 +172,26 @@ def _check_nodes(cell: _SampleCell, field: str) -> None:
                     )
 
 
-def _check_motion(cell: _SampleCell, what: str, motion: Motion) -> None:
-    """Nodes that move so must carry the whole cell along."""
-    element = cell.element
+def _departure(cell: _SampleCell, motion: Motion) -> tuple[str, float, float] | None:
+    """Where the cell does not follow its nodes in `motion`: field, its value, and the one that it should have."""
     amounts: list[Fraction | int] = []
-    for node in element.nodes:
-        u, v = motion(*cell.coordinates(node.at))
-        moves: dict[str, Fraction | int] = {"u": u, "v": v}
+    for node in cell.element.nodes:
+        moves = _moves(motion, *cell.coordinates(node.at))
         amounts += [moves.get(dof, 0) for dof in node.dofs]
+    functions = dict(cell.functions)
+    if cell.slopes is not None:
+        functions |= {"w_x": cell.slopes[0], "w_y": cell.slopes[1]}
     for at in _PLACES:
-        for field, expected in zip("uv", motion(*cell.coordinates(at)), strict=True):
-            found = _dot(amounts, [value_at(f, at) for f in cell.functions[field]])
-            _compare(element, what, field, found, expected)
+        moves = _moves(motion, *cell.coordinates(at))
+        for field, of_unknowns in functions.items():
+            found, expected = _dot(amounts, [value_at(f, at) for f in of_unknowns]), moves.get(field, 0)
+            if abs(found - expected) > _TOLERANCE:
+                return field, float(found), float(expected)
+    return None
 
 
-def _check_tilt(cell: _SampleCell, what: str, plane: tuple[int, int, int]) -> None:
-    """w = a + b x + c y at the nodes must be so all over the cell, slopes included."""
-    element = cell.element
-    a, b, c = plane
-    amounts: list[Fraction | int] = []
-    for node in element.nodes:
-        x, y = cell.coordinates(node.at)
-        moves: dict[str, Fraction | int] = {"w": a + b * x + c * y, "w_x": b, "w_y": c}
-        amounts += [moves.get(dof, 0) for dof in node.dofs]
-    for at in _PLACES:
-        x, y = cell.coordinates(at)
-        found = _dot(amounts, [value_at(f, at) for f in cell.functions["w"]])
-        _compare(element, what, "w", found, a + b * x + c * y)
-        for name, functions, expected in zip(("w_x", "w_y"), cell.slopes or (), (b, c), strict=False):
-            found = _dot(amounts, [value_at(f, at) for f in functions])
-            _compare(element, what, name, found, expected)
-
-
-def _compare(element: Element, what: str, field: str, found: Fraction, expected: Fraction | int) -> None:
-    if abs(found - expected) > _TOLERANCE:
-        raise DesignError(
-            f"element {element.name!r} is strained when it {what} as a rigid body: {field} inside is "
-            f"{float(found):.6g}, not {float(expected):.6g}; its shape functions must contain this motion"
-        )
+def _moves(motion: Motion, x: Fraction, y: Fraction) -> dict[str, Fraction | int]:
+    return {name: move(x, y) for name, move in motion.items()}
 
 
 def value_at(polynomial: Polynomial, at: Place) -> Fraction:

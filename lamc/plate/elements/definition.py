@@ -124,7 +124,11 @@ class Element:
                 raise DesignError(
                     f"element {self.name!r} has {shown(value)} in {name}; give sympy expressions in xi and eta"
                 )
-            found.append(value if isinstance(value, sp.Expr) else sp.sympify(value))
+            expr = sp.sympify(value)
+            if expr.has(sp.nan, sp.oo, -sp.oo, sp.zoo):
+                raise DesignError(f"element {self.name!r} has {expr} in {name}; every number must be finite")
+            # Symbols are known by name, whatever a user assumed of his.
+            found.append(expr.xreplace({s: sp.Symbol(s.name, real=True) for s in expr.free_symbols}))
         return tuple(found)
 
     def _spread(self, name: str, own: Sequence[str]) -> tuple[sp.Expr, ...]:
@@ -168,6 +172,10 @@ class Element:
                 )
         count = len(self.amounts or self.dofs)
         counts = [len(part) for part in self.slopes]
+        if self.amounts and not self.slopes:
+            raise DesignError(
+                f"element {self.name!r} has amounts and no slopes; only slopes are written in amounts"
+            )
         if self.slopes and (not self.w or counts != [count, count]):
             raise DesignError(
                 f"element {self.name!r} has slopes of {counts} shape functions; "

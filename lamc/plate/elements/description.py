@@ -12,6 +12,7 @@ from lamc.mechanics.staging import Level, Value
 from lamc.mechanics.statements import count_operations
 from lamc.mechanics.sympy_view import expression
 from lamc.plate.elements.cell import Cell
+from lamc.plate.elements.checks import missing_strains
 from lamc.plate.elements.definition import L1, SQUARE, TRIANGLE, Element, eta, xi
 from lamc.plate.elements.derive import ElementEquations, derive
 from lamc.plate.elements.polynomials import Polynomial
@@ -137,7 +138,10 @@ def _text(element: Element, expr: sp.Expr) -> str:
 
 def _integration(element: Element) -> Iterator[str]:
     yield ""
-    yield "Integration"
+    yield "Integration and convergence"
+    missing = missing_strains(element)
+    if missing:
+        yield f"  {', '.join(missing)} cannot be constant over a cell: the element does not converge"
     if element.is_affine:
         cells = "" if element.cell != SQUARE else ", for rectangles with sides along x and y"
         yield f"  exact: polynomials in ξ and η, integrated term by term{cells}"

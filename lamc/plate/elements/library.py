@@ -63,6 +63,11 @@ def combine(bending: Element, membrane: Element) -> Element:
             f"{bending.name!r} is for {bending.cell}s and {membrane.name!r} for {membrane.cell}s; "
             "combine elements of one kind of cell"
         )
+    for symbol, expr in bending.geometry.items():
+        if membrane.geometry.get(symbol, expr) != expr:
+            raise DesignError(
+                f"{bending.name!r} and {membrane.name!r} both define {symbol}, differently; rename one"
+            )
     places = [node.at for node in membrane.nodes]
     places += [node.at for node in bending.nodes if node.at not in places]
     found = [{node.at: node.dofs for node in part.nodes} for part in (membrane, bending)]

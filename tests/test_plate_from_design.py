@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given
+from hypothesis import strategies as st
 from shapely.geometry import LineString, MultiPolygon, box
 
 import lamc
@@ -15,7 +17,7 @@ from lamc.design.records import Design
 from lamc.design.split import split_steps
 from lamc.design.steps import SplitSteps
 from lamc.errors import DesignError
-from lamc.plate.overlay import overlay, stack_name
+from lamc.plate.overlay import is_sliver, overlay, stack_name
 
 KAPTON, T300 = plate.material("Kapton HN"), plate.material("T300/5208")
 
@@ -284,6 +286,43 @@ def test_regions_do_not_depend_on_how_polygons_are_written() -> None:
     other = overlay([MultiPolygon(turned[::-1]), over], 1e-6)
     assert {k: v.wkt for k, v in one.regions.items()} == {k: v.wkt for k, v in other.regions.items()}
     assert {k: v.area for k, v in one.regions.items()} == pytest.approx({(0,): 1.0, (0, 1): 1.0, (1,): 5.0})
+
+
+corner = st.integers(0, 12).map(lambda k: k / 4) | st.floats(0, 3)
+boxes = st.tuples(corner, corner, corner, corner).filter(lambda b: abs(b[0] - b[2]) > 0.1 < abs(b[1] - b[3]))
+wobbles = st.sampled_from([0.0, 0.0, 1e-9, -1e-8])  # edges meant to coincide, and drawn twice
+
+
+@st.composite
+def sheets(draw: st.DrawFn) -> list[MultiPolygon]:
+    drawn = []
+    for _ in range(draw(st.integers(1, 4))):
+        parts = []
+        for x0, y0, x1, y1 in draw(st.lists(boxes, min_size=1, max_size=3)):
+            shift = draw(wobbles)
+            parts.append(box(min(x0, x1) + shift, min(y0, y1), max(x0, x1), max(y0, y1) - shift))
+        joined = shapely.union_all(parts)
+        drawn.append(MultiPolygon(joined.geoms if isinstance(joined, MultiPolygon) else [joined]))
+    return drawn
+
+
+@given(sheets())
+def test_regions_part_what_was_drawn(drawn: list[MultiPolygon]) -> None:
+    """Disjoint, none of them a sliver, and each layer's area is that of the regions whose stack names it."""
+    tolerance = 1e-6
+    found = overlay(drawn, tolerance)
+    regions = list(found.regions.values())
+    # Slivers of a tolerance along all edges, some metres of each, may have changed their stack or be lost.
+    lost = 100 * tolerance
+    for index, sheet in enumerate(drawn):
+        kept = sum(region.area for stack, region in found.regions.items() if index in stack)
+        assert kept == pytest.approx(sheet.area, abs=lost)
+    assert sum(r.area for r in regions) == pytest.approx(shapely.union_all(drawn).area, abs=lost)
+    for k, one in enumerate(regions):
+        assert one.is_valid
+        assert not any(is_sliver(part, tolerance) for part in one.geoms)
+        for other in regions[k + 1 :]:
+            assert shapely.intersection(one, other).area <= 1e-9
 
 
 def test_names_say_which_layers_there_are() -> None:

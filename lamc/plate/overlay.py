@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -39,7 +40,8 @@ def overlay(layers: Sequence[BaseGeometry], tolerance: float) -> Overlay:
     cells: dict[Stack, MultiPolygon] = {}
     covered = MultiPolygon()
     for index, sheet in enumerate(layers):
-        area = areas_of(shapely.set_precision(sheet, grid))
+        with np.errstate(all="ignore"):  # GEOS leaves flags of divisions behind whose results it does not use
+            area = areas_of(shapely.set_precision(sheet, grid))
         parted: dict[Stack, MultiPolygon] = {
             (index,): areas_of(shapely.difference(area, covered, grid_size=grid))
         }

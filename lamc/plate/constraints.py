@@ -10,31 +10,23 @@ edges give directions.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import radians, tan
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array
+from lamc.plate.directions import PARALLEL, Indices, edge_nodes_on, gram, principal
 from lamc.plate.dofs import Dofs
 from lamc.plate.functions import values_at
 from lamc.plate.mesh import Integers
 from lamc.plate.problem import Problem
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry, Where
 
-Indices = NDArray[Any]  # integers of any width, or flags
 PLANE, ACROSS, SLOPE, TWIST = range(4)  # (u, v), w, (w_x, w_y), w_xy
 _FIRST = np.array([0, 2, 3, 5])  # column in the table of unknowns of the first of a kind
 _KIND_OF = {"u": PLANE, "v": PLANE, "w": ACROSS, "w_x": SLOPE, "w_y": SLOPE, "w_xy": TWIST}
 _SECOND = ("v", "w_y")
-_SMOOTH = (
-    tan(radians(15.0)) ** 2
-)  # of the squares of tangents' mean and deviation: two edges that turn by 30°
-_AXIS = 1e-9  # radians; a direction this near to an axis is the axis
-_PARALLEL = 1e-12  # of the same squares: directions that differ by less than 2e-6 are one
 _SAME = 1e-9  # of values, relative
 
 
@@ -141,56 +133,18 @@ def _edge_nodes(dofs: Dofs, edges: Integers) -> Integers:
 
 
 def _of_edges(
-    problem: Problem, places: Sequence[tuple[int, Where]], kinds: Sequence[int], *, across: bool
+    problem: Problem, wheres: Sequence[tuple[int, Where]], kinds: Sequence[int], *, across: bool
 ) -> list[Equations]:
-    """Along the edges of all `places`, or across them, nothing of these kinds: mean directions and corners."""
-    nodes, tangents, owners = [], [], []
-    for index, where in places:
-        edges = problem.places.edges_on(where)
-        on = problem.dofs.on_edges(edges[:, 0], edges[:, 1])
-        along = problem.dofs.points[on[:, -1]] - problem.dofs.points[on[:, 0]]
-        along = along / np.linalg.norm(along, axis=1, keepdims=True)
-        nodes.append(on.ravel())
-        tangents.append(np.repeat(along, on.shape[1], axis=0))
-        owners.append(np.full(on.size, index, dtype=np.int32))
-    if not nodes or not sum(map(len, nodes)):
-        return []
-    all_tangents, all_owners = np.concatenate(tangents), np.concatenate(owners)
-    unique, group = np.unique(np.concatenate(nodes), return_inverse=True)
-    first, second, ratio = _principal(_gram(all_tangents, group, len(unique)))
-    corner = ratio > _SMOOTH
-    owner = np.full(len(unique), len(problem.supports), dtype=np.int32)
-    np.minimum.at(owner, group, all_owners)
-    if across:
-        first, second = second, first
-    node = np.concatenate([unique, unique[corner]]).astype(np.int32)
-    direction = np.concatenate([first, second[corner]])
-    owner = np.concatenate([owner, owner[corner]])
+    """Along the edges of all `wheres`, or across them, nothing of these kinds; at corners nothing at all."""
+    on = edge_nodes_on(problem.places, wheres)
+    first, second = (on.across, on.along) if across else (on.along, on.across)
+    node = np.concatenate([on.nodes, on.nodes[on.corner]])
+    direction = np.concatenate([first, second[on.corner]])
+    owner = np.concatenate([on.owners, on.owners[on.corner]])
     return [
         Equations(node, np.full(len(node), kind, dtype=np.int32), direction, np.zeros(len(node)), owner)
         for kind in kinds
     ]
-
-
-def _gram(directions: Array, group: Indices, count: int) -> Array:
-    """Σ d dᵀ over each group, as rows (xx, xy, yy)."""
-    x, y = directions.T
-    return np.stack([np.bincount(group, product, count) for product in (x * x, x * y, y * y)], axis=1)
-
-
-def _principal(gram: Array) -> tuple[Array, Array, Array]:
-    """Unit vectors of the larger and the smaller principal value, and the smaller over the larger."""
-    xx, xy, yy = gram.T
-    angle = 0.5 * np.arctan2(2.0 * xy, xx - yy)
-    c, s = np.cos(angle), np.sin(angle)
-    on_x, on_y = np.abs(s) < _AXIS, np.abs(c) < _AXIS
-    c, s = (
-        np.where(on_x, np.sign(c), np.where(on_y, 0.0, c)),
-        np.where(on_y, np.sign(s), np.where(on_x, 0.0, s)),
-    )
-    larger = xx * c * c + 2.0 * xy * c * s + yy * s * s
-    smaller = np.maximum(xx * s * s - 2.0 * xy * c * s + yy * c * c, 0.0)
-    return np.stack([c, s], axis=1), np.stack([-s, c], axis=1), smaller / larger
 
 
 def constraints(problem: Problem, equations: Equations) -> Constraints:
@@ -201,11 +155,11 @@ def constraints(problem: Problem, equations: Equations) -> Constraints:
     direction, value = equations.direction[there], equations.value[there]
     keys, group = np.unique(node.astype(np.int64) * 4 + kind, return_inverse=True)
     count = len(keys)
-    gram = _gram(direction, group, count)
-    first, second, ratio = _principal(gram)
-    both = ratio > _PARALLEL
+    sums = gram(direction, group, count)
+    first, second, ratio = principal(sums)
+    both = ratio > PARALLEL
     first[both], second[both] = (1.0, 0.0), (0.0, 1.0)
-    held = _held_values(gram, direction, value, group, first, both)
+    held = _held_values(sums, direction, value, group, first, both)
     _check_agreement(problem, node, direction, value, owner, held[group])
     rows_key = np.concatenate([np.arange(count), np.flatnonzero(both)])
     rows_direction = np.concatenate([first, second[both]])
@@ -220,12 +174,12 @@ def constraints(problem: Problem, equations: Equations) -> Constraints:
 
 
 def _held_values(
-    gram: Array, direction: Array, value: Array, group: Indices, first: Array, both: Indices
+    sums: Array, direction: Array, value: Array, group: Indices, first: Array, both: Indices
 ) -> Array:
     """The vector that the equations of each group ask for, in the least-squares sense, shape (groups, 2)."""
-    count = len(gram)
+    count = len(sums)
     right = np.stack([np.bincount(group, direction[:, i] * value, count) for i in (0, 1)], axis=1)
-    xx, xy, yy = gram.T
+    xx, xy, yy = sums.T
     along = np.einsum("ki,ki->k", first, right)
     size = xx * first[:, 0] ** 2 + 2.0 * xy * first[:, 0] * first[:, 1] + yy * first[:, 1] ** 2
     held = first * (along / size)[:, None]

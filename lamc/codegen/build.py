@@ -22,7 +22,7 @@ from lamc.codegen.toolchain import Compiler, run_compiler
 from lamc.errors import BuildError
 from lamc.options import CompileOptions
 
-# The generic name under which the Python side asks for the model or the element, whatever its prefix is.
+# The generic name under which the Python side asks for the model, the element or the ply, whatever its prefix is.
 _THIS = """#include "{prefix}.h"
 
 const lamc_{kind} *lamc_this_{kind}(void);
@@ -72,6 +72,8 @@ def _runtime_objects(
     """Objects of the runtime, from the cache or compiled into it."""
     files = {name: tree.files[name] for name in tree.shared}
     units = [name for name in tree.compiled if name in tree.shared]
+    if not units:
+        return []
     parts = ["runtime", __version__, compiler.identity, *options.flags]
     digest = hashlib.sha256("\0".join([*parts, *files, *files.values()]).encode()).hexdigest()
     key, objects = f"runtime-{digest}", [f"{Path(name).stem}.o" for name in units]

@@ -10,9 +10,13 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
     laminate.A, laminate.B, laminate.D
 """
 
+from lamc.plate.buckling import Buckling, buckling
+from lamc.plate.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
 from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
+from lamc.plate.estimate import ErrorEstimate
 from lamc.plate.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
 from lamc.plate.from_design import DesignPlate, plate_of
+from lamc.plate.gradients import gradient
 from lamc.plate.grid import grid, grid_of_lines, lines
 from lamc.plate.hinge_edges import HingeEdge
 from lamc.plate.hinge_stiffness import HingeStiffness, hinge_stiffness
@@ -35,6 +39,7 @@ from lamc.plate.mesh_files import read_mesh, write_mesh
 from lamc.plate.mesh_report import MeshReport, bciz_bias, mesh_report
 from lamc.plate.mesher import mesh
 from lamc.plate.model import Model, solve
+from lamc.plate.modes import Modes, modes
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 from lamc.plate.problem import Problem
 from lamc.plate.reactions import Reaction
@@ -46,7 +51,10 @@ __all__ = [
     "ELEMENTS",
     "LIBRARY",
     "Accuracy",
+    "Buckling",
     "Clamped",
+    "Convergence",
+    "ConvergenceRow",
     "Deformation",
     "DesignPlate",
     "EdgeLoad",
@@ -54,6 +62,7 @@ __all__ = [
     "ElectricField",
     "Element",
     "EngineeringConstants",
+    "ErrorEstimate",
     "FirstPlyFailure",
     "Gravity",
     "HingeEdge",
@@ -64,6 +73,7 @@ __all__ = [
     "Mesh",
     "MeshReport",
     "Model",
+    "Modes",
     "Moisture",
     "Node",
     "Ply",
@@ -72,6 +82,7 @@ __all__ = [
     "PointLoad",
     "Pressure",
     "Problem",
+    "QuantityError",
     "Reaction",
     "Resultants",
     "SimplySupported",
@@ -81,12 +92,16 @@ __all__ = [
     "Symmetry",
     "Temperature",
     "bciz_bias",
+    "buckling",
     "combine",
+    "converge",
     "corners",
     "describe",
     "edges",
     "element",
+    "error_of",
     "first_ply_failure",
+    "gradient",
     "grid",
     "grid_of_lines",
     "hinge_stiffness",
@@ -95,6 +110,7 @@ __all__ = [
     "material",
     "mesh",
     "mesh_report",
+    "modes",
     "plate_of",
     "ply_failures",
     "read_mesh",

@@ -8,7 +8,7 @@ the plate; on an edge between cells, where curvature and moments jump, the first
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,12 +16,16 @@ import numpy.typing as npt
 
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.checks import Array, shown
+from lamc.plate.estimate import ErrorEstimate, error_estimate, recovered_strains
 from lamc.plate.loads import LoadRecord
 from lamc.plate.mesh import Integers
 from lamc.plate.plies import PlyState
 from lamc.plate.problem import Problem
 from lamc.plate.reactions import Reaction, reactions
+from lamc.plate.recovery import RecoveredStrains
 from lamc.plate.refine import Accuracy
+from lamc.plate.refine import solve as refined
+from lamc.plate.rigid import check_balance
 from lamc.plate.sections import Climate, climates, expansions, matrices
 from lamc.plate.system import Numbers, System
 
@@ -60,6 +64,7 @@ class Solution:
     _exact: Numbers  # `values` in long double
     _inner: Numbers
     _outer: Array
+    _better: RecoveredStrains | None = None
 
     # --- at points ---------------------------------------------------------------------------------------------------
 
@@ -149,6 +154,30 @@ class Solution:
         """Temperature, moisture and fields of the regions in this case."""
         return tuple(climates(self.problem.laminates, self.loads, self.problem.mesh.region_names))
 
+    def cell_strains(self, xi: Array) -> Array:
+        """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
+        6)."""
+        cells = np.arange(len(self.problem.mesh.cells), dtype=np.int32)
+        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._relative(cells)))
+
+    def answer_to(self, forces: Array) -> Array:
+        """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
+        DesignError where a piece is not held and these are not in balance."""
+        check_balance(self._system.pieces, forces, self.problem.dofs)
+        still = np.zeros(self.problem.dofs.count)
+        return np.asarray(refined(self._system, forces, still).d, dtype=float)
+
+    @cached_property
+    def error_estimate(self) -> ErrorEstimate:
+        """How far off the strains are, cell by cell and all together."""
+        return error_estimate(self)
+
+    @cached_property
+    def recovered(self) -> "Solution":
+        """The same, with strains, curvatures, moments and forces recovered from patches of cells: smooth within a
+        region, and of higher order than the element's own."""
+        return replace(self, _better=recovered_strains(self))
+
     # --- inside ------------------------------------------------------------------------------------------------------
 
     @cached_property
@@ -179,6 +208,8 @@ class Solution:
     def _strains(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Array, Integers]:
         """All strains of the element, (..., 3 or 6), and the cells that they are of, (...)."""
         cells, xi, shape = self._located(x, y)
+        if self._better is not None:
+            return self._better.at(cells, xi).reshape(*shape, -1), cells.reshape(shape)
         values = self._system.kernels.strain(self.problem.mesh.corners[cells], xi, self._relative(cells))
         return np.asarray(values).reshape(*shape, -1), cells.reshape(shape)
 

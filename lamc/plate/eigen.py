@@ -1,0 +1,179 @@
+"""Generalised eigenproblems of plates, by Lanczos on what a factorisation of the stiffness gives.
+
+In: sparse symmetric matrices, rigid motions, and who factorises. Out: eigenvalues and vectors. Never: meshes, units.
+
+    vibration  K φ = λ M φ, least λ:      x → P K⁻ M x, symmetric in the product of M
+    stability  K φ = -μ G φ, μ next to 0: x → -K⁻¹ G x, symmetric in the product of K
+
+Where K has rigid motions R, K⁻ holds as few unknowns as keep R from moving (which keeps K⁻ exact for loads in
+equilibrium), and P = 1 - R Rᵀ M takes the motion of R out again: rigid motions are never computed, and soft modes keep
+their digits, which a shift away from zero would cost. Source: B. N. Parlett, The Symmetric Eigenvalue Problem, 1998,
+chapters 11 and 15; ARPACK's modes 2 and 3.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sparse
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from lamc.mechanism.checks import Array
+
+Matrix: TypeAlias = Any  # scipy.sparse.csc_array
+Solve: TypeAlias = Callable[[Array], Array]
+Factor: TypeAlias = Callable[[Matrix], Solve]
+
+# Up to here LAPACK takes no longer than the factorisation, and misses nothing.
+DENSE = 150
+_MASSLESS = 1e-12  # relative; a motion with less mass than this has none
+_SEED = 20_040_229  # any, but always the same
+
+
+def rigid_basis(motions: Array, mass: Matrix) -> tuple[Array, Array]:
+    """The rigid motions (n, r) apart into those with mass, orthonormal in M, (n, s), and those without, (n, r - s).
+
+    By Gram and Schmidt, so that each is the motion of its place less a part of those before it.
+    """
+    heavy: list[Array] = []
+    massless: list[Array] = []
+    for motion in motions.T:
+        rest = motion / np.linalg.norm(motion)
+        before = rest @ (mass @ rest)
+        for _ in range(2):  # once more, for what round-off left of the first
+            for other in heavy:
+                rest = rest - other * (other @ (mass @ rest))
+        own = rest @ (mass @ rest)
+        if own > _MASSLESS * max(before, 0.0) and own > 0.0:
+            heavy.append(rest / np.sqrt(own))
+        else:
+            massless.append(motion)
+    size = len(motions)
+    return np.array(heavy).reshape(-1, size).T, np.array(massless).reshape(-1, size).T
+
+
+def held_solve(stiffness: Matrix, motions: Array, factor: Factor) -> Solve:
+    """Solves K x = b for b in equilibrium; of x, some unknowns are held at zero, one per rigid motion.
+
+    The unknowns held are those that the motions move most and most differently: QR with column pivoting.
+    """
+    rank = motions.shape[1]
+    if not rank:
+        return factor(stiffness)
+    _, _, order = scipy.linalg.qr(motions.T, mode="economic", pivoting=True)
+    free = np.sort(order[rank:])
+    solve = factor(sparse.csc_array(stiffness[free][:, free]))
+
+    def held(b: Array) -> Array:
+        x = np.zeros_like(b)
+        x[free] = solve(b[free])
+        return x
+
+    return held
+
+
+def vibration(
+    stiffness: Matrix, mass: Matrix, motions: Array, count: int, factor: Factor
+) -> tuple[Array, Array]:
+    """The `count` least eigenvalues other than zero, ascending, and vectors (n, count), orthonormal in M.
+
+    `motions` (n, r) spans the null space of K. Fewer come back where there are fewer modes with mass.
+    """
+    rigid, _ = rigid_basis(motions, mass)
+    size = stiffness.shape[0]
+    if size <= max(DENSE, 4 * (count + motions.shape[1])):
+        return _dense(stiffness, mass, motions, rigid, count)
+    solve = held_solve(stiffness, motions, factor)
+    heavy = mass @ rigid
+
+    def without_rigid(x: Array) -> Array:
+        return np.asarray(x - rigid @ (heavy.T @ x))
+
+    def inverse(b: Array) -> Array:
+        return without_rigid(solve(b - heavy @ (rigid.T @ b)))
+
+    values, vectors = _lanczos(stiffness, mass, inverse, count, 0.0)
+    return _with_missed(stiffness, mass, inverse, values, vectors)
+
+
+def _lanczos(
+    stiffness: Matrix, mass: Matrix, inverse: Solve, count: int, tolerance: float
+) -> tuple[Array, Array]:
+    size = stiffness.shape[0]
+    start = inverse(mass @ np.random.default_rng(_SEED).standard_normal(size))
+    values, vectors = eigsh(
+        stiffness,
+        count,
+        mass,
+        sigma=0.0,
+        OPinv=LinearOperator((size, size), matvec=inverse, dtype=float),
+        v0=start,
+        tol=tolerance,
+    )
+    order = np.argsort(values)
+    return values[order], vectors[:, order]
+
+
+def _with_missed(
+    stiffness: Matrix, mass: Matrix, inverse: Solve, values: Array, vectors: Array
+) -> tuple[Array, Array]:
+    """Lanczos sees one vector of a repeated eigenvalue until round-off shows the others: look again beside those found.
+
+    Ends when the least of what is left is not below the greatest of what was found.
+    """
+    count = len(values)
+    for _ in range(count):
+        heavy = mass @ vectors
+
+        def beside(b: Array, heavy: Array = heavy, vectors: Array = vectors) -> Array:
+            x = inverse(b - heavy @ (vectors.T @ b))
+            return np.asarray(x - vectors @ (heavy.T @ x))
+
+        value, vector = _lanczos(stiffness, mass, beside, 1, 1e-10)
+        if value[0] >= values[-1] * (1.0 - 1e-9):
+            break
+        values, vectors = np.append(values, value), np.hstack([vectors, vector])
+        order = np.argsort(values)[:count]
+        values, vectors = values[order], vectors[:, order]
+    return values, vectors
+
+
+def _dense(stiffness: Matrix, mass: Matrix, motions: Array, rigid: Array, count: int) -> tuple[Array, Array]:
+    """By LAPACK on M φ = (1/λ) K φ, which takes massless motions too, in what rigid motions leave."""
+    K, M = stiffness.toarray(), mass.toarray()
+    basis = scipy.linalg.null_space(motions.T) if motions.shape[1] else np.eye(len(K))
+    heavy = M @ rigid
+    # Elastic modes are a motion of `basis` and as much of the rigid motions as leaves nothing of these in M.
+    basis = basis - rigid @ (heavy.T @ basis)
+    inverses, vectors = scipy.linalg.eigh(basis.T @ M @ basis, basis.T @ K @ basis)
+    keep = np.flatnonzero(inverses > _MASSLESS * max(inverses.max(initial=0.0), 0.0))[::-1][:count]
+    return 1.0 / inverses[keep], basis @ (vectors[:, keep] / np.sqrt(inverses[keep]))
+
+
+def stability(
+    stiffness: Matrix, geometric: Matrix, count: int, factor: Factor, sign: int
+) -> tuple[Array, Array]:
+    """The `count` factors λ of that sign nearest to zero where K + λ G is singular, and vectors (n, count), φᵀKφ = 1.
+
+    K is positive definite. Fewer come back where there are fewer.
+    """
+    size = stiffness.shape[0]
+    if size <= max(DENSE, 4 * count):
+        inverses, vectors = scipy.linalg.eigh(-sign * geometric.toarray(), stiffness.toarray())
+        inverses, vectors = inverses[::-1][:count], vectors[:, ::-1][:, :count]
+    else:
+        solve = factor(stiffness)
+        start = solve(np.random.default_rng(_SEED).standard_normal(size))
+        inverses, vectors = eigsh(
+            -sign * geometric,
+            count,
+            stiffness,
+            Minv=LinearOperator((size, size), matvec=solve, dtype=float),
+            which="LA",
+            v0=start,
+        )
+        order = np.argsort(-inverses)
+        inverses, vectors = inverses[order], vectors[:, order]
+    keep = inverses > 1e-10 * np.abs(inverses).max(initial=0.0)
+    return sign / inverses[keep], vectors[:, keep]

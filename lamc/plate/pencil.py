@@ -1,0 +1,138 @@
+"""The matrices of a problem over what its supports leave free, for eigenproblems.
+
+In: a problem. Out: stiffness, mass and geometric stiffness over free unknowns, the rigid motions among these, and the
+way back to all unknowns. Never: loads.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array
+from lamc.plate.constraints import constraints, support_equations
+from lamc.plate.dofs import Dofs
+from lamc.plate.eigen import Matrix, Solve
+from lamc.plate.problem import Problem
+from lamc.plate.rigid import Piece
+from lamc.plate.solvers import factor
+from lamc.plate.system import System, system
+
+# Of the largest stiffness that elastic hinges oppose to a rigid motion; a motion that meets less is free.
+_NO_SPRING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """Free unknowns y with d = free y, all supports at zero.
+
+    free          (N, f), columns orthonormal
+    stiffness     (f, f)
+    motions       (f, r), rigid motions that are left, and their names
+    """
+
+    system: System
+    free: sparse.csr_array
+    stiffness: Matrix
+    motions: Array
+    motion_names: tuple[str, ...]
+
+    @property
+    def problem(self) -> Problem:
+        return self.system.problem
+
+    def factor(self, matrix: Matrix) -> Solve:
+        """What solves with `matrix`."""
+        return factor(sparse.csc_array(matrix), self.system.solver).solve
+
+    def mass(self, *, in_plane: bool = True) -> Matrix:
+        """Consistent mass of all unknowns, (N, N), kg; without that of motion in the plane if it is not wanted."""
+        problem = self.problem
+        rho = np.array([laminate.areal_mass for laminate in problem.laminates])
+        matrix = self.system.assembly.mass(rho)
+        if in_plane:
+            return matrix
+        weight = np.ones(problem.dofs.count)
+        weight[is_in_plane(problem.dofs)] = 0.0
+        scale = sparse.diags_array(weight)
+        return sparse.csc_array(scale @ matrix @ scale)
+
+    def geometric(self, forces: Array) -> Matrix:
+        """∫ ∇w · N ∇w dA from (N_x, N_y, N_xy) of every cell (m, 3), N/m."""
+        return self.reduced(self.system.assembly.geometric(forces))
+
+    def reduced(self, matrix: Matrix) -> Matrix:
+        """Over the free unknowns."""
+        return sparse.csc_array(self.free.T @ matrix @ self.free)
+
+    def normalised(self, shapes: Array) -> tuple[Array, Array]:
+        """All unknowns of `shapes` (f, k), each with its largest displacement 1 m and that one positive, (N, k), and
+        the factors (k,) that did it."""
+        full = np.asarray(self.free @ shapes)
+        table = self.problem.dofs.table[:, :3]
+        moves = full[np.unique(table[table >= 0])]
+        # Of equal displacements the first decides the sign, whatever round-off makes the largest.
+        size = np.abs(moves).max(axis=0)
+        first = np.argmax(np.abs(moves) > (1.0 - 1e-6) * size, axis=0)
+        scale = np.sign(moves[first, np.arange(moves.shape[1])]) / size
+        return full * scale, np.abs(scale)
+
+    def require_held(self, what: str) -> None:
+        """Raises DesignError if a rigid motion is left."""
+        if self.motions.shape[1]:
+            raise DesignError(
+                f"{what} needs a plate that is held, and supports leave it {', '.join(self.motion_names)}; support it"
+            )
+
+
+def is_in_plane(dofs: Dofs) -> NDArray[np.bool_]:
+    """Which unknowns are u or v, (N,)."""
+    found = np.zeros(dofs.count, dtype=bool)
+    table = dofs.table[:, :2]
+    found[table[table >= 0]] = True
+    return found
+
+
+def translations(dofs: Dofs) -> Array:
+    """Motion of all nodes by 1 m along x, y and z, (N, 3)."""
+    unit = np.zeros((dofs.count, 3))
+    for axis in range(3):
+        there = dofs.table[:, axis]
+        unit[there[there >= 0], axis] = 1.0
+    return unit
+
+
+def pencil(problem: Problem, solver: str = "auto") -> Pencil:
+    """The matrices of `problem`; `solver` as for `plate.solve`."""
+    made = system(problem, solver)
+    free = made.constraints.free
+    if any(piece.names for piece in made.pieces):  # without the pins that hold free pieces for `solve`
+        free = constraints(problem, support_equations(problem)).free
+    motions, names = _motions(made.pieces, problem.dofs.count)
+    if len(made.springs.stiffness):
+        motions, names = _unsprung(motions, names, made)
+    reduced = sparse.csc_array(free.T @ made.stiffness @ free)
+    return Pencil(made, free, reduced, np.asarray(free.T @ motions), names)
+
+
+def _motions(found: tuple[Piece, ...], count: int) -> tuple[Array, tuple[str, ...]]:
+    """Rigid motions of all pieces, (N, r), those that shift before those that turn, and their names."""
+    columns, names = [], []
+    for piece in found:
+        for k, name in reversed(list(enumerate(piece.names))):
+            column = np.zeros(count)
+            column[piece.dofs] = piece.motions[:, k]
+            columns.append(column)
+            names.append(name if piece.count == 1 else f"{name} of {piece.text}")
+    return np.array(columns).reshape(-1, count).T, tuple(names)
+
+
+def _unsprung(motions: Array, names: tuple[str, ...], made: System) -> tuple[Array, tuple[str, ...]]:
+    """Those that elastic hinges do not oppose."""
+    turns = made.springs.turns @ motions
+    values, vectors = np.linalg.eigh(turns.T @ (made.springs.stiffness[:, None] * turns))
+    free = values <= _NO_SPRING * values.max(initial=0.0)
+    left = motions @ vectors[:, free]
+    return left, names if free.all() else tuple(f"rigid motion {k + 1}" for k in range(left.shape[1]))

@@ -1,0 +1,88 @@
+"""The staged function of one ply, ready to be called for all plies of a laminate at once.
+
+In: the equations of `ply_terms.py`. Out: a function of arrays: compiled C, or the same function interpreted. Never:
+derives anything; knows laminates.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import TypeAlias
+
+import numpy as np
+
+from lamc.codegen.build import build
+from lamc.codegen.cache import Cache, cache_root
+from lamc.codegen.emit_ply import digest_of, emit_ply
+from lamc.codegen.lowering import Lowering
+from lamc.codegen.program import Function, Space
+from lamc.codegen.toolchain import find_compiler
+from lamc.errors import DesignError
+from lamc.mechanics.staging import Level
+from lamc.mechanism.checks import Array, shown
+from lamc.options import CompileOptions
+from lamc.plate.ply_terms import PLY_NUMBERS, TERMS, ply_equations
+from lamc.reference.listing import listing_of, run
+from lamc.reference.operations import BATCHED
+
+PlyKernel: TypeAlias = Callable[[Array], tuple[Array, Array]]  # (p, 10) → (p, 25), (p, 25, 10)
+
+
+@cache
+def ply_kernel(backend: str = "c") -> PlyKernel:
+    """Terms of each ply and their derivatives; `backend` is "c" or "interpreted".
+
+    Raises BuildError where there is no C compiler, DesignError for another backend.
+    """
+    if backend not in ("c", "interpreted"):
+        raise DesignError(f"the backend of a ply is {shown(backend)}; it must be 'c' or 'interpreted'")
+    return _compiled(ply_function()) if backend == "c" else _interpreted(ply_function())
+
+
+@cache
+def ply_function() -> Function:
+    """Terms of a ply, then their derivatives, one term after the other."""
+    equations = ply_equations()
+    outputs = [*equations.values, *(slope for row in equations.slopes for slope in row)]
+    return Lowering(equations.store, Level.NUMBER, {}).function(
+        "ply_terms",
+        "terms of a ply, then the derivatives of each by the ply's numbers",
+        (Space.PLY,),
+        outputs,
+    )
+
+
+def _compiled(function: Function) -> PlyKernel:
+    options = CompileOptions()
+    tree = emit_ply(function, PLY_NUMBERS, TERMS)
+    compiler = find_compiler(options.compiler)
+    _, module, _ = build(tree, digest_of(function), compiler, options, Cache(cache_root()))
+    lib, ffi = module.lib, module.ffi
+
+    def call(numbers: Array) -> tuple[Array, Array]:
+        rows = np.ascontiguousarray(numbers, dtype=np.float64)
+        flat = np.empty((len(rows), len(function.outputs)))
+        # Through the library each time: without it, what it points to would be unloaded.
+        lib.lamc_this_ply().terms(
+            len(rows), ffi.from_buffer("double[]", rows), ffi.from_buffer("double[]", flat)
+        )
+        return _split(flat)
+
+    return call
+
+
+def _interpreted(function: Function) -> PlyKernel:
+    listing = listing_of(function, BATCHED)
+
+    def call(numbers: Array) -> tuple[Array, Array]:
+        memory = run(listing, {Space.PLY: list(numbers.T)})
+        flat = np.empty((len(numbers), len(listing.outputs)))
+        for k, (sign, address) in enumerate(listing.outputs):
+            flat[:, k] = sign * memory[address]
+        return _split(flat)
+
+    return call
+
+
+def _split(flat: Array) -> tuple[Array, Array]:
+    count = len(TERMS)
+    return flat[:, :count], flat[:, count:].reshape(-1, count, len(PLY_NUMBERS))

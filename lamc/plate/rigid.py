@@ -160,7 +160,8 @@ def _name(of: dict[str, float], centre: Array, size: float) -> str:
     a, b, up = of.get("about x", 0.0), of.get("about y", 0.0), of.get("up", 0.0)
     if max(abs(a), abs(b)) > _ZERO:
         shift = size * up / (a * a + b * b)
-        x, y = centre[0] + shift * b, centre[1] - shift * a
+        through = np.array([centre[0] + shift * b, centre[1] - shift * a])
+        x, y = np.where(np.abs(through) < _ZERO * size, 0.0, through)
         if abs(b) < _ZERO:
             return "turn about x" + (f" (the line y = {y:.4g})" if up else "")
         if abs(a) < _ZERO:

@@ -1,0 +1,368 @@
+"""What a plate problem refuses, and what it warns of: each message names the offender, the value and the way out."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from shapely.geometry import LineString, Point, Polygon
+
+from lamc import plate
+from lamc.errors import DesignError, UnsupportedError
+from tests.plates import case, cross_ply, isotropic, jittered, turned
+
+BOUNDARY = "boundary"
+SQUARE = plate.grid(1.0, 1.0, 4, 4)
+LEFT, RIGHT = LineString([(0, 0), (0, 1)]), LineString([(1, 0), (1, 1)])
+FAR = LineString([(5, 0), (5, 1)])
+
+
+def problem(**given: Any) -> plate.Problem:
+    """A clamped square with what is `given` instead."""
+    start: dict[str, Any] = {"mesh": SQUARE, "laminate": isotropic(), "supports": [plate.Clamped(BOUNDARY)]}
+    return plate.Problem(**{**start, **given})
+
+
+REFUSED = [
+    ({"mesh": "grid"}, "the mesh of a Problem is 'grid'; make one by plate.grid or plate.mesh"),
+    ({"laminate": 3.0}, "the laminate of a Problem is 3.0; it must be a Laminate, or one by region"),
+    ({"laminate": {"wing": isotropic()}}, "for region 'wing', which the mesh does not have; it has ''"),
+    ({"laminate": {}}, "region '' of the mesh has no laminate; give one"),
+    ({"laminate": {"": 1.0}}, "the laminate of region '' is 1.0; it must be a Laminate"),
+    ({"element": "dkq"}, "there is no element 'dkq'; did you mean 'dkt'?"),
+    ({"element": 7}, "the element of a Problem is 7; it must be a name or an Element"),
+    ({"element": "bfs"}, "element 'bfs' is for quadrilaterals, and the mesh has triangles"),
+    ({"supports": plate.Clamped(BOUNDARY)}, "supports of a Problem are a single Clamped; put it into a list"),
+    ({"supports": [BOUNDARY]}, "supports of a Problem hold 'boundary'; each must be one of Support, Clamped"),
+    (
+        {"supports": [plate.Clamped(FAR)]},
+        r"the Clamped support at LINESTRING \(5 0, 5 1\) touches no node .* 4 m away",
+    ),
+    (
+        {"supports": [plate.Support(Point(0.1, 0), ("w",))]},
+        "touches no node of the mesh; the nearest is 0.1 m away",
+    ),
+    (
+        {"supports": [plate.Support(LEFT, ("w_xy",))]},
+        r"'w_xy', which element 'dkt' does not have \(it has w, w_x, w_y\)",
+    ),
+    (
+        {"supports": [plate.Hinged(Point(0, 0), 1.0)]},
+        "the Hinged support at .* lies along no edge of the mesh",
+    ),
+    (
+        {"loads": [plate.Pressure(1.0, region="wing")]},
+        "acts on region 'wing', which the mesh does not have; it has ''",
+    ),
+    ({"loads": [plate.EdgeLoad(FAR, 1.0)]}, "the EdgeLoad at LINESTRING .* lies along no edge of the mesh"),
+    ({"loads": ["wind"]}, "loads of a Problem hold 'wind'; each must be one of PointLoad"),
+    (
+        {"loads": [plate.Pressure(1.0)], "element": "cst"},
+        "a Pressure acts across the plate, and element 'cst' has no",
+    ),
+    ({"cases": [plate.Pressure(1.0)]}, "cases of a Problem are .* they must be loads by name"),
+    ({"cases": {"": []}}, "a case of a Problem has the name ''"),
+    ({"tolerance": -1.0}, "the tolerance of a Problem is -1.0; it must be finite and at least 0"),
+    (
+        {"loads": [plate.ElectricField((1.0, 2.0))]},
+        "an ElectricField has 2 fields, and the laminate of region '' has 1",
+    ),
+]
+
+
+@pytest.mark.parametrize(("given", "words"), REFUSED)
+def test_a_problem_that_does_not_fit_together_is_refused(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        problem(**given)
+
+
+RECORDS = [
+    (
+        lambda: plate.Clamped("edge"),
+        "a Clamped support is at 'edge'; it must be 'boundary' or a shapely geometry",
+    ),
+    (lambda: plate.Clamped(Polygon()), "is at an empty geometry"),
+    (lambda: plate.Clamped(Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])), "a geometry that is not valid"),
+    (
+        lambda: plate.SimplySupported(LEFT, "firm"),
+        "the kind of a SimplySupported edge is 'firm'; it must be 'hard'",
+    ),
+    (lambda: plate.Support(LEFT, "w"), r"dofs of a Support are 'w'; put names into a tuple: \('w',\)"),
+    (lambda: plate.Support(LEFT, ()), "dofs of a Support are empty"),
+    (lambda: plate.Support(LEFT, ("thx",)), "a Support holds 'thx'; it can hold u, v, w, w_x, w_y, w_xy"),
+    (lambda: plate.Support(LEFT, ("w",), np.nan), "the value of a Support is nan; it must be finite"),
+    (
+        lambda: plate.Hinged(LEFT, -1.0),
+        "the stiffness of a Hinged support is -1.0; it must be finite and at least 0",
+    ),
+    (lambda: plate.PointLoad((0, 0, 0), 1.0), r"the place of a PointLoad has shape \(3,\)"),
+    (lambda: plate.PointLoad((0, 0), (1.0, 2.0)), r"the force of a PointLoad has shape \(2,\)"),
+    (
+        lambda: plate.PointLoad((0, 0), "1 N"),
+        "the force of a PointLoad along z is '1 N'; it must be a number",
+    ),
+    (lambda: plate.EdgeMoment(LEFT, np.inf), "the moment of an EdgeMoment is inf"),
+    (lambda: plate.Pressure("q"), "the intensity of a Pressure is 'q'; it must be a number"),
+    (lambda: plate.Gravity(-9.81), "the acceleration of Gravity has shape"),
+    (lambda: plate.Temperature(1.0, region=3), "the region of a Temperature has the name 3"),
+]
+
+
+@pytest.mark.parametrize(("make", "words"), RECORDS)
+def test_a_record_that_makes_no_sense_is_refused(make: Any, words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        make()
+
+
+SOLVED = [
+    (plate.PointLoad((1.2, 0.5), 1.0), r"a PointLoad is at \(1.2, 0.5\), which is 0.2 m outside the plate"),
+    (
+        plate.EdgeMoment(LineString([(0.5, 0), (0.5, 1)]), 1.0),
+        r"acts along an inner edge at \(0.5, 0.\d+\), where both",
+    ),
+    (
+        plate.Pressure(lambda x, y: x[:2]),
+        r"a function that gives an array of shape \(2,\) for x and y of shape \(25,\)",
+    ),
+    (
+        plate.Pressure(lambda x, y: 1.0 / x),
+        r"the intensity of a Pressure is a function that gives inf at \(0, 0\)",
+    ),
+    (plate.Pressure(lambda x, y: int(x)), "is a function that fails: TypeError"),
+    (plate.Pressure(lambda x: x), "is a function that fails: TypeError"),
+]
+
+
+@pytest.mark.parametrize(("load", "words"), SOLVED)
+@pytest.mark.filterwarnings("ignore:divide by zero")
+def test_a_load_that_cannot_act_is_refused(load: Any, words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        plate.solve(problem(loads=[load]))
+
+
+def test_a_constant_function_is_a_constant() -> None:
+    one = plate.solve(problem(loads=[plate.Pressure(2.0)]))
+    for function in (lambda x, y: 2.0, lambda x, y: 2.0 + 0.0 * x):
+        other = plate.solve(problem(loads=[plate.Pressure(function)]))
+        assert np.array_equal(other.values, one.values)
+
+
+def test_a_point_outside_is_named_with_its_distance() -> None:
+    solution = plate.solve(problem(loads=[plate.Pressure(1.0)]))
+    with pytest.raises(
+        DesignError, match=r"at \(0.5, -0.25\), which is 0.25 m outside the plate, and 1 more points"
+    ):
+        solution.deflection([0.5, 0.5, 2.0], [0.5, -0.25, 2.0])
+    # Nearer than the tolerance it is taken at the edge.
+    assert float(solution.deflection(0.5, -1e-7)) == 0.0
+    with pytest.raises(DesignError, match="x and y must be numbers, or arrays of one shape"):
+        solution.deflection([0.1, 0.2], [0.1, 0.2, 0.3])
+    with pytest.raises(
+        DesignError, match="a node has no unknown 'u'; with element 'dkt' there are w, w_x, w_y"
+    ):
+        solution.at_nodes("u")
+
+
+def test_what_a_membrane_does_not_have_is_refused() -> None:
+    solution = plate.solve(problem(element="cst", loads=[plate.PointLoad((0.5, 0.5), (1.0, 0.0, 0.0))]))
+    assert solution.displacement(0.5, 0.5)[2] == 0.0
+    with pytest.raises(UnsupportedError, match="element 'cst' has no deflection: it only stretches"):
+        solution.deflection(0.5, 0.5)
+    with pytest.raises(UnsupportedError, match="element 'cst' has no moments"):
+        solution.moments(0.5, 0.5)
+
+
+def test_membranes_are_added_where_they_are_needed() -> None:
+    def chosen(**given: Any) -> str:
+        return problem(**given).dofs.element.name
+
+    pulled = plate.EdgeLoad(RIGHT, (1.0, 0.0, 0.0))
+    assert chosen(loads=[plate.Pressure(1.0), plate.Gravity()]) == "dkt"
+    assert chosen(laminate=cross_ply((0.0, 90.0))) == "dkt+cst"
+    assert chosen(laminate=cross_ply((0.0, 90.0, 90.0, 0.0))) == "dkt"
+    assert chosen(loads=[pulled]) == chosen(cases={"pulled": [pulled]}) == "dkt+cst"
+    assert chosen(loads=[plate.Gravity((1.0, 0.0, 0.0))], element="specht") == "specht+cst"
+    assert chosen(loads=[plate.Temperature(1.0)]) == "dkt"  # no expansion
+    assert chosen(loads=[plate.Temperature(1.0)], laminate=isotropic(alpha=1e-6)) == "dkt+cst"
+    assert chosen(supports=[plate.Support(LEFT, ("u",))]) == "dkt+cst"
+    assert chosen(supports=[plate.Support(LEFT, ("u",))], element="dkt+lst") == "dkt+lst"
+    squares = plate.grid(1.0, 1.0, 2, 2, "squares")
+    assert chosen(mesh=squares, element="bfs", loads=[pulled]) == "bfs+q4"
+
+
+def test_a_model_that_only_bends_refuses_what_pulls() -> None:
+    model = plate.Model(problem())
+    with pytest.raises(DesignError, match="acts in the plane, and element 'dkt' of the model only bends"):
+        model.solve([plate.EdgeLoad(RIGHT, (1.0, 0.0, 0.0))])
+    with pytest.raises(
+        DesignError, match=r"call for element 'dkt\+cst', and the model has 'dkt'; make a new Problem"
+    ):
+        model.with_laminates(cross_ply((0.0, 90.0)))
+
+
+def test_solvers_that_are_not_there_are_named() -> None:
+    with pytest.raises(
+        DesignError, match="the solver is 'umfpack'; it must be one of auto, cholmod, pardiso, superlu"
+    ):
+        plate.solve(problem(), "umfpack")
+
+
+# --- rigid motion ---
+
+
+def free(*supports: Any, mesh: plate.Mesh = SQUARE, **given: Any) -> str:
+    """What the error says of a plate with these supports under pressure."""
+    with pytest.raises(DesignError) as caught:
+        plate.solve(problem(mesh=mesh, supports=supports, **{"loads": [plate.Pressure(2.0)], **given}))
+    return str(caught.value)
+
+
+def test_a_free_plate_names_its_rigid_motions(shared: Any) -> None:
+    message = free()
+    assert "piece 1 of 1 at (0.5, 0.5) may turn about x, may turn about y, may rise;" in message
+    assert message.count("may ") == case(shared, "free_plate")["expected"]
+    assert "leave a force (0, 0, 2) N and a moment (0, 0, 0) N·m about its centre: add supports" in message
+    coupled = free(laminate=cross_ply((0.0, 90.0)))
+    assert coupled.count("may ") == 6
+    assert "may turn in its plane, may slide along x, may slide along y" in coupled
+
+
+@pytest.mark.parametrize(
+    ("supports", "words"),
+    [
+        ([plate.Support(LEFT, ("w",))], "may turn about y (the line x = 0);"),
+        (
+            [plate.Support(Point(0, 0), ("w",))],
+            "may turn about x (the line y = 0), may turn about y (the line x = 0);",
+        ),
+        (
+            [plate.Support(Point(0, 0), ("w",)), plate.Support(Point(1, 1), ("w",))],
+            "may turn about the line through (0.5, 0.5) along (0.707, 0.707);",
+        ),
+        ([plate.Symmetry(LEFT)], "may turn about x, may rise;"),
+        ([plate.Support(Point(0, 0), ("w", "w_x"))], "may turn about x (the line y = 0);"),
+    ],
+)
+def test_motions_that_supports_leave_are_named(supports: list[Any], words: str) -> None:
+    assert words in free(*supports, loads=[plate.PointLoad((0.9, 0.2), 1.0)])
+
+
+def test_three_supports_in_one_line_hold_no_plate() -> None:
+    mesh = turned(SQUARE, 30.0)
+    on_line = [plate.Support(Point(*mesh.points[k]), ("w",)) for k in (0, 2, 4)]
+    assert "may turn about the line through" in free(*on_line, mesh=mesh)
+
+
+def pair(gap: float) -> plate.Mesh:
+    """Two squares beside each other, and a third one further on."""
+    parts = [plate.grid(1.0, 1.0, 2, 2, origin=(k * (1.0 + gap), 0.0)) for k in range(3)]
+    points = np.concatenate([part.points for part in parts])
+    cells = np.concatenate([part.cells + 9 * k for k, part in enumerate(parts)])
+    return plate.Mesh(points, cells)
+
+
+@pytest.mark.parametrize("gap", [0.5, 0.0])
+def test_pieces_that_do_not_hang_together_are_named(gap: float) -> None:
+    # With no gap their edges coincide, but no node is common: the plate is cut there.
+    held = plate.Clamped(LEFT)
+    message = free(held, mesh=pair(gap))
+    assert f"piece 2 of 3 at ({1.5 + gap:g}, 0.5) may turn about x" in message
+    assert f"piece 3 of 3 at ({2.5 + 2 * gap:g}, 0.5) may turn about x" in message
+    assert "piece 1 of 3" not in message
+
+
+def test_a_free_piece_beside_a_held_one_may_be_loaded_in_balance() -> None:
+    mesh = pair(0.5)
+    lift = [plate.PointLoad((1.75, 0.5), 2.0), *(plate.PointLoad((x, 0.5), -1.0) for x in (1.5, 2.0))]
+    solution = plate.solve(
+        problem(mesh=mesh, supports=[plate.Clamped(LEFT)], loads=[plate.EdgeLoad(LEFT, 1.0), *lift])
+    )
+    assert "piece 2 of 3 at (2, 0.5) may turn about x" in solution.report.free
+    w = solution.at_nodes("w")
+    assert np.abs(w[9:18].mean()) < 1e-12 * np.abs(w[9:18]).max()  # no rigid motion: it neither rises
+    middle = mesh.points[9:18] - mesh.points[9:18].mean(axis=0)
+    assert np.abs(w[9:18] @ middle).max() < 1e-12 * np.abs(w[9:18]).max()  # nor turns
+    assert not w[18:].any()
+
+
+def test_a_nearly_balanced_load_is_not_balanced() -> None:
+    loads = [
+        plate.PointLoad((0.2, 0.5), 1.0),
+        plate.PointLoad((0.8, 0.5), 1.0),
+        plate.PointLoad((0.5, 0.5), -2.000001),
+    ]
+    assert "leave a force (0, 0, -1e-06) N" in free(loads=loads)
+    balanced = [*loads[:2], plate.PointLoad((0.5, 0.5), -2.0)]
+    solution = plate.solve(problem(supports=[], loads=balanced))
+    assert float(solution.deflection(0.2, 0.5)) > float(solution.deflection(0.5, 0.5))
+
+
+def test_stretching_without_supports_in_the_plane_is_accepted() -> None:
+    # Pulled at both ends with N_x = 2 N/m: ε_x = N_x / (E h), ε_y = -ν ε_x, whatever the plate's place.
+    laminate = isotropic(nu=0.25)
+    E, h = 12.0 * (1 - 0.25**2) / 1e-9, 1e-3
+    pulls = [plate.EdgeLoad(LEFT, (-2.0, 0.0, 0.0)), plate.EdgeLoad(RIGHT, (2.0, 0.0, 0.0))]
+    solution = plate.solve(
+        plate.Problem(jittered(SQUARE), laminate, supports=[plate.SimplySupported(BOUNDARY)], loads=pulls)
+    )
+    exact = 2.0 / (E * h) * np.array([1.0, -0.25, 0.0])
+    assert solution.strain(0.4, 0.3) == pytest.approx(exact, rel=1e-10, abs=1e-14 * exact[0])
+    assert solution.forces(0.4, 0.3) == pytest.approx([2.0, 0.0, 0.0], abs=1e-9)
+
+
+# --- warnings ---
+
+
+def notes(**given: Any) -> str:
+    return " | ".join(plate.solve(problem(**{"loads": [plate.Pressure(1.0)], **given})).report.notes)
+
+
+@pytest.mark.parametrize("pattern", ["criss-cross", "union-jack"])
+def test_bciz_off_its_meshes_is_warned_of(pattern: str) -> None:
+    mesh = plate.grid(1.0, 1.0, 4, 4, pattern)
+    assert f"about 3.2 % too flexible on this {pattern} mesh" in notes(mesh=mesh, element="bciz")
+    assert notes(mesh=mesh) == ""
+
+
+def test_bciz_on_its_own_meshes_is_not_warned_of() -> None:
+    assert notes(element="bciz") == ""
+    assert notes(element="bciz", mesh=turned(SQUARE, 20.0)) == ""  # the geometry counts, not the name
+    assert "some 1.6 to 2.4 % too flexible" in notes(element="bciz", mesh=jittered(SQUARE))
+    uneven = plate.grid_of_lines(np.array([0.0, 0.1, 0.5, 1.0]), np.linspace(0.0, 1.0, 4))
+    assert "lines have three directions" in notes(element="bciz", mesh=uneven)
+
+
+def test_bciz_is_as_far_off_as_the_warning_says(shared: Any) -> None:
+    known = dict(
+        zip(
+            ("one-diagonal", "criss-cross", "union-jack"),
+            case(shared, "bciz_limit")["expected"],
+            strict=False,
+        )
+    )
+    exact = case(shared, "cccc_unif")["expected"]
+    for pattern, bias in known.items():
+        values = []
+        for n in (16, 32):
+            mesh = plate.grid(1.0, 1.0, n, n, pattern)
+            solution = plate.solve(problem(mesh=mesh, element="bciz", loads=[plate.Pressure(1.0)]))
+            values.append(float(solution.deflection(0.5, 0.5)))
+        limit = (4.0 * values[1] - values[0]) / 3.0 / exact - 1.0
+        assert limit == pytest.approx(bias, rel=0.1, abs=1e-3)  # the table's own tolerance
+
+
+def test_slivers_with_specht_are_warned_of() -> None:
+    thin = plate.grid(1.0, 1.0, 2, 200)
+    assert "element 'specht' on cells up to 100 times as long as high" in notes(mesh=thin, element="specht")
+    assert notes(mesh=thin) == ""
+
+
+def test_thick_plates_are_warned_of() -> None:
+    assert "h/a = 0.1, above 1/20" in notes(laminate=isotropic(h=0.1))
+    assert notes(laminate=isotropic(h=0.04)) == ""
+
+
+def test_a_tolerance_can_reach_a_curve_that_the_mesh_does_not_follow() -> None:
+    arc = Point(0.5, 0.5).buffer(0.52, quad_segs=64).boundary
+    with pytest.raises(DesignError, match="touches no node"):
+        problem(supports=[plate.Clamped(arc)])
+    assert len(problem(supports=[plate.Clamped(arc)], tolerance=0.015).places.nodes(arc, "")) == 4

@@ -21,6 +21,7 @@ Integers = NDArray[np.int32]
 _ACUTE = np.radians(
     60.0
 )  # between segments: below this, splits of one would call for splits of the other for ever
+_ROOM = 0.9  # of a segment's length: first steps from both ends that take more are not taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +134,8 @@ def _lengths(lines: Linework) -> Array:
 
 def count_of_parts(lines: Linework, sizes: Array, grading: float) -> float:
     """About how many parts `divide` will make."""
-    growth = [_Growth(r[0], r[1], r[2], r[3], grading) for r in _rows(lines, sizes)]
-    return float(sum(g.total for g in growth))
+    none = np.zeros(lines.segments.shape)
+    return float(_growth(lines, sizes, none, grading).total.sum())
 
 
 def divide(lines: Linework, sizes: Array, grading: float) -> Divided:
@@ -143,26 +144,23 @@ def divide(lines: Linework, sizes: Array, grading: float) -> Divided:
     Segments that meet at an acute angle get their first points at the same distance from the corner.
     """
     lengths = _lengths(lines)
-    first = _first_steps(lines, sizes, lengths)
+    skips = _first_steps(lines, sizes, lengths)[lines.segments]
+    skips[skips.sum(axis=1) >= _ROOM * lengths] = 0.0
+    growth = _growth(lines, sizes, skips, grading)
     points, wanted, of, parts = [lines.corners], [sizes], [np.full(len(sizes), -1)], []
+    whole = (growth.counts == 1) & (skips == 0.0).all(axis=1)
+    parts.append(lines.segments[whole])
     count = len(lines.corners)
-    for number, (length, at_start, at_end, cap) in enumerate(_rows(lines, sizes)):
+    for number in np.flatnonzero(~whole).tolist():
         a, b = lines.segments[number]
-        skip = (first[a], first[b]) if first[a] + first[b] < 0.9 * length else (0.0, 0.0)
-        growth = _Growth(
-            length - skip[0] - skip[1],
-            min(cap, at_start + grading * skip[0]),
-            min(cap, at_end + grading * skip[1]),
-            cap,
-            grading,
-        )
-        s = skip[0] + growth.positions()
-        s = s[(0 if skip[0] else 1) : (len(s) if skip[1] else -1)]
+        s = skips[number, 0] + growth.positions(number)
+        s = s[(0 if skips[number, 0] else 1) : (len(s) if skips[number, 1] else -1)]
         chain = np.concatenate([[a], count + np.arange(len(s)), [b]])
         parts.append(np.stack([chain[:-1], chain[1:]], axis=1))
-        start, end = lines.corners[a], lines.corners[b]
+        start, end, length = lines.corners[a], lines.corners[b], lengths[number]
         points.append(start + (end - start) * (s / length)[:, None])
-        wanted.append(np.minimum(np.minimum(at_start + grading * s, at_end + grading * (length - s)), cap))
+        from_ends = np.minimum(sizes[a] + grading * s, sizes[b] + grading * (length - s))
+        wanted.append(np.minimum(from_ends, lines.sizes[number]))
         of.append(np.full(len(s), number))
         count += len(s)
     return Divided(
@@ -173,33 +171,36 @@ def divide(lines: Linework, sizes: Array, grading: float) -> Divided:
     )
 
 
-def _rows(lines: Linework, sizes: Array) -> Array:
-    """Per segment: its length, sizes at both ends, and the size along it."""
-    at_ends = np.minimum(sizes[lines.segments], lines.sizes[:, None])
-    return np.column_stack([_lengths(lines), at_ends, lines.sizes])
-
-
 def _first_steps(lines: Linework, sizes: Array, lengths: Array) -> Array:
     """Distance of the first points on segments from each corner where two meet at an acute angle; 0 elsewhere."""
-    steps = np.zeros(len(lines.corners))
     corner = lines.segments.ravel()
     ends = lines.corners[lines.segments]
     away = (ends[:, ::-1] - ends).reshape(-1, 2)
     direction = np.arctan2(away[:, 1], away[:, 0])
     order = np.lexsort((direction, corner))
     starts = np.flatnonzero(np.diff(corner[order], prepend=-1))
-    for group in np.split(order, starts[1:]):
-        gaps = np.diff(direction[group], append=direction[group[0]] + 2.0 * np.pi)
-        if len(group) > 1 and gaps.min() < _ACUTE:
-            at = corner[group[0]]
-            steps[at] = min(sizes[at], lengths[group // 2].min() / 3.0)
+    turn = np.diff(direction[order], append=0.0)
+    last = np.append(starts[1:], len(order)) - 1
+    turn[last] = direction[order[starts]] + 2.0 * np.pi - direction[order[last]]
+    acute = (np.minimum.reduceat(turn, starts) < _ACUTE) & (last > starts)
+    shortest = np.minimum.reduceat(lengths[order // 2], starts)
+    at = corner[order[starts]]
+    steps = np.zeros(len(lines.corners))
+    steps[at] = np.where(acute, np.minimum(sizes[at], shortest / 3.0), 0.0)
     return steps
 
 
-class _Growth:
-    """Steps along a segment whose length grows from both ends up to `cap`: the integral of 1 / size."""
+def _growth(lines: Linework, sizes: Array, skips: Array, grading: float) -> "_Growth":
+    """Of what is left of the segments when `skips`, shape (s, 2), are taken from their ends."""
+    cap = lines.sizes
+    start, end = (np.minimum(cap, sizes[lines.segments[:, k]] + grading * skips[:, k]) for k in (0, 1))
+    return _Growth(_lengths(lines) - skips.sum(axis=1), start, end, cap, grading)
 
-    def __init__(self, length: float, at_start: float, at_end: float, cap: float, grading: float) -> None:
+
+class _Growth:
+    """Steps along segments that grow from both ends up to `cap`: `total` is the integral of 1 / size, shape (s,)."""
+
+    def __init__(self, length: Array, at_start: Array, at_end: Array, cap: Array, grading: float) -> None:
         self.length, self.at_start, self.at_end, self.cap, self.grading = (
             length,
             at_start,
@@ -208,25 +209,23 @@ class _Growth:
             grading,
         )
         meeting = 0.5 * (length + (at_end - at_start) / grading)
-        self.grown = max(0.0, min((cap - at_start) / grading, meeting, length))
-        self.shrinks = min(length, max(self.grown, length - max(0.0, (cap - at_end) / grading)))
-        self.first = self._steps(self.grown, at_start)
-        self.middle = (self.shrinks - self.grown) / cap
-        self.total = float(self.first + self.middle + self._steps(length - self.shrinks, at_end))
+        grown = np.clip(np.minimum((cap - at_start) / grading, meeting), 0.0, length)
+        shrinks = np.clip(length - (cap - at_end) / grading, grown, length)
+        self.first = np.log1p(grading * grown / at_start) / grading
+        self.middle = (shrinks - grown) / cap
+        self.total = self.first + self.middle + np.log1p(grading * (length - shrinks) / at_end) / grading
+        self.counts = np.maximum(1, np.ceil(self.total - 1e-6)).astype(np.int64)
 
-    def _steps(self, distance: float, size: float) -> float:
-        return float(np.log1p(self.grading * distance / size) / self.grading)
+    def positions(self, number: int) -> Array:
+        """From 0 to the length of one segment, equal steps in the integral."""
+        count, total, first = self.counts[number], self.total[number], self.first[number]
+        steps = total * (np.arange(count + 1) / count)
+        before = self._distance(np.minimum(steps, first), self.at_start[number])
+        middle = np.clip(steps - first, 0.0, self.middle[number]) * self.cap[number]
+        after = self.length[number] - self._distance(total - steps, self.at_end[number])
+        s = np.where(steps <= first + self.middle[number], before + middle, after)
+        s[0], s[-1] = 0.0, self.length[number]
+        return np.asarray(s)
 
     def _distance(self, steps: Array, size: float) -> Array:
         return np.asarray(size * np.expm1(self.grading * steps) / self.grading)
-
-    def positions(self) -> Array:
-        """From 0 to the length, as many equal steps as are needed."""
-        count = max(1, int(np.ceil(self.total - 1e-6)))
-        steps = self.total * (np.arange(count + 1) / count)
-        before = self._distance(np.minimum(steps, self.first), self.at_start)
-        middle = np.clip(steps - self.first, 0.0, self.middle) * self.cap
-        after = self.length - self._distance(np.minimum(self.total - steps, self.total), self.at_end)
-        s = np.where(steps <= self.first + self.middle, before + middle, after)
-        s[0], s[-1] = 0.0, self.length
-        return s

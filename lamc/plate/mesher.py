@@ -26,7 +26,7 @@ MOST_TRIANGLES = 5_000_000
 GRADING = 0.3
 
 _TOLERANCE = 1e-9  # of the extent: corners this near to each other, or to a segment, are meant to be the same
-_LEAST = 1e-3  # of the wanted size: no smaller triangles for the sake of angles
+_LEAST = 3e-4  # of the wanted size: no shorter edges for the sake of angles
 _PER_PART = (
     2.5  # triangles from a part of a border on one side until they have their full size, times the grading
 )
@@ -52,7 +52,7 @@ def mesh(
 
     Edges are shorter where the outline has short segments or narrow strips, and grow away from there. Edges are 0.9
     of the size on average and 1.5 at most. Angles are 25° at least, except where the outline has smaller ones, or gaps
-    narrower than a thousandth of the size. The same input gives the same mesh, byte for byte.
+    or segments below a thousandth of the size. The same input gives the same mesh, byte for byte.
 
     Raises DesignError for polygons that are empty or cross themselves, or hang together at a point only; for regions
     that overlap or lie outside; for sizes that are not positive or would give more triangles than the limit. Raises

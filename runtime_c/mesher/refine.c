@@ -190,51 +190,72 @@ static int split_segment(lamc_work *w, lamc_side s, bool *done) {
   return insert(w, &hole, p, segment, a, b);
 }
 
-/* Makes a bad cell better. */
-static int improve(lamc_work *w, int32_t cell) {
+/* Where a point for a bad cell would come to lie. */
+typedef struct lamc_proposal {
+  double p[2];
+  double nearest;       /* distance to the next point */
+  lamc_side encroached; /* part of a segment that it is too near to, or that is in its way; cell -1: none */
+  lamc_hole hole;       /* where there is none */
+  bool possible;
+} lamc_proposal;
+
+static int propose(lamc_work *w, int32_t cell, const lamc_shape *s, bool centre, lamc_proposal *at) {
   lamc_mesher *m = w->m;
+  place_point(w, cell, s, centre, at->p);
+  at->nearest = HUGE_VAL;
+  at->encroached = lamc_side_of(-1, 0);
+  const lamc_side end = lamc_walk(m, cell, at->p, true);
+  at->possible = end.cell >= 0;
+  if (end.cell < 0) return LAMC_MESHER_DONE;
+  if (end.side >= 0) {
+    at->encroached = end;
+    return LAMC_MESHER_DONE;
+  }
+  const int status = lamc_find_hole(m, end.cell, at->p, lamc_side_of(-1, 0), &at->hole);
+  for (int32_t i = 0; i < at->hole.edge_count; i++) {
+    const int32_t *edge = at->hole.edges + EDGE_FIELDS * i;
+    const double *a = lamc_point(m, edge[EDGE_A]), *b = lamc_point(m, edge[EDGE_B]);
+    at->nearest = smaller(at->nearest, distance(at->p, a));
+    if (at->encroached.cell < 0 && edge[EDGE_FIXED] && in_lens(w, a, b, at->p)) {
+      at->encroached = lamc_across(m, lamc_side_of(edge[EDGE_BEYOND], edge[EDGE_BEYOND_SIDE]));
+    }
+  }
+  /* A point on a segment sees no hole, and is in the segment's lens. */
+  at->possible = status == LAMC_MESHER_DONE || at->encroached.cell >= 0;
+  return status == LAMC_MESHER_FULL ? status : LAMC_MESHER_DONE;
+}
+
+/* Splits the segment that a point would be too near to, and comes back to the cell; a segment that is short enough
+ * already is split for the sake of angles only. */
+static int give_way(lamc_work *w, int32_t cell, const lamc_shape *s, lamc_side part) {
+  lamc_mesher *m = w->m;
+  const int32_t a = lamc_corner(m, part.cell, lamc_next(part.side));
+  const int32_t b = lamc_corner(m, part.cell, lamc_last(part.side));
+  const double length = distance(lamc_point(m, a), lamc_point(m, b));
+  if (!s->thin && length <= TOO_LARGE * 0.5 * (m->sizes[a] + m->sizes[b])) return LAMC_MESHER_DONE;
+  bool done;
+  const int status = split_segment(w, part, &done);
+  if (status == LAMC_MESHER_DONE && done) enqueue(w, cell);
+  return status;
+}
+
+/* Makes a bad cell better, or leaves it where that would take edges below the floor. */
+static int improve(lamc_work *w, int32_t cell) {
+  if (w->m->regions[cell] < 0)
+    return LAMC_MESHER_DONE; /* its place was given to a cell outside since it was queued */
   const lamc_shape s = shape_of(w, cell);
-  const double floor = w->rules->region_floors[m->regions[cell]];
+  const double floor = w->rules->region_floors[w->m->regions[cell]];
   if (!s.large && (!s.thin || s.shortest < floor || spans_corner(w, cell, &s))) return LAMC_MESHER_DONE;
   if (s.radius == HUGE_VAL) return LAMC_MESHER_DONE;
-  for (int32_t attempt = 0; attempt < 2; attempt++) {
-    double p[2];
-    place_point(w, cell, &s, attempt == 1, p);
-    const lamc_side at = lamc_walk(m, cell, p, true);
-    if (at.cell < 0) return LAMC_MESHER_DONE;
-    lamc_side encroached = {-1, 0};
-    lamc_hole hole;
-    double nearest = HUGE_VAL;
-    if (at.side >= 0) {
-      encroached = at; /* a segment is between the cell and its point */
-    } else {
-      const int status = lamc_find_hole(m, at.cell, p, lamc_side_of(-1, 0), &hole);
-      if (status == LAMC_MESHER_FULL) return status;
-      if (status != LAMC_MESHER_DONE) return LAMC_MESHER_DONE;
-      for (int32_t i = 0; i < hole.edge_count; i++) {
-        const int32_t *edge = hole.edges + EDGE_FIELDS * i;
-        const double *a = lamc_point(m, edge[EDGE_A]), *b = lamc_point(m, edge[EDGE_B]);
-        nearest = smaller(nearest, distance(p, a));
-        if (encroached.cell < 0 && edge[EDGE_FIXED] && in_lens(w, a, b, p)) {
-          encroached = lamc_across(m, lamc_side_of(edge[EDGE_BEYOND], edge[EDGE_BEYOND_SIDE]));
-        }
-      }
-    }
-    if (attempt == 0 && !s.thin && (encroached.cell >= 0 || nearest < TOO_NEAR * s.wanted)) continue;
-    if (encroached.cell >= 0) {
-      const int32_t a = lamc_corner(m, encroached.cell, lamc_next(encroached.side));
-      const int32_t b = lamc_corner(m, encroached.cell, lamc_last(encroached.side));
-      const double length = distance(lamc_point(m, a), lamc_point(m, b));
-      if (!s.thin && length <= TOO_LARGE * 0.5 * (m->sizes[a] + m->sizes[b])) return LAMC_MESHER_DONE;
-      bool done;
-      const int status = split_segment(w, encroached, &done);
-      if (status == LAMC_MESHER_DONE && done) enqueue(w, cell);
-      return status;
-    }
-    if (!s.large && nearest < floor) return LAMC_MESHER_DONE;
-    return insert(w, &hole, p, -2, -1, -1);
-  }
-  return LAMC_MESHER_DONE;
+  lamc_proposal at;
+  int status = propose(w, cell, &s, false, &at);
+  const bool crowded = at.encroached.cell >= 0 || at.nearest < TOO_NEAR * s.wanted;
+  if (status == LAMC_MESHER_DONE && at.possible && !s.thin && crowded)
+    status = propose(w, cell, &s, true, &at);
+  if (status != LAMC_MESHER_DONE || !at.possible) return status;
+  if (at.encroached.cell >= 0) return give_way(w, cell, &s, at.encroached);
+  if (!s.large && at.nearest < floor) return LAMC_MESHER_DONE;
+  return insert(w, &at.hole, at.p, -2, -1, -1);
 }
 
 int lamc_mesher_refine(lamc_mesher *m, const lamc_mesher_rules *rules) {

@@ -57,6 +57,53 @@ static lamc_side first_crossed(const lamc_mesher *m, int32_t a, int32_t b, int32
   return lamc_side_of(-1, 0);
 }
 
+/* Lists the edges that the line from a to b crosses, from the first one on, two ends each, in the mesher's stack; gives
+ * the first point on the line in *end. */
+static int list_crossed(lamc_mesher *m, int32_t a, int32_t b, lamc_side s, int32_t *count, int32_t *end) {
+  const int32_t most = m->stack_capacity / 2 - 1;
+  *count = 0;
+  while (*end < 0) {
+    if (lamc_is_fixed(m, s)) return LAMC_MESHER_CROSSING;
+    if (*count >= most) return LAMC_MESHER_FULL;
+    m->stack[2 * *count] = lamc_corner(m, s.cell, lamc_next(s.side));
+    m->stack[2 * *count + 1] = lamc_corner(m, s.cell, lamc_last(s.side));
+    ++*count;
+    s = lamc_across(m, s);
+    const int32_t apex = lamc_corner(m, s.cell, s.side);
+    const double side = turn(m, a, b, apex);
+    if (side == 0.0) *end = apex;
+    /* In s.cell the crossed edge runs from the left of the line to its right. */
+    s.side = side > 0.0 ? lamc_next(s.side) : lamc_last(s.side);
+  }
+  return LAMC_MESHER_DONE;
+}
+
+/* Flips the listed edges until none crosses the line from a to end; those that cannot be flipped yet wait. */
+static void flip_crossed(lamc_mesher *m, int32_t a, int32_t end, int32_t waiting) {
+  const int32_t most = m->stack_capacity / 2 - 1;
+  int32_t head = 0;
+  while (waiting > 0) {
+    int32_t ends[2] = {m->stack[2 * head], m->stack[2 * head + 1]};
+    const lamc_side s = find_edge(m, ends[0], ends[1]), o = lamc_across(m, s);
+    const int32_t c = lamc_corner(m, s.cell, s.side), d = lamc_corner(m, o.cell, o.side);
+    const int32_t p = lamc_corner(m, s.cell, lamc_next(s.side)),
+                  q = lamc_corner(m, s.cell, lamc_last(s.side));
+    const int32_t tail = (int32_t)(((int64_t)head + waiting) % most);
+    head = head + 1 == most ? 0 : head + 1;
+    waiting--;
+    if (turn(m, c, p, d) > 0.0 && turn(m, d, q, c) > 0.0) {
+      lamc_flip(m, s);
+      const double at_c = turn(m, a, end, c), at_d = turn(m, a, end, d);
+      if (!((at_c > 0.0 && at_d < 0.0) || (at_c < 0.0 && at_d > 0.0))) continue;
+      ends[0] = c;
+      ends[1] = d;
+    }
+    m->stack[2 * tail] = ends[0];
+    m->stack[2 * tail + 1] = ends[1];
+    waiting++;
+  }
+}
+
 /* Makes the part of segment a to b an edge that ends in b or in the first point on it; gives that point in *end. */
 static int insert_part(lamc_mesher *m, int32_t a, int32_t b, int32_t *end) {
   const lamc_side there = find_edge(m, a, b);
@@ -66,52 +113,16 @@ static int insert_part(lamc_mesher *m, int32_t a, int32_t b, int32_t *end) {
     fix(m, there);
     return LAMC_MESHER_DONE;
   }
-  lamc_side s = first_crossed(m, a, b, end);
-  if (s.cell < 0) return LAMC_MESHER_LOST;
+  const lamc_side first = first_crossed(m, a, b, end);
+  if (first.cell < 0) return LAMC_MESHER_LOST;
   if (*end >= 0) {
-    fix(m, s);
+    fix(m, first);
     return LAMC_MESHER_DONE;
   }
-  int32_t *crossed = m->stack, count = 0; /* ends of the edges that cross, a ring */
-  const int32_t most = m->stack_capacity / 2 - 1;
-  while (*end < 0) {
-    if (lamc_is_fixed(m, s)) return LAMC_MESHER_CROSSING;
-    if (count >= most) return LAMC_MESHER_FULL;
-    crossed[2 * count] = lamc_corner(m, s.cell, lamc_next(s.side));
-    crossed[2 * count++ + 1] = lamc_corner(m, s.cell, lamc_last(s.side));
-    s = lamc_across(m, s);
-    const int32_t apex = lamc_corner(m, s.cell, s.side);
-    const double side = turn(m, a, b, apex);
-    if (side == 0.0) *end = apex;
-    /* In s.cell the crossed edge runs from the left of the line to its right. */
-    s.side = side > 0.0 ? lamc_next(s.side) : lamc_last(s.side);
-  }
-  int32_t head = 0, waiting = count;
-  while (waiting > 0) {
-    const int32_t *edge = crossed + 2 * head;
-    const int32_t u = edge[0], w = edge[1];
-    head = head + 1 == most ? 0 : head + 1;
-    waiting--;
-    s = find_edge(m, u, w);
-    const lamc_side o = lamc_across(m, s);
-    const int32_t c = lamc_corner(m, s.cell, s.side), d = lamc_corner(m, o.cell, o.side);
-    int32_t tail = head + waiting;
-    tail = tail >= most ? tail - most : tail;
-    const int32_t p = lamc_corner(m, s.cell, lamc_next(s.side)),
-                  q = lamc_corner(m, s.cell, lamc_last(s.side));
-    const bool convex = turn(m, c, p, d) > 0.0 && turn(m, d, q, c) > 0.0;
-    int32_t back[2] = {u, w};
-    if (convex) {
-      lamc_flip(m, s);
-      const double at_c = turn(m, a, *end, c), at_d = turn(m, a, *end, d);
-      if (!((at_c > 0.0 && at_d < 0.0) || (at_c < 0.0 && at_d > 0.0))) continue;
-      back[0] = c;
-      back[1] = d;
-    }
-    crossed[2 * tail] = back[0];
-    crossed[2 * tail + 1] = back[1];
-    waiting++;
-  }
+  int32_t count;
+  const int status = list_crossed(m, a, b, first, &count, end);
+  if (status != LAMC_MESHER_DONE) return status;
+  flip_crossed(m, a, *end, count);
   fix(m, find_edge(m, a, *end));
   return LAMC_MESHER_DONE;
 }

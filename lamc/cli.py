@@ -9,6 +9,7 @@ import click
 
 from lamc._version import __version__
 from lamc.commands.options import SETTINGS, Cli, compiler, design, effects, folder, speaking
+from lamc.commands.plate_options import plate
 from lamc.commands.terminal import Terminal
 
 
@@ -25,6 +26,7 @@ def main(context: click.Context) -> None:
     Try:
       lamc run --example pendulum      simulate, and write results, pictures and a film
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
+      lamc plate --example strip       bend a laminate: deflection, moments, stress, modes
       lamc examples                    list the designs that ship with lamc
       lamc doctor                      see whether this machine has what lamc needs
 
@@ -269,6 +271,9 @@ def bench(
     return work(Source(file, example, cc, fast), SceneChanges(with_, without), out, terminal)
 
 
+main.add_command(plate)
+
+
 @main.command()
 @click.argument("name", required=False)
 @click.option("--copy", metavar="DIR", help="Write its file into this folder, to edit; no file is replaced.")
@@ -304,7 +309,7 @@ def examples(name: str | None, copy: str | None, picture: str | None, terminal: 
 @main.command()
 @click.option("--debug", is_flag=True, help="Show the traceback of errors.")
 def schema(debug: bool) -> int:
-    """Print the JSON Schema of design and mechanism files.
+    """Print the JSON Schema of design, mechanism and plate files.
 
     \b
     Example:

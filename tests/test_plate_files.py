@@ -291,7 +291,7 @@ def test_all_problems_of_a_file_are_told_at_once_each_at_its_place() -> None:
         ("loads: [{edge: left, force: 1, moment: 2}]", "this one has force and moment"),
         ("loads: [{pressure: 1, region: r}]", "no region is named 'r'"),
         ("loads: [{gravity: [0, 0, -9.81], region: r}]", "region belongs to"),
-        ("outputs: [{at: [300, 0]}]", "(0.3, 0) m is not on the plate"),
+        ("outputs: [{at: [300, 0]}]", "(0.3, 0) m is 0.1 m off the plate"),
         ("outputs: [{at: [0, 0], expected: 1/D17}]", "D17"),
         ("outputs: [{at: [0, 0], value: M_x, expected: 3 mm}]", "not a unit of moment per length"),
         ("laminates: {a: {use: b}}", "cannot name another entry"),

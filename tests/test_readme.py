@@ -1,6 +1,8 @@
 """Every command and every program that the README shows does what it says."""
 
+import math
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -9,7 +11,10 @@ from pathlib import Path
 import pytest
 
 import lamc
-from lamc import examples
+from lamc import examples, plate
+from lamc.examples import plates
+from lamc.plate.problem_file import plate_of_text
+from lamc.plate.problem_make import problem_of
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -21,7 +26,7 @@ def blocks(language: str) -> list[str]:
 
 def commands() -> list[str]:
     """Shell lines of all blocks, and the commands of the first table on a design of the reader's own."""
-    lines = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    lines = [line.split(" #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
     return [line for line in lines if line] + re.findall(r"\| `(lamc [^`]*)` \|", README)
 
 
@@ -29,6 +34,10 @@ def commands() -> list[str]:
 def folder(tmp_path: Path) -> Path:
     """A folder with the design of the reader's own that the README speaks of."""
     shutil.copy(ROOT / "lamc" / "examples" / "pendulum.cad", tmp_path / "design.cad")
+    for name, copies in re.findall(r"lamc plate --example (\S+) --copy (\S+)", README):
+        (tmp_path / copies).mkdir(exist_ok=True)
+        for design in plates.designs(plates.find(name)):
+            (tmp_path / copies / design.file_name).write_text(design.text, encoding="utf-8")
     return tmp_path
 
 
@@ -44,7 +53,9 @@ def folder_with_copies(folder: Path) -> Path:
 
 @pytest.mark.parametrize("command", [c for c in commands() if c.startswith("lamc")])
 def test_each_lamc_command_of_the_readme_succeeds(command: str, folder: Path) -> None:
-    arguments = [sys.executable, "-m", "lamc", *command.split()[1:]]
+    arguments = [sys.executable, "-m", "lamc", *shlex.split(command)[1:]]
+    if "--copy" in arguments:
+        shutil.rmtree(folder / arguments[-1], ignore_errors=True)  # what the command is to make
     if "run" in command.split():
         arguments.append("--no-animation")  # the film has its own tests, and takes most of the time
     done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
@@ -77,7 +88,7 @@ def test_each_program_of_the_readme_runs(program: str, folder_with_copies: Path)
 
 
 def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) -> None:
-    (text,) = blocks("yaml")
+    text, _ = blocks("yaml")
     file = tmp_path / "flap.yaml"
     file.write_text(text, encoding="utf-8")
     sim = lamc.compile(lamc.load(file))
@@ -85,6 +96,16 @@ def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) 
     result = sim.run(t_end=0.1)
     assert result.success
     assert result.angle("fold")[0] == pytest.approx(0.5235987755982988, abs=1e-15)  # 30°, one rounding
+
+
+def test_the_plate_of_the_readme_is_a_lid_with_a_hole(tmp_path: Path) -> None:
+    _, text = blocks("yaml")
+    lid = plate_of_text(text, "lid.yaml")
+    assert lid.geometry.outline.area == pytest.approx(0.12 * 0.08 - math.pi * 0.015**2, rel=1e-12)
+    assert list(lid.cases) == ["wind", "push"]
+    solved = plate.solve(problem_of(lid, size=8e-3))
+    (beside,) = lid.outputs
+    assert solved["wind"].deflection(*beside.at) > 0.0 > solved["push"].deflection(*beside.at)
 
 
 def test_pictures_of_the_readme_are_there() -> None:
@@ -95,5 +116,5 @@ def test_pictures_of_the_readme_are_there() -> None:
 
 
 def test_examples_that_the_readme_names_exist() -> None:
-    for name in re.findall(r"--example (\S+)", README):
-        assert examples.find(name).text
+    for verb, name in re.findall(r"lamc (\w+) --example (\S+?)[\s`]", README):
+        assert (plates if verb == "plate" else examples).find(name).text

@@ -83,7 +83,7 @@ def _of_design(design: Node, file: str, source: PlateSource) -> Node:
         ("kind", _word("plate", file)),
         ("name", _word(f"{Path(file).stem} {'+'.join(source.body)}", file)),
         ("units", _word(units, file)),
-        ("geometry", _map(geometry)),
+        ("geometry", _map(geometry, file)),
         ("supports", _list(supports)),
         ("loads", _list([_load(text) for text in source.loads])),
     ]

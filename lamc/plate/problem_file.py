@@ -111,7 +111,8 @@ def _output(
     name = checked_name(model.name or f"{value} {index + 1}", "an output")
     x, y = model.at
     if not places.holds(x, y):
-        raise DesignError(f"the point ({x:g}, {y:g}) m is not on the plate; name a point on it")
+        distance = places.distance(x, y)
+        raise DesignError(f"the point ({x:g}, {y:g}) m is {distance:.3g} m off the plate; name a point on it")
     expected = None if model.expected is None else _expected(model.expected, value, laminate, bare)
     return Output(name, model.at, value, expected)
 

@@ -69,7 +69,11 @@ class Places:
 
     def holds(self, x: float, y: float) -> bool:
         """Whether a point is on the plate."""
-        return self.outline.is_empty or bool(self.outline.distance(Point(x, y)) <= NEAR * self.size)
+        return self.outline.is_empty or self.distance(x, y) <= NEAR * self.size
+
+    def distance(self, x: float, y: float) -> float:
+        """Of a point from the plate, m."""
+        return float(self.outline.distance(Point(x, y)))
 
     def named(self, name: str) -> Region:
         """The region of that name. Raises DesignError."""

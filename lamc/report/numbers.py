@@ -20,7 +20,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     if not math.isfinite(size) or size == 0.0 or unit in _UNPREFIXED:
         return 1.0, unit
     choices = _LENGTHS if unit == "m" else tuple((scale, prefix + unit) for scale, prefix in _PREFIXES)
-    return next(((scale, name) for scale, name in choices if size >= scale), choices[-1])
+    return next(((scale, name) for scale, name in choices if size >= scale * (1.0 - 1e-9)), choices[-1])
 
 
 def shown_number(value: float, unit: str, digits: int = 5) -> str:

@@ -15,7 +15,17 @@ from matplotlib.lines import Line2D
 from shapely.geometry.base import BaseGeometry
 
 from lamc.mechanism.checks import Array
-from lamc.plate.loads import EdgeLoad, EdgeMoment, PointLoad
+from lamc.plate.loads import (
+    EdgeLoad,
+    EdgeMoment,
+    ElectricField,
+    Gravity,
+    LoadRecord,
+    Moisture,
+    PointLoad,
+    Pressure,
+    Temperature,
+)
 from lamc.plate.mesh import Mesh
 from lamc.plate.problem import Problem
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
@@ -57,7 +67,7 @@ def draw_outline(axis: Axes, mesh: Mesh, scale: Scale, *, lines: bool = False) -
     if lines:
         width = 0.5 if len(mesh.cells) < _FAINTEST**2 else 0.15
         axis.add_collection(
-            LineCollection(list(ends[~boundary]), colors=INK, linewidths=width, alpha=0.35, zorder=3)
+            LineCollection(list(ends[~boundary]), colors=INK, linewidths=width, alpha=0.25, zorder=3)
         )
     border = _borders(mesh)
     axis.add_collection(
@@ -85,8 +95,9 @@ def draw_supports(axis: Axes, problem: Problem, scale: Scale) -> list[Line2D]:
         name, style, width = kinds[0] if kinds else default
         if isinstance(support, SimplySupported) and support.kind == "soft":
             name += " (soft)"
-        _place(axis, problem, support.where, scale, _HELD, style, width, "s")
-        handles.setdefault(name, _line(name, _HELD, style, width))
+        as_points = _place(axis, problem, support.where, scale, _HELD, style, width, "s")
+        spot = Line2D([], [], color=_HELD, linestyle="", marker="s", markersize=6, label=name)
+        handles.setdefault(name, spot if as_points else _line(name, _HELD, style, width))
     return list(handles.values())
 
 
@@ -98,15 +109,10 @@ def draw_loads(axis: Axes, problem: Problem, loads: Sequence[Any], scale: Scale)
             x, y = (c * scale.per_metre for c in load.at)
             mark = _mark(load.force)
             axis.add_line(Line2D([x], [y], zorder=7, **mark))
-            handles.append(Line2D([], [], label=_told(load.force, "N"), **mark))
+            handles.append(Line2D([], [], label=load_text(load), **mark))
         elif isinstance(load, EdgeLoad | EdgeMoment):
             _place(axis, problem, load.where, scale, LOAD, "solid", 1.6, "^", order=6)
-            told = (
-                f"moment {shown_number(load.moment, 'N')}"
-                if isinstance(load, EdgeMoment)
-                else _told(load.force, "N/m")
-            )
-            handles.append(_line(told, LOAD, "solid", 1.6))
+            handles.append(_line(load_text(load), LOAD, "solid", 1.6))
     return handles
 
 
@@ -131,13 +137,43 @@ def _mark(force: Any) -> dict[str, Any]:
     }
 
 
-def _told(force: Any, unit: str) -> str:
+def vector_text(vector: Any, unit: str) -> str:
+    """The parts of (x, y, z) that are not zero."""
     parts = [
         f"{shown_number(abs(value), unit)} along {'-' if value < 0.0 else ''}{axis}"
-        for axis, value in zip("xyz", force, strict=True)
+        for axis, value in zip("xyz", vector, strict=True)
         if value != 0.0
     ]
     return " and ".join(parts) or f"0 {unit}"
+
+
+def load_text(load: LoadRecord) -> str:
+    """What acts, in a few words."""
+    match load:
+        case PointLoad(force=force):
+            told = vector_text(force, "N")
+        case EdgeLoad(force=force):
+            told = vector_text(force, "N/m")
+        case EdgeMoment(moment=moment):
+            told = f"moment {shown_number(moment, 'N')} per length"
+        case Pressure(intensity=intensity):
+            value = (
+                getattr(intensity, "text", "varies") if callable(intensity) else shown_number(intensity, "Pa")
+            )
+            told = f"pressure {value}"
+        case Gravity(acceleration=acceleration):
+            told = f"gravity {vector_text(acceleration, 'm/s²')}"
+        case Temperature(rise=rise):
+            told = f"{rise:+g} K"
+        case Moisture(content=content):
+            told = f"moisture {content:g}"
+        case ElectricField(field=field):
+            values = np.atleast_1d(field)
+            told = f"electric field {', '.join(shown_number(float(v), 'V/m') for v in values)}"
+        case _:
+            told = type(load).__name__
+    region = getattr(load, "region", None)
+    return f"{told} on {region!r}" if region else told
 
 
 def _place(
@@ -150,13 +186,13 @@ def _place(
     width: float,
     marker: str,
     order: float = 5,
-) -> None:
-    """Edges on the place as lines; a region as hatching; single points as marks."""
+) -> bool:
+    """Edges on the place as lines; a region as hatching; single points as marks. Returns whether it is points."""
     if not isinstance(where, str) and where.area > 0.0:
         for part in shapely.get_parts(where):
             x, y = np.asarray(part.exterior.coords).T[:2] * scale.per_metre
             axis.fill(x, y, facecolor="none", edgecolor=colour, hatch="////", linewidth=0.8, zorder=order)
-        return
+        return False
     edges = problem.places.edges_on(where)
     if len(edges):
         mesh = problem.mesh
@@ -169,7 +205,8 @@ def _place(
         axis.add_collection(
             LineCollection(pieces, colors=colour, linewidths=width, linestyles=style, zorder=order)
         )
-        return
+        return False
     nodes = problem.places.nodes(where, "a place that is drawn")
     x, y = problem.dofs.points[nodes].T * scale.per_metre
     axis.plot(x, y, linestyle="", marker=marker, color=colour, markersize=6, zorder=order)
+    return True

@@ -14,7 +14,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -26,10 +26,12 @@ from lamc.plate.problem import Problem
 from lamc.report.numbers import prefixed
 from lamc.report.plan_view import shortened
 from lamc.report.plate_marks import Scale, draw_loads, draw_outline, draw_supports, scale_of
-from lamc.report.plate_solid import bent, box, colours_of, split
+from lamc.report.plate_solid import ONE_SIGN, bent, box, colours_of, split
 from lamc.report.style import PALETTE, save
 
 _LEVELS = 16  # at most, as many as round values allow
+_RARE = 0.005  # of the area, at each end of a field
+_SHARE = 1 / 3  # of the colours
 _LINES = 40  # cells along the longer side, up to which contours show the mesh
 
 
@@ -50,7 +52,7 @@ def draw_mesh(problem: Problem, path: Path, title: str, loads: Sequence[Any] = (
     mesh, scale = problem.mesh, scale_of(problem.size)
     figure, axis = _plan(mesh, 6.4)
     handles: list[Line2D] = []
-    names = [name or "plate" for name in mesh.region_names]
+    names = [name or "the rest" for name in mesh.region_names]
     if len(names) > 1:
         for index, name in enumerate(names):
             colour = PALETTE[index % len(PALETTE)]
@@ -151,27 +153,56 @@ def _loose(mesh: Mesh, scale: Scale) -> Triangulation:
 
 
 def _contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: Scale) -> None:
-    """Filled contours with a colour bar, lines between them, and where the extremes are."""
+    """Filled contours with a colour bar; what is beyond the bar's ends has their colour, and the title says so."""
     values = np.asarray(field.values, dtype=float)
-    largest = float(np.abs(values).max(initial=0.0))
-    unit_scale, unit = prefixed(largest, field.unit)
+    low, high = shown_range(mesh, values)
+    unit_scale, unit = prefixed(max(abs(low), abs(high)), field.unit)
     shown = values / unit_scale + 0.0  # no -0
-    drawn = triangulation(mesh, scale) if values.ndim == 1 else _loose(mesh, scale)
-    low, high = float(shown.min()), float(shown.max())
+    low, high = low / unit_scale, high / unit_scale
     colours, norm = colours_of(low, high)
-    flat = high - low <= 1e-9 * max(abs(low), abs(high))
-    if flat:
+    if colours == ONE_SIGN and low * high < 0.0:  # a little of the other sign takes no colour
+        low, high = (0.0, high) if high > -low else (low, 0.0)
+        shown = np.clip(shown, *((0.0, None) if high > 0.0 else (None, 0.0)))
+    drawn = triangulation(mesh, scale) if values.ndim == 1 else _loose(mesh, scale)
+    cut = False
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
         axis.tripcolor(drawn, shown.ravel(), cmap=colours, norm=norm, shading="gouraud")
-        mappable = mpl.cm.ScalarMappable(norm=norm, cmap=colours)
+        bar = figure.colorbar(
+            mpl.cm.ScalarMappable(norm=norm, cmap=colours), ax=axis, pad=0.02, fraction=0.05
+        )
+        bar.set_ticks([low])
     else:
         levels = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-        mappable = axis.tricontourf(drawn, shown.ravel(), levels=levels, cmap=colours, norm=norm)
-    bar = figure.colorbar(mappable, ax=axis, pad=0.02, fraction=0.05)
-    bar.set_label(f"{field.name} [{unit}]" if unit else field.name, fontsize=8)
+        if colours == ONE_SIGN:
+            norm = Normalize(levels[0], levels[-1])
+        cut = shown.min() < levels[0] or shown.max() > levels[-1]
+        # Not `extend`: beyond an end of PuOr it would paint the darkest colour beside a pale one.
+        filled = axis.tricontourf(
+            drawn, np.clip(shown, levels[0], levels[-1]).ravel(), levels=levels, cmap=colours, norm=norm
+        )
+        bar = figure.colorbar(filled, ax=axis, pad=0.02, fraction=0.05)
+    told = f"{field.name} [{unit}]" if unit else field.name
+    axis.set_title(f"{told}, peaks beyond the bar" if cut else told, fontsize=9)
+    bar.set_label(unit, fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    if flat:
-        bar.set_ticks([low])
     draw_outline(axis, mesh, scale, lines=len(mesh.cells) <= 2 * _LINES**2)
+
+
+def shown_range(mesh: Mesh, values: Array) -> tuple[float, float]:
+    """Ends of a colour bar for `values` (points,) or (cells, corners).
+
+    All of them; but where a half per cent of the plate's area, as at a corner where moments are infinite, would take
+    more than a third of the colours, the rest has them all.
+    """
+    low, high = float(values.min()), float(values.max())
+    of_cells = values if values.ndim == 2 else values[mesh.cells]
+    order = np.argsort(of_cells, axis=None)
+    area = np.cumsum(np.repeat(mesh.areas, mesh.corner_count)[order])
+    ends = np.searchsorted(area, [_RARE * area[-1], (1.0 - _RARE) * area[-1]])
+    common_low, common_high = of_cells.ravel()[order][np.minimum(ends, len(order) - 1)]
+    if common_high - common_low < (1.0 - _SHARE) * (high - low):
+        return float(common_low), float(common_high)
+    return low, high
 
 
 def _plan(mesh: Mesh, width: float) -> tuple[Figure, Axes]:

@@ -1,0 +1,101 @@
+"""`lamc plate`: how a plate bends, vibrates and buckles; files, pictures and a summary.
+
+In: a `PlateOrder`. Out: files in a folder, a summary, an exit code. Files of an earlier run that this one did not make
+are taken away, so that none passes for one of this run.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from lamc._version import __version__
+from lamc.commands.inputs import output_folder
+from lamc.commands.plate_files import own_files, write_files
+from lamc.commands.plate_input import PlateSource, load_source
+from lamc.commands.plate_work import answers
+from lamc.commands.terminal import Terminal, plain
+from lamc.design.units import LENGTH, to_si
+from lamc.errors import DesignError, LamcError
+from lamc.files import write_text
+from lamc.pipeline import Times
+from lamc.plate.elements.description import describe
+from lamc.plate.elements.library import element as element_of
+from lamc.plate.problem_records import PlateFile
+from lamc.report.plate_data import data
+from lamc.report.plate_text import summary
+
+_MOST_MODES = 1000
+
+
+@dataclass(frozen=True)
+class PlateOrder:
+    """What `lamc plate` was asked for; None: as the file says."""
+
+    source: PlateSource
+    element: str | None
+    size: str | None
+    modes: int | None
+    buckling: int | None
+    cases: Sequence[str]
+    solver: str
+    pictures: bool
+    out: str | None
+
+
+def plate(order: PlateOrder, terminal: Terminal) -> int:
+    """Solves, writes, prints; or tells what an element is, where no plate is named."""
+    if order.source.file is None and order.source.example is None and order.element is not None:
+        text = describe(element_of(order.element))
+        terminal.say(text)
+        terminal.result({"ok": True, "element": order.element, "description": text})
+        return 0
+    times = Times()
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        with times.stage("read"):
+            file, source = load_source(order.source)
+            file = _chosen(file, order)
+        with output_folder(order.out, file.name) as folder:
+            report = answers(file, source, _size(order.size), order.solver, times)
+            older = own_files(folder)
+            files = write_files(report, folder, pictures=order.pictures, progress=progress)
+            files.append("summary.json")
+            told = data(report) | {"lamc_version": __version__, "files": files}
+            write_text(folder / "summary.json", json.dumps(plain(told), indent=2, ensure_ascii=False) + "\n")
+            for name in sorted(older - set(files)):
+                (folder / name).unlink(missing_ok=True)
+    terminal.say(summary(report, folder, files))
+    terminal.result(told | {"folder": str(folder)})
+    return 0
+
+
+def _chosen(file: PlateFile, order: PlateOrder) -> PlateFile:
+    """The file with what options change in it. Raises LamcError for a case that it does not have."""
+    unknown = [name for name in order.cases if name not in file.cases or not name]
+    if unknown:
+        known = ", ".join(repr(name) for name in file.cases if name) or "none"
+        raise LamcError(f"--case {unknown[0]!r}: the file has no such case; it has {known}")
+    for option, count in (("--modes", order.modes), ("--buckling", order.buckling)):
+        if count is not None and not 0 <= count <= _MOST_MODES:
+            raise LamcError(f"{option} is {count}; it must be 0 to {_MOST_MODES}")
+    cases = {name: file.cases[name] for name in order.cases} if order.cases else file.cases
+    return replace(
+        file,
+        cases=cases,
+        element=order.element or file.element,
+        modes=file.modes if order.modes is None else order.modes,
+        buckling=file.buckling if order.buckling is None else order.buckling,
+    )
+
+
+def _size(text: str | None) -> float | None:
+    """The length of --size, m. Raises DesignError."""
+    if text is None:
+        return None
+    try:
+        size = to_si(text, LENGTH)
+    except DesignError as error:
+        raise DesignError(f"--size {text!r}: {error.message}") from error
+    if size <= 0.0:
+        raise DesignError(f"--size {text!r}: a length of edges must be above 0")
+    return size

@@ -1,0 +1,180 @@
+"""The files of `lamc plate`: fields for other programs, and pictures.
+
+In: a `PlateReport` and a folder. Out: files, written whole or not at all, and their names. Names of cases and regions
+reach a file's name only as letters, digits and "._-".
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from lamc.commands.inputs import folder_name
+from lamc.commands.terminal import Progress
+from lamc.mechanism.checks import Array
+from lamc.plate.field_files import write_table, write_vtu
+from lamc.report.laminate_picture import draw_stack
+from lamc.report.numbers import shown_number
+from lamc.report.plate_text import CaseReport, PlateReport
+from lamc.report.plates import Field, draw_deflection, draw_fields, draw_mesh, draw_modes
+
+_AXES = ("x", "y", "xy")
+_MADE = (
+    "deflection",
+    "displacement",
+    "moments",
+    "forces",
+    "stress",
+    "mesh",
+    "stack",
+    "modes",
+    "buckling",
+    "fields",
+)
+_ENDS = (".png", ".csv", ".vtu", ".json")
+
+
+def write_files(report: PlateReport, folder: Path, *, pictures: bool, progress: Progress) -> list[str]:
+    """Every file but summary.json. Raises LamcError where one cannot be written."""
+    files = []
+    with report.times.stage("write"):
+        files += _write_fields(report, folder)
+    if not pictures:
+        return files
+    with report.times.stage("draw"):
+        title = report.file.name
+        everything = report.cases[0].solution.loads if len(report.cases) == 1 else report.problem.loads
+        files.append(draw_mesh(report.problem, folder / "mesh.png", title, everything).name)
+        files += _draw_stacks(report, folder)
+        for number, case in enumerate(report.cases):
+            files += _draw_case(report, case, folder)
+            progress.part(number + 1, len(report.cases) + 1)
+        files += _draw_shapes(report, folder)
+    return files
+
+
+def own_files(folder: Path) -> set[str]:
+    """Files of an earlier run in this folder, by its summary; only names that lamc itself gives."""
+    try:
+        told = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        listed = [str(name) for name in told["files"]] if "lamc_version" in told else []
+    except (OSError, ValueError, KeyError, TypeError):
+        return set()
+    return {
+        name
+        for name in listed
+        if name == folder_name(name) and name.startswith(_MADE) and name.endswith(_ENDS)
+    }
+
+
+def _named(stem: str, name: str, end: str, taken: set[str]) -> str:
+    """A file's name with that of a case or region in it, different from all that are taken."""
+    base = f"{stem}_{folder_name(name)}" if name else stem
+    found, number = f"{base}{end}", 2
+    while found in taken:
+        found, number = f"{base}_{number}{end}", number + 1
+    taken.add(found)
+    return found
+
+
+def _write_fields(report: PlateReport, folder: Path) -> list[str]:
+    mesh = report.problem.mesh
+    columns: dict[str, Array] = {}
+    of_points: dict[str, Array] = {}
+    of_cells: dict[str, Array] = {"region": mesh.regions.astype(np.int64)}
+    for case in report.cases:
+        before = f"{case.name}: " if case.name else ""
+        unknowns = _at_points(case)
+        for name, (unit, values) in unknowns.items():
+            columns[f"{before}{name} [{unit or '-'}]"] = values
+        moved = [unknowns[n][1] if n in unknowns else np.zeros(len(mesh.points)) for n in "uvw"]
+        of_points[f"{before}displacement"] = np.column_stack(moved)
+        for name, found in (("moments", case.fields.moments), ("forces", case.fields.forces)):
+            if found is not None:
+                of_cells[f"{before}{name}"] = found.mean(axis=1)
+        of_cells[f"{before}stress"] = case.fields.stress.max(axis=1)
+        of_cells[f"{before}error energy"] = case.estimate.cells
+    if report.modes is not None:
+        for k, shape in enumerate(report.modes.shapes.T[:, : len(mesh.points)]):
+            none = np.zeros(len(mesh.points))
+            of_points[f"mode {k + 1}"] = np.column_stack([none, none, np.nan_to_num(shape)])
+    write_table(mesh, columns, folder / "fields.csv")
+    write_vtu(mesh, of_points, of_cells, folder / "fields.vtu")
+    return ["fields.csv", "fields.vtu"]
+
+
+def _at_points(case: CaseReport) -> dict[str, tuple[str, Array]]:
+    """Unknowns at the mesh's points, by name, with unit; those that points do not have are left out."""
+    solution = case.solution
+    count = len(solution.problem.mesh.points)
+    units = {"u": "m", "v": "m", "w": "m", "w_x": "", "w_y": ""}
+    found = {}
+    for name, unit in units.items():
+        if name in solution.problem.dofs.names:
+            values = solution.at_nodes(name)[:count]
+            if not np.isnan(values).all():
+                found[name] = (unit, values)
+    return found
+
+
+def _draw_stacks(report: PlateReport, folder: Path) -> list[str]:
+    """A picture of each laminate that differs."""
+    taken: set[str] = set()
+    drawn = []
+    problem = report.problem
+    for index, laminate in enumerate(problem.laminates):
+        if any(laminate == other for other in problem.laminates[:index]):
+            continue
+        region = problem.mesh.region_names[index] if len(problem.laminates) > 1 else ""
+        name = _named("stack", region, ".png", taken)
+        drawn.append(draw_stack(laminate, folder / name, region or report.file.name).name)
+    return drawn
+
+
+def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> list[str]:
+    problem, solution, fields = report.problem, case.solution, case.fields
+    title = f"{report.file.name}: {case.name}" if case.name else report.file.name
+    files = []
+
+    def path(stem: str) -> Path:
+        return folder / (f"{stem}_{folder_name(case.name)}.png" if case.name else f"{stem}.png")
+
+    unknowns = _at_points(case)
+    if "w" in unknowns:
+        drawn = draw_deflection(problem, unknowns["w"][1], path("deflection"), title, solution.loads)
+        files.append(drawn.name)
+    if "u" in unknowns:
+        plane = [Field(f"displacement {name}", "m", unknowns[name][1]) for name in ("u", "v")]
+        files.append(draw_fields(problem, plane, path("displacement"), title).name)
+    for stem, letter, unit, values in (
+        ("moments", "M", "N", fields.moments),
+        ("forces", "N", "N/m", fields.forces),
+    ):
+        if values is not None:
+            parts = [Field(f"${letter}_{{{a}}}$", unit, values[..., k]) for k, a in enumerate(_AXES)]
+            files.append(draw_fields(problem, parts, path(stem), title).name)
+    stress = [Field("largest von Mises stress of all plies", "Pa", fields.stress)]
+    if fields.tsai_wu is not None and not np.isnan(fields.tsai_wu).any():
+        stress.append(Field("largest Tsai-Wu index, 1 at failure", "", fields.tsai_wu))
+    files.append(draw_fields(problem, stress, path("stress"), title).name)
+    return files
+
+
+def _draw_shapes(report: PlateReport, folder: Path) -> list[str]:
+    files = []
+    count = len(report.problem.mesh.points)
+    if report.modes is not None:
+        told = [f"{k + 1}: {shown_number(float(f), 'Hz', 4)}" for k, f in enumerate(report.modes.frequencies)]
+        shapes = np.nan_to_num(report.modes.shapes[:count])
+        files.append(
+            draw_modes(report.problem, shapes, told, folder / "modes.png", f"{report.file.name}: modes").name
+        )
+    taken: set[str] = set()
+    for name, buckled in report.buckling.items():
+        if len(buckled.factors):
+            told = [f"{k + 1}: {factor:.5g} times the loads" for k, factor in enumerate(buckled.factors)]
+            shapes = np.nan_to_num(buckled.shapes[:count, : len(told)])
+            title = f"{report.file.name}: buckling" + (f", {name}" if name else "")
+            path = folder / _named("buckling", name, ".png", taken)
+            files.append(draw_modes(report.problem, shapes, told, path, title).name)
+    return files

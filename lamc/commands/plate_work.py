@@ -1,0 +1,106 @@
+"""The work of `lamc plate`: from what a file says to all that is told of it.
+
+In: a `PlateFile` and how to solve it. Out: a `PlateReport`. Never: files, words.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from lamc.mechanism.checks import Array
+from lamc.pipeline import Times
+from lamc.plate.buckling import Buckling, buckling
+from lamc.plate.corner_fields import CornerFields, Extreme, corner_fields, extremes
+from lamc.plate.estimate import error_estimate
+from lamc.plate.kernels import kernels
+from lamc.plate.model import Model
+from lamc.plate.modes import modes
+from lamc.plate.problem import Problem
+from lamc.plate.problem_make import problem_of
+from lamc.plate.problem_records import Output, PlateFile
+from lamc.plate.problem_schema import VALUES
+from lamc.plate.solution import Solution
+from lamc.report.plate_text import CaseReport, PlateReport, Printed
+
+_XY = ("x", "y", "xy")
+_NOTHING = 1e-11  # of the largest value of a field: less is round-off
+
+
+def answers(file: PlateFile, source: str, size: float | None, solver: str, times: Times) -> PlateReport:
+    """Meshes, solves every case, estimates errors; modes and buckling where the file asks for them.
+
+    Raises LamcError as the mesher, `Problem`, `Model`, `modes` and `buckling` do.
+    """
+    with times.stage("mesh"):
+        problem = problem_of(file, size=size)
+    with times.stage("element"):
+        kernels(problem.dofs.element)
+    with times.stage("assemble"):
+        model = Model(problem, solver)
+    with times.stage("solve"):
+        solved = model.solve_cases() if problem.cases else {"": model.solve()}
+    with times.stage("estimate"):
+        cases = [_case(name, solution, file) for name, solution in solved.items()]
+    found = None
+    if file.modes:
+        with times.stage("modes"):
+            found = modes(problem, file.modes)
+    buckled: dict[str, Buckling] = {}
+    if file.buckling:
+        with times.stage("buckling"):
+            for name in solved:
+                buckled[name] = buckling(_of_case(problem, name), file.buckling)
+    return PlateReport(file, source, problem, cases, found, buckled, times)
+
+
+def _of_case(problem: Problem, name: str) -> Problem:
+    """The problem of one case."""
+    if not name:
+        return problem
+    return replace(problem, loads=(*problem.loads, *problem.cases[name]), cases={})
+
+
+def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
+    fields = corner_fields(solution)
+    found = _extremes(solution, fields)
+    printed = []
+    for output in file.outputs:
+        value = value_of(solution, output)
+        largest = max((abs(end.value) for end in found.get(output.value, ("",))[1:]), default=0.0)
+        kept = value if abs(value) > _NOTHING * largest else 0.0
+        printed.append(Printed(output, kept, VALUES[output.value]))
+    return CaseReport(name, solution, fields, error_estimate(solution), found, tuple(printed))
+
+
+def _extremes(solution: Solution, fields: CornerFields) -> Mapping[str, tuple[str, Extreme, Extreme]]:
+    """The least and the largest of every field, by its name, with its unit."""
+    mesh = solution.problem.mesh
+    found: dict[str, tuple[str, Extreme, Extreme]] = {}
+    for name in ("w", "u", "v"):
+        if name in solution.problem.dofs.names:
+            at_points = solution.at_nodes(name)[: len(mesh.points)]
+            found[name] = ("m", *extremes(mesh.points, at_points))
+    for letter, unit, values in (("M", "N", fields.moments), ("N", "N/m", fields.forces)):
+        if values is not None:
+            for k, axes in enumerate(_XY):
+                found[f"{letter}_{axes}"] = (unit, *extremes(mesh.corners, values[..., k]))
+    found["stress"] = ("Pa", *extremes(mesh.corners, fields.stress))
+    if fields.tsai_wu is not None:
+        found["Tsai-Wu"] = ("", *extremes(mesh.corners, fields.tsai_wu))
+    return found
+
+
+def value_of(solution: Solution, output: Output) -> float:
+    """What an output asks for, SI. Raises DesignError where the point is off the mesh."""
+    x, y = output.at
+    name, _, axes = output.value.partition("_")
+    found: Array
+    if output.value in ("u", "v", "w"):
+        found = solution.displacement(x, y)[..., "uvw".index(output.value)]
+    elif name == "w":
+        found = solution.slope(x, y)[..., _XY.index(axes)]
+    else:
+        fields = {"kappa": solution.curvature, "M": solution.moments, "N": solution.forces}
+        found = fields[name](x, y)[..., _XY.index(axes)]
+    return float(np.asarray(found))

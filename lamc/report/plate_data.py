@@ -1,0 +1,93 @@
+"""What `lamc plate` found, as plain data for programs: SI, full precision.
+
+In: a `PlateReport`. Out: numbers, strings, lists and maps. Never: files.
+"""
+
+from typing import Any
+
+from lamc.plate.laminate import Laminate
+from lamc.plate.modes import Modes
+from lamc.report.plate_text import CaseReport, PlateReport, angles, by_region
+
+
+def data(report: PlateReport) -> dict[str, Any]:
+    """The report as plain data: summary.json, and the answer to --json. SI."""
+    mesh, element = report.problem.mesh, report.problem.dofs.element
+    low, high = angles(mesh)
+    return {
+        "ok": True,
+        "plate": report.file.name,
+        "source": report.source,
+        "mesh": {
+            "points": len(mesh.points),
+            "cells": len(mesh.cells),
+            "corners": mesh.corner_count,
+            "pattern": mesh.pattern,
+            "regions": list(mesh.region_names),
+            "smallest_angle": low,
+            "largest_angle": high,
+        },
+        "element": element.name,
+        "unknowns": report.problem.dofs.count,
+        "laminates": {name: _laminate_data(stack) for name, stack in by_region(report.problem)},
+        "cases": {case.name: _case_data(case) for case in report.cases},
+        "modes": None if report.modes is None else _modes_data(report.modes),
+        "buckling": {name: b.factors.tolist() for name, b in report.buckling.items()},
+        "seconds": dict(report.times.seconds),
+    }
+
+
+def _laminate_data(laminate: Laminate) -> dict[str, Any]:
+    return {
+        "thickness": laminate.thickness,
+        "areal_mass": laminate.areal_mass,
+        "A": laminate.A.tolist(),
+        "B": laminate.B.tolist(),
+        "D": laminate.D.tolist(),
+    }
+
+
+def _case_data(case: CaseReport) -> dict[str, Any]:
+    solution = case.solution
+    accuracy = solution.report.accuracy
+    return {
+        "extremes": {
+            name: {
+                "unit": unit,
+                "least": low.value,
+                "least_at": list(low.at),
+                "largest": high.value,
+                "largest_at": list(high.at),
+            }
+            for name, (unit, low, high) in case.extremes.items()
+        },
+        "outputs": [
+            {
+                "name": p.output.name,
+                "at": list(p.output.at),
+                "value": p.output.value,
+                "unit": p.unit,
+                "is": p.value,
+                "expected": p.output.expected,
+            }
+            for p in case.printed
+        ],
+        "strain_energy": solution.strain_energy,
+        "reactions": [{"force": r.force.tolist(), "moment": r.moment.tolist()} for r in solution.reactions],
+        "relative_error": case.estimate.relative,
+        "solver": solution.report.solver,
+        "condition": accuracy.condition,
+        "refinement_steps": accuracy.steps,
+        "forward_error": accuracy.forward_error,
+        "backward_error": accuracy.backward_error,
+        "notes": list(solution.report.notes),
+    }
+
+
+def _modes_data(modes: Modes) -> dict[str, Any]:
+    return {
+        "frequencies": modes.frequencies.tolist(),
+        "modal_mass": modes.modal_mass.tolist(),
+        "effective_mass": modes.effective_mass.tolist(),
+        "rigid": list(modes.rigid),
+    }

@@ -1,0 +1,298 @@
+"""What `lamc plate` tells at its end: mesh, element, laminates, results by case, trust, times, files.
+
+In: a `PlateReport`. Out: plain text. It measures nothing and prints nothing.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lamc.pipeline import Times
+from lamc.plate.buckling import Buckling
+from lamc.plate.corner_fields import CornerFields, Extreme
+from lamc.plate.estimate import ErrorEstimate
+from lamc.plate.laminate import Laminate
+from lamc.plate.mesh import Mesh
+from lamc.plate.mesh_report import corner_angles
+from lamc.plate.modes import Modes
+from lamc.plate.problem import Problem
+from lamc.plate.problem_records import Output, PlateFile
+from lamc.plate.solution import Solution
+from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
+from lamc.report.numbers import prefixed, shown_number
+from lamc.report.plan_view import shortened
+from lamc.report.plate_marks import load_text, vector_text
+from lamc.report.run_text import duration
+from lamc.report.split_text import table
+
+_NAMES = 6  # names in a list before it is cut
+_DIGITS = 5
+_NAMED = {
+    Clamped: "clamped",
+    SimplySupported: "simply supported",
+    Hinged: "hinged",
+    Symmetry: "symmetric",
+}
+
+
+@dataclass(frozen=True)
+class Printed:
+    """The value of an output in one case, SI."""
+
+    output: Output
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class CaseReport:
+    """One case and what was found in it.
+
+    extremes  least and largest value by the name of a field, with its unit
+    load      (3,) N, of all loads together: what supports carry, sign turned
+    """
+
+    name: str
+    solution: Solution
+    fields: CornerFields
+    estimate: ErrorEstimate
+    extremes: Mapping[str, tuple[str, Extreme, Extreme]]
+    printed: Sequence[Printed]
+
+
+@dataclass(frozen=True, eq=False)
+class PlateReport:
+    """A plate and all that was asked of it."""
+
+    file: PlateFile
+    source: str
+    problem: Problem
+    cases: Sequence[CaseReport]
+    modes: Modes | None
+    buckling: Mapping[str, Buckling]
+    times: Times
+
+
+def summary(report: PlateReport, folder: Path, files: Sequence[str]) -> str:
+    """The whole summary: labelled lines in blocks, and a table of what was asked for."""
+    head = [
+        ("plate", _plate(report)),
+        ("mesh", _mesh(report.problem.mesh)),
+        ("element", _element(report.problem)),
+    ]
+    head += [("laminate", text) for text in _laminates(report.problem)]
+    end = [("times", _times(report.times)), ("files", f"{folder}: {', '.join(files)}")]
+    cases = [_block(_case(case)) for case in report.cases]
+    blocks = [_block(head), *cases, printed_table(report), _block(_modes(report)), _block(end)]
+    return "\n\n".join(block for block in blocks if block)
+
+
+def _block(rows: Sequence[tuple[str, str]]) -> str:
+    """Lines whose label is written once."""
+    lines, before = [], ""
+    for label, text in rows:
+        lines.append(f"{label if label != before else '':<10}{text}")
+        before = label
+    return "\n".join(lines)
+
+
+def printed_table(report: PlateReport) -> str:
+    """The outputs that the file asks for, one line per case and output; "" if none."""
+    rows = []
+    for case in report.cases:
+        for each in case.printed:
+            output = each.output
+            expected = error = ""
+            if output.expected is not None:
+                expected = shown_number(output.expected, each.unit, 7)
+                error = _percent(each.value / output.expected - 1.0) if output.expected else ""
+            value = shown_number(each.value, each.unit, 7)
+            row = [
+                shortened(output.name, 32),
+                place_text(output.at, report.problem.size),
+                output.value,
+                value,
+                expected,
+                error,
+            ]
+            rows.append([case.name, *row] if case.name else row)
+    if not rows:
+        return ""
+    heads = ["at", "place", "value", "is", "expected", "error"]
+    heads = ["case", *heads] if report.cases[0].name else heads
+    kept = [k for k in range(len(heads)) if any(row[k] for row in rows)]
+    return table([heads[k] for k in kept], [[row[k] for k in kept] for row in rows])
+
+
+def angles(mesh: Mesh) -> tuple[float, float]:
+    """The smallest and the largest angle of all cells, degrees."""
+    found = corner_angles(mesh)
+    return float(found.min()), float(found.max())
+
+
+def _percent(part: float) -> str:
+    return f"{round(100.0 * part, 4) + 0.0:+.4f} %"
+
+
+def _plate(report: PlateReport) -> str:
+    x0, y0, x1, y1 = report.file.geometry.outline.bounds
+    scale, unit = prefixed(max(x1 - x0, y1 - y0), "m")
+    supports = "; ".join(_supports(report.problem.supports)) or "free"
+    return f"{shortened(report.file.name, 40)}: {(x1 - x0) / scale:.5g} × {(y1 - y0) / scale:.5g} {unit}, {supports}"
+
+
+def _supports(records: Sequence[SupportRecord]) -> list[str]:
+    """What holds the plate, equal ones counted."""
+    counts: dict[str, int] = {}
+    for record in records:
+        name = f"{', '.join(record.dofs)} held" if isinstance(record, Support) else _NAMED[type(record)]
+        counts[name] = counts.get(name, 0) + 1
+    return [name if count == 1 else f"{name} ({count} times)" for name, count in counts.items()]
+
+
+def _mesh(mesh: Mesh) -> str:
+    low, high = angles(mesh)
+    ends = mesh.points[mesh.edges]
+    lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    scale, unit = prefixed(float(lengths.max()), "m")
+    kind = "triangles" if mesh.corner_count == 3 else "quadrilaterals"
+    pattern = f" ({mesh.pattern})" if mesh.pattern else ""
+    regions = (
+        f"; regions {_listed([n or 'the rest' for n in mesh.region_names])}"
+        if len(mesh.region_names) > 1
+        else ""
+    )
+    return (
+        f"{len(mesh.cells)} {kind}{pattern}, angles {low:.3g}° to {high:.3g}°, edges {lengths.min() / scale:.3g} to "
+        f"{lengths.max() / scale:.3g} {unit}{regions}"
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(shortened(name, 24) for name in names[:_NAMES])
+    return shown + (f", … ({len(names)} in all)" if len(names) > _NAMES else "")
+
+
+def _element(problem: Problem) -> str:
+    element = problem.dofs.element
+    wanted = problem.element if isinstance(problem.element, str) else problem.element.name
+    why = "" if element.name == wanted else f" (in place of {wanted}: the plate stretches as well as bends)"
+    return f"{element.name}{why}, {len(element.dofs)} unknowns each; {problem.dofs.count} unknowns in all"
+
+
+def by_region(problem: Problem) -> list[tuple[str, Laminate]]:
+    return list(zip(problem.mesh.region_names, problem.laminates, strict=True))
+
+
+def _laminates(problem: Problem) -> list[str]:
+    """A line for each that differs; regions are named where there are several."""
+    told: dict[str, list[str]] = {}
+    for name, laminate in by_region(problem):
+        told.setdefault(laminate_text(laminate), []).append(name or "the rest")
+    if len(told) == 1:
+        return list(told)
+    return [f"{_listed(names)}: {text}" for text, names in told.items()]
+
+
+def laminate_text(laminate: Laminate) -> str:
+    """Plies, thickness and bending stiffness in a line."""
+    count = len(laminate.plies)
+    materials = list(dict.fromkeys(ply.material.name or "unnamed" for ply in laminate.plies))
+    angles_of = "/".join(f"{ply.angle:g}" for ply in laminate.plies[:8]) + ("/…" if count > 8 else "")
+    stack = f"[{angles_of}]° of " if count > 1 or laminate.plies[0].angle else ""
+    D = laminate.D
+    stiffness = f"D11 {shown_number(D[0, 0], 'N·m', 4)}, D22 {shown_number(D[1, 1], 'N·m', 4)}"
+    if max(abs(D[0, 2]), abs(D[1, 2])) > 1e-9 * D[0, 0]:
+        stiffness += f", D16 {shown_number(D[0, 2], 'N·m', 4)}"
+    return f"{stack}{_listed(materials)}, {shown_number(laminate.thickness, 'm', 4)} thick; {stiffness}"
+
+
+def _case(case: CaseReport) -> list[tuple[str, str]]:
+    solution, report = case.solution, case.solution.report
+    size = solution.problem.size
+    rows = [("case", case.name)] if case.name else []
+    rows += [("loads", ", ".join(load_text(load) for load in solution.loads) or "none")]
+    rows += [(name, _extreme_text(*found, size)) for name, found in case.extremes.items()]
+    rows += [
+        ("energy", f"{shown_number(_kept(solution.strain_energy, case.fields.smallest_energy), 'J')} stored")
+    ]
+    rows += [("reactions", _reactions(case))]
+    rows += [("error", _error(case.estimate))]
+    accuracy = report.accuracy
+    rows += [
+        (
+            "digits",
+            f"{report.solver}: condition {accuracy.condition:.1e}, {_count(accuracy.steps, 'step', 'steps')} of "
+            f"refinement, unknowns to {max(accuracy.forward_error, 1e-16):.0e}",
+        )
+    ]
+    rows += [("free", report.free)] if report.free else []
+    rows += [("note", note) for note in report.notes]
+    return rows
+
+
+def _error(estimate: ErrorEstimate) -> str:
+    worst = estimate.worst_region or "the rest"
+    where = f", most of it in {worst!r}" if len(estimate.regions) > 1 else ""
+    return f"about {100.0 * estimate.relative:.2g} % in stress and strain on average{where}; deflections are better"
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
+
+
+def _extreme_text(unit: str, low: Extreme, high: Extreme, size: float) -> str:
+    """Both values in one unit, with as many decimals as the larger needs."""
+    largest = max(abs(low.value), abs(high.value))
+    if high.value - low.value <= 1e-9 * largest:
+        return f"{shown_number(high.value, unit)} everywhere"
+    scale, name = prefixed(largest, unit)
+    decimals = _DIGITS - 1 - math.floor(math.log10(largest / scale))
+    told = []
+    for each in (low, high):
+        value = f"{round(each.value / scale, decimals) + 0.0:.{_DIGITS}g} {name}".rstrip()
+        told.append(f"{value} at {place_text(each.at, size)}")
+    return " to ".join(told)
+
+
+def place_text(at: tuple[float, float], size: float) -> str:
+    """(x, y) in the unit that suits a plate of `size` m."""
+    scale, unit = prefixed(size, "m")
+    return f"({', '.join(f'{round(c / scale, 4) + 0.0:.5g}' for c in at)}) {unit}"
+
+
+def _reactions(case: CaseReport) -> str:
+    """Their sum, and how well they balance the loads."""
+    solution = case.solution
+    if not solution.reactions:
+        return "no supports"
+    total = np.sum([r.force for r in solution.reactions], axis=0)
+    least = max(case.fields.smallest_force, 1e-9 * float(np.abs(total).max()))
+    told = vector_text([_kept(float(part), least) for part in total], "N")
+    balance = solution.report.accuracy.backward_error
+    return f"{told} in all; out of balance by {balance:.0e} of what acts"
+
+
+def _kept(value: float, least: float) -> float:
+    """`value`, or zero where it is round-off."""
+    return value if abs(value) > least else 0.0
+
+
+def _modes(report: PlateReport) -> list[tuple[str, str]]:
+    rows: list[tuple[str, str]] = []
+    if report.modes is not None:
+        found = ", ".join(shown_number(float(f), "Hz", 5) for f in report.modes.frequencies)
+        rows.append(("modes", found))
+    for name, buckling in report.buckling.items():
+        factors = (
+            ", ".join(f"{factor:.5g}" for factor in buckling.factors) or "none: these forces do not buckle it"
+        )
+        rows += [("buckling", f"{name + ': ' if name else ''}at {factors} times the loads")]
+    return rows
+
+
+def _times(times: Times) -> str:
+    return ", ".join(f"{name} {duration(seconds)}" for name, seconds in times.seconds.items())

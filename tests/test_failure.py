@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely.geometry import LineString, box
 
 from lamc import plate
 from lamc.errors import DesignError
@@ -201,6 +202,77 @@ def test_many_places_at_once_are_each_as_alone() -> None:
         np.testing.assert_allclose(many.tsai_wu_ratio[2, 3], one.tsai_wu_ratio, rtol=1e-12)
         np.testing.assert_array_equal(many.mode[2, 3], one.mode)
         assert many.stress.shape == (4, 5, 2, 3)
+
+
+# --- plates ----------------------------------------------------------------------------------------------------------
+
+LENGTH, WIDTH, THICKNESS = 50e-3, 20e-3, 1e-3
+# No Poisson ratio: a strip is a beam, and its linear moments are what linear elements hold.
+BRITTLE = dataclasses.replace(
+    Material.isotropic(E=50e9, nu=0.0, density=2000), Xt=40e6, Xc=200e6, Yt=40e6, Yc=200e6, S=60e6
+)
+
+
+def cantilever(
+    laminate: Laminate | dict[str, Laminate], load: float, regions: dict[str, Any] | None = None
+) -> plate.Solution:
+    """Clamped at x = 0 with a force at its end, N, up."""
+    outline = box(0, 0, LENGTH, WIDTH)
+    cells = plate.mesh(outline, 4e-3, regions=regions) if regions else plate.grid(LENGTH, WIDTH, 20, 8)
+    end = LineString([(LENGTH, 0), (LENGTH, WIDTH)])
+    root = LineString([(0, 0), (0, WIDTH)])
+    problem = plate.Problem(
+        cells, laminate, supports=[plate.Clamped(root)], loads=[plate.EdgeLoad(end, load / WIDTH)]
+    )
+    solution = plate.solve(problem)
+    assert isinstance(solution, plate.Solution)
+    return solution
+
+
+@pytest.mark.parametrize("criterion", ["tsai-wu", "max-stress"])
+@pytest.mark.parametrize(("load", "face"), [(1.0, "lower"), (-1.0, "upper")])
+def test_cantilever_fails_at_its_root_in_tension(criterion: str, load: float, face: str) -> None:
+    """6 P L / (b h²) = Xt, on the face that the load stretches; uniaxial, so both criteria say the same."""
+    first = plate.first_failure(cantilever(Laminate([Ply(BRITTLE, THICKNESS)]), load), criterion)
+    expected = 40e6 * WIDTH * THICKNESS**2 / (6 * LENGTH)
+    assert first.ratio == pytest.approx(expected, rel=1e-6)
+    assert (first.face, first.mode, first.number) == (face, "tension along 1", 1)
+    assert first.at[0] == pytest.approx(0.0, abs=1e-12)
+    assert first.unjudged == ()
+    assert "ply 1 from the bottom" in str(first)
+
+
+def test_weakest_ply_of_a_laminated_cantilever_is_named() -> None:
+    """The plies at 90° lie inside and are weak along x; those at 0° outside are strong: [0/90]s of T300/5208. At the root
+    the laminate says by itself which fails, under the moment P L / b; Poisson's effect of the clamped edge adds to it."""
+    laminate = Laminate.parse("[90/0]s", T300, THICKNESS / 4)
+    first = plate.first_failure(cantilever(laminate, 1.0))
+    alone = plate.first_ply_failure(laminate, moment=(-LENGTH / WIDTH, 0, 0))
+    assert (first.number, first.face, first.mode) == (alone.number, alone.face, alone.mode)
+    assert (first.number, first.face) == (1, "lower")
+    assert first.ratio == pytest.approx(alone.ratio, rel=0.1)  # what the clamped edge adds
+
+
+def test_regions_of_unknown_strength_are_left_out_and_told() -> None:
+    parts = {"root": box(0, 0, LENGTH / 2, WIDTH), "end": box(LENGTH / 2, 0, LENGTH, WIDTH)}
+    laminates = {
+        "root": Laminate([Ply(plate.material("steel"), THICKNESS)]),
+        "end": Laminate([Ply(BRITTLE, THICKNESS)]),
+    }
+    first = plate.first_failure(cantilever(laminates, 1.0, regions=parts))
+    assert (first.region, first.unjudged) == ("end", ("root",))
+    # Half the length, half the moment; the change of ν at the border disturbs it over a thickness of plate or so.
+    assert first.ratio == pytest.approx(40e6 * WIDTH * THICKNESS**2 / (6 * LENGTH / 2), rel=0.15)
+    assert first.at[0] == pytest.approx(LENGTH / 2, rel=1e-6)
+    assert "of region 'end'" in str(first)
+
+
+def test_plate_of_unknown_strength_is_refused() -> None:
+    solution = cantilever(Laminate([Ply(plate.material("steel"), THICKNESS)]), 1.0)
+    with pytest.raises(DesignError, match="'steel' lacks Xt, Xc, Yt, Yc, S"):
+        plate.first_failure(solution)
+    with pytest.raises(DesignError, match="'hashin'; it must be one of"):
+        plate.first_failure(solution, "hashin")
 
 
 # --- refusals --------------------------------------------------------------------------------------------------------

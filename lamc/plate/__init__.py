@@ -40,6 +40,7 @@ from lamc.plate.mesh_report import MeshReport, bciz_bias, mesh_report
 from lamc.plate.mesher import mesh
 from lamc.plate.model import Model, solve
 from lamc.plate.modes import Modes, modes
+from lamc.plate.plate_failure import PlateFailure, first_failure
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 from lamc.plate.problem import Problem
 from lamc.plate.reactions import Reaction
@@ -76,6 +77,7 @@ __all__ = [
     "Modes",
     "Moisture",
     "Node",
+    "PlateFailure",
     "Ply",
     "PlyFailure",
     "PlyState",
@@ -100,6 +102,7 @@ __all__ = [
     "edges",
     "element",
     "error_of",
+    "first_failure",
     "first_ply_failure",
     "gradient",
     "grid",

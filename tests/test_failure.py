@@ -207,7 +207,7 @@ def test_many_places_at_once_are_each_as_alone() -> None:
 # --- plates ----------------------------------------------------------------------------------------------------------
 
 LENGTH, WIDTH, THICKNESS = 50e-3, 20e-3, 1e-3
-# No Poisson ratio: a strip is a beam, and its linear moments are what linear elements hold.
+# No Poisson ratio: a strip is a beam.
 BRITTLE = dataclasses.replace(
     Material.isotropic(E=50e9, nu=0.0, density=2000), Xt=40e6, Xc=200e6, Yt=40e6, Yc=200e6, S=60e6
 )
@@ -235,7 +235,8 @@ def test_cantilever_fails_at_its_root_in_tension(criterion: str, load: float, fa
     """6 P L / (b h²) = Xt, on the face that the load stretches; uniaxial, so both criteria say the same."""
     first = plate.first_failure(cantilever(Laminate([Ply(BRITTLE, THICKNESS)]), load), criterion)
     expected = 40e6 * WIDTH * THICKNESS**2 / (6 * LENGTH)
-    assert first.ratio == pytest.approx(expected, rel=1e-6)
+    # Moments that grow linearly are beyond the elements' patch test: second order in cells of 1/20 of the length.
+    assert first.ratio == pytest.approx(expected, rel=1e-4)
     assert (first.face, first.mode, first.number) == (face, "tension along 1", 1)
     assert first.at[0] == pytest.approx(0.0, abs=1e-12)
     assert first.unjudged == ()
@@ -243,8 +244,8 @@ def test_cantilever_fails_at_its_root_in_tension(criterion: str, load: float, fa
 
 
 def test_weakest_ply_of_a_laminated_cantilever_is_named() -> None:
-    """The plies at 90° lie inside and are weak along x; those at 0° outside are strong: [0/90]s of T300/5208. At the root
-    the laminate says by itself which fails, under the moment P L / b; Poisson's effect of the clamped edge adds to it."""
+    """[90/0]s: the outer plies are weak along x. Which fails first the laminate says by itself, under the moment at the
+    root, P L / b."""
     laminate = Laminate.parse("[90/0]s", T300, THICKNESS / 4)
     first = plate.first_failure(cantilever(laminate, 1.0))
     alone = plate.first_ply_failure(laminate, moment=(-LENGTH / WIDTH, 0, 0))
@@ -255,10 +256,8 @@ def test_weakest_ply_of_a_laminated_cantilever_is_named() -> None:
 
 def test_regions_of_unknown_strength_are_left_out_and_told() -> None:
     parts = {"root": box(0, 0, LENGTH / 2, WIDTH), "end": box(LENGTH / 2, 0, LENGTH, WIDTH)}
-    laminates = {
-        "root": Laminate([Ply(plate.material("steel"), THICKNESS)]),
-        "end": Laminate([Ply(BRITTLE, THICKNESS)]),
-    }
+    materials = {"root": plate.material("steel"), "end": BRITTLE}
+    laminates = {name: Laminate([Ply(material, THICKNESS)]) for name, material in materials.items()}
     first = plate.first_failure(cantilever(laminates, 1.0, regions=parts))
     assert (first.region, first.unjudged) == ("end", ("root",))
     # Half the length, half the moment; the change of ν at the border disturbs it over a thickness of plate or so.

@@ -129,6 +129,10 @@ def bad_elements() -> dict[str, tuple[dict[str, object], str]]:
             },
             "must be linear in the unknowns",
         ),
+        "geometry": (
+            {"geometry": {sp.Symbol("r"): 1 / sp.Symbol("unknown")}},
+            "has the geometry r = 1/unknown: the expression uses 'unknown'",
+        ),
         "amounts alone": (
             {"amounts": [sp.Symbol("u1", real=True)]},
             "only slopes are written in amounts",

@@ -7,7 +7,7 @@ into C. Never: meshes, materials, numbers of a plate.
     triangles.py, squares.py, library.py   the elements that there are
     checks.py       whether shape functions fit their nodes
     cells.py        whether cells of a mesh fit the element
-    factor.py, strains.py, frame.py   what makes the equations short: see `factor.py`
+    factor.py, strains.py, affine.py, frame.py   what makes the equations short: see `factor.py`
     derive.py       all functions of an element
     description.py  an element in words and formulas
 

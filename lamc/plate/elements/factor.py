@@ -16,7 +16,7 @@ from typing import TypeAlias, TypeVar
 
 import sympy as sp
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.staging import Scalar, Store
 from lamc.mechanics.sympy_view import from_sympy
 from lamc.plate.elements.definition import Element, eta, side, xi
@@ -57,11 +57,16 @@ class Geometry:
                 if i > 1:
                     self._shift[raw] = sp.Symbol(f"{name}1", real=True) + side(name, i, 1)
         for symbol, expr in element.geometry.items():
-            self.known[symbol.name] = from_sympy(sp.sympify(expr), self.known, store)
+            try:
+                self.known[symbol.name] = from_sympy(expr, self.known, store)
+            except ExpressionError as error:
+                raise DesignError(
+                    f"element {element.name!r} has the geometry {symbol} = {expr}: {error.message}"
+                ) from error
 
     def parts(self, expr: sp.Expr) -> dict[sp.Expr, Polynomial]:
         """`expr` as a sum of monomials of geometry times polynomials in ξ and η."""
-        moved = sp.sympify(expr).xreplace(self._shift)
+        moved = expr.xreplace(self._shift)
         try:
             terms = sp.Poly(moved, xi, eta).terms()
         except sp.PolynomialError as error:

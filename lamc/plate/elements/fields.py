@@ -8,11 +8,12 @@ from fractions import Fraction
 
 from lamc.codegen.program import Space
 from lamc.mechanics.staging import Scalar, reciprocal
+from lamc.plate.elements.affine import moments
 from lamc.plate.elements.cell import Cell
 from lamc.plate.elements.factor import factored, gradient, plain, value
 from lamc.plate.elements.frame import Varying, constant, scaled
 from lamc.plate.elements.polynomials import Polynomial, hats, inner, product
-from lamc.plate.elements.strains import Chain, Part, moments, slopes_part
+from lamc.plate.elements.strains import Chain, Part, slopes_part
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
 

@@ -9,11 +9,11 @@ from typing import TypeAlias
 
 from lamc.codegen.program import Space
 from lamc.mechanics.staging import Scalar, reciprocal
+from lamc.plate.elements.affine import forces_of_amounts, stiffness_of_amounts
 from lamc.plate.elements.cell import Cell
 from lamc.plate.elements.factor import plain
 from lamc.plate.elements.polynomials import inner
 from lamc.plate.elements.quadrature import Point, square_points
-from lamc.plate.elements.strains import affine_force, affine_stiffness
 from lamc.plate.elements.sums import lower_triangle, weighted_sum
 
 # Sums over points of more operations than this are left to a loop: compilers take long over long straight code.
@@ -33,7 +33,7 @@ def stiffness(cell: Cell) -> Found:
 
 def _stiffness(cell: Cell) -> tuple[list[list[Scalar]], tuple[Point, ...]]:
     if cell.element.is_affine:
-        return affine_stiffness(cell.strains, cell.frame, cell.section, cell.element.cell), ()
+        return stiffness_of_amounts(cell.strains, cell.frame, cell.section, cell.element.cell), ()
     points = square_points(cell.element.degree)
     count = len(cell.strains[0].part.basis)
     if 3 * count * count * len(points) > _MAX_STRAIGHT:
@@ -56,7 +56,7 @@ def force(cell: Cell) -> Found:
 
 def _force(cell: Cell, amounts: Sequence[Scalar]) -> tuple[list[Scalar], tuple[Point, ...]]:
     if cell.element.is_affine:
-        return affine_force(cell.strains, cell.frame, cell.section, amounts, cell.element.cell), ()
+        return forces_of_amounts(cell.strains, cell.frame, cell.section, amounts, cell.element.cell), ()
     points = square_points(cell.element.degree)
     if 12 * len(amounts) * len(points) > _MAX_STRAIGHT:
         return _force_at(cell, amounts, *cell.natural), points

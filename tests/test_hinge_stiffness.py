@@ -256,7 +256,9 @@ def test_what_the_drawing_does_not_say_is_noted() -> None:
 def test_unknown_moduli_are_refused_and_can_be_replaced() -> None:
     design = lamc.load(Path(lamc.__file__).parent / "examples" / "pendulum.cad")
     assert isinstance(design, Design)
-    with pytest.raises(DesignError, match="'flexible' has no E1, poisson: give them in the file's materials"):
+    with pytest.raises(
+        DesignError, match="'flexible' has no E1, poisson: give them in the design's materials"
+    ):
         with_material_stiffness(design)
     with pytest.raises(DesignError, match="has no material 'film' to be replaced; known are"):
         with_material_stiffness(design, {"film": KAPTON})

@@ -42,8 +42,9 @@ def plate_materials(
         told = "; ".join(f"{name!r} has no {', '.join(symbols)}" for name, symbols in sorted(lacking.items()))
         raise DesignError(
             f"moduli are needed for a plate, and those of the design are unknown or placeholders: {told}: give them in "
-            f"the file's materials, as {min(lacking)}: {{E1: 2.5 GPa, poisson: 0.34}}, or replace the material, as by "
-            f'materials={{{min(lacking)!r}: plate.material("Kapton HN")}} or --material "{min(lacking)}=Kapton HN"'
+            f"the design's materials, as {min(lacking)}: {{E1: 2.5 GPa, poisson: 0.34}}, or replace the material: in "
+            f'the materials of a plate file, by --material "{min(lacking)}=Kapton HN" of lamc split, or in Python by '
+            f'materials={{{min(lacking)!r}: plate.material("Kapton HN")}}'
         )
     return {name: given[name] if name in given else _plate_material(m) for name, m in own.items()}
 

@@ -72,8 +72,9 @@ def _formulas(element: Element) -> Iterator[str]:
         for symbol, expr in element.geometry.items():
             yield f"  {symbol} = {_text(element, expr)}"
     for field in element.fields:
+        only = ", which loads and mass use" if field == "w" and element.slopes else ""
         yield from _functions(
-            element, f"Shape functions of {field}", element.unknowns, getattr(element, field)
+            element, f"Shape functions of {field}{only}", element.unknowns, getattr(element, field)
         )
     if element.amounts:
         yield ""

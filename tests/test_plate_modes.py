@@ -188,6 +188,27 @@ def test_link_on_a_soft_hinge_swings_like_a_pendulum() -> None:
     assert found.omega[1] > 50.0 * found.omega[0]
 
 
+def test_link_on_an_elastic_hinge_swings_on_its_spring() -> None:
+    """A rigid link hinged to the ground: ω² = k / (m L³ / 3) for a stiffness k per metre of the line."""
+    rigid = plate.Laminate([plate.Ply(plate.Material.isotropic(12.0, 0.0, 1.0), 1.0)])
+    for k in (0.0, 1e-6):
+        found = plate.modes(square(4, plate.Hinged(LEFT, k), laminate=rigid), 2)
+        # The link bends by about k over its own stiffness, 1e-6.
+        assert found.omega[0] == pytest.approx(math.sqrt(3 * k), rel=1e-5)
+        assert len(found.rigid) == (k == 0.0)
+
+
+def test_membrane_vibrates_along_itself_like_a_bar() -> None:
+    """Held at one end, Poisson's ratio zero: ω = π/2 √(E/ρ) / L."""
+    bar = plate.Laminate([plate.Ply(plate.Material.isotropic(12.0, 0.0, 1.0), 1.0)])
+    held = [plate.Support(LEFT, ("u", "v")), plate.Support(BOTTOM, ("v",)), plate.Support(TOP, ("v",))]
+    found = plate.modes(square(6, *held, laminate=bar, pattern="squares", element="q9"), 1)
+    # Quadratic shape functions: order four in a quarter wave on six cells.
+    assert found.omega[0] == pytest.approx(math.pi / 2 * math.sqrt(12.0), rel=1e-4)
+    assert found.displacement(0, 1.0, 0.5) == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
+    assert np.isnan(found.shapes).all()
+
+
 def test_frequencies_do_not_depend_on_the_unit_of_length() -> None:
     """All lengths, moduli and densities in mm, N, t and s."""
     metres = plate.modes(square(6, SIMPLE, laminate=plate.Laminate([plate.Ply(CFRP, 1e-3, 30)])), 3)

@@ -15,6 +15,7 @@ from lamc.plate.convergence import Convergence, ConvergenceRow, QuantityError, c
 from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
 from lamc.plate.estimate import ErrorEstimate
 from lamc.plate.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
+from lamc.plate.flexibility import flexibility
 from lamc.plate.from_design import DesignPlate, plate_of
 from lamc.plate.gradients import gradient
 from lamc.plate.grid import grid, grid_of_lines, lines
@@ -104,6 +105,7 @@ __all__ = [
     "error_of",
     "first_failure",
     "first_ply_failure",
+    "flexibility",
     "gradient",
     "grid",
     "grid_of_lines",

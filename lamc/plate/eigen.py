@@ -28,6 +28,9 @@ Factor: TypeAlias = Callable[[Matrix], Solve]
 # Up to here LAPACK takes no longer than the factorisation, and misses nothing.
 DENSE = 150
 _MASSLESS = 1e-12  # relative; a motion with less mass than this has none
+_EXACT = 1e-11  # of the residual, relative; the values' own error is its square
+_ROUGH, _FEW = 1e-3, 8  # of a look for values that were missed: residual, and vectors of the basis
+_SAME = 1e-9  # relative; values nearer to each other than this are one
 _SEED = 20_040_229  # any, but always the same
 
 
@@ -93,12 +96,12 @@ def vibration(
     def inverse(b: Array) -> Array:
         return without_rigid(solve(b - heavy @ (rigid.T @ b)))
 
-    values, vectors = _lanczos(stiffness, mass, inverse, count, 0.0)
+    values, vectors = _lanczos(stiffness, mass, inverse, count, _EXACT)
     return _with_missed(stiffness, mass, inverse, values, vectors)
 
 
 def _lanczos(
-    stiffness: Matrix, mass: Matrix, inverse: Solve, count: int, tolerance: float
+    stiffness: Matrix, mass: Matrix, inverse: Solve, count: int, tolerance: float, basis: int | None = None
 ) -> tuple[Array, Array]:
     size = stiffness.shape[0]
     start = inverse(mass @ np.random.default_rng(_SEED).standard_normal(size))
@@ -109,6 +112,7 @@ def _lanczos(
         sigma=0.0,
         OPinv=LinearOperator((size, size), matvec=inverse, dtype=float),
         v0=start,
+        ncv=basis,
         tol=tolerance,
     )
     order = np.argsort(values)
@@ -130,9 +134,11 @@ def _with_missed(
             x = inverse(b - heavy @ (vectors.T @ b))
             return np.asarray(x - vectors @ (heavy.T @ x))
 
-        value, vector = _lanczos(stiffness, mass, beside, 1, 1e-10)
-        if value[0] >= values[-1] * (1.0 - 1e-9):
+        # A value found roughly is never too small, so the first look may be a short one.
+        value, vector = _lanczos(stiffness, mass, beside, 1, _ROUGH, _FEW)
+        if value[0] >= values[-1] * (1.0 - _SAME):
             break
+        value, vector = _lanczos(stiffness, mass, beside, 1, _EXACT)
         values, vectors = np.append(values, value), np.hstack([vectors, vector])
         order = np.argsort(values)[:count]
         values, vectors = values[order], vectors[:, order]

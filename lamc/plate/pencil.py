@@ -20,9 +20,6 @@ from lamc.plate.rigid import Piece
 from lamc.plate.solvers import factor
 from lamc.plate.system import System, system
 
-# Of the largest stiffness that elastic hinges oppose to a rigid motion; a motion that meets less is free.
-_NO_SPRING = 1e-9
-
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
@@ -111,8 +108,6 @@ def pencil(problem: Problem, solver: str = "auto") -> Pencil:
     if any(piece.names for piece in made.pieces):  # without the pins that hold free pieces for `solve`
         free = constraints(problem, support_equations(problem)).free
     motions, names = _motions(made.pieces, problem.dofs.count)
-    if len(made.springs.stiffness):
-        motions, names = _unsprung(motions, names, made)
     reduced = sparse.csc_array(free.T @ made.stiffness @ free)
     return Pencil(made, free, reduced, np.asarray(free.T @ motions), names)
 
@@ -127,12 +122,3 @@ def _motions(found: tuple[Piece, ...], count: int) -> tuple[Array, tuple[str, ..
             columns.append(column)
             names.append(name if piece.count == 1 else f"{name} of {piece.text}")
     return np.array(columns).reshape(-1, count).T, tuple(names)
-
-
-def _unsprung(motions: Array, names: tuple[str, ...], made: System) -> tuple[Array, tuple[str, ...]]:
-    """Those that elastic hinges do not oppose."""
-    turns = made.springs.turns @ motions
-    values, vectors = np.linalg.eigh(turns.T @ (made.springs.stiffness[:, None] * turns))
-    free = values <= _NO_SPRING * values.max(initial=0.0)
-    left = motions @ vectors[:, free]
-    return left, names if free.all() else tuple(f"rigid motion {k + 1}" for k in range(left.shape[1]))

@@ -2,6 +2,9 @@
 
 Out: `LIBRARY`, by name, and `material(name)`; `source` of each says where its numbers stand. Never: a number that is
 in no source: an expansion that is not given counts as zero, a strength or a modulus through the thickness as unknown.
+
+Cardboard and adhesive films are not here: their moduli differ by maker, humidity and time under load by more than a
+table could help with. Measure yours, and give it as a Material; a strip that sags under its own weight is enough.
 """
 
 from lamc.errors import DesignError
@@ -106,20 +109,6 @@ _SHEETS = (
         source=(
             "DuPont Teijin Films, Mylar physical-thermal properties, H-37232-3: polyester (PET) film; E is the mean of "
             "490 and 510 kgf/mm² along and across the web"
-        ),
-    ),
-    Material(
-        E1=7.44e9,
-        E2=3.47e9,
-        nu12=0.15,
-        G12=2.04e9,
-        density=780.0,
-        G13=0.137e9,
-        G23=0.099e9,
-        name="carton",
-        source=(
-            "R. W. Mann, G. A. Baum and C. C. Habeger, Tappi 63(2) (1980) 163: bleached paperboard, by ultrasound; 1 "
-            "is the machine direction"
         ),
     ),
     Material.isotropic(

@@ -376,6 +376,17 @@ def test_placeholder_moduli_are_refused_with_the_way_out() -> None:
     assert "\n" not in text
 
 
+def test_body_that_is_all_hinge_is_no_plate_without_it() -> None:
+    """A film alone that ends 0.4 mm from its line, within the hinge width of 0.5 mm."""
+    text = TWO_LINKS.replace("  - {rect: [-20, 0, 30, 10]}", "  - {rect: [-20, 0, 0.4, 10]}")
+    text = text.replace("bodies: {left: [-5, 5], right: [5, 5]}", "bodies: {left: [-5, 5], right: [0.3, 5]}")
+    design = load_text(text, "two.yaml")
+    assert isinstance(design, Design)
+    assert areas(plate.plate_of(design, "right")) == pytest.approx({"film": 3.5}, rel=1e-9)
+    with pytest.raises(DesignError, match="nothing is left of 'right' with hinges='lines'"):
+        plate.plate_of(design, "right", hinges="lines")
+
+
 def test_orthotropic_material_needs_its_shear_modulus() -> None:
     design = load_text(TWO_LINKS.replace("E1: 60 GPa,", "E1: 60 GPa, E2: 6 GPa,"), "two.yaml")
     assert isinstance(design, Design)

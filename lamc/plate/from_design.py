@@ -79,7 +79,8 @@ def plate_of(
     height     m, of the reference surface above the bottom of the design; None: the middle of the largest region
     tolerance  m, what is narrower is given to its neighbour; None: 1e-6 of the drawing, at most 1/50 of a hinge width
 
-    Raises DesignError for an unknown body or choice, for materials without moduli, and as `split` does.
+    Raises DesignError for an unknown body or choice, for materials without moduli, where nothing is left, and as
+    `split` does.
     """
     if hinges not in HINGES:
         raise DesignError(f"hinges is {shown(hinges)}; it must be one of {', '.join(HINGES)}")
@@ -100,6 +101,11 @@ def plate_of(
     strips = [each.strip() for each in joined] if hinges == "strips" else []
     found = overlay([*areas, *strips], tolerance)
     stacks = _named(found, joined, [layer.name for layer in layers])
+    if not stacks:
+        raise DesignError(
+            f"nothing is left of {', '.join(repr(part.name) for part in bodies)} with hinges={hinges!r} that is wider "
+            f'than {tolerance * 1e3:.3g} mm; take the hinges as strips: hinges="strips"'
+        )
     regions = {name: _simplest(region) for name, (_, region) in stacks.items()}
     used = sorted({k for stack, _ in stacks.values() for k in stack})
     plies = plate_materials(steps.design, used, materials)

@@ -18,9 +18,8 @@ from lamc.design.cutting import SLIT
 from lamc.design.steps import Connection, SplitBody, SplitSteps
 from lamc.plate.overlay import areas_of
 
-_TOUCH = (
-    1.5 * SLIT
-)  # depth in hinge widths that surely holds material of the body: what contacts are read off at
+# In hinge widths: how deep beside the slit there surely is material of the body; contacts are read off there.
+_TOUCH = 1.5 * SLIT
 _PARALLEL = 0.2  # sine of the largest angle between a hinge line and an edge that counts as being along it
 
 

@@ -41,6 +41,7 @@ bench: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
 	$(BIN)/python -m benchmarks.spine
 	$(BIN)/python -m benchmarks.hard_cases
+	$(BIN)/python -m benchmarks.plates
 
 pictures: $(STAMP)
 	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --no-animation --out out/pictures

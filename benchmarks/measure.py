@@ -11,7 +11,18 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("lamc", "numpy", "scipy", "sympy", "pydy", "cython", "cffi", "mujoco")
+PACKAGES = (
+    "lamc",
+    "numpy",
+    "scipy",
+    "sympy",
+    "pydy",
+    "cython",
+    "cffi",
+    "mujoco",
+    "scikit-fem",
+    "scikit-sparse",
+)
 ROOT = Path(__file__).resolve().parent.parent
 
 

@@ -11,7 +11,8 @@ import pytest
 import lamc
 from benchmarks.devices import CROSSED, SCENE, plates
 from benchmarks.hard_cases import undamped
-from benchmarks.peers import hand, kane_lambdify
+from benchmarks.peers import ccx_peer, hand, kane_lambdify
+from lamc import plate
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.reference.sympy_kane import kane
 from tests.mechanisms import ALL_PASSIVE, random_state, random_tree
@@ -76,3 +77,26 @@ def test_mujoco_moves_the_four_bar_as_lamc_does(shared: Path) -> None:
     assert np.abs(run.energy - run.energy[0]).max() < 1e-5 * result.energies["kinetic"].max()
     for name, angle in zip(peer.tree, run.angles, strict=True):
         assert angle == pytest.approx(result.angle(name)[-1], abs=1e-4)
+
+
+def test_morley_triangles_of_scikit_fem_hold_the_energy_of_a_cylinder() -> None:
+    """w = x²/2 has curvature one all over: wᵀKw is the area, 6; tilting and lifting cost nothing."""
+    peer = pytest.importorskip("benchmarks.peers.skfem_peer")
+    mesh = plate.grid(2.0, 3.0, 4, 5)
+    made = peer.MorleyPlate(mesh.points, mesh.cells, 0.3)
+    matrix = made.assemble()
+    bent = made.basis.project(lambda x: x[0] ** 2 / 2)
+    tilted = made.basis.project(lambda x: 1 + 2 * x[0] - x[1])
+    # 1e-10: the projection onto the basis is solved with a condition of some 1e4
+    assert bent @ matrix @ bent == pytest.approx(6.0, rel=1e-10)
+    assert abs(tilted @ matrix @ tilted) < 1e-10
+
+
+def test_calculix_bends_the_clamped_square(tmp_path: Path) -> None:
+    """Within 3 % of the table on 20 by 20 squares, and nearer there than on 10 by 10."""
+    if not ccx_peer.is_there():
+        pytest.skip("CalculiX (ccx) is not installed")
+    case = ccx_peer.Plate()
+    errors = [abs(ccx_peer.run(case, squares, tmp_path)[1] / case.expected - 1) for squares in (10, 20)]
+    assert errors[1] < 0.03
+    assert errors[1] < errors[0]

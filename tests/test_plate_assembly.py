@@ -107,6 +107,23 @@ def test_the_same_input_gives_the_same_bits() -> None:
     assert not np.array_equal(soft.data, once.data)
 
 
+@pytest.mark.parametrize("dtype", [float, np.longdouble])
+@pytest.mark.parametrize("name", sorted(ELEMENTS))
+def test_forces_of_all_cells_are_those_of_each(name: str, dtype: type) -> None:
+    """Round-off of sums over the cells around a node, in the precision asked for."""
+    mesh, made = meshed(name), kernels(name)
+    dofs, by_region = Dofs(mesh, made.element), sections(name)
+    d = np.random.default_rng(4).standard_normal(dofs.count).astype(dtype)
+    found = Assembly(made, mesh, dofs).force(by_region, d)
+    each = made.force(mesh.corners, by_region[mesh.regions], d[dofs.of_cells], dtype=dtype)
+    expected = np.zeros_like(d)
+    np.add.at(expected, dofs.of_cells, each)
+    assert found.dtype == np.dtype(dtype)
+    assert np.abs(found - expected).max() <= 20 * np.finfo(dtype).eps * np.abs(expected).max()
+    interpreted = Assembly(kernels(name, "interpreted"), mesh, dofs).force(by_region, d)
+    assert np.abs(interpreted - expected).max() <= 20 * np.finfo(dtype).eps * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("name", ["bciz", "lst", "q9", "bfs"])
 def test_interpreted_kernels_give_the_same_matrix(name: str) -> None:
     """1e-15 times the cells around a node: numpy sums in another order."""
@@ -193,6 +210,10 @@ def test_other_refusals() -> None:
         assembly.mass(np.ones(3))
     with pytest.raises(DesignError, match="forces have shape"):
         assembly.geometric(np.ones((3, 3)))
+    with pytest.raises(
+        DesignError, match=r"d have shape \(3,\); it must be \(\d+,\), one number per unknown"
+    ):
+        assembly.force(np.ones((2, 6)), np.ones(3))
     with pytest.raises(DesignError, match="element 'q4' has 4 corners and the cells of the mesh 3"):
         Assembly(kernels("q4"), mesh, dofs)
     with pytest.raises(DesignError, match="it must be a Mesh"):

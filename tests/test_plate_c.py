@@ -83,6 +83,15 @@ static double assembled(const lamc_element *e, int m, const int32_t *sizes) {
   e->assemble_stiffness(&a, table, row, values);
   e->assemble_mass(&a, table, row, values);
   if (e->assemble_geometric != NULL) e->assemble_geometric(&a, table, row, values);
+  double *u = vector(a.unknown_count, 1.0), *forces = vector(a.unknown_count, 0.0);
+  long double *long_u = malloc(sizeof(long double) * (size_t)a.unknown_count);
+  long double *long_forces = malloc(sizeof(long double) * (size_t)a.unknown_count);
+  if (long_u == NULL || long_forces == NULL) exit(9);
+  for (int32_t i = 0; i < a.unknown_count; ++i) long_u[i] = (long double)u[i], long_forces[i] = 0.0L;
+  e->assemble_force(&a, table, row, u, forces);
+  e->assemble_force_extended(&a, table, row, long_u, long_forces);
+  for (int32_t i = 0; i < a.unknown_count; ++i) sum += forces[i] + (double)long_forces[i];
+  free(u); free(forces); free(long_u); free(long_forces);
   for (int64_t i = 0; i < entries; ++i) sum += values[i];
   free(xy); free(corner); free(nodes); free(row); free(a.begins); free(a.offsets);
   free(scratch); free(rows); free(values); free(table);

@@ -127,6 +127,8 @@ def _context(program: ElementProgram, prefix: str) -> dict[str, object]:
         "batches": list(batches.values()),
         "extended": [batches[name] for name in EXTENDED if name in batches],
         "assembled": [batches[name] for name in MATRICES if name in batches],
+        "unknown_nodes": [k for k, node in enumerate(program.nodes) for _ in node],
+        "unknown_places": [i for node in program.nodes for i in range(len(node))],
         "scatter": _scatter([len(node) for node in program.nodes]),
         "members": _members(prefix, functions),
     }
@@ -171,4 +173,7 @@ def _members(prefix: str, functions: Mapping[str, Function]) -> list[str]:
     order = (*MATRICES, "load", "prestress", "strain", "displacement", "force")
     members = [f"{prefix}_{name}" if name in functions else "NULL" for name in order]
     members += [f"{prefix}_{name}_extended" if name in functions else "NULL" for name in EXTENDED]
-    return members + [f"{prefix}_assemble_{name}" if name in functions else "NULL" for name in MATRICES]
+    members += [
+        f"{prefix}_assemble_{name}" if name in functions else "NULL" for name in (*MATRICES, *EXTENDED)
+    ]
+    return members + [f"{prefix}_assemble_{name}_extended" for name in EXTENDED]

@@ -7,7 +7,7 @@ Cells are taken along a space-filling curve, so that those that meet at a node f
 is still in the cache. No element matrix is kept: C adds each to the columns at once.
 """
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +43,10 @@ class _Sums(Protocol):
 
     def values(self, name: str, table: Array, row: Integers) -> Array:
         """Entries of the assembled matrix; cell i takes row[i] of the table."""
+        ...
+
+    def forces(self, sections: Array, row: Integers, d: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Forces on all unknowns d (N,), in their precision; cell i takes row[i] of the sections."""
         ...
 
 
@@ -94,6 +98,16 @@ class Assembly:
         self.kernels.check_bends()
         table = numbers("forces", forces, (3,), len(self.mesh.cells), float)
         return self._matrix("geometric", table, self._order)
+
+    def force(self, sections: npt.ArrayLike, d: npt.ArrayLike) -> npt.NDArray[Any]:
+        """∫ Bᵀ (S (B d)) dA, shape (N,), of unknowns d (N,): the stiffness times d by way of the strains.
+
+        Computed in the precision of d, float or numpy.longdouble. Sections as for `stiffness`.
+        """
+        table = self._per_region("sections", sections, (self.kernels.section_count,))
+        dtype = np.longdouble if np.asarray(d).dtype == np.dtype(np.longdouble) else float
+        unknowns = numbers("d", d, (), self.count, dtype, "one number per unknown")
+        return self._sums.forces(table, self._regions, unknowns.reshape(-1))
 
     def _per_region(self, label: str, values: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
         names = self.mesh.region_names
@@ -166,6 +180,7 @@ class _NumpyAssembly:
     ) -> None:
         self._evaluator, self._count, self._size = evaluator, count, of_cells.shape[1]
         self._corners = np.ascontiguousarray(points[cells].reshape(len(cells), -1))
+        self._of_cells = of_cells
         self._rows = np.tile(of_cells, self._size).ravel()
         self._columns = np.repeat(of_cells, self._size, axis=1).ravel()
         pattern = self._summed(np.ones(len(self._rows)))
@@ -176,6 +191,13 @@ class _NumpyAssembly:
         inputs = [self._corners, np.ascontiguousarray(table[row])]
         matrices = self._evaluator.values(name, inputs, (self._size, self._size), float)
         return np.asarray(self._summed(matrices.ravel()).data)
+
+    def forces(self, sections: Array, row: Integers, d: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Forces on all unknowns d (N,), in their precision; cell i takes row[i] of the sections."""
+        inputs = [a.astype(d.dtype) for a in (self._corners, sections[row])] + [d[self._of_cells]]
+        total = np.zeros_like(d)
+        np.add.at(total, self._of_cells, self._evaluator.values("force", inputs, (self._size,), d.dtype))
+        return total
 
     def _summed(self, values: Array) -> sps.csc_array:
         summed = sps.coo_array((values, (self._rows, self._columns)), shape=(self._count,) * 2).tocsc()

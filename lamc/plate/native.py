@@ -102,3 +102,12 @@ class CompiledAssembly:
         function = getattr(element.handle, f"assemble_{name}")
         function(self._handle, element.address(table), element.address(row), element.address(summed))
         return summed
+
+    def forces(self, sections: Array, row: Integers, d: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Forces on all unknowns d (N,), in their precision; cell i takes row[i] of the sections."""
+        element = self._element
+        total = np.zeros_like(d)
+        name = "assemble_force" if d.dtype == np.dtype(float) else "assemble_force_extended"
+        addresses = [element.address(array) for array in (sections, row, d, total)]
+        getattr(element.handle, name)(self._handle, *addresses)
+        return total

@@ -19,7 +19,6 @@ import scipy.sparse as sp
 from lamc.mechanism.checks import Array
 from lamc.plate.assembly import Assembly
 from lamc.plate.constraints import Constraints, constraints, joined, support_equations
-from lamc.plate.dofs import Dofs
 from lamc.plate.kernels import ElementKernels, kernels
 from lamc.plate.problem import Problem
 from lamc.plate.reduction import Reduction
@@ -35,8 +34,8 @@ Numbers = npt.NDArray[Any]  # float or long double
 class Pattern:
     """What depends on the unknowns and the supports only: computed once for all laminates."""
 
-    def __init__(self, dofs: Dofs, constraints: Constraints) -> None:
-        self._dofs, self._constraints = dofs, constraints
+    def __init__(self, constraints: Constraints) -> None:
+        self._constraints = constraints
         self._reduction: Reduction | None = None
 
     def reduction(self, matrix: sp.csc_array) -> Reduction:
@@ -44,13 +43,6 @@ class Pattern:
         if self._reduction is None:
             self._reduction = Reduction(self._constraints.free, matrix)
         return self._reduction
-
-    @cached_property
-    def scatter(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """An order of the cells' unknowns that puts equal ones together, and where each begins."""
-        numbers = self._dofs.of_cells.ravel()
-        order = np.argsort(numbers, kind="stable")
-        return order, np.searchsorted(numbers[order], np.arange(self._dofs.count))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,12 +134,8 @@ class System:
 
     def inner_forces(self, d: Numbers) -> Numbers:
         """∫ Bᵀ S B d dA by way of the strains, elastic hinges included, (N,), in the precision of `d`."""
-        dofs = self.problem.dofs
-        sections_of = self.section_rows[self.problem.mesh.regions]
-        of_cells = self.kernels.force(self.problem.mesh.corners, sections_of, d[dofs.of_cells], dtype=d.dtype)
-        order, starts = self.pattern.scatter
-        total = np.add.reduceat(of_cells.ravel()[order], starts)
-        return total + self.springs.forces(d) if len(self.springs.stiffness) else np.asarray(total)
+        total = self.assembly.force(self.section_rows, d)
+        return total + self.springs.forces(d) if len(self.springs.stiffness) else total
 
     def with_problem(self, problem: Problem) -> "System":
         """Of a problem that differs by its laminates only: values are assembled anew, patterns and ordering stay."""
@@ -166,4 +154,4 @@ def system(problem: Problem, solver: str = "auto") -> System:
     if free:
         held = constraints(problem, joined([equations, *free]))
     assembly = Assembly(made, problem.mesh, problem.dofs)
-    return System(problem, chosen, made, assembly, held, found, elastic, Pattern(problem.dofs, held))
+    return System(problem, chosen, made, assembly, held, found, elastic, Pattern(held))

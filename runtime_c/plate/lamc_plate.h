@@ -68,6 +68,11 @@ typedef struct lamc_element {
   void (*assemble_mass)(const lamc_assembly *a, const double *areal_mass, const int32_t *row, double *values);
   void (*assemble_geometric)(const lamc_assembly *a, const double *forces, const int32_t *row,
                              double *values);
+  /* Adds the forces on the unknowns (N) of all cells to `forces` (N). */
+  void (*assemble_force)(const lamc_assembly *a, const double *sections, const int32_t *row,
+                         const double *unknowns, double *forces);
+  void (*assemble_force_extended)(const lamc_assembly *a, const double *sections, const int32_t *row,
+                                  const long double *unknowns, long double *forces);
 } lamc_element;
 
 /* How many ints of scratch lamc_assembly_begin needs. */

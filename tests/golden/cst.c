@@ -266,6 +266,46 @@ void cst_assemble_mass(const lamc_assembly *a, const double *areal_mass, const i
   }
 }
 
+/* For each unknown of the element, its number in the mesh: node by node. */
+static inline void number_unknowns(const lamc_assembly *a, int64_t cell, int32_t *number) {
+  static const int node[] = {0, 0, 1, 1, 2, 2}, place[] = {0, 1, 0, 1, 0, 1};
+  for (int i = 0; i < 6; ++i) number[i] = a->nodes[3 * cell + node[i]] + place[i];
+}
+
+void cst_assemble_force(const lamc_assembly *a, const double *sections, const int32_t *row, const double *unknowns, double *forces) {
+  for (int64_t first = 0; first < a->cell_count; first += LANES) {
+    const int used = used_of(a->cell_count - first);
+    ALIGNED xy[6 * LANES], s[6 * LANES], d[6 * LANES], force[6 * LANES];
+    int32_t number[LANES][6];
+    gather_corners(a, first, used, xy);
+    gather_rows(sections, 6, row + first, used, s);
+    for (int lane = 0; lane < LANES; ++lane) {
+      number_unknowns(a, first + (lane < used ? lane : used - 1), number[lane]);
+      for (int i = 0; i < 6; ++i) d[LANES * i + lane] = unknowns[number[lane][i]];
+    }
+    cst_force_lanes((const lanes *)xy, (const lanes *)s, (const lanes *)d, (lanes *)force);
+    for (int lane = 0; lane < used; ++lane) {
+      for (int i = 0; i < 6; ++i) forces[number[lane][i]] += force[LANES * i + lane];
+    }
+  }
+}
+
+void cst_assemble_force_extended(const lamc_assembly *a, const double *sections, const int32_t *row, const long double *unknowns, long double *forces) {
+  for (int64_t cell = 0; cell < a->cell_count; ++cell) {
+    const double *section = sections + 6 * (int64_t)row[cell];
+    long double xy[6], s[6], d[6], force[6];
+    int32_t number[6];
+    for (int i = 0; i < 6; ++i) {
+      xy[i] = (long double)a->points[2 * (int64_t)a->cells[3 * cell + i / 2] + i % 2];
+    }
+    for (int i = 0; i < 6; ++i) s[i] = (long double)section[i];
+    number_unknowns(a, cell, number);
+    for (int i = 0; i < 6; ++i) d[i] = unknowns[number[i]];
+    cst_force_long(xy, s, d, force);
+    for (int i = 0; i < 6; ++i) forces[number[i]] += force[i];
+  }
+}
+
 const lamc_element *cst_element(void) {
   static const lamc_element element = {
       "cst",
@@ -289,6 +329,8 @@ const lamc_element *cst_element(void) {
       cst_assemble_stiffness,
       cst_assemble_mass,
       NULL,
+      cst_assemble_force,
+      cst_assemble_force_extended,
   };
   return &element;
 }

@@ -67,6 +67,10 @@ void cst_assemble_stiffness(const lamc_assembly *a, const double *sections, cons
 /* Adds the mass of all cells to the entries of a sparse matrix; row[i] is cell i's row of areal_mass. */
 void cst_assemble_mass(const lamc_assembly *a, const double *areal_mass, const int32_t *row, double *values);
 
+/* Adds cst_force of all cells, on the unknowns (N) of a mesh, to forces (N). */
+void cst_assemble_force(const lamc_assembly *a, const double *sections, const int32_t *row, const double *unknowns, double *forces);
+void cst_assemble_force_extended(const lamc_assembly *a, const double *sections, const int32_t *row, const long double *unknowns, long double *forces);
+
 /* All of the above with names. The element is constant and lives as long as the program. */
 const lamc_element *cst_element(void);
 

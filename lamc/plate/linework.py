@@ -1,7 +1,7 @@
 """From polygons to lines that a mesher can take: every meeting of lines is a point, and points lie as close as cells
 shall be.
 
-In: polygons that were checked. Out: corners, segments between them, and points on these. Never: cells.
+In: outlines that were checked. Out: corners, segments between them, and points on these. Never: cells.
 """
 
 from collections.abc import Sequence
@@ -24,6 +24,18 @@ _ACUTE = np.radians(
 _ROOM = 0.9  # of a segment's length: first steps from both ends that take more are not taken
 
 
+BORDER, REGION, FREE = 0, 1, 2
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A chain of points; a ring ends where it begins, and one point alone is a corner."""
+
+    points: Array  # (k, 2), m
+    kind: int  # BORDER of the plate, ring of a REGION, or FREE inside one
+    size: float  # m, wanted length of edges: in the region, or where there is none
+
+
 @dataclass(frozen=True, eq=False)
 class Linework:
     """Corners and the segments between them, no two of which cross or lie upon each other."""
@@ -31,6 +43,7 @@ class Linework:
     corners: Array  # (c, 2), m
     segments: Integers  # (s, 2), rows of corners, the lower first
     sizes: Array  # (s,), m, wanted length of edges along each
+    limits: Array  # (c,), m, wanted length of edges at corners of no segment; inf at others
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,36 +56,32 @@ class Divided:
     parts: Integers  # (p, 2), rows of points
 
 
-def linework(
-    border: Sequence[Array],
-    regions: Sequence[Sequence[Array]],
-    size: float,
-    sizes: Sequence[float],
-    tolerance: float,
-) -> Linework:
-    """Lines along the rings of the plate's border and of its regions.
+def linework(paths: Sequence[Path], tolerance: float) -> Linework:
+    """All paths, cut where corners of others lie on them.
 
-    Rings are closed, shape (k, 2). Corners nearer than `tolerance` to each other become one, and a corner that near to
-    a segment lies on it: what should coincide but for round-off does.
+    Corners nearer than `tolerance` to each other become one, and a corner that near to a segment lies on it: what
+    should coincide but for round-off does.
     """
-    rings = [(ring, -1) for ring in border] + [(ring, k) for k, own in enumerate(regions) for ring in own]
-    given = np.concatenate([ring[:-1] for ring, _ in rings])
-    starts = np.cumsum([0, *(len(ring) - 1 for ring, _ in rings)])
-    corners, index = _merged(given, tolerance)
-    pairs, owners = [], []
-    for (_, of_region), start, end in zip(rings, starts[:-1], starts[1:], strict=True):
-        along = index[start:end]
-        pairs.append(np.stack([along, np.roll(along, -1)], axis=1))
-        owners.append(np.full(len(along), of_region))
-    ends, owner = _split_at_corners(corners, np.concatenate(pairs), np.concatenate(owners), tolerance)
+    counts = [len(path.points) for path in paths]
+    corners, index = _merged(np.concatenate([path.points for path in paths]), tolerance)
+    owner = np.repeat(np.arange(len(paths)), counts)
+    inside = owner[1:] == owner[:-1]
+    pairs = np.stack([index[:-1], index[1:]], axis=1)[inside]
+    ends, owner = _split_at_corners(corners, pairs, owner[1:][inside], tolerance)
     segments, of = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    # The plate's border has a region on one side, or none; other segments have one on one side at least.
-    at_border = np.zeros(len(segments), dtype=bool)
-    at_border[of[owner < 0]] = True
-    in_regions = np.bincount(of[owner >= 0], minlength=len(segments))
-    wanted = np.where(in_regions + at_border >= 2, np.inf, size)
-    np.minimum.at(wanted, of[owner >= 0], np.asarray(sizes, dtype=float)[owner[owner >= 0]])
-    return Linework(corners, segments.astype(np.int32), wanted)
+    kind = np.array([path.kind for path in paths])[owner]
+    size = np.array([path.size for path in paths])
+    # The plate's border has a region on one side, or none; rings of regions have another on the other side, or none.
+    at_border = np.bincount(of[kind == BORDER], minlength=len(segments)) > 0
+    in_regions = np.bincount(of[kind == REGION], minlength=len(segments))
+    outer = np.array([path.size for path in paths if path.kind == BORDER]).min()
+    wanted = np.where(in_regions + at_border == 1, outer, np.inf)
+    np.minimum.at(wanted, of[kind != BORDER], size[owner[kind != BORDER]])
+    limits = np.full(len(corners), np.inf)
+    alone = np.array(counts) == 1
+    np.minimum.at(limits, index[np.cumsum(counts)[alone] - 1], size[alone])
+    limits[np.unique(segments)] = np.inf
+    return Linework(corners, segments.astype(np.int32), wanted, limits)
 
 
 def _merged(points: Array, tolerance: float) -> tuple[Array, NDArray[np.int64]]:
@@ -115,7 +124,7 @@ def corner_sizes(lines: Linework, grading: float) -> Array:
     length, and growing along segments by `grading` per length at most."""
     count = len(lines.corners)
     lengths = _lengths(lines)
-    own = np.full(count, np.inf)
+    own = lines.limits.copy()
     for k in (0, 1):
         np.minimum.at(own, lines.segments[:, k], np.minimum(lines.sizes, lengths))
     # Least over all corners of (size there + grading × way): shortest ways from one more corner that all start at.

@@ -4,28 +4,41 @@ In: shapely polygons in m. Out: a `Mesh` whose edges follow every border. Never:
 """
 
 import math
-from collections.abc import Mapping
-from typing import TypeAlias
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import Array, checked_name, checked_number, shown
-from lamc.plate.linework import Divided, Linework, corner_sizes, count_of_parts, divide, linework
+from lamc.mechanism.checks import Array, checked_number, shown
+from lamc.plate.linework import (
+    Divided,
+    Linework,
+    corner_sizes,
+    count_of_parts,
+    divide,
+    linework,
+)
 from lamc.plate.mesh import Mesh
 from lamc.plate.mesh_checks import place
 from lamc.plate.mesher_native import BYTES_PER_CELL, Full, Lines, MesherError, Triangulation, triangulate
+from lamc.plate.outlines import (
+    TOLERANCE,
+    Area,
+    check_area,
+    checked_followed,
+    checked_regions,
+    extent_of,
+    paths_of,
+)
 
 Integers = NDArray[np.int32]
-Area: TypeAlias = Polygon | MultiPolygon
 
 MOST_TRIANGLES = 5_000_000
 GRADING = 0.3
 
-_TOLERANCE = 1e-9  # of the extent: corners this near to each other, or to a segment, are meant to be the same
 _LEAST = 3e-4  # of the wanted size: no shorter edges for the sake of angles
 _PER_PART = (
     2.5  # triangles from a part of a border on one side until they have their full size, times the grading
@@ -40,6 +53,7 @@ def mesh(
     *,
     regions: Mapping[str, Area] | None = None,
     sizes: Mapping[str, float] | None = None,
+    follow: Sequence[BaseGeometry] = (),
     grading: float = GRADING,
     limit: int = MOST_TRIANGLES,
 ) -> Mesh:
@@ -47,6 +61,7 @@ def mesh(
 
     regions   polygons inside by name, which may share borders but not area; what is in none belongs to region ""
     sizes     size per region, m, where it is not `size`; "" for what is in none
+    follow    lines and points inside, which edges and corners shall be on, for supports and loads there
     grading   how much edges grow per length from where they are short, 0.05 to 1
     limit     largest number of triangles
 
@@ -55,24 +70,21 @@ def mesh(
     or segments below a thousandth of the size. The same input gives the same mesh, byte for byte.
 
     Raises DesignError for polygons that are empty or cross themselves, or hang together at a point only; for regions
-    that overlap or lie outside; for sizes that are not positive or would give more triangles than the limit. Raises
-    BuildError without a C compiler.
+    that overlap, and regions, lines or points that lie outside; for sizes that are not positive or would give more
+    triangles than the limit. Raises BuildError without a C compiler.
     """
-    _check_area(polygon, "the polygon of a mesh")
-    named = _checked_regions(polygon, regions or {})
+    check_area(polygon, "the polygon of a mesh")
+    named = checked_regions(polygon, regions or {})
     wanted = _checked_sizes(size, named, sizes or {})
     slope = checked_number(grading, "the grading of a mesh")
     if not 0.05 <= slope <= 1.0:
         raise DesignError(f"the grading of a mesh is {slope:g}; it must be between 0.05 and 1: 0.3 is usual")
     most = checked_number(limit, "the limit of a mesh", minimum=1.0)
-    extent = _extent(polygon)
-    lines = linework(
-        _rings(polygon),
-        [_rings(area) for area in named.values()],
-        wanted[0],
-        wanted[1:].tolist(),
-        _TOLERANCE * extent,
-    )
+    try:
+        paths = paths_of(polygon, named, wanted, checked_followed(polygon, follow))
+        lines = linework(paths, TOLERANCE * extent_of(polygon))
+    except shapely.errors.GEOSException as error:
+        raise DesignError(f"the outlines cannot be compared: {error}; round their coordinates") from error
     at_corners = corner_sizes(lines, slope)
     expected = _expected(polygon, named, wanted, count_of_parts(lines, at_corners, slope), slope)
     if expected > most:
@@ -80,62 +92,6 @@ def mesh(
     divided = divide(lines, at_corners, slope)
     triangles = _triangulate(polygon, named, wanted, slope, lines, divided, expected, most)
     return _mesh_of(triangles, divided, named)
-
-
-def _check_area(area: object, what: str) -> None:
-    if not isinstance(area, Polygon | MultiPolygon):
-        raise DesignError(f"{what} is {shown(area)}; it must be a shapely Polygon or MultiPolygon, in m")
-    if area.is_empty:
-        raise DesignError(f"{what} is empty; it must have an area")
-    if not np.isfinite(shapely.get_coordinates(area)).all():
-        raise DesignError(f"{what} has coordinates that are not finite")
-    if not area.is_valid:
-        raise DesignError(
-            f"{what} is not a simple polygon: {shapely.is_valid_reason(area)} (m); its rings must not cross or touch "
-            "along a line: correct the outline there, or try shapely.make_valid"
-        )
-
-
-def _extent(area: Area) -> float:
-    low_x, low_y, high_x, high_y = area.bounds
-    return float(max(high_x - low_x, high_y - low_y))
-
-
-def _rings(area: Area) -> list[Array]:
-    pieces = area.geoms if isinstance(area, MultiPolygon) else [area]
-    return [shapely.get_coordinates(r) for piece in pieces for r in (piece.exterior, *piece.interiors)]
-
-
-def _checked_regions(polygon: Area, regions: Mapping[str, Area]) -> dict[str, Area]:
-    """Regions in their order. What round-off makes them overlap or reach outside is let pass."""
-    if not isinstance(regions, Mapping):
-        raise DesignError(f"the regions of a mesh are {shown(regions)}; give a polygon by name")
-    named = dict(regions)
-    slack = _TOLERANCE * _extent(polygon)
-    for name, area in named.items():
-        checked_name(name, "a region")
-        _check_area(area, f"region {name!r}")
-        outside = area.difference(polygon)
-        if outside.area > slack * area.length:
-            at = np.array(outside.representative_point().coords[0])
-            raise DesignError(
-                f"region {name!r} reaches outside the polygon with {outside.area:.6g} m² of its {area.area:.6g} m², "
-                f"around {place(at)}: cut it at the polygon's border"
-            )
-    if not named:
-        return named
-    areas = list(named.values())
-    first, second = shapely.STRtree(areas).query(areas, predicate="intersects")
-    for one, other in sorted((int(i), int(j)) for i, j in zip(first, second, strict=True) if i < j):
-        common = areas[one].intersection(areas[other])
-        if common.area > slack * (areas[one].length + areas[other].length):
-            names = list(named)
-            at = np.array(common.representative_point().coords[0])
-            raise DesignError(
-                f"regions {names[one]!r} and {names[other]!r} overlap with {common.area:.6g} m² around {place(at)}; "
-                "a triangle has one region: cut one of them at the other"
-            )
-    return named
 
 
 def _checked_sizes(size: float, regions: Mapping[str, Area], sizes: Mapping[str, float]) -> Array:
@@ -190,7 +146,7 @@ def _triangulate(
     """In coordinates of order one, and back. Doubles the room until it is enough."""
     low_x, low_y, high_x, high_y = polygon.bounds
     middle = np.array([0.5 * (low_x + high_x), 0.5 * (low_y + high_y)])
-    scale = 2.0 ** -math.ceil(math.log2(_extent(polygon)))
+    scale = 2.0 ** -math.ceil(math.log2(extent_of(polygon)))
     box = _AROUND * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
     native = Lines(
         np.concatenate([box, (divided.points - middle) * scale]),

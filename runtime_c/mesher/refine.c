@@ -15,7 +15,7 @@
 #define TOO_NEAR                                                                                             \
   0.7             /* distance to the next point over wanted length, below which an off-centre is not taken */
 #define SAME 1e-3 /* relative difference of lengths on two sides of an acute corner that count as equal */
-#define SHARP 0.6 /* chord over distance from the corner: 35° */
+#define SHARP 0.5 /* chord over distance from the corner: 29° */
 #define NEAR_FLAT 1.0e-10 /* area over square of the longest edge, below which a cell has no circle */
 
 typedef struct lamc_work {

@@ -13,8 +13,9 @@ demo: $(STAMP)
 	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --out $(OUT)
 	$(BIN)/lamc check lamc/examples/pendulum.cad
 	$(BIN)/lamc bench lamc/examples/pendulum.cad --out $(OUT)
+	$(BIN)/lamc plate --example strip --out $(OUT)/plate
 	@echo
-	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, the animation, results.csv"
+	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, the animation, results.csv; plate/deflection.png"
 
 test: $(STAMP)
 	$(MAKE) -C runtime_c test sanitize cxx
@@ -47,6 +48,8 @@ pictures: $(STAMP)
 	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --no-animation --out out/pictures
 	cp out/pictures/folded.png docs/pendulum.png
 	$(BIN)/lamc examples --picture docs/gallery.png
+	$(BIN)/lamc plate --example strip --out out/pictures
+	cp out/pictures/deflection.png docs/plate.png
 
 clean:
 	rm -rf $(VENV) out build dist

@@ -70,7 +70,23 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
         largest = max((abs(end.value) for end in found.get(output.value, ("",))[1:]), default=0.0)
         kept = value if abs(value) > _NOTHING * largest else 0.0
         printed.append(Printed(output, kept, VALUES[output.value]))
-    return CaseReport(name, solution, fields, error_estimate(solution), found, tuple(printed))
+    notes = (*solution.report.notes, *_large(solution, found))
+    return CaseReport(name, solution, fields, error_estimate(solution), found, tuple(printed), notes)
+
+
+def _large(solution: Solution, found: Mapping[str, tuple[str, Extreme, Extreme]]) -> tuple[str, ...]:
+    """A note where deflections are so large that linear theory may be wrong."""
+    if "w" not in found:
+        return ()
+    _, low, high = found["w"]
+    largest = max(abs(low.value), abs(high.value))
+    thickness = max(laminate.thickness for laminate in solution.problem.laminates)
+    if largest <= thickness:
+        return ()
+    return (
+        f"the largest deflection is {largest / thickness:.3g} thicknesses: where bending also stretches the middle of "
+        "the plate, as between held edges, the plate is stiffer than this linear theory says",
+    )
 
 
 def _extremes(solution: Solution, fields: CornerFields) -> Mapping[str, tuple[str, Extreme, Extreme]]:

@@ -44,6 +44,9 @@ from lamc.plate.modes import Modes, modes
 from lamc.plate.plate_failure import PlateFailure, first_failure
 from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 from lamc.plate.problem import Problem
+from lamc.plate.problem_file import load_plate
+from lamc.plate.problem_make import problem_of
+from lamc.plate.problem_records import PlateFile
 from lamc.plate.reactions import Reaction
 from lamc.plate.refine import Accuracy
 from lamc.plate.solution import Solution, SolveReport
@@ -79,6 +82,7 @@ __all__ = [
     "Moisture",
     "Node",
     "PlateFailure",
+    "PlateFile",
     "Ply",
     "PlyFailure",
     "PlyState",
@@ -112,12 +116,14 @@ __all__ = [
     "hinge_stiffness",
     "jittered",
     "lines",
+    "load_plate",
     "material",
     "mesh",
     "mesh_report",
     "modes",
     "plate_of",
     "ply_failures",
+    "problem_of",
     "read_mesh",
     "refined",
     "solve",

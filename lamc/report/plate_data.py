@@ -80,7 +80,7 @@ def _case_data(case: CaseReport) -> dict[str, Any]:
         "refinement_steps": accuracy.steps,
         "forward_error": accuracy.forward_error,
         "backward_error": accuracy.backward_error,
-        "notes": list(solution.report.notes),
+        "notes": list(case.notes),
     }
 
 

@@ -52,7 +52,7 @@ class CaseReport:
     """One case and what was found in it.
 
     extremes  least and largest value by the name of a field, with its unit
-    load      (3,) N, of all loads together: what supports carry, sign turned
+    notes     what may make the answer worse than the reader expects
     """
 
     name: str
@@ -61,6 +61,7 @@ class CaseReport:
     estimate: ErrorEstimate
     extremes: Mapping[str, tuple[str, Extreme, Extreme]]
     printed: Sequence[Printed]
+    notes: Sequence[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +231,7 @@ def _case(case: CaseReport) -> list[tuple[str, str]]:
         )
     ]
     rows += [("free", report.free)] if report.free else []
-    rows += [("note", note) for note in report.notes]
+    rows += [("note", note) for note in case.notes]
     return rows
 
 

@@ -32,6 +32,7 @@ from lamc.report.style import PALETTE, save
 _LEVELS = 16  # at most, as many as round values allow
 _RARE = 0.005  # of the area, at each end of a field
 _SHARE = 1 / 3  # of the colours
+_VISIBLE = 50_000  # cells of a mesh that is drawn; more are smaller than four pixels
 _LINES = 40  # cells along the longer side, up to which contours show the mesh
 
 
@@ -64,9 +65,11 @@ def draw_mesh(problem: Problem, path: Path, title: str, loads: Sequence[Any] = (
             )
             label = f"{shortened(name, 24)}"
             handles.append(Line2D([], [], marker="s", linestyle="", color=colour, alpha=0.5, label=label))
-    draw_outline(axis, mesh, scale, lines=True)
+    visible = len(mesh.cells) <= _VISIBLE
+    draw_outline(axis, mesh, scale, lines=visible)
     handles += draw_supports(axis, problem, scale) + draw_loads(axis, problem, loads, scale)
-    _finish(figure, axis, mesh, scale, f"{title}: {len(mesh.cells)} {_cells(mesh)}", handles)
+    told = f"{title}: {len(mesh.cells)} {_cells(mesh)}{'' if visible else ', too small to be drawn'}"
+    _finish(figure, axis, mesh, scale, told, handles)
     return save(figure, path)
 
 

@@ -9,6 +9,7 @@ import scipy.sparse as sparse
 from scipy.linalg import block_diag
 from scipy.sparse.linalg import splu
 
+from lamc.errors import SimulationError
 from lamc.plate.eigen import DENSE, rigid_basis, stability, vibration
 
 Matrices = tuple[Any, Any, Any]
@@ -100,6 +101,14 @@ def test_massless_rigid_motions_are_no_modes() -> None:
     values, vectors = vibration(stiffness, mass, motions, 2, factor)
     assert_frequencies(values, FREE_FREE[:2], 60)
     assert np.isfinite(vectors).all()
+
+
+def test_a_stiffness_that_is_not_positive_is_refused() -> None:
+    K, M, G = beam(20)
+    with pytest.raises(SimulationError, match=r"buckling factors were not found: .* check units"):
+        stability(sparse.csc_array(-K), G, 2, factor, 1)
+    with pytest.raises(SimulationError, match="natural frequencies were not found"):
+        vibration(sparse.csc_array(-K), M, rigid(20), 2, factor)
 
 
 @pytest.mark.parametrize("count", SIZES.values(), ids=SIZES)

@@ -73,8 +73,8 @@ def test_coupled_cross_ply_vibrates_as_navier_says(shared: Path) -> None:
 @pytest.mark.parametrize(
     ("supports", "held", "published"),
     [
-        # A. W. Leissa, J. Sound Vib. 31, 1973, tables C1 (cantilever) and C20 (free), ν = 0.3: Ritz with beam functions
-        # that are too stiff at free edges, so that the plate is below by up to 1 %.
+        # A. W. Leissa, The free vibration of rectangular plates, J. Sound Vib. 31, 1973, squares with ν = 0.3: Ritz
+        # with beam functions that are too stiff at free edges, so that the plate is below by up to 1 %.
         ("CFFF", [plate.Clamped(LEFT)], [3.4917, 8.5246, 21.429, 27.331, 31.111]),
         ("FFFF", [], [13.489, 19.789, 24.432, 35.024, 35.024]),
     ],

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -21,9 +21,8 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_number
 from lamc.plate.mesh import Mesh
 from lamc.plate.mesh_changes import refined
+from lamc.plate.model import solve
 from lamc.plate.problem import Problem
-
-T = TypeVar("T")
 
 # What every element here has at least, in deflections, where the solution is smooth.
 ORDER = 2.0
@@ -69,13 +68,14 @@ class Convergence:
 
 def converge(
     problem: Problem | Callable[[float], Problem],
-    quantity: Callable[[T], float],
+    quantity: Callable[[Any], float],
     sizes: Sequence[float] = (),
     *,
-    answer: Callable[[Problem], T],
+    answer: Callable[[Problem], Any] = solve,
     meshes: int = 3,
 ) -> Convergence:
-    """`quantity(answer(problem))` on several meshes, for example answer=plate.solve and quantity=lambda solution: …
+    """`quantity(answer(problem))` on several meshes, such as quantity=lambda solution: solution.deflection(x, y), or
+    quantity=lambda modes: modes.omega[0] with answer=plate.modes.
 
     problem   a function of the cell size, called for each of `sizes`, m, descending; or one problem, which is solved
               on its own mesh and on `meshes` - 1 refinements of it
@@ -119,7 +119,7 @@ class QuantityError:
 
 
 def error_of(
-    problem: Problem, quantity: Callable[[T], float], *, answer: Callable[[Problem], T]
+    problem: Problem, quantity: Callable[[Any], float], *, answer: Callable[[Problem], Any] = solve
 ) -> QuantityError:
     """How far off `quantity(answer(problem))` is, by one more answer on halved cells: four times the unknowns.
 

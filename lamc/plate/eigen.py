@@ -11,14 +11,16 @@ their digits, which a shift away from zero would cost. Source: B. N. Parlett, Th
 chapters 11 and 15; ARPACK's modes 2 and 3.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sparse
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from lamc.errors import SimulationError
 from lamc.mechanism.checks import Array
 
 Matrix: TypeAlias = Any  # scipy.sparse.csc_array
@@ -105,18 +107,25 @@ def _lanczos(
 ) -> tuple[Array, Array]:
     size = stiffness.shape[0]
     start = inverse(mass @ np.random.default_rng(_SEED).standard_normal(size))
-    values, vectors = eigsh(
-        stiffness,
-        count,
-        mass,
-        sigma=0.0,
-        OPinv=LinearOperator((size, size), matvec=inverse, dtype=float),
-        v0=start,
-        ncv=basis,
-        tol=tolerance,
-    )
+    operator = LinearOperator((size, size), matvec=inverse, dtype=float)
+    with _lanczos_errors("natural frequencies"):
+        values, vectors = eigsh(
+            stiffness, count, mass, sigma=0.0, OPinv=operator, v0=start, ncv=basis, tol=tolerance
+        )
     order = np.argsort(values)
     return values[order], vectors[:, order]
+
+
+@contextmanager
+def _lanczos_errors(wanted: str) -> Iterator[None]:
+    """What scipy raises as a SimulationError."""
+    try:
+        yield
+    except (ArpackError, np.linalg.LinAlgError) as error:
+        raise SimulationError(
+            f"the {wanted} were not found: {error}; the stiffness may be too badly conditioned, so check units, cells "
+            "and laminates, or ask for fewer"
+        ) from error
 
 
 def _with_missed(
@@ -152,7 +161,8 @@ def _dense(stiffness: Matrix, mass: Matrix, motions: Array, rigid: Array, count:
     heavy = M @ rigid
     # Elastic modes are a motion of `basis` and as much of the rigid motions as leaves nothing of these in M.
     basis = basis - rigid @ (heavy.T @ basis)
-    inverses, vectors = scipy.linalg.eigh(basis.T @ M @ basis, basis.T @ K @ basis)
+    with _lanczos_errors("natural frequencies"):
+        inverses, vectors = scipy.linalg.eigh(basis.T @ M @ basis, basis.T @ K @ basis)
     keep = np.flatnonzero(inverses > _MASSLESS * max(inverses.max(initial=0.0), 0.0))[::-1][:count]
     return 1.0 / inverses[keep], basis @ (vectors[:, keep] / np.sqrt(inverses[keep]))
 
@@ -166,19 +176,17 @@ def stability(
     """
     size = stiffness.shape[0]
     if size <= max(DENSE, 4 * count):
-        inverses, vectors = scipy.linalg.eigh(-sign * geometric.toarray(), stiffness.toarray())
+        with _lanczos_errors("buckling factors"):
+            inverses, vectors = scipy.linalg.eigh(-sign * geometric.toarray(), stiffness.toarray())
         inverses, vectors = inverses[::-1][:count], vectors[:, ::-1][:, :count]
     else:
         solve = factor(stiffness)
         start = solve(np.random.default_rng(_SEED).standard_normal(size))
-        inverses, vectors = eigsh(
-            -sign * geometric,
-            count,
-            stiffness,
-            Minv=LinearOperator((size, size), matvec=solve, dtype=float),
-            which="LA",
-            v0=start,
-        )
+        operator = LinearOperator((size, size), matvec=solve, dtype=float)
+        with _lanczos_errors("buckling factors"):
+            inverses, vectors = eigsh(
+                -sign * geometric, count, stiffness, Minv=operator, which="LA", v0=start
+            )
         order = np.argsort(-inverses)
         inverses, vectors = inverses[order], vectors[:, order]
     keep = inverses > 1e-10 * np.abs(inverses).max(initial=0.0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from lamc.mechanism.checks import Array
 from lamc.plate.laminate import Laminate
-from lamc.plate.ply_kernel import ply_kernel
+from lamc.plate.ply_kernel import PlyKernel, ply_kernel
 from lamc.plate.ply_terms import PLY_NUMBERS
 from lamc.plate.sections import Climate
 
@@ -41,13 +41,13 @@ class LaminateTerms:
     slopes: Mapping[str, Array]
 
 
-def laminate_terms(laminate: Laminate, climate: Climate, backend: str = "c") -> LaminateTerms:
-    """The terms of `laminate` and their derivatives.
+def laminate_terms(laminate: Laminate, climate: Climate, kernel: PlyKernel | None = None) -> LaminateTerms:
+    """The terms of `laminate` and their derivatives; `kernel` gives those of its plies, None: the compiled one.
 
     A ply that grows thicker also moves plies: those above it by what is left of its growth below the reference surface,
     those below it likewise. Gaps and the reference (a named surface, or its height above the middle) stay.
     """
-    values, slopes = ply_kernel(backend)(_numbers(laminate, climate))
+    values, slopes = (kernel or ply_kernel())(_numbers(laminate, climate))
     by = {name: slopes[:, :, PLY_NUMBERS.index(name)] for name in VARIABLES if name in PLY_NUMBERS}
     by["thickness"] = by["thickness"] + _height_slopes(laminate).T @ slopes[:, :, PLY_NUMBERS.index("height")]
     causes: dict[str, float | Array] = {

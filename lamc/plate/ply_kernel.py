@@ -1,7 +1,6 @@
-"""The staged function of one ply, ready to be called for all plies of a laminate at once.
+"""The staged function of one ply, compiled, to be called for all plies of a laminate at once.
 
-In: the equations of `ply_terms.py`. Out: a function of arrays: compiled C, or the same function interpreted. Never:
-derives anything; knows laminates.
+In: the equations of `ply_terms.py`. Out: a function of arrays. Never: derives anything; knows laminates.
 """
 
 from collections.abc import Callable
@@ -16,26 +15,36 @@ from lamc.codegen.emit_ply import digest_of, emit_ply
 from lamc.codegen.lowering import Lowering
 from lamc.codegen.program import Function, Space
 from lamc.codegen.toolchain import find_compiler
-from lamc.errors import DesignError
 from lamc.mechanics.staging import Level
-from lamc.mechanism.checks import Array, shown
+from lamc.mechanism.checks import Array
 from lamc.options import CompileOptions
 from lamc.plate.ply_terms import PLY_NUMBERS, TERMS, ply_equations
-from lamc.reference.listing import listing_of, run
-from lamc.reference.operations import BATCHED
 
 PlyKernel: TypeAlias = Callable[[Array], tuple[Array, Array]]  # (p, 10) → (p, 25), (p, 25, 10)
 
 
 @cache
-def ply_kernel(backend: str = "c") -> PlyKernel:
-    """Terms of each ply and their derivatives; `backend` is "c" or "interpreted".
+def ply_kernel() -> PlyKernel:
+    """Terms of each ply and their derivatives, compiled and cached as simulators are.
 
-    Raises BuildError where there is no C compiler, DesignError for another backend.
+    Raises BuildError without a working compiler or cache.
     """
-    if backend not in ("c", "interpreted"):
-        raise DesignError(f"the backend of a ply is {shown(backend)}; it must be 'c' or 'interpreted'")
-    return _compiled(ply_function()) if backend == "c" else _interpreted(ply_function())
+    function, options = ply_function(), CompileOptions()
+    tree = emit_ply(function, PLY_NUMBERS, TERMS)
+    compiler = find_compiler(options.compiler)
+    _, module, _ = build(tree, digest_of(function), compiler, options, Cache(cache_root()))
+    lib, ffi = module.lib, module.ffi
+
+    def call(numbers: Array) -> tuple[Array, Array]:
+        rows = np.ascontiguousarray(numbers, dtype=np.float64)
+        flat = np.empty((len(rows), len(function.outputs)))
+        # Through the library each time: without it, what it points to would be unloaded.
+        lib.lamc_this_ply().terms(
+            len(rows), ffi.from_buffer("double[]", rows), ffi.from_buffer("double[]", flat)
+        )
+        return split(flat)
+
+    return call
 
 
 @cache
@@ -51,38 +60,7 @@ def ply_function() -> Function:
     )
 
 
-def _compiled(function: Function) -> PlyKernel:
-    options = CompileOptions()
-    tree = emit_ply(function, PLY_NUMBERS, TERMS)
-    compiler = find_compiler(options.compiler)
-    _, module, _ = build(tree, digest_of(function), compiler, options, Cache(cache_root()))
-    lib, ffi = module.lib, module.ffi
-
-    def call(numbers: Array) -> tuple[Array, Array]:
-        rows = np.ascontiguousarray(numbers, dtype=np.float64)
-        flat = np.empty((len(rows), len(function.outputs)))
-        # Through the library each time: without it, what it points to would be unloaded.
-        lib.lamc_this_ply().terms(
-            len(rows), ffi.from_buffer("double[]", rows), ffi.from_buffer("double[]", flat)
-        )
-        return _split(flat)
-
-    return call
-
-
-def _interpreted(function: Function) -> PlyKernel:
-    listing = listing_of(function, BATCHED)
-
-    def call(numbers: Array) -> tuple[Array, Array]:
-        memory = run(listing, {Space.PLY: list(numbers.T)})
-        flat = np.empty((len(numbers), len(listing.outputs)))
-        for k, (sign, address) in enumerate(listing.outputs):
-            flat[:, k] = sign * memory[address]
-        return _split(flat)
-
-    return call
-
-
-def _split(flat: Array) -> tuple[Array, Array]:
+def split(outputs: Array) -> tuple[Array, Array]:
+    """Outputs of `ply_function` for several plies, (p, 275), as terms (p, 25) and derivatives (p, 25, 10)."""
     count = len(TERMS)
-    return flat[:, :count], flat[:, count:].reshape(-1, count, len(PLY_NUMBERS))
+    return outputs[:, :count], outputs[:, count:].reshape(-1, count, len(PLY_NUMBERS))

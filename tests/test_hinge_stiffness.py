@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +17,8 @@ from lamc import plate
 from lamc.cli import main
 from lamc.design.load import load_text
 from lamc.design.records import Design
-from lamc.errors import DesignError
-from lamc.plate import Laminate, Material, Ply
+from lamc.errors import BuildError, DesignError
+from lamc.plate import Laminate, Material, Ply, design_hinges
 from lamc.plate.design_hinges import with_material_stiffness
 
 KAPTON = plate.material("Kapton HN")
@@ -331,3 +333,23 @@ def test_command_line_refuses_in_one_line(tmp_path: Path, words: tuple[str, ...]
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_without_a_compiler_formulas_stand_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_compiler(laminate: Laminate, width: float, length: float, *, cells: int) -> plate.HingeStiffness:
+        if cells:
+            raise BuildError("no C compiler was found")
+        return plate.hinge_stiffness(laminate, width, length, cells=0)
+
+    monkeypatch.setattr(design_hinges, "hinge_stiffness", no_compiler)
+    told = split_as_json(
+        "--example", "flaps", "--hinge-stiffness", "from-material", "--out", str(tmp_path / "out")
+    )
+    assert [h["finite_element"] for h in told["hinge_stiffness"]] == [None, None]  # type: ignore[index]
+    assert "no finite elements stand beside the formulas" in str(told["notes"])
+
+
+def test_split_as_drawn_does_not_wait_for_plates_to_be_imported() -> None:
+    words = "import lamc.commands.split, sys; print([m for m in sys.modules if m.startswith('lamc.plate')])"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

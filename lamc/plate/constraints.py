@@ -28,6 +28,10 @@ _FIRST = np.array([0, 2, 3, 5])  # column in the table of unknowns of the first 
 _KIND_OF = {"u": PLANE, "v": PLANE, "w": ACROSS, "w_x": SLOPE, "w_y": SLOPE, "w_xy": TWIST}
 _SECOND = ("v", "w_y")
 _SAME = 1e-9  # of values, relative
+_CORNER_ACROSS = 30.0  # degrees by which edges turn: of two planes of symmetry, of which both hold
+# Both slopes vanish where two simple edges meet, but in a blunt corner so slowly, as r^(π/angle - 1), that holding both
+# there makes an octagon stiffer by 8 % on 25 cells across; holding the mean direction is within 0.5 %.
+_CORNER_ALONG = 80.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +140,7 @@ def _of_edges(
     problem: Problem, wheres: Sequence[tuple[int, Where]], kinds: Sequence[int], *, across: bool
 ) -> list[Equations]:
     """Along the edges of all `wheres`, or across them, nothing of these kinds; at corners nothing at all."""
-    on = edge_nodes_on(problem.places, wheres)
+    on = edge_nodes_on(problem.places, wheres, _CORNER_ACROSS if across else _CORNER_ALONG)
     first, second = (on.across, on.along) if across else (on.along, on.across)
     node = np.concatenate([on.nodes, on.nodes[on.corner]])
     direction = np.concatenate([first, second[on.corner]])

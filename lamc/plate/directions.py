@@ -3,8 +3,8 @@
 In: places, and which edges. Out: for every node on them a unit vector along the line and one across, and whether it is
 a corner. Never: what is held there.
 
-Two edges that turn by less than 30° are pieces of one curve, as a mesh gives it; the node has their mean direction.
-Two that turn by more are a corner, and so are more than two that are not on one line.
+Two edges that turn by less than a given angle are pieces of one curve, as a mesh gives it; the node has their mean
+direction. Two that turn by more are a corner, and so are more than two that are not on one line.
 """
 
 from collections.abc import Sequence
@@ -21,9 +21,6 @@ from lamc.plate.places import Places
 from lamc.plate.supports import Where
 
 Indices = NDArray[Any]  # integers of any width, or flags
-_SMOOTH = (
-    tan(radians(15.0)) ** 2
-)  # of the squares of tangents' deviation and mean: two edges that turn by 30°
 _AXIS = 1e-9  # radians; a direction this near to an axis is the axis
 PARALLEL = 1e-12  # of the same squares: directions that differ by less than 2e-6 are one
 
@@ -45,8 +42,8 @@ class EdgeNodes:
     owners: Integers
 
 
-def edge_nodes_on(places: Places, wheres: Sequence[tuple[int, Where]]) -> EdgeNodes:
-    """Of all edges on any of `wheres`, given with the numbers of their owners."""
+def edge_nodes_on(places: Places, wheres: Sequence[tuple[int, Where]], turn: float) -> EdgeNodes:
+    """Of all edges on any of `wheres`, given with the numbers of their owners; corners turn by over `turn` degrees."""
     found = [(index, places.edges_on(where)) for index, where in wheres]
     edges = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(e for _, e in found)])
     owner_of = np.concatenate(
@@ -68,7 +65,8 @@ def edge_nodes_on(places: Places, wheres: Sequence[tuple[int, Where]]) -> EdgeNo
     )
     owners = np.full(len(nodes), np.iinfo(np.int32).max, dtype=np.int32)
     np.minimum.at(owners, group, np.repeat(owner_of, on.shape[1]))
-    corner = (ratio > _SMOOTH) | ((folded > 1) & (ratio > PARALLEL))
+    smooth = tan(radians(turn / 2.0)) ** 2  # of the squares of the tangents' deviation and mean
+    corner = (ratio > smooth) | ((folded > 1) & (ratio > PARALLEL))
     return EdgeNodes(nodes.astype(np.int32), mean, normal, corner, owners)
 
 

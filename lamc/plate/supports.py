@@ -5,8 +5,9 @@ the problem's to say.
 
 `where` is "boundary", or a shapely geometry: a node is held if it lies on it, or in it, within a tolerance. An edge
 belongs to a support if its ends and its middle do. What depends on a direction (a hard simple support, a symmetry)
-takes it from these edges: where two of them meet at a node and turn by less than 30°, they are taken for pieces of one
-smooth curve, and the node has their mean direction; where they turn by more, it is a corner, and both directions hold.
+takes it from these edges: where two of them meet at a node and turn by less than 30° (simply supported ones by less
+than 80°), they are taken for pieces of one smooth curve, and the node has their mean direction; where they turn by
+more, it is a corner, and both directions hold.
 """
 
 from collections.abc import Callable, Sequence

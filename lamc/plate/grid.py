@@ -13,13 +13,12 @@ from shapely.geometry.base import BaseGeometry
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, checked_number, shown
 from lamc.plate.mesh import Integers, Mesh
-from lamc.plate.mesh_checks import place
+from lamc.plate.mesh_checks import MOST_CELLS, memory_of, place
 
 Geometries = NDArray[np.object_]
 Flags = NDArray[np.bool_]
 
 PATTERNS = ("one-diagonal", "criss-cross", "union-jack", "squares")
-MOST_CELLS = 20_000_000
 
 _UNEQUAL = 1e-9  # of the mean spacing: more than this apart, and the spacing is not equal
 _MISFIT = 1e-6  # of a region's area: more than this wrong, and its border does not follow the cells
@@ -34,6 +33,7 @@ def grid(
     *,
     origin: Sequence[float] = (0.0, 0.0),
     regions: Mapping[str, BaseGeometry] | None = None,
+    limit: int = MOST_CELLS,
 ) -> Mesh:
     """Rectangle a × b m with its lower left corner at `origin`, in nx × ny equal squares, each
 
@@ -43,19 +43,21 @@ def grid(
         "squares"       left whole, for elements with four corners
 
     regions: polygon by name; a cell belongs to the one that its centre is in, and to "" where there is none.
+    limit: largest number of cells.
 
-    Raises DesignError for sides or counts that are not positive, for more cells than MOST_CELLS, and for a region whose
+    Raises DesignError for sides or counts that are not positive, for more cells than the limit, and for a region whose
     border does not follow the edges of cells.
     """
     corner = checked_array(origin, (2,), "the origin of a grid")
+    most = checked_number(limit, "the limit of a grid", minimum=1.0)
     positions = []
     for side, count, start, name in ((a, nx, corner[0], "a"), (b, ny, corner[1], "b")):
         length = checked_number(side, f"side {name} of a grid")
         if length <= 0.0:
             raise DesignError(f"side {name} of a grid is {length:g} m; it must be positive")
-        _check_count(count, "nx" if name == "a" else "ny")
+        _check_count(count, "nx" if name == "a" else "ny", most)
         positions.append(start + length * (np.arange(count + 1) / count))
-    return grid_of_lines(positions[0], positions[1], pattern, regions=regions)
+    return grid_of_lines(positions[0], positions[1], pattern, regions=regions, limit=limit)
 
 
 def lines(stops: Sequence[float], counts: Sequence[int]) -> Array:
@@ -71,7 +73,7 @@ def lines(stops: Sequence[float], counts: Sequence[int]) -> Array:
             f"the counts of grid lines are {shown(counts)}; give one per step between stops"
         ) from error
     for count in counts:
-        _check_count(count, "a count of grid lines")
+        _check_count(count, "a count of grid lines", MOST_CELLS)
     parts = [
         start + (end - start) * (np.arange(count) / count)
         for start, end, count in zip(ends[:-1], ends[1:], counts, strict=True)
@@ -85,6 +87,7 @@ def grid_of_lines(
     pattern: str = "one-diagonal",
     *,
     regions: Mapping[str, BaseGeometry] | None = None,
+    limit: int = MOST_CELLS,
 ) -> Mesh:
     """As `grid`, between lines at x and at y, m, ascending: fine where it matters. `lines` makes such arrays.
 
@@ -97,10 +100,8 @@ def grid_of_lines(
     across, up = _checked_lines(x, "x"), _checked_lines(y, "y")
     nx, ny = len(across) - 1, len(up) - 1
     count = nx * ny * {"squares": 1, "criss-cross": 4}.get(pattern, 2)
-    if count > MOST_CELLS:
-        raise DesignError(
-            f"a grid of {nx} × {ny} would have {count} cells; at most {MOST_CELLS} are allowed: take fewer"
-        )
+    if count > checked_number(limit, "the limit of a grid", minimum=1.0):
+        raise DesignError(_too_many(f"a grid of {nx} × {ny}", count, limit))
     points = np.stack([np.tile(across, ny + 1), np.repeat(up, nx + 1)], axis=1)
     if pattern == "criss-cross":
         middle_x, middle_y = 0.5 * (across[1:] + across[:-1]), 0.5 * (up[1:] + up[:-1])
@@ -193,8 +194,15 @@ def _checked_lines(value: object, name: str) -> Array:
     return positions
 
 
-def _check_count(value: object, what: str) -> None:
+def _check_count(value: object, what: str, most: float) -> None:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise DesignError(f"{what} of a grid is {shown(value)}; it must be a whole number of at least 1")
-    if value > MOST_CELLS:
-        raise DesignError(f"{what} of a grid is {value}; at most {MOST_CELLS} cells are allowed")
+    if value > most:
+        raise DesignError(_too_many(f"a grid with {what} = {shown(value)}", float(min(value, 10**18)), most))
+
+
+def _too_many(what: str, count: float, most: float) -> str:
+    return (
+        f"{what} would have {count:.0f} cells or more, {memory_of(count)}; the limit is {most:.0f}: take fewer, or "
+        "raise the limit"
+    )

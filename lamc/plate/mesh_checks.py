@@ -16,6 +16,8 @@ Integers = NDArray[np.int32]
 
 _FLAT = 1e-12  # area over the square of the longest edge, below which a cell has no area; 1:1000 slivers have 5e-4
 _MOST = np.iinfo(np.int32).max
+MOST_CELLS = 5_000_000  # that a mesh has unless a higher limit is given
+_PEAK_BYTES = 360  # per cell, measured, while a mesh is made and checked; 60 of these stay
 
 
 def checked_points(value: object, what: str = "the points of a mesh", *, empty: bool = False) -> Array:
@@ -182,6 +184,11 @@ def checked_regions(names: object, regions: object, count: int) -> tuple[tuple[s
             f"cell {cell} is in region {index[cell]}; there are {len(names)} region names, 0 to {len(names) - 1}"
         )
     return tuple(names), index
+
+
+def memory_of(count: float) -> str:
+    """What so many cells take, as messages tell it."""
+    return f"{count * _PEAK_BYTES / 2.0**30:.2g} GiB while it is made and many times that to solve"
 
 
 def name_cell(points: Array, cells: NDArray[np.integer], cell: int) -> str:

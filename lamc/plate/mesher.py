@@ -22,8 +22,8 @@ from lamc.plate.linework import (
     linework,
 )
 from lamc.plate.mesh import Mesh
-from lamc.plate.mesh_checks import place
-from lamc.plate.mesher_native import BYTES_PER_CELL, Full, Lines, MesherError, Triangulation, triangulate
+from lamc.plate.mesh_checks import MOST_CELLS, memory_of, place
+from lamc.plate.mesher_native import Full, Lines, MesherError, Triangulation, triangulate
 from lamc.plate.outlines import (
     TOLERANCE,
     Area,
@@ -36,7 +36,6 @@ from lamc.plate.outlines import (
 
 Integers = NDArray[np.int32]
 
-MOST_TRIANGLES = 5_000_000
 GRADING = 0.3
 
 _LEAST = 3e-4  # of the wanted size: no shorter edges for the sake of angles
@@ -55,7 +54,7 @@ def mesh(
     sizes: Mapping[str, float] | None = None,
     follow: Sequence[BaseGeometry] = (),
     grading: float = GRADING,
-    limit: int = MOST_TRIANGLES,
+    limit: int = MOST_CELLS,
 ) -> Mesh:
     """Triangles with edges of about `size` m, all corners and borders of the polygon among theirs.
 
@@ -125,11 +124,9 @@ def _expected(
 
 
 def _too_many(number: str, count: float, most: float, wanted: Array) -> str:
-    memory = count * BYTES_PER_CELL / 2.0**30
     return (
-        f"a mesh of size {wanted.min():g} m would have {number} triangles, {memory:.2g} GiB while it is made and many "
-        f"times that to solve; the limit is {most:.0f}: take a larger size, give a small one to single "
-        "regions only, or raise the limit"
+        f"a mesh of size {wanted.min():g} m would have {number} triangles, {memory_of(count)}; the limit is "
+        f"{most:.0f}: take a larger size, give a small one to single regions only, or raise the limit"
     )
 
 

@@ -23,7 +23,6 @@ from lamc.resources import data_dir
 
 Integers = NDArray[np.int32]
 
-BYTES_PER_CELL = 56  # of the work arrays, points included
 LEAST_ANGLE = np.radians(
     29.0
 )  # asked of the refinement; proven up to 26°, and reached up to 33° on real outlines

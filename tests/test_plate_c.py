@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import sympy as sp
 
-import lamc.plate.element_build as element_build
+from lamc.codegen import emit_element
 from lamc.codegen.build import write_sources
 from lamc.codegen.emit import SourceTree
-from lamc.codegen.emit_element import emit_element
-from lamc.plate.elements.definition import Element, xi
+from lamc.plate import element_build
+from lamc.plate.elements.definition import Element, side, xi
 from lamc.plate.elements.library import ELEMENTS, element
 from lamc.plate.kernels import kernels
 from tests.ctools import STRICT, STRICT_CXX, cc, needs_cc
@@ -136,7 +136,7 @@ int main(void) {
 
 def sources(name: str, folder: Path) -> SourceTree:
     program = element_build.element_program(element(name))
-    tree = emit_element(program)
+    tree = emit_element.emit_element(program)
     write_sources(tree, folder)
     sizes = ", ".join(str(len(node)) for node in program.nodes)
     (folder / "driver.c").write_text(_DRIVER.replace("@", tree.prefix).replace("#}", f"{sizes}}}"))
@@ -184,6 +184,47 @@ def test_one_lane_gives_the_bits_of_several(tmp_path: Path) -> None:
         5, *(ffi.from_buffer("double[]", np.ascontiguousarray(a)) for a in (corners, sections, out))
     )
     assert np.array_equal(out, made.stiffness(corners, sections))
+
+
+def test_long_functions_become_parts_with_the_same_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """gcc's time grows faster than a block's length, so that one beyond the limit is cut; its numbers are the same."""
+    made = kernels("bciz")
+    monkeypatch.setenv("LAMC_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(emit_element, "MAX_BLOCK", 50)
+    cut = kernels("bciz")
+    text = (cut.evaluator.module.source_dir / "bciz_equations.h").read_text()  # type: ignore[attr-defined]
+    assert "OF(stiffness_part_0)" in text
+    corners = cells("bciz", 5)
+    for function, arguments in inputs(made, 5).items():
+        expected = getattr(made, function)(corners, *arguments)
+        assert np.array_equal(getattr(cut, function)(corners, *arguments), expected), function
+    section, d = inputs(made, 5)["force"]
+    assert np.array_equal(
+        cut.force(corners, section, d, np.longdouble), made.force(corners, section, d, np.longdouble)
+    )
+
+
+def test_library_functions_are_called_for_one_cell_at_a_time() -> None:
+    """Constant strain with shape functions times the first side's length, squared, over its square: one, by a root."""
+    cst, length, inverse = ELEMENTS["cst"], sp.Symbol("length"), sp.Symbol("inverse")
+    square = side("x", 2, 1) ** 2 + side("y", 2, 1) ** 2
+    rooted = Element(
+        "rooted",
+        cst.cell,
+        cst.nodes,
+        u=[length**2 * inverse * n for n in cst.u],
+        v=[length**2 * inverse * n for n in cst.v],
+        geometry={length: sp.sqrt(square), inverse: 1 / square},
+    )
+    made = kernels(rooted)
+    text = (made.evaluator.module.source_dir / "rooted.c").read_text()  # type: ignore[attr-defined]
+    assert "#include <tgmath.h>" in text
+    corners, (sections,) = cells("cst", 5), inputs(made, 5)["stiffness"]
+    found, expected = made.stiffness(corners, sections), kernels("cst").stiffness(corners, sections)
+    assert np.abs(found - expected).max() <= 4e-15 * np.abs(expected).max()  # some ten roundings more
+    assert np.array_equal(found, kernels(rooted, "interpreted").stiffness(corners, sections))
 
 
 def test_the_same_element_gives_the_same_bytes_whatever_the_hash_seed() -> None:

@@ -13,7 +13,7 @@ of_designs = together(
     click.option(
         "--hinges",
         type=click.Choice(["none", "lines", "strips"]),
-        help="Of a design: edges as they were cut, on the hinge lines, or with the strips that bend.  [default: none]",
+        help="Of a design: strips that bend end where they were cut, are left out, or belong to it.  [default: none]",
         show_default=False,
     ),
     click.option("--clamp", "clamps", metavar="PLACE", multiple=True, help="Of a design: clamped there."),

@@ -121,8 +121,8 @@ class GeometryModel(Model):
     )
     hinges: Literal["none", "lines", "strips"] = Field(
         "none",
-        description="the edge along a hinge: as it was cut, on the hinge line (which can be held there), or with the "
-        "strip of the layer that bends",
+        description="the strip that bends: none: it ends where it was cut; lines: it is left out, and the "
+        "stiff edge beside the hinge line can be held; strips: it is part of the plate",
     )
     holes: list[OutlineField] = Field(default=[])
     grid: tuple[int, int] | None = Field(None, description="cells along x and y of a regular mesh; for rect")

@@ -206,6 +206,32 @@ def test_places_and_loads_of_options_are_those_of_plate_files() -> None:
     assert total == pytest.approx(-2e-3 - 10 * area, rel=1e-3)
 
 
+def test_a_plate_under_its_critical_load_is_told_what_it_bears(tmp_path: Path) -> None:
+    file = tmp_path / "b.yaml"
+    file.write_text(
+        "kind: plate\nlaminate: {material: steel, thickness: 1 mm}\n"
+        "geometry: {rect: [0, 0, 0.2, 0.2], grid: [16, 16]}\n"
+        "supports:\n  - simply_supported: boundary\n  - {fixed: [u], where: left}\n"
+        "  - {fixed: [v], where: {point: [0, 0]}}\n"
+        "loads: [{edge: right, force: [-1 N/m, 0, 0]}]\n",
+        encoding="utf-8",
+    )
+    (factor, *_) = answer(str(file), "--buckling", "1")["buckling"][""]
+    exact = 4 * math.pi**2 * STEEL / 0.2**2  # N/m, Bryan 1891
+    assert factor == pytest.approx(exact, rel=1e-2)  # second order, at 16 cells
+
+
+def test_strength_is_told_where_it_is_known_and_large_deflections_are_warned_of() -> None:
+    cooled = answer("--example", "thermal")["cases"][""]
+    # Every point alike: transverse tension beyond cure, Yt over the stress within a few per cent of Tsai-Wu's ratio.
+    assert cooled["first_failure"]["mode"] == "tension along 2"
+    assert 1.0 < cooled["first_failure"]["ratio"] < 2.0
+    assert any("8.17 thicknesses" in note for note in cooled["notes"])
+    steel = answer("--example", "square")["cases"][""]
+    assert steel["first_failure"] is None
+    assert steel["notes"] == []
+
+
 # --- files --------------------------------------------------------------------------------------------------------
 
 

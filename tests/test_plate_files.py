@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from shapely.geometry import LineString, Point, Polygon
 
 import lamc
+from lamc import examples
 from lamc.design.schema import FILES, json_schema
 from lamc.errors import DesignError, DesignErrors, ExpressionError, LamcError
 from lamc.examples import plates as plate_examples
@@ -219,6 +220,86 @@ def test_well_known_text_counts_in_the_files_units() -> None:
     text = "wkt: 'POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (1 1, 2 1, 2 2, 1 1))'"
     file = read(base=BASE.replace("rect: [0, 0, 200, 100], grid: [4, 2]", text))
     assert file.geometry.outline.area == pytest.approx(11.5e-6, rel=1e-12)
+
+
+# --- a body of a design --------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def beside_flaps(tmp_path: Path) -> Path:
+    """A place for plate files beside lamc's example design of two flaps: 12 mm wide, hinges at x = ±20 mm."""
+    (tmp_path / "flaps.yaml").write_text(examples.find("flaps").text, encoding="utf-8")
+    return tmp_path / "plate.yaml"
+
+
+def of_design(path: Path, geometry: str, more: str = "") -> PlateFile:
+    path.write_text(
+        f"kind: plate\nunits: mm\ngeometry: {{design: flaps.yaml, {geometry}}}\n{more}", encoding="utf-8"
+    )
+    return load_plate(path)
+
+
+def test_a_body_of_a_design_brings_its_outline_and_laminates(beside_flaps: Path) -> None:
+    file = of_design(beside_flaps, "body: link_1, hinges: strips")
+    x0, y0, x1, y1 = file.geometry.outline.bounds
+    assert (x0, y0, y1) == pytest.approx((-0.05, 0.0, 0.012), abs=1e-9)
+    assert x1 == pytest.approx(
+        -0.0198, abs=1e-9
+    )  # the far edge of the strip: half the gap of 0.4 mm beyond the line
+    stack, strip = file.geometry.regions.values()
+    assert stack.laminate is not None
+    assert strip.laminate is not None
+    assert [ply.thickness for ply in stack.laminate.plies] == [0.5e-3, 50e-6, 0.5e-3]
+    assert [ply.material.name for ply in strip.laminate.plies] == ["film"]
+
+
+def test_a_hinge_of_the_design_is_a_place(beside_flaps: Path) -> None:
+    file = of_design(beside_flaps, "body: link_1, hinges: lines", "supports: [{hinged: {hinge: left}}]")
+    (support,) = file.supports
+    assert support.where.length == pytest.approx(0.012, rel=1e-6)  # type: ignore[union-attr]
+    # The line stands for the strip between the sheets, which end 0.2 mm before it.
+    assert support.where.distance(Point(-0.0202, 0.006)) < 1e-9  # type: ignore[union-attr]
+
+
+def test_what_a_design_fixes_is_a_place(beside_flaps: Path) -> None:
+    file = of_design(beside_flaps, "body: ground", "supports: [{clamped: fixed}]")
+    (support,) = file.supports
+    assert support.where.area == pytest.approx(20e-3 * 8e-3, rel=1e-9)  # type: ignore[union-attr]
+
+
+def test_materials_of_a_plate_file_replace_those_of_the_design(beside_flaps: Path) -> None:
+    file = of_design(beside_flaps, "body: link_1", "materials: {plate: steel, film: {E: 3 GPa, nu: 0.3}}")
+    region = max(file.geometry.regions.values(), key=lambda r: r.polygon.area)  # all but a strip of bare film
+    assert region.laminate is not None
+    assert [ply.material.name for ply in region.laminate.plies] == ["steel", "film", "steel"]
+    assert region.laminate.plies[1].material.E1 == 3e9
+
+
+@pytest.mark.parametrize(
+    ("geometry", "more", "told"),
+    [
+        ("body: link_9", "", "did you mean 'link_2'?"),
+        ("body: []", "", "names a body"),
+        ("body: link_1", "supports: [{clamped: {hinge: right}}]", "no hinge 'right' joins the body"),
+        ("body: link_1", "supports: [{clamped: fixed}]", "nothing of the plate is fixed"),
+        ("body: link_1", "laminate: {material: steel, thickness: 1}", "come from the design"),
+        ("body: link_1, holes: [[[0, 0], [1, 0], [0, 1]]]", "", "holes are drawn there"),
+    ],
+)
+def test_what_a_design_does_not_have_is_refused(
+    beside_flaps: Path, geometry: str, more: str, told: str
+) -> None:
+    with pytest.raises(DesignErrors) as caught:
+        of_design(beside_flaps, geometry, more)
+    (problem,) = caught.value.problems
+    assert told in problem.message
+    assert problem.place is not None
+    assert problem.place.line in (3, 4)
+
+
+def test_a_hinge_of_no_design_is_no_place() -> None:
+    (line,) = problems("supports: [{clamped: {hinge: left}}]")
+    assert "only a plate of a design has hinges" in line
 
 
 # --- expressions --------------------------------------------------------------------------------------------------

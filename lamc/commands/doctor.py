@@ -28,6 +28,9 @@ _OPTIONAL = (
     ("pandas", "Result.to_pandas", "pip install lamc[frames]"),
     ("xarray", "Result.to_xarray", "pip install lamc[frames]"),
     ("ziglang", "a C compiler from PyPI", "pip install lamc[cc]"),
+    ("meshio", "mesh files of plates", "pip install lamc[mesh]"),
+    ("sksparse", "CHOLMOD for large plates", "pip install scikit-sparse, with SuiteSparse and a tuned BLAS"),
+    ("pypardiso", "PARDISO for large plates, by choice", "pip install pypardiso"),
 )
 _ANSWER = 41
 

@@ -16,6 +16,7 @@ from lamc.plate.estimate import error_estimate
 from lamc.plate.kernels import kernels
 from lamc.plate.model import Model
 from lamc.plate.modes import modes
+from lamc.plate.plate_failure import first_failure
 from lamc.plate.problem import Problem
 from lamc.plate.problem_make import problem_of
 from lamc.plate.problem_records import Output, PlateFile
@@ -71,7 +72,10 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
         kept = value if abs(value) > _NOTHING * largest else 0.0
         printed.append(Printed(output, kept, VALUES[output.value]))
     notes = (*solution.report.notes, *_large(solution, found))
-    return CaseReport(name, solution, fields, error_estimate(solution), found, tuple(printed), notes)
+    strength = first_failure(solution) if fields.tsai_wu is not None else None
+    return CaseReport(
+        name, solution, fields, error_estimate(solution), found, tuple(printed), notes, strength
+    )
 
 
 def _large(solution: Solution, found: Mapping[str, tuple[str, Extreme, Extreme]]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from lamc.plate.laminate import Laminate
 from lamc.plate.modes import Modes
+from lamc.plate.plate_failure import PlateFailure
 from lamc.report.plate_text import CaseReport, PlateReport, angles, by_region
 
 
@@ -72,6 +73,7 @@ def _case_data(case: CaseReport) -> dict[str, Any]:
             }
             for p in case.printed
         ],
+        "first_failure": None if case.strength is None else _failure_data(case.strength),
         "strain_energy": solution.strain_energy,
         "reactions": [{"force": r.force.tolist(), "moment": r.moment.tolist()} for r in solution.reactions],
         "relative_error": case.estimate.relative,
@@ -81,6 +83,18 @@ def _case_data(case: CaseReport) -> dict[str, Any]:
         "forward_error": accuracy.forward_error,
         "backward_error": accuracy.backward_error,
         "notes": list(case.notes),
+    }
+
+
+def _failure_data(failure: PlateFailure) -> dict[str, Any]:
+    return {
+        "criterion": failure.criterion,
+        "ratio": failure.ratio,
+        "at": list(failure.at),
+        "region": failure.region,
+        "ply": failure.number,
+        "face": failure.face,
+        "mode": failure.mode,
     }
 
 

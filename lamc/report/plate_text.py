@@ -18,6 +18,7 @@ from lamc.plate.laminate import Laminate
 from lamc.plate.mesh import Mesh
 from lamc.plate.mesh_report import corner_angles
 from lamc.plate.modes import Modes
+from lamc.plate.plate_failure import PlateFailure
 from lamc.plate.problem import Problem
 from lamc.plate.problem_records import Output, PlateFile
 from lamc.plate.solution import Solution
@@ -53,6 +54,7 @@ class CaseReport:
 
     extremes  least and largest value by the name of a field, with its unit
     notes     what may make the answer worse than the reader expects
+    strength  None where the strengths of no material are known
     """
 
     name: str
@@ -62,6 +64,7 @@ class CaseReport:
     extremes: Mapping[str, tuple[str, Extreme, Extreme]]
     printed: Sequence[Printed]
     notes: Sequence[str]
+    strength: PlateFailure | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,25 +215,21 @@ def laminate_text(laminate: Laminate) -> str:
 
 
 def _case(case: CaseReport) -> list[tuple[str, str]]:
-    solution, report = case.solution, case.solution.report
-    size = solution.problem.size
+    solution, accuracy = case.solution, case.solution.report.accuracy
+    energy = _kept(solution.strain_energy, case.fields.smallest_energy)
+    digits = (
+        f"{solution.report.solver}: condition {accuracy.condition:.1e}, {_count(accuracy.steps, 'step', 'steps')} of "
+        f"refinement, unknowns to {max(accuracy.forward_error, 1e-16):.0e}"
+    )
     rows = [("case", case.name)] if case.name else []
-    rows += [("loads", ", ".join(load_text(load) for load in solution.loads) or "none")]
-    rows += [(name, _extreme_text(*found, size)) for name, found in case.extremes.items()]
-    rows += [
-        ("energy", f"{shown_number(_kept(solution.strain_energy, case.fields.smallest_energy), 'J')} stored")
-    ]
-    rows += [("reactions", _reactions(case))]
-    rows += [("error", _error(case.estimate))]
-    accuracy = report.accuracy
-    rows += [
-        (
-            "digits",
-            f"{report.solver}: condition {accuracy.condition:.1e}, {_count(accuracy.steps, 'step', 'steps')} of "
-            f"refinement, unknowns to {max(accuracy.forward_error, 1e-16):.0e}",
-        )
-    ]
-    rows += [("free", report.free)] if report.free else []
+    rows.append(("loads", ", ".join(load_text(load) for load in solution.loads) or "none"))
+    rows += [(name, _extreme_text(*found, solution.problem.size)) for name, found in case.extremes.items()]
+    rows += [("strength", str(case.strength))] if case.strength is not None else []
+    rows.append(("energy", f"{shown_number(energy, 'J')} stored"))
+    rows.append(("reactions", _reactions(case)))
+    rows.append(("error", _error(case.estimate)))
+    rows.append(("digits", digits))
+    rows += [("free", solution.report.free)] if solution.report.free else []
     rows += [("note", note) for note in case.notes]
     return rows
 

@@ -248,6 +248,13 @@ def test_frequency_changes_as_differences_say(inertia: bool) -> None:
         )
 
 
+def test_buckling_factor_changes_as_differences_say() -> None:
+    problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))
+    forces = (-1e5, 0.0, 3e4)
+    found = plate.gradient(plate.buckling(problem, 2, forces=forces), ("factor", 0), SOME)
+    check(found, lambda p: plate.buckling(p, 1, forces=forces).critical, problem, 1e-8)
+
+
 def test_thickness_of_an_isotropic_plate_acts_by_its_powers() -> None:
     """Compliance as h⁻³, frequency as h, by hand: d log J / d log h is -3 and 1."""
     h = 0.01
@@ -272,10 +279,14 @@ BAD_REQUESTS = {
         lambda: plate.gradient(solved(), "compliance", ["ply[7].angle"]),
         r"no ply variable is named 'ply\[7\].angle'; there are ply\[0\].angle, ",
     ),
-    "mode": (lambda: plate.gradient(plate.modes(solved().problem, 2), ("omega", 2)), "mode 2; there are 2"),
+    "mode": (lambda: plate.gradient(plate.modes(solved().problem, 2), ("omega", 2)), "omega 2; there are 2"),
     "of modes": (
         lambda: plate.gradient(plate.modes(solved().problem, 2), "compliance"),
         r"can be of \('omega', k\)",
+    ),
+    "forces of loads": (
+        lambda: plate.gradient(plate.buckling(solved().problem, 1), ("factor", 0)),
+        "under forces that loads make, .* give these forces",
     ),
     "rigid": (
         lambda: plate.gradient(plate.modes(replace(solved().problem, supports=()), 7), ("omega", 0)),
@@ -293,7 +304,7 @@ BAD_REQUESTS = {
             ),
             ("omega", 1),
         ),
-        "modes 1 and 2 have one frequency",
+        "omega 1 and 2 are one value",
     ),
 }
 

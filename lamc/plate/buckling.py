@@ -31,12 +31,14 @@ class Buckling(Shapes):
     factors   (k,) positive ones, ascending, then
     reversed  negative ones, descending: the loads turned round
     forces    (cells, 3) N_x, N_y, N_xy that they multiply, N/m, tension positive
+    given     whether these were given, and not made by loads
     vectors   (unknowns, k + reversed), in the order of `factors`, then of `reversed`
     """
 
     factors: Array
     reversed: Array
     forces: Array
+    given: bool
 
     @property
     def critical(self) -> float:
@@ -53,11 +55,11 @@ def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Arra
     Raises DesignError for forces of another shape, and for a plate without membrane forces.
     """
     wanted = _checked_count(count)
-    given = _membrane_forces(problem, forces)
+    acting = _membrane_forces(problem, forces)
     system = pencil(problem)
     system.require_held("buckling")
-    geometric = system.geometric(given)
-    signs = [sign for sign in (1, -1) if _can_buckle(given * sign)]
+    geometric = system.geometric(acting)
+    signs = [sign for sign in (1, -1) if _can_buckle(acting * sign)]
     available = min(wanted, system.stiffness.shape[0])
     values: dict[int, Array] = {1: np.empty(0), -1: np.empty(0)}
     shapes = []
@@ -65,7 +67,14 @@ def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Arra
         values[sign], vectors = stability(system.stiffness, geometric, available, system.factor, sign)
         shapes.append(vectors)
     full, _ = system.normalised(np.hstack(shapes))
-    return Buckling(problem=problem, vectors=full, factors=values[1], reversed=values[-1], forces=given)
+    return Buckling(
+        problem=problem,
+        vectors=full,
+        factors=values[1],
+        reversed=values[-1],
+        forces=acting,
+        given=forces is not None,
+    )
 
 
 def _can_buckle(forces: Array) -> bool:
@@ -81,7 +90,8 @@ def _membrane_forces(problem: Problem, forces: Sequence[float] | Array | None) -
         found = _forces_of_loads(problem)
         way_out = "load it in its plane and hold it there, or give forces=(N_x, N_y, N_xy)"
     else:
-        shape = (count, 3) if np.ndim(forces) == 2 else (3,)
+        by_cell = len(forces) != 3 or hasattr(forces[0], "__len__")
+        shape = (count, 3) if by_cell and len(forces) == count else (3,)
         found = np.broadcast_to(checked_array(forces, shape, "the membrane forces of buckling"), (count, 3))
         way_out = "give forces that are not zero"
     if not np.abs(found).max() > 0.0:

@@ -1,10 +1,11 @@
 """How an answer changes with every ply's angle, thickness and material, at the price of one more solve.
 
-In: a solution or modes, and which of their numbers is meant. Out: derivatives by name. Never: differences of two
-solutions.
+In: a solution, modes or buckling shapes, and which of their numbers is meant. Out: derivatives by name. Never:
+differences of two solutions.
 
     K d = f,  J(d):   dJ/dp = λ · (∂f/∂p - ∂K/∂p d)  with K λ = ∂J/∂d, and what J has of p itself
     K φ = ω² M φ:     dω/dp = φ · (∂K/∂p - ω² ∂M/∂p) φ / (2 ω φ · M φ)
+    (K + λ G) φ = 0:  dλ/dp = - φ · ∂K/∂p φ / φ · G φ
 
 ∂K/∂p goes by way of the sections: K is linear in A, B and D (`sensitivity.py`), and these change with a ply as its
 staged and compiled derivatives say (`ply_terms.py`). Source: R. T. Haftka, Z. Gürdal, Elements of Structural
@@ -20,6 +21,7 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, shown
+from lamc.plate.buckling import Buckling
 from lamc.plate.kernels import kernels
 from lamc.plate.laminate import Laminate
 from lamc.plate.laminate_slopes import VARIABLES, laminate_terms
@@ -35,7 +37,7 @@ from lamc.plate.solution import Solution
 
 Of: TypeAlias = str | tuple[str, Sequence[float]] | tuple[str, int]
 
-# Frequencies closer than this, relative, are one that is repeated: which of its modes is meant depends on the change.
+# Values closer than this, relative, are one that is repeated: which of its shapes is meant depends on the change.
 _REPEATED = 1e-6
 
 
@@ -49,26 +51,28 @@ class _Slopes:
 
 
 def gradient(
-    answer: Solution | Modes, of: Of = "compliance", by: Sequence[str] | None = None
+    answer: Solution | Modes | Buckling, of: Of = "compliance", by: Sequence[str] | None = None
 ) -> dict[str, float]:
     """Derivatives of one number by ply variables.
 
-    of   of a solution: "compliance", twice the work of the forces, J; or ("deflection", (x, y)), m.
-         Of modes: ("omega", k), rad/s, counted from 0
+    of   of a solution: "compliance", J, as `Solution.compliance`; or ("deflection", (x, y)), m. Of modes: ("omega", k),
+         rad/s. Of buckling under given forces: ("factor", k). k counts from 0
     by   names such as "ply[0].angle" or, where laminates are given by region, "hinge.ply[2].thickness", also with
          wildcards, "*.angle"; None: all. Plies count from 0, from the bottom. Units are those of `VARIABLES`:
          per degree, m, Pa, 1, kg/m³, …
 
     Where one laminate is given for all regions, its derivatives are summed over them.
 
-    Raises DesignError for a number that the answer has not, for a repeated or zero frequency, and for a name that no
-    ply variable has.
+    Raises DesignError for a number that the answer has not, for a repeated or zero frequency or factor, for a name that
+    no ply variable has, and for buckling under forces of loads, which change with the plies themselves.
     """
     problem = answer.problem
     wanted = _checked_names(problem, by)
     loads: Sequence[LoadRecord] = ()
     if isinstance(answer, Modes):
-        slopes = _of_frequency(answer, _checked_mode(answer, of))
+        slopes = _of_frequency(answer, _checked_number(of, "omega", answer.omega, answer.rigid))
+    elif isinstance(answer, Buckling):
+        slopes = _of_factor(answer, _checked_number(of, "factor", answer.factors, ()))
     else:
         slopes, loads = _of_solution(answer, of), answer.loads
     states = climates(problem.laminates, loads, problem.mesh.region_names)
@@ -87,8 +91,24 @@ def _of_frequency(modes: Modes, k: int) -> _Slopes:
     shape = (count, _section_count(problem))
     stiff = by_sections(own, problem.mesh.corners, regions, vector[cells], vector[cells], shape)
     mass = by_mass(own, problem.mesh.corners, regions, moving[cells], moving[cells], count)
-    none = np.zeros((count, shape[1] // 3 if shape[1] == 18 else 3))
-    return _Slopes(scale * stiff, none, -scale * omega**2 * mass)
+    return _Slopes(scale * stiff, np.zeros((count, _strain_count(problem))), -scale * omega**2 * mass)
+
+
+def _of_factor(buckling: Buckling, k: int) -> _Slopes:
+    """dλ = - φ · dK φ / φ · G φ, from (K + λ G) φ = 0."""
+    problem = buckling.problem
+    if not buckling.given:
+        raise DesignError(
+            "a gradient is asked of buckling under forces that loads make, which change with the plies; give these "
+            "forces: plate.buckling(problem, forces=…)"
+        )
+    own, corners = kernels(problem.dofs.element), problem.mesh.corners
+    count = len(problem.laminates)
+    shape = buckling.vectors[:, k][problem.dofs.of_cells]
+    entries = (count, _section_count(problem))
+    stiff = by_sections(own, corners, problem.mesh.regions, shape, shape, entries)
+    work = float(np.einsum("ma,mab,mb->", shape, own.geometric(corners, buckling.forces), shape))
+    return _Slopes(-stiff / work, np.zeros((count, _strain_count(problem))), np.zeros(count))
 
 
 def _of_solution(solution: Solution, of: Of) -> _Slopes:
@@ -102,10 +122,9 @@ def _of_solution(solution: Solution, of: Of) -> _Slopes:
         adjoint = solution.answer_to(load_vector(problem, own, [_unit_load(of)]))
     cells, corners, regions = problem.dofs.of_cells, problem.mesh.corners, problem.mesh.regions
     count = len(problem.laminates)
-    entries = _section_count(problem)
+    entries, strains = _section_count(problem), _strain_count(problem)
     stiff = by_sections(own, corners, regions, adjoint[cells], solution.values[cells], (count, entries))
     loaded = adjoint + solution.values if is_compliance else adjoint
-    strains = 6 if entries == 18 else 3
     resultants, mass = np.zeros((count, strains)), np.zeros(count)
     if any(isinstance(load, CLIMATES) for load in solution.loads):
         resultants = by_resultants(own, corners, regions, loaded[cells], (count, strains))
@@ -127,6 +146,11 @@ def _unit_load(of: Of) -> PointLoad:
 def _section_count(problem: Problem) -> int:
     element = problem.dofs.element
     return 18 if element.bends and element.stretches else 6
+
+
+def _strain_count(problem: Problem) -> int:
+    element = problem.dofs.element
+    return 3 * (element.bends + element.stretches)
 
 
 def _chained(
@@ -184,22 +208,23 @@ def _checked_names(problem: Problem, by: Sequence[str] | None) -> list[str]:
     return [name for name in dict.fromkeys(known) if name in chosen]
 
 
-def _checked_mode(modes: Modes, of: Of) -> int:
-    """The k of ("omega", k)."""
-    if not (isinstance(of, tuple) and len(of) == 2 and of[0] == "omega"):
-        raise DesignError(f"a gradient of modes is asked of {shown(of)}; it can be of ('omega', k)")
-    k, omega = of[1], modes.omega
-    if not isinstance(k, int | np.integer) or not 0 <= k < len(omega):
-        raise DesignError(f"a gradient is asked of mode {shown(k)}; there are {len(omega)}, counted from 0")
-    if omega[k] == 0.0:
+def _checked_number(of: Of, name: str, values: Array, rigid: Sequence[str]) -> int:
+    """The k of (name, k), of `values`."""
+    if not (isinstance(of, tuple) and len(of) == 2 and of[0] == name):
+        raise DesignError(f"a gradient of these values is asked of {shown(of)}; it can be of ({name!r}, k)")
+    k = of[1]
+    if isinstance(k, bool) or not isinstance(k, int | np.integer) or not 0 <= k < len(values):
         raise DesignError(
-            f"mode {k} is a rigid motion ({modes.rigid[k]}): its frequency is zero whatever the plies are"
+            f"a gradient is asked of {name} {shown(k)}; there are {len(values)}, counted from 0"
         )
-    beside = [other for other in (k - 1, k + 1) if 0 <= other < len(omega)]
-    for other in beside:
-        if abs(omega[other] - omega[k]) < _REPEATED * omega[k]:
+    if k < len(rigid):
+        raise DesignError(
+            f"mode {k} is a rigid motion ({rigid[k]}): its frequency is zero whatever the plies are"
+        )
+    for other in (k - 1, k + 1):
+        if 0 <= other < len(values) and abs(values[other] - values[k]) < _REPEATED * values[k]:
             raise DesignError(
-                f"modes {min(k, other)} and {max(k, other)} have one frequency, {omega[k]:.9g} rad/s; a repeated one "
-                "has no derivative, as it parts in a way that depends on the change: take the gradient of another"
+                f"{name} {min(k, other)} and {max(k, other)} are one value, {values[k]:.9g}; a repeated one has no "
+                "derivative, as it parts in a way that depends on the change: take the gradient of another"
             )
     return int(k)

@@ -157,8 +157,7 @@ class Solution:
     def cell_strains(self, xi: Array) -> Array:
         """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
         6)."""
-        cells = np.arange(len(self.problem.mesh.cells), dtype=np.int32)
-        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._relative(cells)))
+        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells))
 
     def answer_to(self, forces: Array) -> Array:
         """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
@@ -179,6 +178,10 @@ class Solution:
         return replace(self, _better=recovered_strains(self))
 
     # --- inside ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _of_cells(self) -> Array:
+        return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
 
     @cached_property
     def _expansions(self) -> Array:

@@ -40,6 +40,7 @@ BAD = {
     "no points": (np.zeros((0, 2)), TWO, r"shape \(0, 2\)"),
     "3-D": (np.zeros((4, 3)), TWO, r"shape \(4, 3\)"),
     "not finite": ([*SQUARE[:3], (0.0, np.nan)], TWO, r"point 3 .*nan"),
+    "too far": ([*SQUARE[:3], (0.0, 1e200)], TWO, r"point 3 .*below 1e\+100 m"),
     "unused": ([*SQUARE, (5.0, 6.0)], TWO, r"point 4 at \(5, 6\) m belongs to no cell"),
     "same corner twice": (SQUARE, [(0, 1, 2), (0, 2, 3), (0, 1, 1)], r"cell 2 at .*\[0, 1, 1\]"),
     "in line": ([*SQUARE, (0.5, 0.0)], [*TWO, (0, 1, 4)], r"cell 2 at \(0.5, 0\) m has no area"),

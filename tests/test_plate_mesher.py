@@ -217,6 +217,8 @@ BAD: Mapping[str, tuple[dict[str, object], str]] = {
     "region name": ({"regions": {"": box(0, 0, 0.5, 1)}}, "name ''"),
     "regions list": ({"regions": [box(0, 0, 0.5, 1)]}, "give a polygon by name"),
     "grading": ({"grading": 5.0}, "grading of a mesh is 5"),
+    "far away": ({"polygon": box(1e12, 0, 1e12 + 1, 1), "regions": {}}, r"lies 1e\+12 m from the origin"),
+    "a line": ({"polygon": box(0, 0, 1, 1e-11), "regions": {}}, "thinner than 1e-09 of its length"),
     "limit": ({"size": 0.01, "limit": 1000}, r"about 3\.8e\+04 triangles.* limit is 1000"),
 }
 

@@ -228,10 +228,11 @@ class _Growth:
     def positions(self, number: int) -> Array:
         """From 0 to the length of one segment, equal steps in the integral."""
         count, total, first = self.counts[number], self.total[number], self.first[number]
+        last = total - first - self.middle[number]
         steps = total * (np.arange(count + 1) / count)
         before = self._distance(np.minimum(steps, first), self.at_start[number])
         middle = np.clip(steps - first, 0.0, self.middle[number]) * self.cap[number]
-        after = self.length[number] - self._distance(total - steps, self.at_end[number])
+        after = self.length[number] - self._distance(np.minimum(total - steps, last), self.at_end[number])
         s = np.where(steps <= first + self.middle[number], before + middle, after)
         s[0], s[-1] = 0.0, self.length[number]
         return np.asarray(s)

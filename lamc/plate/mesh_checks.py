@@ -15,6 +15,7 @@ from lamc.mechanism.checks import MAX_NAME_LENGTH, Array, shown
 Integers = NDArray[np.int32]
 
 _FLAT = 1e-12  # area over the square of the longest edge, below which a cell has no area; 1:1000 slivers have 5e-4
+FARTHEST = 1e100  # m; squares of products must not overflow
 _MOST = np.iinfo(np.int32).max
 MOST_CELLS = 5_000_000  # that a mesh has unless a higher limit is given
 _PEAK_BYTES = 360  # per cell, measured, while a mesh is made and checked; 60 of these stay
@@ -32,10 +33,11 @@ def checked_points(value: object, what: str = "the points of a mesh", *, empty: 
         raise DesignError(
             f"{what} have shape {points.shape}; it must be (n, 2) with at least one point: x and y in m"
         )
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(points) < FARTHEST).all(axis=1))
     if len(bad):
         raise DesignError(
-            f"point {bad[0]} of {what} is at {place(points[bad[0]])}; every coordinate must be finite"
+            f"point {bad[0]} of {what} is at {place(points[bad[0]])}; every coordinate must be finite, and below "
+            f"{FARTHEST:g} m"
         )
     return points
 

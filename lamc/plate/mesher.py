@@ -43,6 +43,7 @@ _PER_PART = (
     2.5  # triangles from a part of a border on one side until they have their full size, times the grading
 )
 _SPARE = 1.3  # triangles there are over those of wanted edges on the area
+_DIGITS = 1e-6  # of the size: coarsest step between coordinates
 _AROUND = 8.0  # half the side of the box around all, over the extent
 
 
@@ -79,6 +80,7 @@ def mesh(
     if not 0.05 <= slope <= 1.0:
         raise DesignError(f"the grading of a mesh is {slope:g}; it must be between 0.05 and 1: 0.3 is usual")
     most = checked_number(limit, "the limit of a mesh", minimum=1.0)
+    _check_digits(polygon, float(wanted.min()))
     try:
         paths = paths_of(polygon, named, wanted, checked_followed(polygon, follow))
         lines = linework(paths, TOLERANCE * extent_of(polygon))
@@ -111,6 +113,15 @@ def _checked_sizes(size: float, regions: Mapping[str, Area], sizes: Mapping[str,
         if wanted[name] <= 0.0:
             raise DesignError(f"{what} is {wanted[name]:g} m; it must be positive: the length of an edge")
     return np.array(list(wanted.values()))
+
+
+def _check_digits(polygon: Area, size: float) -> None:
+    farthest = float(np.abs(polygon.bounds).max())
+    if np.spacing(farthest) > _DIGITS * min(size, extent_of(polygon)):
+        raise DesignError(
+            f"the polygon of a mesh lies {farthest:g} m from the origin, where coordinates have not the digits for a "
+            f"size of {size:g} m: move it to the origin"
+        )
 
 
 def _expected(
@@ -181,6 +192,10 @@ def _triangulate(
 
 def _mesh_of(made: Triangulation, divided: Divided, regions: Mapping[str, Area]) -> Mesh:
     """Without the box and what is outside; given points exactly where they were."""
+    if not len(made.cells):
+        raise DesignError(
+            f"the polygon of a mesh is thinner than {TOLERANCE:g} of its length; it has no area to mesh"
+        )
     points = made.points[4:]
     points[: len(divided.points)] = divided.points
     used, cells = np.unique(made.cells - 4, return_inverse=True)

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_name, shown
 from lamc.plate.linework import BORDER, FREE, REGION, Path
-from lamc.plate.mesh_checks import place
+from lamc.plate.mesh_checks import FARTHEST, place
 
 Area: TypeAlias = Polygon | MultiPolygon
 
@@ -30,8 +30,8 @@ def check_area(area: object, what: str) -> None:
         raise DesignError(f"{what} is {shown(area)}; it must be a shapely Polygon or MultiPolygon, in m")
     if area.is_empty:
         raise DesignError(f"{what} is empty; it must have an area")
-    if not np.isfinite(shapely.get_coordinates(area)).all():
-        raise DesignError(f"{what} has coordinates that are not finite")
+    if not (np.abs(shapely.get_coordinates(area)) < FARTHEST).all():
+        raise DesignError(f"{what} has coordinates that are not finite, or not below {FARTHEST:g} m")
     if not area.is_valid:
         raise DesignError(
             f"{what} is not a simple polygon: {shapely.is_valid_reason(area)} (m); its rings must not cross or touch "

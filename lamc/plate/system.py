@@ -89,16 +89,23 @@ class System:
         return matrix, scale
 
     def _text_of(self, number: int) -> str:
-        unknown = self.constraints.free.tocsc().indices[self.constraints.free.tocsc().indptr[number]]
-        node = np.flatnonzero((self.problem.dofs.table == unknown).any(axis=1))[0]
-        x, y = self.problem.dofs.points[node]
+        x, y = self._places[number]
         return f"the node at ({x:.6g}, {y:.6g})"
+
+    @cached_property
+    def _places(self) -> Array:
+        """Where the free unknowns are, (f, 2), m."""
+        dofs, free = self.problem.dofs, self.constraints.free.tocsc()
+        node_of = np.argwhere(dofs.table >= 0)[:, 0]  # unknowns are numbered node by node
+        return np.asarray(dofs.points[node_of[free.indices[free.indptr[:-1]]]])
 
     @cached_property
     def factor(self) -> Factor:
         """Of the scaled matrix. Raises SingularError."""
         matrix, _ = self._reduced
-        return factor(matrix, self.solver) if self.before is None else self.before.refactored(matrix)
+        if self.before is not None:
+            return self.before.refactored(matrix)
+        return factor(matrix, self._places, self.solver)
 
     @cached_property
     def condition(self) -> float:

@@ -67,15 +67,12 @@ def held_solve(stiffness: Matrix, motions: Array, factor: Factor) -> Solve:
     if not rank:
         return factor(stiffness)
     _, _, order = scipy.linalg.qr(motions.T, mode="economic", pivoting=True)
-    free = np.sort(order[rank:])
-    solve = factor(sparse.csc_array(stiffness[free][:, free]))
-
-    def held(b: Array) -> Array:
-        x = np.zeros_like(b)
-        x[free] = solve(b[free])
-        return x
-
-    return held
+    free = np.ones(len(motions))
+    free[order[:rank]] = 0.0
+    kept = sparse.diags_array(free)
+    ones = sparse.diags_array((1.0 - free) * stiffness.diagonal())
+    solve = factor(sparse.csc_array(kept @ stiffness @ kept + ones))
+    return lambda b: solve(free * b)
 
 
 def vibration(

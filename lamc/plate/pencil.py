@@ -18,7 +18,7 @@ from lamc.plate.eigen import Matrix, Solve
 from lamc.plate.problem import Problem
 from lamc.plate.rigid import Piece
 from lamc.plate.solvers import factor
-from lamc.plate.system import System, system
+from lamc.plate.system import System, places_of, system
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,8 @@ class Pencil:
 
     def factor(self, matrix: Matrix) -> Solve:
         """What solves with `matrix`."""
-        return factor(sparse.csc_array(matrix), self.system.solver).solve
+        places = places_of(self.free, self.problem.dofs)
+        return factor(sparse.csc_array(matrix), places, self.system.solver).solve
 
     def mass(self, *, in_plane: bool = True) -> Matrix:
         """Consistent mass of all unknowns, (N, N), kg; without that of motion in the plane if it is not wanted."""

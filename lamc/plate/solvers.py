@@ -5,8 +5,8 @@ solves, and that takes new values on the same pattern. Never: knows what the unk
 
 `auto` takes CHOLMOD where scikit-sparse is installed and its BLAS is a fast one, and SuperLU, which scipy brings,
 otherwise. SuperLU is given an order by nested dissection and told that the matrix is symmetric (pivots from the
-diagonal): its own default is for matrices without symmetry, and takes many times the time and memory; its minimum degree
-on Aᵀ + A takes twice the time. PARDISO is by choice.
+diagonal): its own default is for matrices without symmetry, and takes many times the time and memory; its minimum
+degree on Aᵀ + A takes twice the time. PARDISO is by choice.
 """
 
 import importlib

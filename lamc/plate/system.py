@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from lamc.mechanism.checks import Array
 from lamc.plate.assembly import Assembly
 from lamc.plate.constraints import Constraints, constraints, joined, support_equations
+from lamc.plate.dofs import Dofs
 from lamc.plate.kernels import ElementKernels, kernels
 from lamc.plate.problem import Problem
 from lamc.plate.reduction import Reduction
@@ -89,15 +90,8 @@ class System:
         return matrix, scale
 
     def _text_of(self, number: int) -> str:
-        x, y = self._places[number]
+        x, y = places_of(self.constraints.free, self.problem.dofs)[number]
         return f"the node at ({x:.6g}, {y:.6g})"
-
-    @cached_property
-    def _places(self) -> Array:
-        """Where the free unknowns are, (f, 2), m."""
-        dofs, free = self.problem.dofs, self.constraints.free.tocsc()
-        node_of = np.argwhere(dofs.table >= 0)[:, 0]  # unknowns are numbered node by node
-        return np.asarray(dofs.points[node_of[free.indices[free.indptr[:-1]]]])
 
     @cached_property
     def factor(self) -> Factor:
@@ -105,7 +99,7 @@ class System:
         matrix, _ = self._reduced
         if self.before is not None:
             return self.before.refactored(matrix)
-        return factor(matrix, self._places, self.solver)
+        return factor(matrix, places_of(self.constraints.free, self.problem.dofs), self.solver)
 
     @cached_property
     def condition(self) -> float:
@@ -147,6 +141,13 @@ class System:
     def with_problem(self, problem: Problem) -> "System":
         """Of a problem that differs by its laminates only: values are assembled anew, patterns and ordering stay."""
         return replace(self, problem=problem, before=vars(self).get("factor", self.before))
+
+
+def places_of(free: sp.csr_array, dofs: Dofs) -> Array:
+    """Where free unknowns are, (f, 2), m; a column of `free` (N, f) concerns one node."""
+    node_of = np.argwhere(dofs.table >= 0)[:, 0]  # unknowns are numbered node by node
+    by_column = free.tocsc()
+    return np.asarray(dofs.points[node_of[by_column.indices[by_column.indptr[:-1]]]])
 
 
 def system(problem: Problem, solver: str = "auto") -> System:

@@ -274,6 +274,10 @@ def solved() -> plate.Solution:
 
 BAD_REQUESTS = {
     "number": (lambda: plate.gradient(solved(), "stiffness"), "'stiffness'; it can be of 'compliance' or"),
+    "cases": (
+        lambda: plate.gradient(plate.solve(replace(solved().problem, cases={"a": []}))),  # type: ignore[arg-type]
+        "of cases, take one by name",
+    ),
     "point": (lambda: plate.gradient(solved(), ("deflection", (5, 5))), "outside the plate"),
     "name": (
         lambda: plate.gradient(solved(), "compliance", ["ply[7].angle"]),

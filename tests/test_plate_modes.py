@@ -53,13 +53,16 @@ def test_square_vibrates_as_published(shared: Path, name: str, support: Any) -> 
     assert extrapolated(*omega) == pytest.approx(entry["expected"], rel=entry["rel_tol"])
 
 
-def test_coupled_cross_ply_vibrates_as_navier_says(shared: Path) -> None:
-    """ω a² / h √(ρ/E2) = 10/√w̄, and the supports of the case: free to slide along an edge's normal only."""
-    entry = case(shared, "nav_E25_[0/90]")
-    h = 0.01
-    laminate = plate.Laminate([plate.Ply(REDDY, h / 2, angle) for angle in (0, 90)])
-    slides = [plate.Support(e, ("v",)) for e in (LEFT, RIGHT)] + [
-        plate.Support(e, ("u",)) for e in (BOTTOM, TOP)
+@pytest.mark.parametrize("layup", ["[0/90/90/0]", "[0/90]", "[45/-45]"])
+def test_laminates_vibrate_as_navier_says(shared: Path, layup: str) -> None:
+    """ω a² / h √(ρ/E2) = 10/√w̄ with the deflection w̄ of the case under a wave of pressure, and its supports: a
+    cross-ply may slide along the normal of its edges only, an angle-ply along the edges only."""
+    entry = case(shared, f"nav_E25_{layup}")
+    h, angles = 0.01, [float(text) for text in layup.strip("[]").split("/")]
+    laminate = plate.Laminate([plate.Ply(REDDY, h / len(angles), angle) for angle in angles])
+    held = ("u", "v") if layup == "[45/-45]" else ("v", "u")
+    slides = [plate.Support(e, held[:1]) for e in (LEFT, RIGHT)] + [
+        plate.Support(e, held[1:]) for e in (BOTTOM, TOP)
     ]
     omega = [
         plate.modes(square(n, SIMPLE, *slides, laminate=laminate), 1, in_plane_inertia=False).omega
@@ -239,6 +242,7 @@ BAD_REQUESTS = {
         lambda: plate.modes(square(2, CLAMPED), 50),
         "50 modes are asked for, and the mesh has unknowns for",
     ),
+    "no problem": (lambda: plate.modes(ISOTROPIC), "the problem is .*; it must be a Problem"),  # type: ignore[arg-type]
     "none": (lambda: plate.modes(square(2, SIMPLE), 0), "the count of modes is 0; it must be a whole number"),
     "no number": (lambda: plate.modes(square(2, SIMPLE), 2.5), "the count of modes is 2.5"),  # type: ignore[arg-type]
     "shape": (

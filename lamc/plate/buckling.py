@@ -16,7 +16,7 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, shown
 from lamc.plate.eigen import stability
 from lamc.plate.model import Model
-from lamc.plate.pencil import pencil
+from lamc.plate.pencil import check_problem, pencil
 from lamc.plate.problem import Problem
 from lamc.plate.shapes import Shapes
 
@@ -55,6 +55,7 @@ def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Arra
     Raises DesignError for forces of another shape, and for a plate without membrane forces.
     """
     wanted = _checked_count(count)
+    check_problem(problem)
     acting = _membrane_forces(problem, forces)
     system = pencil(problem)
     system.require_held("buckling")

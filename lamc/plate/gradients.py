@@ -66,6 +66,11 @@ def gradient(
     Raises DesignError for a number that the answer has not, for a repeated or zero frequency or factor, for a name that
     no ply variable has, and for buckling under forces of loads, which change with the plies themselves.
     """
+    if not isinstance(answer, Solution | Modes | Buckling):
+        raise DesignError(
+            f"a gradient is asked of {shown(answer)}; it can be of a Solution (of cases, take one by name), of Modes "
+            "or of Buckling"
+        )
     problem = answer.problem
     wanted = _checked_names(problem, by)
     loads: Sequence[LoadRecord] = ()

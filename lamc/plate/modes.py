@@ -14,7 +14,7 @@ import numpy as np
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_flag, shown
 from lamc.plate.eigen import rigid_basis, vibration
-from lamc.plate.pencil import pencil, translations
+from lamc.plate.pencil import check_problem, pencil, translations
 from lamc.plate.problem import Problem
 from lamc.plate.shapes import Shapes
 
@@ -52,6 +52,7 @@ def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) ->
     Raises DesignError for a region without mass, and for more modes than there are unknowns with mass.
     """
     wanted = _checked_count(count)
+    check_problem(problem)
     _check_mass(problem)
     system = pencil(problem)
     in_plane = checked_flag(in_plane_inertia, "in_plane_inertia of modes")

@@ -11,7 +11,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import Array
+from lamc.mechanism.checks import Array, shown
 from lamc.plate.constraints import constraints, support_equations
 from lamc.plate.dofs import Dofs
 from lamc.plate.eigen import Matrix, Solve
@@ -100,6 +100,12 @@ def translations(dofs: Dofs) -> Array:
         there = dofs.table[:, axis]
         unit[there[there >= 0], axis] = 1.0
     return unit
+
+
+def check_problem(problem: object) -> None:
+    """Raises DesignError for anything but a Problem."""
+    if not isinstance(problem, Problem):
+        raise DesignError(f"the problem is {shown(problem)}; it must be a Problem")
 
 
 def pencil(problem: Problem, solver: str = "auto") -> Pencil:

@@ -212,6 +212,18 @@ def test_membrane_vibrates_along_itself_like_a_bar() -> None:
     assert np.isnan(found.shapes).all()
 
 
+def test_modes_in_which_nodes_only_turn_have_a_size_too() -> None:
+    """One free node: the plate rises, or turns about x or about y, and then moves between the nodes only."""
+    found = plate.modes(square(2, CLAMPED, pattern="one-diagonal"), 3)
+    assert np.isfinite(found.vectors).all()
+    assert np.abs(found.vectors).max() < 100.0  # slopes of some 1 m per cell
+    assert (found.modal_mass > 0.0).all()
+    assert (found.modal_mass < 10.0).all()  # kg; the plate has 1
+    twisting = plate.modes(square(2, CLAMPED, pattern="squares", element="bfs"), 4)
+    assert np.isfinite(twisting.vectors).all()
+    assert (twisting.modal_mass < 100.0).all()
+
+
 def test_frequencies_do_not_depend_on_the_unit_of_length() -> None:
     """All lengths, moduli and densities in mm, N, t and s."""
     metres = plate.modes(square(6, SIMPLE, laminate=plate.Laminate([plate.Ply(CFRP, 1e-3, 30)])), 3)

@@ -20,6 +20,9 @@ from lamc.plate.rigid import Piece
 from lamc.plate.solvers import factor
 from lamc.plate.system import System, places_of, system
 
+# Displacements at nodes smaller than this, over those between them, are round-off.
+_STILL = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
@@ -66,16 +69,28 @@ class Pencil:
         return sparse.csc_array(self.free.T @ matrix @ self.free)
 
     def normalised(self, shapes: Array) -> tuple[Array, Array]:
-        """All unknowns of `shapes` (f, k), each with its largest displacement 1 m and that one positive, (N, k), and
-        the factors (k,) that did it."""
+        """All unknowns of `shapes` (f, k), each with its largest displacement at a node 1 m and positive, (N, k), and
+        the factors (k,) that did it.
+
+        Where nodes turn and do not move, as on the coarsest meshes, the displacement between them counts as an eighth
+        of a cell times the slope.
+        """
         full = np.asarray(self.free @ shapes)
-        table = self.problem.dofs.table[:, :3]
-        moves = full[np.unique(table[table >= 0])]
+        mesh, table = self.problem.mesh, self.problem.dofs.table
+        reach = 0.125 * float(np.sqrt(mesh.areas.max()))
+        turns, twists = (
+            np.abs(full[_there(part)]).max(axis=0, initial=0.0) for part in (table[:, 3:5], table[:, 5:])
+        )
+        between = np.maximum(turns * reach, twists * reach**2)
+        moves = full[_there(table[:, :3])]
+        still = np.abs(moves).max(axis=0, initial=0.0) < _STILL * between
+        size = np.where(still, between, np.abs(moves).max(axis=0, initial=0.0))
         # Of equal displacements the first decides the sign, whatever round-off makes the largest.
-        size = np.abs(moves).max(axis=0)
-        first = np.argmax(np.abs(moves) > (1.0 - 1e-6) * size, axis=0)
-        scale = np.sign(moves[first, np.arange(moves.shape[1])]) / size
-        return full * scale, np.abs(scale)
+        signs = np.empty(len(size))
+        for k in range(len(size)):
+            values = full[:, k] if still[k] else moves[:, k]
+            signs[k] = np.sign(values[np.argmax(np.abs(values) > (1.0 - 1e-6) * np.abs(values).max())])
+        return full * (signs / size), 1.0 / size
 
     def require_held(self, what: str) -> None:
         """Raises DesignError if a rigid motion is left."""
@@ -83,6 +98,11 @@ class Pencil:
             raise DesignError(
                 f"{what} needs a plate that is held, and supports leave it {', '.join(self.motion_names)}; support it"
             )
+
+
+def _there(table: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Numbers of the unknowns in a part of the table of all."""
+    return np.unique(table[table >= 0])
 
 
 def is_in_plane(dofs: Dofs) -> NDArray[np.bool_]:

@@ -66,8 +66,9 @@ def mesh(
     limit     largest number of triangles
 
     Edges are shorter where the outline has short segments or narrow strips, and grow away from there. Edges are 0.9
-    of the size on average and 1.5 at most. Angles are 25° at least, except where the outline has smaller ones, or gaps
-    or segments below a thousandth of the size. The same input gives the same mesh, byte for byte.
+    of the size on average and 1.5 at most. Angles are 25° at least; beside corners of the outline below 60°, about two
+    fifths of the corner's; and any where gaps or segments are below a thousandth of the size. The same input gives the
+    same mesh, byte for byte.
 
     Raises DesignError for polygons that are empty or cross themselves, or hang together at a point only; for regions
     that overlap, and regions, lines or points that lie outside; for sizes that are not positive or would give more

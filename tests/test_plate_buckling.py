@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapely.geometry import LineString
+from shapely.geometry import LineString, Point
 
 from lamc import plate
 from lamc.errors import DesignError
@@ -121,6 +121,15 @@ def test_heated_plate_that_cannot_spread_buckles() -> None:
     assert plate.buckling(problem, 1).critical == pytest.approx(
         2 * math.pi**2 / N, rel=5e-3
     )  # second order in 1/12
+
+
+def test_coupled_plate_that_may_slide_buckles_as_if_it_were_pinned() -> None:
+    """[0/90] couples bending and stretching; three pins at a corner and an edge hold its plane without a force."""
+    laminate = plate.Laminate([plate.Ply(CFRP, 0.1e-3, angle) for angle in (0, 90)])
+    pins = [plate.Support(Point(0, 0), ("u", "v")), plate.Support(Point(1, 0), ("v",))]
+    loose = plate.buckling(rectangle(1.0, 6, SIMPLE, laminate=laminate), 2, forces=UNIAXIAL)
+    held = plate.buckling(rectangle(1.0, 6, SIMPLE, *pins, laminate=laminate), 2, forces=UNIAXIAL)
+    np.testing.assert_allclose(loose.factors, held.factors, rtol=1e-8)  # round-off
 
 
 BAD_REQUESTS = {

@@ -226,6 +226,13 @@ def test_one_laminate_for_all_regions_sums_over_them() -> None:
     assert second["ply[1].angle"] == pytest.approx(first["ply[1].angle"], rel=1e-11)  # round-off
 
 
+def test_free_plate_under_balanced_loads_has_gradients() -> None:
+    ends = [plate.EdgeMoment(LineString([(x, 0), (x, 1)]), 50.0) for x in (0, 2)]
+    problem = replace(cantilever(THICK, ends), supports=())
+    found = plate.gradient(plate.solve(problem), "compliance", SOME)
+    check(found, lambda p: plate.solve(p).compliance, problem, 1e-8)
+
+
 def test_moved_supports_count_as_loads() -> None:
     """A tip held down at a given depth: the reaction changes with the plies, and so the deflection elsewhere."""
     tip = plate.Support(LineString([(2, 0), (2, 1)]), ("w",), -1e-2)

@@ -157,6 +157,10 @@ def test_free_plate_has_its_rigid_motions_first() -> None:
     coupled = plate.modes(square(4, element="dkt+cst"), 8)
     assert (coupled.omega[:6] == 0.0).all()
     assert coupled.omega[6] > 1.0
+    # Without mass in the plane, motion there is no mode.
+    light = plate.modes(square(4, element="dkt+cst"), 5, in_plane_inertia=False)
+    assert light.rigid == found.rigid
+    assert light.omega[3:] == pytest.approx(plate.modes(square(4), 5).omega[3:], rel=1e-8)  # round-off
 
 
 def test_two_plates_that_do_not_touch_have_six_rigid_motions() -> None:

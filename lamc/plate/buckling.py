@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sparse
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, shown
-from lamc.plate.eigen import stability
+from lamc.plate.eigen import pinned, stability
 from lamc.plate.model import Model
 from lamc.plate.pencil import check_problem, pencil
 from lamc.plate.problem import Problem
@@ -59,13 +60,16 @@ def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Arra
     acting = _membrane_forces(problem, forces)
     system = pencil(problem)
     system.require_held("buckling")
-    geometric = system.geometric(acting)
+    # Rigid motion in the plane that is left does nothing to deflections: any unknowns may hold it.
+    stiffness, free = pinned(system.stiffness, system.motions)
+    kept = sparse.diags_array(free)
+    geometric = sparse.csc_array(kept @ system.geometric(acting) @ kept)
     signs = [sign for sign in (1, -1) if _can_buckle(acting * sign)]
-    available = min(wanted, system.stiffness.shape[0])
+    available = min(wanted, stiffness.shape[0])
     values: dict[int, Array] = {1: np.empty(0), -1: np.empty(0)}
     shapes = []
     for sign in signs:
-        values[sign], vectors = stability(system.stiffness, geometric, available, system.factor, sign)
+        values[sign], vectors = stability(stiffness, geometric, available, system.factor, sign)
         shapes.append(vectors)
     full, _ = system.normalised(np.hstack(shapes))
     return Buckling(

@@ -36,42 +36,47 @@ _SAME = 1e-9  # relative; values nearer to each other than this are one
 _SEED = 20_040_229  # any, but always the same
 
 
-def rigid_basis(motions: Array, mass: Matrix) -> tuple[Array, Array]:
-    """The rigid motions (n, r) apart into those with mass, orthonormal in M, (n, s), and those without, (n, r - s).
+def rigid_basis(motions: Array, mass: Matrix) -> tuple[Array, list[int]]:
+    """Of the rigid motions (n, r) those with mass, orthonormal in M, (n, s), and which they are.
 
     By Gram and Schmidt, so that each is the motion of its place less a part of those before it.
     """
     heavy: list[Array] = []
-    massless: list[Array] = []
-    for motion in motions.T:
+    which: list[int] = []
+    for k, motion in enumerate(motions.T):
         rest = motion / np.linalg.norm(motion)
         before = rest @ (mass @ rest)
         for _ in range(2):  # once more, for what round-off left of the first
             for other in heavy:
                 rest = rest - other * (other @ (mass @ rest))
         own = rest @ (mass @ rest)
-        if own > _MASSLESS * max(before, 0.0) and own > 0.0:
+        if own > _MASSLESS * max(before, 0.0):
             heavy.append(rest / np.sqrt(own))
-        else:
-            massless.append(motion)
-    size = len(motions)
-    return np.array(heavy).reshape(-1, size).T, np.array(massless).reshape(-1, size).T
+            which.append(k)
+    return np.array(heavy).reshape(-1, len(motions)).T, which
+
+
+def pinned(stiffness: Matrix, motions: Array) -> tuple[Matrix, Array]:
+    """The stiffness with some unknowns held, one per rigid motion, and a vector that is 0 at these and 1 elsewhere.
+
+    They are those that the motions move most and most differently: QR with column pivoting. The matrix keeps its size:
+    an unknown that is held stands alone, with its own stiffness.
+    """
+    free = np.ones(len(motions))
+    if motions.shape[1]:
+        _, _, order = scipy.linalg.qr(motions.T, mode="economic", pivoting=True)
+        free[order[: motions.shape[1]]] = 0.0
+    kept = sparse.diags_array(free)
+    alone = sparse.diags_array((1.0 - free) * stiffness.diagonal())
+    return sparse.csc_array(kept @ stiffness @ kept + alone), free
 
 
 def held_solve(stiffness: Matrix, motions: Array, factor: Factor) -> Solve:
-    """Solves K x = b for b in equilibrium; of x, some unknowns are held at zero, one per rigid motion.
-
-    The unknowns held are those that the motions move most and most differently: QR with column pivoting.
-    """
-    rank = motions.shape[1]
-    if not rank:
+    """Solves K x = b for b in equilibrium; of x, the unknowns that `pinned` holds are zero."""
+    if not motions.shape[1]:
         return factor(stiffness)
-    _, _, order = scipy.linalg.qr(motions.T, mode="economic", pivoting=True)
-    free = np.ones(len(motions))
-    free[order[:rank]] = 0.0
-    kept = sparse.diags_array(free)
-    ones = sparse.diags_array((1.0 - free) * stiffness.diagonal())
-    solve = factor(sparse.csc_array(kept @ stiffness @ kept + ones))
+    matrix, free = pinned(stiffness, motions)
+    solve = factor(matrix)
     return lambda b: solve(free * b)
 
 

@@ -58,7 +58,7 @@ def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) ->
     in_plane = checked_flag(in_plane_inertia, "in_plane_inertia of modes")
     whole = system.mass(in_plane=in_plane)
     mass = system.reduced(whole)
-    heavy, _ = rigid_basis(system.motions, mass)
+    heavy, which = rigid_basis(system.motions, mass)
     elastic = wanted - heavy.shape[1]
     values, vectors = np.empty(0), np.empty((mass.shape[0], 0))
     if elastic > 0:
@@ -77,7 +77,7 @@ def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) ->
         vectors=full,
         omega=omega,
         in_plane_inertia=in_plane,
-        rigid=system.motion_names[: heavy.shape[1]][:wanted],
+        rigid=tuple(system.motion_names[k] for k in which[:wanted]),
         modal_mass=np.square(scale),
         effective_mass=effective,
     )

@@ -93,10 +93,13 @@ class Pencil:
         return full * (signs / size), 1.0 / size
 
     def require_held(self, what: str) -> None:
-        """Raises DesignError if a rigid motion is left."""
-        if self.motions.shape[1]:
+        """Raises DesignError if a rigid motion across the plate is left."""
+        across = ~is_in_plane(self.problem.dofs)
+        moving = np.abs((self.free @ self.motions)[across]).max(axis=0, initial=0.0) > 0.0
+        if moving.any():
+            names = [name for name, moves in zip(self.motion_names, moving, strict=True) if moves]
             raise DesignError(
-                f"{what} needs a plate that is held, and supports leave it {', '.join(self.motion_names)}; support it"
+                f"{what} needs a plate that is held, and supports leave it {', '.join(names)}; support it"
             )
 
 

@@ -142,6 +142,10 @@ BAD_REQUESTS = {
         lambda: plate.buckling(rectangle(1, 2, SIMPLE), forces=(1, 0)),
         "forces of buckling has shape",
     ),
+    "one number": (
+        lambda: plate.buckling(rectangle(1, 2, SIMPLE), forces=5),  # type: ignore[arg-type]
+        r"forces of buckling has shape \(\)",
+    ),
     "free": (
         lambda: plate.buckling(rectangle(1, 2), forces=UNIAXIAL),
         "buckling needs a plate that is held, .*rise",

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,16 @@ import pytest
 from shapely.geometry import LineString, box
 
 from lamc import plate
+from lamc.codegen.emit_ply import emit_ply
 from lamc.codegen.program import Space
 from lamc.errors import DesignError
 from lamc.plate.laminate_slopes import VARIABLES, laminate_terms
 from lamc.plate.ply_kernel import ply_function, split
-from lamc.plate.ply_terms import TERMS
+from lamc.plate.ply_terms import PLY_NUMBERS, TERMS
 from lamc.plate.sections import Climate
 from lamc.reference.listing import listing_of, run
 from lamc.reference.operations import BATCHED
+from tests.ctools import STRICT, cc, needs_cc
 
 CFRP = plate.Material(350e9, 7e9, 0.33, 5e9, 1600, 1e-6, 20e-6, 0.1, 0.6, -1e-10, 2e-10)
 GLASS = plate.Material(39e9, 8.3e9, 0.26, 4.1e9, 1800, 8.6e-6, 22e-6, 0.2, 0.4, -3e-10, -4e-10)
@@ -102,6 +105,16 @@ def test_terms_of_a_laminate_change_as_complex_steps_say(reference: str | float,
             np.testing.assert_allclose(
                 found.slopes[variable][k] * size / scale, slope * size / scale, rtol=0.0, atol=1e-12
             )
+
+
+@needs_cc
+def test_c_of_a_ply_is_strict_and_the_same_every_time(tmp_path: Path) -> None:
+    tree = emit_ply(ply_function(), PLY_NUMBERS, TERMS)
+    again = emit_ply(ply_function.__wrapped__(), PLY_NUMBERS, TERMS)
+    assert tree.files == again.files
+    for name, text in tree.files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    cc(tmp_path, *STRICT, "-c", "laminate.c")
 
 
 # --- gradients of answers, against differences of answers ------------------------------------------------------------
@@ -286,6 +299,11 @@ BAD_REQUESTS = {
         "of cases, take one by name",
     ),
     "point": (lambda: plate.gradient(solved(), ("deflection", (5, 5))), "outside the plate"),
+    "no point": (
+        lambda: plate.gradient(solved(), ("deflection", "tip")),
+        "the point of a gradient of the deflection is 'tip'",
+    ),
+    "names": (lambda: plate.gradient(solved(), by=5), "variables of a gradient are 5; give a list"),  # type: ignore[arg-type]
     "name": (
         lambda: plate.gradient(solved(), "compliance", ["ply[7].angle"]),
         r"no ply variable is named 'ply\[7\].angle'; there are ply\[0\].angle, ",

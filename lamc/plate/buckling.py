@@ -95,8 +95,8 @@ def _membrane_forces(problem: Problem, forces: Sequence[float] | Array | None) -
         found = _forces_of_loads(problem)
         way_out = "load it in its plane and hold it there, or give forces=(N_x, N_y, N_xy)"
     else:
-        by_cell = len(forces) != 3 or hasattr(forces[0], "__len__")
-        shape = (count, 3) if by_cell and len(forces) == count else (3,)
+        by_cell = hasattr(forces, "__len__") and len(forces) == count and hasattr(forces[0], "__len__")
+        shape = (count, 3) if by_cell else (3,)
         found = np.broadcast_to(checked_array(forces, shape, "the membrane forces of buckling"), (count, 3))
         way_out = "give forces that are not zero"
     if not np.abs(found).max() > 0.0:

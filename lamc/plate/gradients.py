@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import Array, shown
+from lamc.mechanism.checks import Array, checked_array, shown
 from lamc.plate.buckling import Buckling
 from lamc.plate.kernels import kernels
 from lamc.plate.laminate import Laminate
@@ -145,7 +145,8 @@ def _unit_load(of: Of) -> PointLoad:
         raise DesignError(
             f"a gradient of a solution is asked of {shown(of)}; it can be of 'compliance' or ('deflection', (x, y))"
         )
-    return PointLoad(of[1], 1.0)  # type: ignore[arg-type]  # it checks what it is given
+    at = checked_array(of[1], (2,), "the point of a gradient of the deflection")
+    return PointLoad(tuple(at.tolist()), 1.0)
 
 
 def _section_count(problem: Problem) -> int:
@@ -199,6 +200,8 @@ def _checked_names(problem: Problem, by: Sequence[str] | None) -> list[str]:
         return list(dict.fromkeys(known))
     if isinstance(by, str):
         by = (by,)
+    if not hasattr(by, "__iter__"):
+        raise DesignError(f"the ply variables of a gradient are {shown(by)}; give a list of names")
     chosen: set[str] = set()
     for pattern in by:
         # Brackets are part of the names, not of the pattern.

@@ -2,11 +2,11 @@
 
 In: the pattern of a symmetric matrix, and where its unknowns are. Out: their order. Never: values.
 
-The plane is halved again and again, across x or y, whichever parts fewer neighbours (by lengths alone, a mesh of slivers
-would be cut along them); what touches the other half is eliminated after both. In the plane that is within a constant of
-the least fill there can be (A. George, SIAM J. Numer. Anal. 10, 1973). On a mesh of 200 000 triangles the factor is a
-sixth larger than minimum degree's, but its columns come in longer runs of equal pattern, which SuperLU factors in half
-the time.
+The plane is halved again and again, across x or y, whichever parts fewer neighbours: by lengths alone, a mesh of
+slivers would be cut along them. What touches the other half is eliminated after both. In the plane that is within a
+constant of the least fill there can be (A. George, SIAM J. Numer. Anal. 10, 1973). On a mesh of 200 000 triangles the
+factor is a sixth larger than minimum degree's, but its columns come in longer runs of equal pattern, which SuperLU
+factors in half the time.
 """
 
 import numpy as np

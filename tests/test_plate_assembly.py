@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import scipy.sparse as sps
+from scipy.sparse.linalg import splu
 
 from lamc.errors import DesignError, UnsupportedError
 from lamc.plate.assembly import Assembly
@@ -14,7 +15,7 @@ from lamc.plate.dofs import Dofs
 from lamc.plate.elements.library import ELEMENTS, element
 from lamc.plate.grid import grid
 from lamc.plate.kernels import kernels
-from lamc.plate.memory import estimate_memory
+from lamc.plate.memory import available_memory, check_memory, estimate_memory
 from lamc.plate.mesh import Mesh
 from tests.ctools import needs_cc
 
@@ -243,6 +244,32 @@ def test_memory_is_estimated_before_it_is_taken(name: str) -> None:
     assert guessed.entries == pytest.approx(assembly.entry_count, rel=0.04)
     taken = matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes
     assert guessed.matrix == pytest.approx(taken, rel=0.04)
+
+
+@pytest.mark.parametrize("name", ["bciz", "dkt+cst", "lst", "q8", "bfs"])
+def test_the_factor_is_guessed_within_a_half(name: str) -> None:
+    """Against one of SuperLU's two triangles. 3700 points fill in less than the many for which the guess is made."""
+    made = kernels(name)
+    mesh = meshed(name, 60)
+    assembly = Assembly(made, mesh, Dofs(mesh, made.element))
+    matrix = assembly.stiffness(sections(name))
+    matrix.setdiag(2.0 * matrix.diagonal())  # holds it in place of supports
+    options = {"SymmetricMode": True}
+    lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    guessed = estimate_memory(made.element, len(mesh.cells)).factor
+    assert guessed == pytest.approx(8 * lu.L.nnz, rel=0.5)
+
+
+def test_a_problem_that_does_not_fit_is_refused_before_it_is_made() -> None:
+    """Ten million triangles take some tens of gigabytes; CHOLMOD's factor has half the size of SuperLU's."""
+    dkt = ELEMENTS["dkt"]
+    told = "10000000 cells of element 'dkt' have 15000000 unknowns and take some .* GiB to solve with superlu; 4 GiB"
+    with pytest.raises(DesignError, match=told):
+        check_memory(dkt, 10_000_000, "superlu", 4 * 2**30)
+    check_memory(dkt, 10_000_000, "cholmod", 64 * 2**30)
+    check_memory(dkt, 100_000, "superlu", 2**30)
+    free = available_memory()
+    assert free is None or free > 2**20
 
 
 def test_ten_million_triangles_are_counted_without_being_made() -> None:

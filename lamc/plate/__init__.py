@@ -10,6 +10,7 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
     laminate.A, laminate.B, laminate.D
 """
 
+from lamc.plate.assembly import Assembly
 from lamc.plate.buckling import Buckling, buckling
 from lamc.plate.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
 from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
@@ -21,6 +22,7 @@ from lamc.plate.gradients import gradient
 from lamc.plate.grid import grid, grid_of_lines, lines
 from lamc.plate.hinge_edges import HingeEdge
 from lamc.plate.hinge_stiffness import HingeStiffness, hinge_stiffness
+from lamc.plate.kernels import ElementKernels, kernels
 from lamc.plate.laminate import Laminate
 from lamc.plate.library import LIBRARY, material
 from lamc.plate.loads import (
@@ -34,6 +36,7 @@ from lamc.plate.loads import (
     Temperature,
 )
 from lamc.plate.materials import Material
+from lamc.plate.memory import Memory, estimate_memory
 from lamc.plate.mesh import Mesh
 from lamc.plate.mesh_changes import jittered, refined
 from lamc.plate.mesh_files import read_mesh, write_mesh
@@ -56,6 +59,7 @@ __all__ = [
     "ELEMENTS",
     "LIBRARY",
     "Accuracy",
+    "Assembly",
     "Buckling",
     "Clamped",
     "Convergence",
@@ -66,6 +70,7 @@ __all__ = [
     "EdgeMoment",
     "ElectricField",
     "Element",
+    "ElementKernels",
     "EngineeringConstants",
     "ErrorEstimate",
     "FirstPlyFailure",
@@ -75,6 +80,7 @@ __all__ = [
     "Hinged",
     "Laminate",
     "Material",
+    "Memory",
     "Mesh",
     "MeshReport",
     "Model",
@@ -107,6 +113,7 @@ __all__ = [
     "edges",
     "element",
     "error_of",
+    "estimate_memory",
     "first_failure",
     "first_ply_failure",
     "flexibility",
@@ -115,6 +122,7 @@ __all__ = [
     "grid_of_lines",
     "hinge_stiffness",
     "jittered",
+    "kernels",
     "lines",
     "load_plate",
     "material",

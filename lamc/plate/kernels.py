@@ -7,6 +7,7 @@ a cell without area gives infinities. The work is done without the GIL.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -23,6 +24,11 @@ Backend = Literal["c", "interpreted"]
 
 class Evaluator(Protocol):
     """Functions of an element on arrays that have been checked."""
+
+    @property
+    def source_dir(self) -> Path | None:
+        """Where C lies, if there is any."""
+        ...
 
     def values(
         self, name: str, inputs: Sequence[npt.NDArray[Any]], outputs: tuple[int, ...], dtype: Any
@@ -48,6 +54,11 @@ class ElementKernels:
         self.unknown_count = len(element.dofs)
         self.strain_count = 3 * (element.stretches + element.bends)
         self.section_count = 18 if self.strain_count == 6 else 6
+
+    @property
+    def source_dir(self) -> Path | None:
+        """Where the element's C lies; None where it is interpreted."""
+        return self.evaluator.source_dir
 
     def stiffness(self, corners: npt.ArrayLike, sections: npt.ArrayLike) -> Array:
         """∫ Bᵀ S B dA, shape (m, d, d), from section stiffnesses (m, S): N/m, N, N·m."""
@@ -165,6 +176,8 @@ def numbers(
 
 class _Interpreted:
     """The element's program walked through in Python, whole arrays at a time."""
+
+    source_dir = None
 
     def __init__(self, program: ElementProgram) -> None:
         from lamc.reference.elements import InterpretedElement  # the road itself never imports a reference

@@ -5,6 +5,7 @@ have been checked. Out: arrays. Never: checks what a user gives; knows physics.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,11 @@ class CompiledElement:
     def __init__(self, module: Module) -> None:
         self.module = module
         self.handle = module.lib.lamc_this_element()
+
+    @property
+    def source_dir(self) -> Path:
+        """Where its C lies."""
+        return self.module.source_dir
 
     def values(
         self, name: str, inputs: Sequence[npt.NDArray[Any]], outputs: tuple[int, ...], dtype: Any

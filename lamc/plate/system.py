@@ -21,6 +21,7 @@ from lamc.plate.assembly import Assembly
 from lamc.plate.constraints import Constraints, constraints, joined, support_equations
 from lamc.plate.dofs import Dofs
 from lamc.plate.kernels import ElementKernels, kernels
+from lamc.plate.memory import check_memory
 from lamc.plate.problem import Problem
 from lamc.plate.reduction import Reduction
 from lamc.plate.rigid import Piece, pieces, pins
@@ -151,8 +152,12 @@ def places_of(free: sp.csr_array, dofs: Dofs) -> Array:
 
 
 def system(problem: Problem, solver: str = "auto") -> System:
-    """Of `problem`. Raises DesignError where supports contradict each other, or for an unknown solver."""
+    """Of `problem`.
+
+    Raises DesignError where supports contradict each other, for an unknown solver, and where memory is too small.
+    """
     chosen = checked_solver(solver)
+    check_memory(problem.dofs.element, len(problem.mesh.cells), chosen)
     made = kernels(problem.dofs.element)
     equations = support_equations(problem)
     held = constraints(problem, equations)

@@ -34,6 +34,7 @@ def list_examples(terminal: Terminal) -> int:
     lines += ["", "lamc examples NAME tells its story, lamc run --example NAME runs it,"]
     lines += ["and lamc examples NAME --copy DIR writes its file there, to edit."]
     lines += ["Of any size: miura:COLUMNSxROWS, as miura:4x5, and n_four_bar:N."]
+    lines += ["Plates are listed by lamc plate --examples."]
     terminal.say("\n".join(lines))
     terminal.result({"ok": True, "examples": rows})
     return 0

@@ -72,6 +72,13 @@ def bent(axis: Axes, mesh: Mesh, w: Array, *, signed: bool = False) -> float:
     return factor
 
 
+def view_aspect(mesh: Mesh) -> float:
+    """Height over width of the view of `bent`, about."""
+    width, height = box(mesh)
+    right, up = np.abs(_VIEW) @ np.array([width, height, _TALL * max(width, height)])
+    return float(up / right)
+
+
 def _shade(corners: Array) -> Array:
     """Brightness of each triangle, 0.8 to 1: a face that turns away from the light is darker, so that bends show."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -26,7 +26,7 @@ from lamc.plate.problem import Problem
 from lamc.report.numbers import prefixed
 from lamc.report.plan_view import shortened
 from lamc.report.plate_marks import Scale, draw_loads, draw_outline, draw_supports, scale_of
-from lamc.report.plate_solid import ONE_SIGN, bent, box, colours_of, split
+from lamc.report.plate_solid import ONE_SIGN, bent, box, colours_of, split, view_aspect
 from lamc.report.style import PALETTE, save
 
 _LEVELS = 16  # at most, as many as round values allow
@@ -79,8 +79,9 @@ def draw_deflection(problem: Problem, w: Array, path: Path, title: str, loads: S
     width, height = box(mesh)
     wide = width >= 1.6 * height  # then the two views stand above each other
     if wide:
-        figure = Figure(figsize=(7.6, 2.0 + 11.5 * height / width), layout="constrained")
-        plan, view = figure.subplots(2, 1, height_ratios=(1.0, 0.9 + 0.12 * width / height))
+        heights = (6.0 * height / width + 0.8, 5.6 * view_aspect(mesh) + 0.3)
+        figure = Figure(figsize=(7.6, sum(heights) + 0.7), layout="constrained")
+        plan, view = figure.subplots(2, 1, height_ratios=heights)
     else:
         figure = Figure(figsize=(10.6, 4.9), layout="constrained")
         plan, view = figure.subplots(1, 2)

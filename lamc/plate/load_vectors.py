@@ -11,6 +11,7 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array
+from lamc.plate.edge_parts import EdgeParts, edge_parts_on
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.functions import values_at
 from lamc.plate.kernels import ElementKernels
@@ -101,11 +102,11 @@ def _add_point(total: Array, problem: Problem, kernels: ElementKernels, load: Po
 def _add_edges(total: Array, problem: Problem, kernels: ElementKernels, load: EdgeLoad | EdgeMoment) -> None:
     """Forces along z or in the plane, or a moment about the edge, integrated along the edges of the cells."""
     what = f"the {type(load).__name__}"
-    edges = problem.places.some_edges_on(load.where, what)
+    parts = edge_parts_on(problem.places, load.where, what)
     if isinstance(load, EdgeMoment):
-        _check_outer(problem, load, edges)
-    numbers = problem.dofs.of_cells[edges[:, 0]]
-    for point in along_edges(problem, kernels, edges):
+        _check_outer(problem, load, parts.edges)
+    numbers = problem.dofs.of_cells[parts.edges[:, 0]]
+    for point in along_edges(problem, kernels, parts):
         if isinstance(load, EdgeMoment):
             _add(total, numbers, -load.moment * point.length[:, None] * point.across)
         else:
@@ -127,21 +128,22 @@ class EdgePoint:
     across: Array
 
 
-def along_edges(problem: Problem, kernels: ElementKernels, edges: Integers) -> Iterator[EdgePoint]:
-    """Points along `edges`, as (cell, local edge), that integrate a product of cubics exactly."""
-    cells, local = edges[:, 0], edges[:, 1]
+def along_edges(problem: Problem, kernels: ElementKernels, parts: EdgeParts) -> Iterator[EdgePoint]:
+    """Points along `parts` that integrate a product of cubics exactly."""
+    cells, local = parts.edges[:, 0], parts.edges[:, 1]
+    begin, share = parts.ends[:, :1], parts.ends[:, 1:] - parts.ends[:, :1]
     natural = np.array(CORNERS[problem.dofs.element.cell], dtype=float)
     after = (local + 1) % len(natural)
     along = problem.mesh.corners[cells, after] - problem.mesh.corners[cells, local]
     length = np.linalg.norm(along, axis=1)
     for place, weight in zip(_GAUSS, _WEIGHTS, strict=True):
-        xi = natural[local] + 0.5 * (1.0 + place) * (natural[after] - natural[local])
+        xi = natural[local] + (begin + 0.5 * (1.0 + place) * share) * (natural[after] - natural[local])
         shapes = shape_functions(problem, kernels, cells, xi)
         across = np.zeros(shapes.shape[:2])
         if problem.dofs.element.bends:
             normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
             across = np.einsum("kai,ki->ka", shapes[:, :, -2:], normal)
-        yield EdgePoint(0.5 * weight * length, shapes, across)
+        yield EdgePoint(0.5 * weight * share[:, 0] * length, shapes, across)
 
 
 def _check_outer(problem: Problem, load: EdgeMoment, edges: Integers) -> None:

@@ -42,7 +42,10 @@ class PointLoad:
 
 @dataclass(frozen=True, eq=False)
 class EdgeLoad:
-    """A force per length along edges of the mesh, inner ones too: N/m along z, or (x, y, z). Raises DesignError."""
+    """A force per length along edges of the mesh, inner ones too: N/m along z, or (x, y, z).
+
+    A line may begin and end within an edge. Raises DesignError.
+    """
 
     where: Where
     force: Force

@@ -13,6 +13,7 @@ import numpy as np
 from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
+from lamc.plate.edge_parts import edge_parts_on
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import combine, element
 from lamc.plate.laminate import Laminate
@@ -132,7 +133,7 @@ class Problem:
         what = f"the {type(support).__name__} support"
         self.places.nodes(support.where, what)
         if isinstance(support, Hinged) and support.stiffness > 0.0:
-            self.places.some_edges_on(support.where, what)
+            edge_parts_on(self.places, support.where, what)
         if isinstance(support, Support):
             missing = [name for name in support.dofs if name not in self.dofs.names]
             if missing:
@@ -152,7 +153,7 @@ def check_load(problem: Problem, load: LoadRecord) -> None:
         )
     chosen = problem.dofs.element
     if isinstance(load, EdgeLoad | EdgeMoment):
-        problem.places.some_edges_on(load.where, f"the {type(load).__name__}")
+        edge_parts_on(problem.places, load.where, f"the {type(load).__name__}")
     across = isinstance(load, Pressure | EdgeMoment) or (
         isinstance(load, PointLoad | EdgeLoad) and _vector(load.force)[2] != 0.0
     )

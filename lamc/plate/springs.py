@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from lamc.mechanism.checks import Array
+from lamc.plate.edge_parts import edge_parts_on
 from lamc.plate.kernels import ElementKernels
 from lamc.plate.load_vectors import along_edges
 from lamc.plate.problem import Problem
@@ -59,12 +60,12 @@ def springs(problem: Problem, kernels: ElementKernels) -> Springs:
     for index, support in enumerate(problem.supports):
         if not isinstance(support, Hinged) or support.stiffness == 0.0:
             continue
-        edges = problem.places.some_edges_on(support.where, "the Hinged support")
-        numbers = problem.dofs.of_cells[edges[:, 0]]
-        starts = np.arange(len(edges) + 1) * numbers.shape[1]
-        for point in along_edges(problem, kernels, edges):
+        parts = edge_parts_on(problem.places, support.where, "the Hinged support")
+        numbers = problem.dofs.of_cells[parts.edges[:, 0]]
+        starts = np.arange(len(numbers) + 1) * numbers.shape[1]
+        for point in along_edges(problem, kernels, parts):
             entries = (point.across.ravel(), numbers.ravel(), starts)
-            rows.append(sp.csr_array(entries, shape=(len(edges), problem.dofs.count)))
+            rows.append(sp.csr_array(entries, shape=(len(numbers), problem.dofs.count)))
             stiffness.append(support.stiffness * point.length)
-            owners.append(np.full(len(edges), index))
+            owners.append(np.full(len(numbers), index))
     return Springs(sp.csr_array(sp.vstack(rows)), np.concatenate(stiffness), np.concatenate(owners))

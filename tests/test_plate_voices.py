@@ -121,6 +121,15 @@ def test_three_voices_agree_on_every_matrix(name: str) -> None:
         assert difference(ask(interpreted), expected) <= EXACT, function
 
 
+@pytest.mark.parametrize("name", TRIANGLES + RECTANGLES)
+def test_exact_integration_agrees_with_quadrature(name: str) -> None:
+    """On affine cells the C has integrals in closed form, the third voice Gauss's rule of a degree that is exact."""
+    compiled, _, reference = voices(name)
+    asked = answers(name, cells(name))
+    for function in ("stiffness", "mass"):
+        assert difference(asked[function](compiled), asked[function](reference)) <= EXACT / 10.0, function
+
+
 @pytest.mark.parametrize("name", TRIANGLES)
 @pytest.mark.parametrize("aspect", [30.0, 1000.0])
 def test_three_voices_agree_on_slivers(name: str, aspect: float) -> None:

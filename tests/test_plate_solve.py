@@ -394,14 +394,14 @@ def test_other_laminates_on_the_same_mesh_are_as_solved_anew() -> None:
 @pytest.mark.parametrize("solver", ["cholmod", "pardiso"])
 def test_solvers_agree(solver: str) -> None:
     pytest.importorskip({"cholmod": "sksparse.cholmod", "pardiso": "pypardiso"}[solver])
-    problem = everything(jittered(square(9)), cross_ply((0.0, 45.0)))
+    problem = everything(jittered(square(8)), cross_ply((0.0, 45.0)))
     one, other = plate.solve(problem, "superlu"), plate.solve(problem, solver)
     assert other.report.solver == solver
     assert other.values == pytest.approx(one.values, abs=1e-13 * np.abs(one.values).max())
     model = plate.Model(problem, solver)
     model.solve()
     again = model.with_laminates(cross_ply((10.0, 50.0))).solve()
-    anew = plate.solve(everything(jittered(square(9)), cross_ply((10.0, 50.0))), "superlu")
+    anew = plate.solve(everything(jittered(square(8)), cross_ply((10.0, 50.0))), "superlu")
     assert again.values == pytest.approx(anew.values, abs=1e-12 * np.abs(anew.values).max())
 
 

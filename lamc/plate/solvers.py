@@ -11,6 +11,7 @@ degree on Aᵀ + A takes twice the time. PARDISO is by choice.
 
 import importlib
 import time
+import weakref
 from collections.abc import Callable
 from functools import cache
 from typing import Any, Protocol
@@ -27,6 +28,7 @@ from lamc.plate.dissection import nested_dissection
 _FAST = (
     2.5e9  # flop/s of a dense Cholesky; the reference BLAS has 1e9 or less, a tuned one 5e9 and more per core
 )
+_POSITIVE_DEFINITE = 2  # PARDISO's number for real symmetric matrices of that kind
 _DENSE = 600  # unknowns of the matrix that this is measured with: 10 ms against 80 ms
 
 
@@ -114,13 +116,16 @@ class Pardiso:
     name = "pardiso"
 
     def __init__(self, matrix: sp.csc_array) -> None:
-        module = _imported("pypardiso", "PARDISO needs the package pypardiso: pip install pypardiso")
-        self._failure = module.PyPardisoError if hasattr(module, "PyPardisoError") else RuntimeError
-        self._solver = module.PyPardisoSolver(mtype=2)
+        wrapper = _pardiso()
+        try:
+            self._solver = wrapper.PyPardisoSolver(mtype=_POSITIVE_DEFINITE)
+        except ImportError as error:  # the wrapper is there, MKL is not
+            raise UnsupportedError(f"solver 'pardiso' cannot be used: {error}") from error
+        weakref.finalize(self, self._solver.free_memory, everything=True)
         self._matrix = sp.csr_matrix(sp.tril(matrix, format="csc").T)
         try:
             self._solver.factorize(self._matrix)
-        except self._failure as error:
+        except wrapper.PyPardisoError as error:
             raise SingularError(f"the stiffness matrix is not positive definite: {error}") from error
 
     def solve(self, right: Array) -> Array:
@@ -148,7 +153,7 @@ def checked_solver(name: object) -> str:
     if name == "cholmod":
         _cholmod()
     if name == "pardiso":
-        _imported("pypardiso", "PARDISO needs the package pypardiso: pip install pypardiso")
+        _pardiso()
     return name
 
 
@@ -185,6 +190,12 @@ def cholmod_is_fast() -> bool:
 def _cholmod() -> Any:
     return _imported(
         "sksparse.cholmod", "CHOLMOD needs scikit-sparse: pip install scikit-sparse (and SuiteSparse)"
+    )
+
+
+def _pardiso() -> Any:
+    return _imported(
+        "pypardiso.pardiso_wrapper", "PARDISO needs the package pypardiso: pip install pypardiso"
     )
 
 

@@ -46,7 +46,7 @@ def test_dissection_fills_about_as_little_as_minimum_degree(name: str, worst: fl
     assert ours._lu.nnz / theirs.nnz < worst
     right = np.linspace(0.0, 1.0, matrix.shape[0])
     one, other = ours.solve(right), theirs.solve(right)
-    close = 1e-9 * np.abs(other).max()  # condition 1e6 times round-off
+    close = made.condition * np.finfo(float).eps * np.abs(other).max()
     assert one == pytest.approx(other, abs=close)
     several = ours.solve(np.stack([right, 2.0 * right], axis=1))
     assert several[:, 1] == pytest.approx(2.0 * one, abs=close)

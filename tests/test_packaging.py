@@ -55,6 +55,7 @@ def test_the_wheel_holds_templates_runtime_and_examples(wheel: Path) -> None:
             if path.is_file() and path.suffix in (".c", ".h", ".j2"):
                 assert f"{target}/{path.relative_to(CHECKOUT / folder).as_posix()}" in names
     assert "lamc/examples/pendulum.cad" in names
+    assert "lamc/examples/plates/strip.yaml" in names
     assert "lamc/py.typed" in names or not (CHECKOUT / "lamc" / "py.typed").exists()
     assert not [name for name in names if name.startswith(("tests/", "benchmarks/"))]
     assert not [name for name in names if "__pycache__" in name or name.endswith((".so", ".o"))]

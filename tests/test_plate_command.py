@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from lamc import examples
 from lamc.cli import main
 from lamc.commands import plate_work
 from lamc.examples import plates
@@ -195,6 +196,21 @@ def test_a_body_of_a_design_is_a_plate_without_a_file_of_its_own() -> None:
     by_words = answer(*words, "--clamp", "hinge: left", "--load", "left=-1 mN")
     assert by_words["cases"][""]["extremes"]["w"]["least"] == by_file["cases"][""]["extremes"]["w"]["least"]
     assert by_words["mesh"]["regions"] == ["all layers", "hinge left"]
+
+
+def test_a_popupcad_body_is_a_plate_once_its_materials_are_known() -> None:
+    """Moduli in popupCAD files are placeholders; the pendulum's links are squares of 1 m, five layers of 0.2 m."""
+    drawn = str(examples.path("pendulum.cad"))
+    refused = call(drawn, "--body", "link_1", "--clamp", "left")
+    assert refused.exit_code == 2
+    assert "--material" in refused.stderr
+    known = [f"--material={name}={{E: 1 MPa, nu: 0.3}}" for name in ("rigid", "adhesive", "flexible")]
+    data = answer(
+        drawn, "--body", "link_1", "--clamp", "left", "--load", "right=1 N", "--size", "0.2", *known
+    )
+    (laminate, *_) = data["laminates"].values()
+    assert laminate["thickness"] == pytest.approx(1.0, rel=1e-12)
+    assert laminate["D"][0][0] == pytest.approx(1e6 / (12 * (1 - 0.3**2)), rel=1e-9)
 
 
 def test_places_and_loads_of_options_are_those_of_plate_files() -> None:

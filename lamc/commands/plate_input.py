@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lamc.commands.inputs import split_pair
 from lamc.design import popupcad
 from lamc.design.inert import ListNode, MapNode, Node, ScalarNode, compose
 from lamc.design.load import file_text
@@ -18,6 +19,8 @@ from lamc.plate.problem_file import is_plate, load_plate, read_plate
 from lamc.plate.problem_records import PlateFile
 from lamc.plate.problem_schema import PLACES
 
+_OPTIONS = "--body, --hinges, --material, --clamp, --hinge and --load"
+
 
 @dataclass(frozen=True)
 class PlateSource:
@@ -25,6 +28,7 @@ class PlateSource:
 
     clamps, hinged  places: a word of `PLACES`, the name of a hinge, or YAML such as "line: [[0, 0], [0, 1]]"
     loads           PLACE=FORCE or YAML such as "pressure: 2 kPa"
+    materials       NAME=MATERIAL, in place of the design's own: a name of the library, or YAML as in a plate file
     """
 
     file: str | None = None
@@ -34,11 +38,12 @@ class PlateSource:
     clamps: Sequence[str] = ()
     hinged: Sequence[str] = ()
     loads: Sequence[str] = ()
+    materials: Sequence[str] = ()
 
     @property
     def for_designs(self) -> bool:
         """Whether an option is given that only a design takes."""
-        return bool(self.body or self.hinges or self.clamps or self.hinged or self.loads)
+        return bool(self.body or self.hinges or self.clamps or self.hinged or self.loads or self.materials)
 
 
 def load_source(source: PlateSource) -> tuple[PlateFile, str]:
@@ -50,9 +55,7 @@ def load_source(source: PlateSource) -> tuple[PlateFile, str]:
         path = plates.find(source.example).path
         assert path is not None
         if source.for_designs:
-            raise LamcError(
-                "--body, --hinges, --clamp, --hinge and --load belong to a design; an example has its own"
-            )
+            raise LamcError(f"{_OPTIONS} belong to a design; an example has its own")
         return load_plate(path), str(path)
     file = source.file or ""
     root = compose(file_text(file), file)
@@ -60,8 +63,7 @@ def load_source(source: PlateSource) -> tuple[PlateFile, str]:
         return read_plate(_of_design(root, file, source)), file
     if source.for_designs:
         raise LamcError(
-            f"{file!r} is a plate file, which says its own supports and loads; --body, --hinges, --clamp, --hinge and "
-            "--load belong to a design"
+            f"{file!r} is a plate file, which says its own supports and loads; {_OPTIONS} belong to a design"
         )
     return read_plate(root), file
 
@@ -83,11 +85,17 @@ def _of_design(design: Node, file: str, source: PlateSource) -> Node:
         ("kind", _word("plate", file)),
         ("name", _word(f"{Path(file).stem} {'+'.join(source.body)}", file)),
         ("units", _word(units, file)),
+        ("materials", _map([_material(text) for text in source.materials])),
         ("geometry", _map(geometry, file)),
         ("supports", _list(supports)),
         ("loads", _list([_load(text) for text in source.loads])),
     ]
     return _map(entries, file)
+
+
+def _material(text: str) -> tuple[str, Node]:
+    name, value = split_pair(text, "--material", "'Kapton HN'")
+    return name, compose(value, f"--material {text!r}")
 
 
 def _place(text: str, option: str) -> Node:

@@ -16,6 +16,13 @@ of_designs = together(
         help="Of a design: strips that bend end where they were cut, are left out, or belong to it.  [default: none]",
         show_default=False,
     ),
+    click.option(
+        "--material",
+        "materials",
+        metavar="NAME=MATERIAL",
+        multiple=True,
+        help="Of a design: a material of lamc's library, or numbers, in place of the file's own.",
+    ),
     click.option("--clamp", "clamps", metavar="PLACE", multiple=True, help="Of a design: clamped there."),
     click.option("--hinge", "hinged", metavar="PLACE", multiple=True, help="Of a design: on a hinge there."),
     click.option(
@@ -72,6 +79,7 @@ def plate(
     solver: str,
     body: tuple[str, ...],
     hinges: str | None,
+    materials: tuple[str, ...],
     clamps: tuple[str, ...],
     hinged: tuple[str, ...],
     loads: tuple[str, ...],
@@ -103,7 +111,7 @@ def plate(
 
     return work(
         PlateOrder(
-            source=PlateSource(file, example, body, hinges, clamps, hinged, loads),
+            source=PlateSource(file, example, body, hinges, clamps, hinged, loads, materials),
             element=element,
             size=size,
             modes=modes,

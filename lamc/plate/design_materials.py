@@ -43,8 +43,8 @@ def plate_materials(
         raise DesignError(
             f"moduli are needed for a plate, and those of the design are unknown or placeholders: {told}: give them in "
             f"the design's materials, as {min(lacking)}: {{E1: 2.5 GPa, poisson: 0.34}}, or replace the material: in "
-            f'the materials of a plate file, by --material "{min(lacking)}=Kapton HN" of lamc split and lamc plate, or in Python by '
-            f'materials={{{min(lacking)!r}: plate.material("Kapton HN")}}'
+            f'the materials of a plate file, by --material "{min(lacking)}=Kapton HN" of lamc split and lamc plate, '
+            f'or in Python by materials={{{min(lacking)!r}: plate.material("Kapton HN")}}'
         )
     return {name: given[name] if name in given else _plate_material(m) for name, m in own.items()}
 

@@ -243,6 +243,7 @@ def test_plate_of_two_stiffnesses_under_one_moment_has_no_error() -> None:
     solution = plate.solve(problem)
     # Round-off of curvatures over the solution's: 1e-9 after the digits that a hinge of 1e-6 costs.
     assert solution.error_estimate.relative < 1e-8
+    assert solution.error_estimate.sizes(0.01) == pytest.approx({"": math.sqrt(1.99), "hinge": 0.1}, rel=1e-9)
     x, y = np.array([0.7, 1.005, 1.99]), np.array([0.3, 0.5, 0.9])
     np.testing.assert_allclose(solution.recovered.moments(x, y), [[1, 0, 0]] * 3, atol=1e-7)
 

@@ -59,8 +59,8 @@ class ErrorEstimate:
     def sizes(self, relative: float) -> dict[str, float]:
         """For every region the size of cells, m, that would bring the error to `relative` with equal errors in cells.
 
-        The error's energy of a cell is taken to fall with the fourth power of its size: strains of first order. Raises
-        DesignError unless `relative` is positive.
+        The error's energy of a cell is taken to fall with the fourth power of its size: strains of first order. A
+        region without error gets one cell of its own area. Raises DesignError unless `relative` is positive.
         """
         target = checked_number(relative, "the relative error that cell sizes are asked for")
         if target <= 0.0:
@@ -75,8 +75,8 @@ class ErrorEstimate:
         areas = np.bincount(mesh.regions, mesh.areas, count)
         own = np.bincount(mesh.regions, self.cells / squared, count)
         root = np.sqrt(np.maximum(own / np.maximum(areas, np.finfo(float).tiny), np.finfo(float).tiny))
-        sizes = np.sqrt(target**2 * total / np.sum(areas * root) / root)
-        return dict(zip(mesh.region_names, sizes.tolist(), strict=True))
+        sizes = np.sqrt(target**2 * total / np.sum(areas * root) / root) if self.energy > 0.0 else np.inf
+        return dict(zip(mesh.region_names, np.minimum(sizes, np.sqrt(areas)).tolist(), strict=True))
 
     def __str__(self) -> str:
         where = f", most of it in region {self.worst_region!r}" if len(self.regions) > 1 else ""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapely.geometry import LineString, MultiLineString
+from shapely.geometry import LineString, MultiLineString, box
 
 from lamc import plate
 from lamc.errors import DesignError
@@ -69,3 +69,12 @@ def test_a_line_may_reach_out_of_the_plate() -> None:
     line = LineString([(1.0, -2.0), (1.0, 5.0)])
     solution = solved(MESH, sheet(), held("CFFF"), [plate.EdgeLoad(line, 2.0)])
     assert float(solution.reactions[0].force[2]) == pytest.approx(-2.0, rel=1e-9)
+
+
+def test_an_area_stands_for_the_boundary_in_it() -> None:
+    """Inner edges depend on the mesh, and so would the load."""
+    outside = plate.EdgeLoad(box(0.55, -0.1, 1.1, 1.1), 1.0)
+    solution = solved(MESH, sheet(), held("CFFF"), [outside])
+    assert float(solution.reactions[0].force[2]) == pytest.approx(-1.8, rel=1e-9)  # 1 m, and 0.4 m twice
+    with pytest.raises(DesignError, match="an area without an edge of the plate's boundary in it"):
+        solved(MESH, sheet(), held("CFFF"), [plate.EdgeLoad(box(0.3, 0.2, 0.9, 0.8), 1.0)])

@@ -32,12 +32,20 @@ class EdgeParts:
 
 
 def edge_parts_on(places: Places, where: Where, what: str) -> EdgeParts:
-    """Of the edges on `where`: whole edges for "boundary" and areas, and for lines what they cover of each.
+    """Of the edges on `where`: what lines cover of each; for areas and "boundary", whole edges of the plate's boundary.
 
     Raises DesignError, naming `what`, if there is none, and for a line that leaves the edges within the plate.
     """
     if isinstance(where, str) or shapely.get_dimensions(where) != 1:
         edges = places.some_edges_on(where, what)
+        mesh = places.dofs.mesh
+        outer = places.on_boundary[mesh.cell_edges[edges[:, 0], edges[:, 1]]]
+        if not outer.any():
+            raise DesignError(
+                f"{what} at {where_text(where)} is an area without an edge of the plate's boundary in it, and inner "
+                "edges are the mesh's own: give a line"
+            )
+        edges = edges[outer]
         return EdgeParts(edges, np.tile([0.0, 1.0], (len(edges), 1)))
     segments = _segments(where)
     near = _near(places, segments)

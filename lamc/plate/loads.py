@@ -44,7 +44,7 @@ class PointLoad:
 class EdgeLoad:
     """A force per length along edges of the mesh, inner ones too: N/m along z, or (x, y, z).
 
-    A line may begin and end within an edge. Raises DesignError.
+    A line may begin and end within an edge; an area stands for the boundary of the plate in it. Raises DesignError.
     """
 
     where: Where

@@ -7,7 +7,7 @@ import pytest
 from shapely.geometry import LineString, Point, Polygon
 
 from lamc import plate
-from lamc.errors import DesignError, UnsupportedError
+from lamc.errors import DesignError, SimulationError, UnsupportedError
 from tests.plates import case, cross_ply, isotropic, jittered, turned
 
 BOUNDARY = "boundary"
@@ -44,6 +44,14 @@ REFUSED = [
     (
         {"supports": [plate.Support(LEFT, ("w_xy",))]},
         r"'w_xy', which element 'dkt' does not have \(it has w, w_x, w_y\)",
+    ),
+    (
+        {"supports": [plate.Symmetry(Point(0, 0))]},
+        "the Symmetry support at .* lies along no edge of the mesh",
+    ),
+    (
+        {"supports": [plate.Support(Point(0.125, 0), ("w",))], "element": "dkt+lst"},
+        r"a Support holds 'w' at POINT \(0.125 0\), and none of the 1 nodes there has it: .* at corners of cells only",
     ),
     (
         {"supports": [plate.Hinged(Point(0, 0), 1.0)]},
@@ -307,6 +315,22 @@ def test_stretching_without_supports_in_the_plane_is_accepted() -> None:
     exact = 2.0 / (E * h) * np.array([1.0, -0.25, 0.0])
     assert solution.strain(0.4, 0.3) == pytest.approx(exact, rel=1e-10, abs=1e-14 * exact[0])
     assert solution.forces(0.4, 0.3) == pytest.approx([2.0, 0.0, 0.0], abs=1e-9)
+
+
+def test_parts_that_meet_in_a_point_are_said_to_turn_about_it() -> None:
+    # In bending the slopes go through the point; in the plane it is a pin.
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 1], [2, 2], [1, 2.0]])
+    mesh = plate.Mesh(points, np.array([[0, 1, 2], [0, 2, 3], [2, 4, 5], [2, 5, 6]]))
+    across, along = (plate.PointLoad((2.0, 2.0), force) for force in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)))
+    one, both = [plate.Clamped(LEFT)], [plate.Clamped(LEFT), plate.Clamped(Point(2, 1))]
+    bent = plate.solve(problem(mesh=mesh, supports=one, loads=[across]))
+    assert float(bent.deflection(2.0, 2.0)) > 0.0
+    with pytest.raises(
+        SimulationError, match=r"hang together at single points only, such as \(1, 1\), and may turn"
+    ):
+        plate.solve(problem(mesh=mesh, supports=one, loads=[along]))
+    pulled = plate.solve(problem(mesh=mesh, supports=both, loads=[along]))
+    assert float(pulled.displacement(2.0, 2.0)[0]) > 0.0
 
 
 # --- warnings ---

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from lamc.errors import SimulationError
 from lamc.mechanism.checks import Array
 from lamc.plate.advice import notes
 from lamc.plate.laminate import Laminate
@@ -16,7 +17,7 @@ from lamc.plate.loads import LOADS, LoadRecord
 from lamc.plate.problem import Problem, check_load, checked_kinds
 from lamc.plate.refine import Deformed
 from lamc.plate.refine import solve as refined
-from lamc.plate.rigid import check_balance, free_text, without_rigid
+from lamc.plate.rigid import check_balance, free_text, pin_joints, without_rigid
 from lamc.plate.solution import Solution, SolveReport
 from lamc.plate.system import System, system
 from lamc.readonly import ReadOnlyDict
@@ -54,8 +55,24 @@ class Model:
         outer = load_vector(self.problem, self.system.kernels, acting)
         check_balance(self.system.pieces, outer, self.problem.dofs, case)
         held = self.system.constraints
-        deformed = refined(self.system, outer, held.fixed.T @ held.values, refine=self.refine)
+        try:
+            deformed = refined(self.system, outer, held.fixed.T @ held.values, refine=self.refine)
+        except SimulationError as error:
+            raise SimulationError(f"{error.message}{self._loose_text()}") from error
         return self._solution(acting, outer, deformed)
+
+    def _loose_text(self) -> str:
+        """Where parts of the plate may turn in its plane although they hang together."""
+        if not self.problem.dofs.element.stretches:
+            return ""
+        joints = pin_joints(self.problem.dofs)
+        if not len(joints):
+            return ""
+        x, y = joints[0]
+        return (
+            f"; parts of the plate hang together at single points only, such as ({x:.6g}, {y:.6g}), and may turn about "
+            "them in its plane: join them by an edge, or hold both"
+        )
 
     def solve_cases(self) -> ReadOnlyDict[str, Solution]:
         """All cases of the problem by name, each with what acts in every case."""

@@ -21,7 +21,7 @@ from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, P
 from lamc.plate.mesh import Mesh
 from lamc.plate.places import Places
 from lamc.plate.sections import climates, couples
-from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord
+from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord, Symmetry, where_text
 
 _COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares
 _IN_PLANE = ("u", "v")
@@ -131,7 +131,9 @@ class Problem:
 
     def _check_support(self, support: SupportRecord) -> None:
         what = f"the {type(support).__name__} support"
-        self.places.nodes(support.where, what)
+        nodes = self.places.nodes(support.where, what)
+        if isinstance(support, Symmetry):
+            self.places.some_edges_on(support.where, what)
         if isinstance(support, Hinged) and support.stiffness > 0.0:
             edge_parts_on(self.places, support.where, what)
         if isinstance(support, Support):
@@ -141,6 +143,14 @@ class Problem:
                     f"a Support holds {missing[0]!r}, which element {self.dofs.element.name!r} does not have (it has "
                     f"{', '.join(self.dofs.names)}); leave it out, or choose another element"
                 )
+            there = [self.dofs.of(name)[nodes] >= 0 for name in support.dofs]
+            for name, has in zip(support.dofs, there, strict=True):
+                if not has.any():
+                    raise DesignError(
+                        f"a Support holds {name!r} at {where_text(support.where)}, and none of the {len(nodes)} nodes "
+                        f"there has it: element {self.dofs.element.name!r} has it at corners of cells only; move it to "
+                        "one, or leave it out"
+                    )
 
 
 def check_load(problem: Problem, load: LoadRecord) -> None:

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from lamc import examples
 from lamc.cli import main
-from lamc.commands import plate_work
+from lamc.commands import plate_files, plate_work
 from lamc.examples import plates
 from lamc.plate.problem_file import load_plate
 from tests.ctools import needs_cc
@@ -392,3 +392,19 @@ def test_interrupted_work_ends_with_130_and_leaves_no_folder(
     result = call(square(tmp_path / "s.yaml"), "--out", "o")
     assert result.exit_code == 130
     assert not Path("o").exists()
+
+
+def test_what_was_written_before_an_interruption_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*args: object, **more: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(plate_files, "draw_fields", stop)
+    result = call(square(tmp_path / "s.yaml", n=4), "--out", "o")
+    assert result.exit_code == 130
+    assert "see o" in result.stderr
+    told = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
+    assert told["interrupted"]
+    assert set(told["files"]) == {p.name for p in Path("o").iterdir()}
+    assert "deflection.png" in told["files"]

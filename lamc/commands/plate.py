@@ -13,7 +13,7 @@ from lamc.commands.inputs import output_folder
 from lamc.commands.plate_files import own_files, write_files
 from lamc.commands.plate_input import PlateSource, load_source
 from lamc.commands.plate_work import answers
-from lamc.commands.terminal import Terminal, plain
+from lamc.commands.terminal import INTERRUPTED, Terminal, plain
 from lamc.design.units import LENGTH, to_si
 from lamc.errors import DesignError, LamcError
 from lamc.files import write_text
@@ -43,7 +43,10 @@ class PlateOrder:
 
 
 def plate(order: PlateOrder, terminal: Terminal) -> int:
-    """Solves, writes, prints; or tells what an element is, where no plate is named."""
+    """Solves, writes, prints; or tells what an element is, where no plate is named.
+
+    Ctrl-C while files are written keeps those that are there. Returns 0, or 130 after Ctrl-C.
+    """
     if order.source.file is None and order.source.example is None and order.element is not None:
         text = describe(element_of(order.element))
         terminal.say(text)
@@ -58,15 +61,22 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
         with output_folder(order.out, file.name) as folder:
             report = answers(file, source, _size(order.size), order.solver, times)
             older = own_files(folder)
-            files = write_files(report, folder, pictures=order.pictures, progress=progress)
+            files, interrupted = [], False
+            try:
+                for name in write_files(report, folder, pictures=order.pictures, progress=progress):
+                    files.append(name)
+            except KeyboardInterrupt:
+                interrupted = True
             files.append("summary.json")
-            told = data(report) | {"lamc_version": __version__, "files": files}
+            told = data(report) | {"lamc_version": __version__, "files": files, "interrupted": interrupted}
             write_text(folder / "summary.json", json.dumps(plain(told), indent=2, ensure_ascii=False) + "\n")
             for name in sorted(older - set(files)):
                 (folder / name).unlink(missing_ok=True)
     terminal.say(summary(report, folder, files))
     terminal.result(told | {"folder": str(folder)})
-    return 0
+    if interrupted:
+        terminal.error(f"interrupted while files were written; see {folder}")
+    return INTERRUPTED if interrupted else 0
 
 
 def _chosen(file: PlateFile, order: PlateOrder) -> PlateFile:

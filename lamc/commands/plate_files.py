@@ -5,6 +5,7 @@ reach a file's name only as letters, digits and "._-".
 """
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -34,23 +35,21 @@ _MADE = (
 _ENDS = (".png", ".csv", ".vtu", ".json")
 
 
-def write_files(report: PlateReport, folder: Path, *, pictures: bool, progress: Progress) -> list[str]:
-    """Every file but summary.json. Raises LamcError where one cannot be written."""
-    files = []
+def write_files(report: PlateReport, folder: Path, *, pictures: bool, progress: Progress) -> Iterator[str]:
+    """Every file but summary.json, one after the other, by name. Raises LamcError where one cannot be written."""
     with report.times.stage("write"):
-        files += _write_fields(report, folder)
+        yield from _write_fields(report, folder)
     if not pictures:
-        return files
+        return
     with report.times.stage("draw"):
         title = report.file.name
         everything = report.cases[0].solution.loads if len(report.cases) == 1 else report.problem.loads
-        files.append(draw_mesh(report.problem, folder / "mesh.png", title, everything).name)
-        files += _draw_stacks(report, folder)
+        yield draw_mesh(report.problem, folder / "mesh.png", title, everything).name
+        yield from _draw_stacks(report, folder)
         for number, case in enumerate(report.cases):
-            files += _draw_case(report, case, folder)
+            yield from _draw_case(report, case, folder)
             progress.part(number + 1, len(report.cases) + 1)
-        files += _draw_shapes(report, folder)
-    return files
+        yield from _draw_shapes(report, folder)
 
 
 def own_files(folder: Path) -> set[str]:
@@ -77,7 +76,7 @@ def _named(stem: str, name: str, end: str, taken: set[str]) -> str:
     return found
 
 
-def _write_fields(report: PlateReport, folder: Path) -> list[str]:
+def _write_fields(report: PlateReport, folder: Path) -> Iterator[str]:
     mesh = report.problem.mesh
     columns: dict[str, Array] = {}
     of_points: dict[str, Array] = {}
@@ -98,9 +97,8 @@ def _write_fields(report: PlateReport, folder: Path) -> list[str]:
         for k, shape in enumerate(report.modes.shapes.T[:, : len(mesh.points)]):
             none = np.zeros(len(mesh.points))
             of_points[f"mode {k + 1}"] = np.column_stack([none, none, np.nan_to_num(shape)])
-    write_table(mesh, columns, folder / "fields.csv")
-    write_vtu(mesh, of_points, of_cells, folder / "fields.vtu")
-    return ["fields.csv", "fields.vtu"]
+    yield write_table(mesh, columns, folder / "fields.csv").name
+    yield write_vtu(mesh, of_points, of_cells, folder / "fields.vtu").name
 
 
 def _at_points(case: CaseReport) -> dict[str, tuple[str, Array]]:
@@ -117,24 +115,21 @@ def _at_points(case: CaseReport) -> dict[str, tuple[str, Array]]:
     return found
 
 
-def _draw_stacks(report: PlateReport, folder: Path) -> list[str]:
+def _draw_stacks(report: PlateReport, folder: Path) -> Iterator[str]:
     """A picture of each laminate that differs."""
     taken: set[str] = set()
-    drawn = []
     problem = report.problem
     for index, laminate in enumerate(problem.laminates):
         if any(laminate == other for other in problem.laminates[:index]):
             continue
         region = problem.mesh.region_names[index] if len(problem.laminates) > 1 else ""
         name = _named("stack", region, ".png", taken)
-        drawn.append(draw_stack(laminate, folder / name, region or report.file.name).name)
-    return drawn
+        yield draw_stack(laminate, folder / name, region or report.file.name).name
 
 
-def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> list[str]:
+def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> Iterator[str]:
     problem, solution, fields = report.problem, case.solution, case.fields
     title = f"{report.file.name}: {case.name}" if case.name else report.file.name
-    files = []
 
     def path(stem: str) -> Path:
         return folder / (f"{stem}_{folder_name(case.name)}.png" if case.name else f"{stem}.png")
@@ -142,31 +137,29 @@ def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> list[str]
     unknowns = _at_points(case)
     if "w" in unknowns:
         drawn = draw_deflection(problem, unknowns["w"][1], path("deflection"), title, solution.loads)
-        files.append(drawn.name)
+        yield drawn.name
     if "u" in unknowns:
         plane = [Field(f"displacement {name}", "m", unknowns[name][1]) for name in ("u", "v")]
-        files.append(draw_fields(problem, plane, path("displacement"), title).name)
+        yield draw_fields(problem, plane, path("displacement"), title).name
     for stem, letter, unit, values in (
         ("moments", "M", "N", fields.moments),
         ("forces", "N", "N/m", fields.forces),
     ):
         if values is not None:
             parts = [Field(f"${letter}_{{{a}}}$", unit, values[..., k]) for k, a in enumerate(_AXES)]
-            files.append(draw_fields(problem, parts, path(stem), title).name)
+            yield draw_fields(problem, parts, path(stem), title).name
     stress = [Field("largest von Mises stress of all plies", "Pa", fields.stress)]
     if fields.tsai_wu is not None and not np.isnan(fields.tsai_wu).any():
         stress.append(Field("largest Tsai-Wu index, 1 at failure", "", fields.tsai_wu))
-    files.append(draw_fields(problem, stress, path("stress"), title).name)
-    return files
+    yield draw_fields(problem, stress, path("stress"), title).name
 
 
-def _draw_shapes(report: PlateReport, folder: Path) -> list[str]:
-    files = []
+def _draw_shapes(report: PlateReport, folder: Path) -> Iterator[str]:
     count = len(report.problem.mesh.points)
     if report.modes is not None:
         told = [f"{k + 1}: {shown_number(float(f), 'Hz', 4)}" for k, f in enumerate(report.modes.frequencies)]
         shapes = np.nan_to_num(report.modes.shapes[:count])
-        files.append(
+        yield (
             draw_modes(report.problem, shapes, told, folder / "modes.png", f"{report.file.name}: modes").name
         )
     taken: set[str] = set()
@@ -176,5 +169,4 @@ def _draw_shapes(report: PlateReport, folder: Path) -> list[str]:
             shapes = np.nan_to_num(buckled.shapes[:count, : len(told)])
             title = f"{report.file.name}: buckling" + (f", {name}" if name else "")
             path = folder / _named("buckling", name, ".png", taken)
-            files.append(draw_modes(report.problem, shapes, told, path, title).name)
-    return files
+            yield draw_modes(report.problem, shapes, told, path, title).name

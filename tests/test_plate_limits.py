@@ -57,7 +57,7 @@ def test_frequencies_converge_as_h_squared(family: str, element: str) -> None:
     assert order == pytest.approx(2.0, abs=0.3)  # two meshes, coarse ones
 
 
-def quadratic(laminate: plate.Laminate) -> tuple[list[plate.Support], np.ndarray]:
+def quadratic() -> tuple[list[plate.Support], np.ndarray]:
     """Supports that prescribe w = 1 + x - y + x² - xy/2 + y²/4 along the boundary, and its curvature."""
     supports = [
         plate.Support("boundary", ("w",), lambda x, y: 1 + x - y + x * x - x * y / 2 + y * y / 4),
@@ -77,7 +77,7 @@ def test_constant_curvature_passes_on_any_mesh(
 ) -> None:
     case = published(shared, "patch")
     mesh = rectangle_mesh(family, 8)
-    supports, curvature = quadratic(laminate)
+    supports, curvature = quadratic()
     solution = solved(mesh, laminate, supports, [], element)
     found = solution.curvature(*mesh.corners.mean(axis=1).T)
     assert np.abs(found - curvature).max() / np.abs(curvature).max() <= case["rel_tol"]
@@ -87,7 +87,7 @@ def test_bciz_fails_the_patch_test_as_known(shared: Path) -> None:
     """As the case's note says: it passes on one-diagonal meshes, and is wrong by 7 to 31 % elsewhere."""
     for family in FAMILIES:
         mesh = rectangle_mesh(family, 8)
-        supports, curvature = quadratic(sheet())
+        supports, curvature = quadratic()
         solution = solved(mesh, sheet(), supports, [], "bciz")
         error = np.abs(solution.curvature(*mesh.corners.mean(axis=1).T) - curvature).max()
         relative = error / np.abs(curvature).max()

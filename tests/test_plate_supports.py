@@ -233,6 +233,21 @@ def test_oblique_supports_that_contradict_each_other_are_found() -> None:
         deflections(mesh, plate.SimplySupported(edge), plate.Support(edge, ("w_x", "w_y"), 0.1))
 
 
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+def test_what_is_free_is_gathered_as_a_product_of_matrices_would(degrees: float) -> None:
+    mesh = turned(jittered(plate.grid(1.0, 1.0, 5, 4)), degrees)
+    made = plate.Model(plate.Problem(mesh, isotropic(), "dkt+lst", [plate.SimplySupported(BOUNDARY)])).system
+    free = made.constraints.free
+    product = (free.T @ made.stiffness @ free).toarray()
+    gathered = made.pattern.reduction(made.stiffness).matrix(made.stiffness.data)
+    assert gathered.has_sorted_indices
+    assert gathered.toarray() == pytest.approx(product, abs=1e-15 * np.abs(product).max())
+    held = made.constraints.fixed
+    assert abs(held @ free).max() < 1e-15  # what is held and what is free span everything, at right angles
+    assert held.shape[0] + free.shape[1] == free.shape[0]
+    assert np.abs((held @ held.T).toarray() - np.eye(held.shape[0])).max() < 1e-15
+
+
 # --- numbers of unknowns ---
 
 

@@ -109,7 +109,7 @@ class System:
         matrix, _ = self._reduced
         if not matrix.shape[0]:
             return 1.0
-        norm = float(np.max(np.abs(matrix).sum(axis=0)))
+        norm = float(np.add.reduceat(np.abs(matrix.data), matrix.indptr[:-1]).max())
         vector = np.cos(np.arange(matrix.shape[0], dtype=float))  # of no symmetry, and the same every time
         growth = 0.0
         for _ in range(_INVERSE_STEPS):

@@ -8,6 +8,11 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
     cfrp = plate.Material(E1=350e9, E2=7e9, nu12=0.33, G12=5e9, density=1600)
     laminate = plate.Laminate([plate.Ply(cfrp, 50e-6, angle) for angle in (45, 22.5, 45)])  # bottom to top
     laminate.A, laminate.B, laminate.D
+
+    side = shapely.LineString([(0, 0), (0, 2e-3)])
+    tip = plate.PointLoad((10e-3, 1e-3), 1e-3)  # N, upwards
+    problem = plate.Problem(plate.grid(10e-3, 2e-3, 40, 8), laminate, supports=[plate.Clamped(side)], loads=[tip])
+    plate.solve(problem).deflection(10e-3, 1e-3)
 """
 
 from lamc.plate.assembly import Assembly

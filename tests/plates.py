@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from lamc.plate.laminate import Laminate
-from lamc.plate.materials import Material
-from lamc.plate.mesh import Mesh
-from lamc.plate.plies import Ply
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.laminates.materials import Material
+from lamc.plate.laminates.plies import Ply
+from lamc.plate.meshing.mesh import Mesh
 
 LEFT, RIGHT, BOTTOM, TOP = "left", "right", "bottom", "top"
 

@@ -12,8 +12,9 @@ from shapely.geometry import LineString, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate import Laminate, Material, Ply, failure
-from lamc.plate.materials import strain_rotation
+from lamc.plate import Laminate, Material, Ply
+from lamc.plate.laminates import failure
+from lamc.plate.laminates.materials import strain_rotation
 
 T300 = plate.material("T300/5208")
 # A ratio comes from some products, a root and a division, each rounded once.

@@ -17,7 +17,7 @@ from lamc.effects.base import Effect
 from lamc.examples import __file__ as examples
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.pipeline import effects_of, equations_of, sources_of
-from lamc.plate.element_build import element_program
+from lamc.plate.elements.build import element_program
 from lamc.plate.elements.library import element
 from lamc.scene import Scene
 

@@ -18,8 +18,9 @@ from lamc.cli import main
 from lamc.design.load import load_text
 from lamc.design.records import Design
 from lamc.errors import BuildError, DesignError
-from lamc.plate import Laminate, Material, Ply, design_hinges
-from lamc.plate.design_hinges import with_material_stiffness
+from lamc.plate import Laminate, Material, Ply
+from lamc.plate.designs import hinges as design_hinges
+from lamc.plate.designs.hinges import with_material_stiffness
 
 KAPTON = plate.material("Kapton HN")
 T300 = plate.material("T300/5208")

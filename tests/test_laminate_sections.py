@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from lamc import plate
 from lamc.errors import DesignError
 from lamc.plate import Laminate, Material, Ply
-from lamc.plate.layup import MOST_PLIES, layup_angles
-from lamc.plate.shear import shear_compliance
+from lamc.plate.laminates.layup import MOST_PLIES, layup_angles
+from lamc.plate.laminates.shear import shear_compliance
 
 STEEL = plate.material("steel")
 T300 = plate.material("T300/5208")

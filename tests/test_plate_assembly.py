@@ -10,13 +10,13 @@ import scipy.sparse as sps
 from scipy.sparse.linalg import splu
 
 from lamc.errors import DesignError, UnsupportedError
-from lamc.plate.assembly import Assembly
 from lamc.plate.dofs import Dofs
+from lamc.plate.elements.assembly import Assembly
+from lamc.plate.elements.kernels import kernels
 from lamc.plate.elements.library import ELEMENTS, element
-from lamc.plate.grid import grid
-from lamc.plate.kernels import kernels
 from lamc.plate.memory import available_memory, check_memory, estimate_memory
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.grid import grid
+from lamc.plate.meshing.mesh import Mesh
 from tests.ctools import needs_cc
 
 pytestmark = needs_cc

@@ -14,10 +14,10 @@ import sympy as sp
 from lamc.codegen import emit_element
 from lamc.codegen.build import write_sources
 from lamc.codegen.emit import SourceTree
-from lamc.plate import element_build
+from lamc.plate.elements import build as element_build
 from lamc.plate.elements.definition import Element, side, xi
+from lamc.plate.elements.kernels import kernels
 from lamc.plate.elements.library import ELEMENTS, element
-from lamc.plate.kernels import kernels
 from tests.ctools import STRICT, STRICT_CXX, cc, needs_cc
 from tests.test_plate_kernels import cells, inputs
 from tests.test_sanitizers import FLAGS, works
@@ -230,7 +230,7 @@ def test_library_functions_are_called_for_one_cell_at_a_time() -> None:
 def test_the_same_element_gives_the_same_bytes_whatever_the_hash_seed() -> None:
     program = (
         "import hashlib;from lamc.codegen.emit_element import emit_element;"
-        "from lamc.plate.element_build import element_program;from lamc.plate.elements.library import element;"
+        "from lamc.plate.elements.build import element_program;from lamc.plate.elements.library import element;"
         "t=emit_element(element_program(element('bciz')));"
         "print(hashlib.sha256(repr(sorted(t.files.items())).encode()).hexdigest())"
     )

@@ -13,7 +13,7 @@ from lamc import examples
 from lamc.cli import main
 from lamc.commands import plate_files, plate_work
 from lamc.examples import plates
-from lamc.plate.problem_file import load_plate
+from lamc.plate.files.problem_file import load_plate
 from tests.ctools import needs_cc
 
 pytestmark = needs_cc

@@ -8,7 +8,7 @@ from shapely.geometry import LineString, MultiLineString, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate.edge_parts import edge_parts_on
+from lamc.plate.solving.edge_parts import edge_parts_on
 from tests.ctools import needs_cc
 from tests.plate_meshes import held, sheet, sides, solved
 

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 from scipy.sparse.linalg import splu
 
 from lamc.errors import SimulationError
-from lamc.plate.eigen import DENSE, rigid_basis, stability, vibration
+from lamc.plate.answers.eigen import DENSE, rigid_basis, stability, vibration
 
 Matrices = tuple[Any, Any, Any]
 

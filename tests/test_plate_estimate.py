@@ -12,10 +12,10 @@ from shapely.geometry import LineString, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate.convergence import error_of, observed_order
+from lamc.plate.answers.convergence import error_of, observed_order
+from lamc.plate.answers.recovery import recover, sample_points
 from lamc.plate.dofs import mapped
-from lamc.plate.mesh import Mesh
-from lamc.plate.recovery import recover, sample_points
+from lamc.plate.meshing.mesh import Mesh
 
 PATTERNS = ["one-diagonal", "criss-cross", "union-jack", "squares"]
 

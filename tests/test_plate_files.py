@@ -16,9 +16,13 @@ from lamc import examples
 from lamc.design.schema import FILES, json_schema
 from lamc.errors import DesignError, DesignErrors, ExpressionError, LamcError
 from lamc.examples import plates as plate_examples
-from lamc.plate.expression import Field, depends_on_place, number
-from lamc.plate.laminate import Laminate
-from lamc.plate.library import material
+from lamc.plate.files.expression import Field, depends_on_place, number
+from lamc.plate.files.problem_file import load_plate, plate_of_text
+from lamc.plate.files.problem_records import PlateFile
+from lamc.plate.files.problem_schema import PlateFileModel
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.laminates.library import material
+from lamc.plate.laminates.plies import Ply
 from lamc.plate.loads import (
     EdgeLoad,
     EdgeMoment,
@@ -29,10 +33,6 @@ from lamc.plate.loads import (
     Pressure,
     Temperature,
 )
-from lamc.plate.plies import Ply
-from lamc.plate.problem_file import load_plate, plate_of_text
-from lamc.plate.problem_records import PlateFile
-from lamc.plate.problem_schema import PlateFileModel
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
 
 PATIENCE = 5.0  # s; a second is the promise, and the machine may be busy with other tests

@@ -17,7 +17,7 @@ from lamc.design.records import Design
 from lamc.design.split import split_steps
 from lamc.design.steps import SplitSteps
 from lamc.errors import DesignError
-from lamc.plate.overlay import is_sliver, overlay, stack_name
+from lamc.plate.designs.overlay import is_sliver, overlay, stack_name
 
 KAPTON, T300 = plate.material("Kapton HN"), plate.material("T300/5208")
 

@@ -8,8 +8,8 @@ import numpy.typing as npt
 import pytest
 
 from lamc.errors import DesignError, UnsupportedError
+from lamc.plate.elements.kernels import ElementKernels, kernels
 from lamc.plate.elements.library import ELEMENTS, element
-from lamc.plate.kernels import ElementKernels, kernels
 from lamc.reference.plate_elements import ReferenceElement
 from tests.ctools import needs_cc
 

@@ -8,8 +8,8 @@ from shapely.geometry import Polygon, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate.grid import PATTERNS
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.grid import PATTERNS
+from lamc.plate.meshing.mesh import Mesh
 
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 TWO = np.array([(0, 1, 2), (0, 2, 3)])

@@ -14,7 +14,7 @@ from shapely.geometry import box
 
 from lamc import plate
 from lamc.errors import DesignError, LamcError, UnsupportedError
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 
 FORMATS = (".msh", ".vtk", ".vtu", ".inp", ".mesh")
 PATIENCE = 5.0  # s; a tenth is usual, but the machine may be busy with other tests

@@ -9,9 +9,9 @@ from shapely.geometry import MultiPolygon, Point, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate.mesh import Mesh
-from lamc.plate.mesh_changes import border_edges
-from lamc.plate.mesh_report import (
+from lamc.plate.meshing.changes import border_edges
+from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.report import (
     FOUR_DIRECTIONS,
     GRADED,
     IRREGULAR,

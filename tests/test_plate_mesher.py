@@ -19,7 +19,7 @@ from lamc import plate
 from lamc.design.load import load
 from lamc.design.records import Design
 from lamc.errors import DesignError, LamcError
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 
 # Areas of thousands of triangles, each with round-off of a few parts in 1e16, added up.
 EXACT = 1e-12

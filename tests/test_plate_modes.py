@@ -11,7 +11,7 @@ from shapely.geometry import LineString, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from tests.plate_ritz import frequencies
 
 NU = 0.3

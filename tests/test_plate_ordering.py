@@ -6,9 +6,9 @@ import scipy.sparse.linalg as sla
 from shapely.geometry import Point, box
 
 from lamc import plate
-from lamc.plate.dissection import nested_dissection
-from lamc.plate.solvers import SuperLU
-from lamc.plate.system import System, places_of
+from lamc.plate.solving.dissection import nested_dissection
+from lamc.plate.solving.solvers import SuperLU
+from lamc.plate.solving.system import System, places_of
 from tests.plates import isotropic
 
 MESHES = {

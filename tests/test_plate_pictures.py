@@ -12,13 +12,13 @@ from PIL import Image
 from shapely.geometry import LineString, Polygon
 
 from lamc.errors import LamcError
-from lamc.plate.field_files import write_table, write_vtu
-from lamc.plate.grid import grid
-from lamc.plate.laminate import Laminate
-from lamc.plate.library import material
+from lamc.plate.files.field_files import write_table, write_vtu
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.laminates.library import material
+from lamc.plate.laminates.plies import Ply
 from lamc.plate.loads import EdgeLoad, PointLoad
-from lamc.plate.mesh import Mesh
-from lamc.plate.plies import Ply
+from lamc.plate.meshing.grid import grid
+from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.problem import Problem
 from lamc.plate.supports import Clamped, SimplySupported, Symmetry
 from lamc.report.numbers import prefixed, shown_number

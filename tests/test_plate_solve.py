@@ -8,7 +8,7 @@ from shapely.geometry import LineString, Point, box
 
 from lamc import plate
 from lamc.errors import SimulationError
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from tests.plates import case, cross_ply, disk, isotropic, jittered, richardson, turned
 
 BOUNDARY = "boundary"

@@ -8,9 +8,9 @@ from shapely.geometry import LineString, MultiPoint, Point, box
 
 from lamc import plate
 from lamc.errors import DesignError
-from lamc.plate.constraints import constraints, support_equations
 from lamc.plate.dofs import Dofs, mapped
 from lamc.plate.elements.definition import SQUARE
+from lamc.plate.solving.constraints import constraints, support_equations
 from tests.plates import disk, isotropic, jittered, richardson, turned
 
 BOUNDARY = "boundary"

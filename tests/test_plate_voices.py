@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from lamc.plate import Laminate, Material, Ply
-from lamc.plate.kernels import ElementKernels, kernels
+from lamc.plate.elements.kernels import ElementKernels, kernels
 from lamc.reference.plate_elements import ReferenceElement
 from tests.ctools import needs_cc
 

@@ -13,8 +13,8 @@ import pytest
 import lamc
 from lamc import examples, plate
 from lamc.examples import plates
-from lamc.plate.problem_file import plate_of_text
-from lamc.plate.problem_make import problem_of
+from lamc.plate.files.problem_file import plate_of_text
+from lamc.plate.files.problem_make import problem_of
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

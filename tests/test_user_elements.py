@@ -11,7 +11,7 @@ from lamc.errors import DesignError
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements import derive, eta, side, x1, xi
 from lamc.plate.elements.definition import CORNERS
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from tests.staged_elements import (
     StagedElement,
     cells,

@@ -30,7 +30,7 @@ class Space(Enum):
     RESULTANT = "r"  # membrane forces, N/m, and moments, N
     NATURAL = "xi"  # ξ and η
     UNKNOWN = "d"  # of the element, node by node
-    PLY = "y"  # numbers of a ply; units in `lamc/plate/ply_terms.py`
+    PLY = "y"  # numbers of a ply; units in `lamc/plate/laminates/ply_terms.py`
     NUMBER = "#"  # a literal
 
 

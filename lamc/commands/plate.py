@@ -20,7 +20,7 @@ from lamc.files import write_text
 from lamc.pipeline import Times
 from lamc.plate.elements.description import describe
 from lamc.plate.elements.library import element as element_of
-from lamc.plate.problem_records import PlateFile
+from lamc.plate.files.problem_records import PlateFile
 from lamc.report.plate_data import data
 from lamc.report.plate_text import summary
 

@@ -13,7 +13,7 @@ import numpy as np
 from lamc.commands.inputs import folder_name
 from lamc.commands.terminal import Progress
 from lamc.mechanism.checks import Array
-from lamc.plate.field_files import write_table, write_vtu
+from lamc.plate.files.field_files import write_table, write_vtu
 from lamc.report.laminate_picture import draw_stack
 from lamc.report.numbers import shown_number
 from lamc.report.plate_text import CaseReport, PlateReport

@@ -15,9 +15,9 @@ from lamc.design.load import file_text
 from lamc.design.native import length_unit_of
 from lamc.errors import DesignError, LamcError
 from lamc.examples import plates
-from lamc.plate.problem_file import is_plate, load_plate, read_plate
-from lamc.plate.problem_records import PlateFile
-from lamc.plate.problem_schema import PLACES
+from lamc.plate.files.problem_file import is_plate, load_plate, read_plate
+from lamc.plate.files.problem_records import PlateFile
+from lamc.plate.files.problem_schema import PLACES
 
 _OPTIONS = "--body, --hinges, --material, --clamp, --hinge and --load"
 

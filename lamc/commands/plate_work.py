@@ -10,18 +10,18 @@ import numpy as np
 
 from lamc.mechanism.checks import Array
 from lamc.pipeline import Times
-from lamc.plate.buckling import Buckling, buckling
-from lamc.plate.corner_fields import CornerFields, Extreme, corner_fields, extremes
-from lamc.plate.estimate import error_estimate
-from lamc.plate.kernels import kernels
-from lamc.plate.model import Model
-from lamc.plate.modes import modes
-from lamc.plate.plate_failure import first_failure
+from lamc.plate.answers.buckling import Buckling, buckling
+from lamc.plate.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
+from lamc.plate.answers.estimate import error_estimate
+from lamc.plate.answers.failure import first_failure
+from lamc.plate.answers.modes import modes
+from lamc.plate.elements.kernels import kernels
+from lamc.plate.files.problem_make import problem_of
+from lamc.plate.files.problem_records import Output, PlateFile
+from lamc.plate.files.problem_schema import VALUES
 from lamc.plate.problem import Problem
-from lamc.plate.problem_make import problem_of
-from lamc.plate.problem_records import Output, PlateFile
-from lamc.plate.problem_schema import VALUES
-from lamc.plate.solution import Solution
+from lamc.plate.solving.model import Model
+from lamc.plate.solving.solution import Solution
 from lamc.report.plate_text import CaseReport, PlateReport, Printed
 
 _XY = ("x", "y", "xy")

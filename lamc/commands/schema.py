@@ -5,7 +5,7 @@ import json
 import click
 
 from lamc.design.schema import FILES, json_schema
-from lamc.plate.problem_schema import PlateFileModel
+from lamc.plate.files.problem_schema import PlateFileModel
 
 
 def schema() -> int:

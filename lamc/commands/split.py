@@ -31,8 +31,8 @@ from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
 
 if TYPE_CHECKING:
-    from lamc.plate.design_hinges import MaterialHinge
-    from lamc.plate.materials import Material
+    from lamc.plate.designs.hinges import MaterialHinge
+    from lamc.plate.laminates.materials import Material
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,9 @@ def _materials(choice: HingeChoice) -> "dict[str, Material]":
         raise DesignError("--material replaces the material of hinges; add --hinge-stiffness from-material")
     if not choice.materials:
         return {}
-    from lamc.plate.library import material  # plates take a second to import, and most splits need none
+    from lamc.plate.laminates.library import (
+        material,  # plates take a second to import, and most splits need none
+    )
 
     pairs = (split_pair(text, "--material", "film=Kapton HN") for text in choice.materials)
     return {name: material(value) for name, value in pairs}
@@ -99,8 +101,8 @@ def _from_material(
     design: Design, replaced: "dict[str, Material]", notes: list[str]
 ) -> "tuple[Design, tuple[MaterialHinge, ...]]":
     """By formulas, and by finite elements beside them where there is a C compiler to make these."""
-    from lamc.plate.design_hinges import with_material_stiffness
-    from lamc.plate.hinge_stiffness import CELLS
+    from lamc.plate.answers.hinge_stiffness import CELLS
+    from lamc.plate.designs.hinges import with_material_stiffness
 
     try:
         return with_material_stiffness(design, replaced, cells=CELLS)

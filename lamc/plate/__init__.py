@@ -15,21 +15,27 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
     plate.solve(problem).deflection(10e-3, 1e-3)
 """
 
-from lamc.plate.assembly import Assembly
-from lamc.plate.buckling import Buckling, buckling
-from lamc.plate.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
+from lamc.plate.answers.buckling import Buckling, buckling
+from lamc.plate.answers.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
+from lamc.plate.answers.estimate import ErrorEstimate
+from lamc.plate.answers.failure import PlateFailure, first_failure
+from lamc.plate.answers.flexibility import flexibility
+from lamc.plate.answers.gradients import gradient
+from lamc.plate.answers.hinge_stiffness import HingeStiffness, hinge_stiffness
+from lamc.plate.answers.modes import Modes, modes
+from lamc.plate.designs.from_design import DesignPlate, plate_of
+from lamc.plate.designs.hinge_edges import HingeEdge
 from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
-from lamc.plate.estimate import ErrorEstimate
-from lamc.plate.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
-from lamc.plate.flexibility import flexibility
-from lamc.plate.from_design import DesignPlate, plate_of
-from lamc.plate.gradients import gradient
-from lamc.plate.grid import grid, grid_of_lines, lines
-from lamc.plate.hinge_edges import HingeEdge
-from lamc.plate.hinge_stiffness import HingeStiffness, hinge_stiffness
-from lamc.plate.kernels import ElementKernels, kernels
-from lamc.plate.laminate import Laminate
-from lamc.plate.library import LIBRARY, material
+from lamc.plate.elements.assembly import Assembly
+from lamc.plate.elements.kernels import ElementKernels, kernels
+from lamc.plate.files.problem_file import load_plate
+from lamc.plate.files.problem_make import problem_of
+from lamc.plate.files.problem_records import PlateFile
+from lamc.plate.laminates.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.laminates.library import LIBRARY, material
+from lamc.plate.laminates.materials import Material
+from lamc.plate.laminates.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 from lamc.plate.loads import (
     EdgeLoad,
     EdgeMoment,
@@ -40,24 +46,18 @@ from lamc.plate.loads import (
     Pressure,
     Temperature,
 )
-from lamc.plate.materials import Material
 from lamc.plate.memory import Memory, estimate_memory
-from lamc.plate.mesh import Mesh
-from lamc.plate.mesh_changes import jittered, refined
-from lamc.plate.mesh_files import read_mesh, write_mesh
-from lamc.plate.mesh_report import MeshReport, bciz_bias, mesh_report
-from lamc.plate.mesher import mesh
-from lamc.plate.model import Model, solve
-from lamc.plate.modes import Modes, modes
-from lamc.plate.plate_failure import PlateFailure, first_failure
-from lamc.plate.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
+from lamc.plate.meshing.changes import jittered, refined
+from lamc.plate.meshing.files import read_mesh, write_mesh
+from lamc.plate.meshing.grid import grid, grid_of_lines, lines
+from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.mesher import mesh
+from lamc.plate.meshing.report import MeshReport, bciz_bias, mesh_report
 from lamc.plate.problem import Problem
-from lamc.plate.problem_file import load_plate
-from lamc.plate.problem_make import problem_of
-from lamc.plate.problem_records import PlateFile
-from lamc.plate.reactions import Reaction
-from lamc.plate.refine import Accuracy
-from lamc.plate.solution import Solution, SolveReport
+from lamc.plate.solving.model import Model, solve
+from lamc.plate.solving.reactions import Reaction
+from lamc.plate.solving.refine import Accuracy
+from lamc.plate.solving.solution import Solution, SolveReport
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry
 
 __all__ = [

@@ -9,9 +9,9 @@ import numpy as np
 
 from lamc.mechanism.checks import Array
 from lamc.plate.loads import LoadRecord
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.problem import Problem
-from lamc.plate.refine import Accuracy
+from lamc.plate.solving.refine import Accuracy
 from lamc.plate.supports import SimplySupported
 
 _SAME = 1e-6  # of the size of a cell: sides that differ by less are equal

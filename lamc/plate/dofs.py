@@ -18,7 +18,7 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, shown
 from lamc.plate.elements.cells import check_cells
 from lamc.plate.elements.definition import CORNERS, DOFS, TRIANGLE, Element, Node
-from lamc.plate.mesh import Integers, Mesh
+from lamc.plate.meshing.mesh import Integers, Mesh
 
 _MOST = np.iinfo(np.int32).max  # sparse matrices index by int32
 _KINDS = {3: "triangles", 4: "quadrilaterals"}

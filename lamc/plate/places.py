@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array
 from lamc.plate.dofs import Dofs
-from lamc.plate.mesh import Integers
+from lamc.plate.meshing.mesh import Integers
 from lamc.plate.supports import Where, where_text
 
 Flags = NDArray[np.bool_]

@@ -13,14 +13,14 @@ import numpy as np
 from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
-from lamc.plate.edge_parts import edge_parts_on
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import combine, element
-from lamc.plate.laminate import Laminate
+from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.places import Places
-from lamc.plate.sections import climates, couples
+from lamc.plate.solving.edge_parts import edge_parts_on
+from lamc.plate.solving.sections import climates, couples
 from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord, Symmetry, where_text
 
 _COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares

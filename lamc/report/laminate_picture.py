@@ -19,8 +19,8 @@ from matplotlib.patches import Patch, Rectangle
 
 from lamc.errors import LamcError
 from lamc.mechanism.checks import Array
-from lamc.plate.laminate import Laminate
-from lamc.plate.plies import Ply
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.laminates.plies import Ply
 from lamc.report.plan_view import length_text, shortened
 from lamc.report.style import PALETTE, save
 

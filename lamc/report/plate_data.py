@@ -5,9 +5,9 @@ In: a `PlateReport`. Out: numbers, strings, lists and maps. Never: files.
 
 from typing import Any
 
-from lamc.plate.laminate import Laminate
-from lamc.plate.modes import Modes
-from lamc.plate.plate_failure import PlateFailure
+from lamc.plate.answers.failure import PlateFailure
+from lamc.plate.answers.modes import Modes
+from lamc.plate.laminates.laminate import Laminate
 from lamc.report.plate_text import CaseReport, PlateReport, angles, by_region
 
 

@@ -26,7 +26,7 @@ from lamc.plate.loads import (
     Pressure,
     Temperature,
 )
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.problem import Problem
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
 from lamc.report.numbers import shown_number

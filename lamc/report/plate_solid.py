@@ -17,7 +17,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import CenteredNorm, Normalize
 
 from lamc.mechanism.checks import Array
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from lamc.report.plate_marks import INK
 
 ONE_SIGN, TWO_SIGNS = "viridis", "PuOr"

@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 
 from lamc.pipeline import Times
-from lamc.plate.buckling import Buckling
-from lamc.plate.corner_fields import CornerFields, Extreme
-from lamc.plate.estimate import ErrorEstimate
-from lamc.plate.laminate import Laminate
-from lamc.plate.mesh import Mesh
-from lamc.plate.mesh_report import corner_angles
-from lamc.plate.modes import Modes
-from lamc.plate.plate_failure import PlateFailure
+from lamc.plate.answers.buckling import Buckling
+from lamc.plate.answers.corner_fields import CornerFields, Extreme
+from lamc.plate.answers.estimate import ErrorEstimate
+from lamc.plate.answers.failure import PlateFailure
+from lamc.plate.answers.modes import Modes
+from lamc.plate.files.problem_records import Output, PlateFile
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.report import corner_angles
 from lamc.plate.problem import Problem
-from lamc.plate.problem_records import Output, PlateFile
-from lamc.plate.solution import Solution
+from lamc.plate.solving.solution import Solution
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
 from lamc.report.numbers import prefixed, shown_number
 from lamc.report.plan_view import shortened

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from lamc.mechanism.checks import Array
-from lamc.plate.mesh import Mesh
+from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.problem import Problem
 from lamc.report.numbers import prefixed
 from lamc.report.plan_view import shortened

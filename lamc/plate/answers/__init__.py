@@ -1,0 +1,1 @@
+"""What more a plate is asked: modes, buckling, errors, gradients, failure, hinges."""

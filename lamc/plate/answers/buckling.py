@@ -1,0 +1,123 @@
+"""Linear buckling: by what factor membrane forces have to grow until the flat plate is no longer the only equilibrium.
+
+In: a problem, and membrane forces: given, or those that its loads make. Out: factors and shapes. Never: what the plate
+does after it has buckled; deflection before it, which is taken to be too small to matter.
+
+(K + λ G(N)) φ = 0, with K of bending (and of stretching, where a laminate couples them) and φᵀ G(N) φ = ∫ ∇w · N ∇w dA,
+tension positive. Source: J. N. Reddy, Mechanics of Laminated Composite Plates and Shells, 2nd ed. 2004, section 3.7.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array, checked_array, shown
+from lamc.plate.answers.eigen import pinned, stability
+from lamc.plate.answers.pencil import check_problem, pencil
+from lamc.plate.answers.shapes import Shapes
+from lamc.plate.problem import Problem
+from lamc.plate.solving.model import Model
+
+# Forces of this size, over the largest, are round-off of the solution that they come from.
+_NO_FORCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Buckling(Shapes):
+    """Factors by which the membrane forces are multiplied, and shapes with 1 m as their largest deflection.
+
+    factors   (k,) positive ones, ascending, then
+    reversed  negative ones, descending: the loads turned round
+    forces    (cells, 3) N_x, N_y, N_xy that they multiply, N/m, tension positive
+    given     whether these were given, and not made by loads
+    vectors   (unknowns, k + reversed), in the order of `factors`, then of `reversed`
+    """
+
+    factors: Array
+    reversed: Array
+    forces: Array
+    given: bool
+
+    @property
+    def critical(self) -> float:
+        """The least positive factor; inf where these forces, however large, do not buckle the plate."""
+        return float(self.factors[0]) if len(self.factors) else float("inf")
+
+
+def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Array | None = None) -> Buckling:
+    """Up to `count` factors of each sign.
+
+    forces  (N_x, N_y, N_xy), N/m, tension positive, uniform, or one row per cell; None: those that the problem's loads
+            make in the plane, which then have to be held there, at the middle of each cell
+
+    Raises DesignError for forces of another shape, and for a plate without membrane forces.
+    """
+    wanted = _checked_count(count)
+    check_problem(problem)
+    acting = _membrane_forces(problem, forces)
+    system = pencil(problem)
+    system.require_held("buckling")
+    # Rigid motion in the plane that is left does nothing to deflections: any unknowns may hold it.
+    stiffness, free = pinned(system.stiffness, system.motions)
+    kept = sparse.diags_array(free)
+    geometric = sparse.csc_array(kept @ system.geometric(acting) @ kept)
+    signs = [sign for sign in (1, -1) if _can_buckle(acting * sign)]
+    available = min(wanted, stiffness.shape[0])
+    values: dict[int, Array] = {1: np.empty(0), -1: np.empty(0)}
+    shapes = []
+    for sign in signs:
+        values[sign], vectors = stability(stiffness, geometric, available, system.factor, sign)
+        shapes.append(vectors)
+    full, _ = system.normalised(np.hstack(shapes))
+    return Buckling(
+        problem=problem,
+        vectors=full,
+        factors=values[1],
+        reversed=values[-1],
+        forces=acting,
+        given=forces is not None,
+    )
+
+
+def _can_buckle(forces: Array) -> bool:
+    """Whether any cell is pressed in any direction: whether the lesser principal force is negative somewhere."""
+    x, y, xy = forces.T
+    least = 0.5 * (x + y) - np.hypot(0.5 * (x - y), xy)
+    return bool((least < -_NO_FORCE * np.abs(forces).max()).any())
+
+
+def _membrane_forces(problem: Problem, forces: Sequence[float] | Array | None) -> Array:
+    count = len(problem.mesh.cells)
+    if forces is None:
+        found = _forces_of_loads(problem)
+        way_out = "load it in its plane and hold it there, or give forces=(N_x, N_y, N_xy)"
+    else:
+        by_cell = hasattr(forces, "__len__") and len(forces) == count and hasattr(forces[0], "__len__")
+        shape = (count, 3) if by_cell else (3,)
+        found = np.broadcast_to(checked_array(forces, shape, "the membrane forces of buckling"), (count, 3))
+        way_out = "give forces that are not zero"
+    if not np.abs(found).max() > 0.0:
+        raise DesignError(f"the plate has no membrane forces, so nothing makes it buckle; {way_out}")
+    return np.array(found)
+
+
+def _forces_of_loads(problem: Problem) -> Array:
+    """N_x, N_y, N_xy at the middle of every cell, (m, 3), N/m."""
+    if not problem.dofs.element.stretches:
+        return np.zeros((len(problem.mesh.cells), 3))
+    solution = Model(problem).solve()
+    centre = problem.mesh.corners.mean(axis=1)
+    found = solution.forces(centre[:, 0], centre[:, 1])
+    largest = np.abs(found).max(initial=0.0)
+    return np.where(np.abs(found) > _NO_FORCE * largest, found, 0.0)
+
+
+def _checked_count(count: object) -> int:
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+        raise DesignError(
+            f"the count of buckling factors is {shown(count)}; it must be a whole number, 1 or more"
+        )
+    return int(count)

@@ -1,0 +1,131 @@
+"""Where a plate fails first: the ply, its face and the place at which the strength ratio is least.
+
+In: a `Solution`. Out: one record. Never: what the plate still carries afterwards.
+
+Strains are the recovered ones (`estimate.py`), at the corners of cells. Where they grow without bound, as in a notch or
+under a point load, so does the index with every finer mesh, and the ratio means nothing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array, shown
+from lamc.plate.answers.estimate import recovered_strains
+from lamc.plate.answers.recovery import RecoveredStrains
+from lamc.plate.elements.definition import CORNERS
+from lamc.plate.laminates.failure import (
+    CRITERIA,
+    INTERACTION,
+    MODES,
+    PlyFailure,
+    ply_failures,
+    require_strengths,
+)
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.laminates.plies import Ply
+from lamc.plate.meshing.mesh import Integers
+from lamc.plate.solving.solution import Solution
+
+_FACES = ("lower", "upper")
+_SAME = 1e-9  # relative: ratios nearer to each other than this differ by round-off
+
+
+@dataclass(frozen=True, eq=False)
+class PlateFailure:
+    """The first failure of a plate when all that acts grows together; `str` says it in a line.
+
+    at        m
+    ratio     times all that acts: loads, prescribed displacements, expansion; inf where nothing makes stress
+    number    of the ply in its laminate, 1 for the lowest
+    unjudged  regions left out, since the strengths of a material there are not known
+    """
+
+    criterion: str
+    ratio: float
+    at: tuple[float, float]
+    region: str
+    number: int
+    ply: Ply
+    face: str  # "lower" or "upper"
+    mode: str  # of the largest stress over strength there: one of failure.MODES
+    unjudged: tuple[str, ...]
+
+    def __str__(self) -> str:
+        where = f" of region {self.region!r}" if self.region else ""
+        x, y = (coordinate * 1e3 for coordinate in self.at)
+        return (
+            f"ply {self.number} from the bottom{where} ({self.ply.angle:g}°) fails first, at ({x:.4g}, {y:.4g}) mm on "
+            f"its {self.face} face in {self.mode}, at {self.ratio:.4g} times what acts ({self.criterion})"
+        )
+
+
+def first_failure(
+    solution: Solution, criterion: str = "tsai-wu", interaction: float = INTERACTION
+) -> PlateFailure:
+    """The ply and place of a solution that fail first.
+
+    criterion    "tsai-wu" or "max-stress"
+    interaction  F12 / sqrt(F11 F22) of Tsai-Wu
+
+    Raises DesignError where no region has the strengths of all its materials, and for an unknown criterion.
+    """
+    if criterion not in CRITERIA:
+        raise DesignError(f"the criterion is {shown(criterion)}; it must be one of {', '.join(CRITERIA)}")
+    problem = solution.problem
+    mesh, element = problem.mesh, problem.dofs.element
+    judged = [k for k, laminate in enumerate(problem.laminates) if _is_known(laminate)]
+    if not judged:
+        require_strengths(problem.laminates[0])
+    recovered = recovered_strains(solution)
+    best: tuple[float, int, PlyFailure, int, int] | None = None
+    for region in judged:
+        cells = np.flatnonzero(mesh.regions == region).astype(np.int32)
+        if not len(cells):
+            continue
+        strains = _at_corners(recovered, cells, element.cell)
+        climate = solution.climates[region]
+        plies = ply_failures(
+            problem.laminates[region],
+            strains[..., :3] if element.stretches else np.zeros(3),
+            strains[..., -3:] if element.bends else np.zeros(3),
+            temperature=climate.temperature,
+            moisture=climate.moisture,
+            fields=climate.fields,
+            interaction=interaction,
+        )
+        for ply in plies:
+            ratio = ply.tsai_wu_ratio if criterion == "tsai-wu" else ply.max_stress_ratio
+            least = float(ratio.min())
+            if best is None or least < best[0] * (1.0 - _SAME):
+                place = int(np.flatnonzero(ratio.ravel() <= least * (1.0 + _SAME))[0])
+                best = (least, region, ply, place, int(cells[place // (2 * strains.shape[1])]))
+    assert best is not None
+    least, region, ply, place, cell = best
+    corner, face = (place // 2) % mesh.corner_count, place % 2
+    return PlateFailure(
+        criterion=criterion,
+        ratio=least,
+        at=(float(mesh.corners[cell, corner, 0]), float(mesh.corners[cell, corner, 1])),
+        region=mesh.region_names[region],
+        number=ply.number,
+        ply=ply.ply,
+        face=_FACES[face],
+        mode=MODES[int(ply.mode.ravel()[place])],
+        unjudged=tuple(mesh.region_names[k] for k in range(len(problem.laminates)) if k not in judged),
+    )
+
+
+def _is_known(laminate: Laminate) -> bool:
+    try:
+        require_strengths(laminate)
+    except DesignError:
+        return False
+    return True
+
+
+def _at_corners(recovered: RecoveredStrains, cells: Integers, kind: str) -> Array:
+    """Strains at the corners of cells, shape (cells, corners, 3 or 6)."""
+    places = np.array(CORNERS[kind], dtype=float)
+    return np.stack([recovered.at(cells, np.tile(xi, (len(cells), 1))) for xi in places], axis=1)

@@ -1,0 +1,99 @@
+"""Natural frequencies and modes of a plate that vibrates freely about its flat state.
+
+In: a problem; its supports count, its loads do not. Out: frequencies, shapes, modal masses. Never: damping, prestress.
+
+The mass is consistent: it moves as the shape functions say, with w and, where the element has them, u and v. Rotary
+inertia is left out, as thin-plate theory does. Source: K.-J. Bathe, Finite Element Procedures, 1996, chapter 11; modal
+mass and effective mass as in R. W. Clough and J. Penzien, Dynamics of Structures, 1993, section 12.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array, checked_flag, shown
+from lamc.plate.answers.eigen import rigid_basis, vibration
+from lamc.plate.answers.pencil import check_problem, pencil, translations
+from lamc.plate.answers.shapes import Shapes
+from lamc.plate.problem import Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Modes(Shapes):
+    """Modes in ascending order, the rigid motions of a free plate first, with frequency zero.
+
+    omega           (k,) rad/s
+    in_plane_inertia  whether motion in the plane has mass
+    rigid           names of the rigid motions that the supports leave, in the order in which they come
+    modal_mass      (k,) kg: of the shapes as they are given, with 1 m as their largest displacement
+    effective_mass  (k, 3) kg, along x, y and z: what of the plate's mass answers in this mode when its supports shake;
+                    for all modes together the plate's, less what moves with the supports
+    vectors         (unknowns, k), in the order of `problem.dofs`
+    """
+
+    omega: Array
+    in_plane_inertia: bool
+    rigid: tuple[str, ...]
+    modal_mass: Array
+    effective_mass: Array
+
+    @property
+    def frequencies(self) -> Array:
+        """Hz, shape (k,)."""
+        return np.asarray(self.omega / (2.0 * np.pi))
+
+
+def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) -> Modes:
+    """The `count` lowest modes of `problem`, rigid motions included.
+
+    in_plane_inertia  False: nothing that moves in the plane has mass, as in textbooks' solutions for coupled laminates
+
+    Raises DesignError for a region without mass, and for more modes than there are unknowns with mass.
+    """
+    wanted = _checked_count(count)
+    check_problem(problem)
+    _check_mass(problem)
+    system = pencil(problem)
+    in_plane = checked_flag(in_plane_inertia, "in_plane_inertia of modes")
+    whole = system.mass(in_plane=in_plane)
+    mass = system.reduced(whole)
+    heavy, which = rigid_basis(system.motions, mass)
+    elastic = wanted - heavy.shape[1]
+    values, vectors = np.empty(0), np.empty((mass.shape[0], 0))
+    if elastic > 0:
+        values, vectors = vibration(system.stiffness, mass, system.motions, elastic, system.factor)
+    if len(values) < elastic:
+        raise DesignError(
+            f"{wanted} modes are asked for, and the mesh has unknowns for {heavy.shape[1] + len(values)}; "
+            "ask for fewer, or mesh finer"
+        )
+    omega = np.concatenate([np.zeros(heavy.shape[1]), np.sqrt(values)])[:wanted]
+    shapes = np.hstack([heavy, vectors])[:, :wanted]
+    effective = np.square((system.free @ shapes).T @ (whole @ translations(problem.dofs)))
+    full, scale = system.normalised(shapes)
+    return Modes(
+        problem=problem,
+        vectors=full,
+        omega=omega,
+        in_plane_inertia=in_plane,
+        rigid=tuple(system.motion_names[k] for k in which[:wanted]),
+        modal_mass=np.square(scale),
+        effective_mass=effective,
+    )
+
+
+def _checked_count(count: object) -> int:
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
+        raise DesignError(f"the count of modes is {shown(count)}; it must be a whole number, 1 or more")
+    return int(count)
+
+
+def _check_mass(problem: Problem) -> None:
+    for name, laminate in zip(problem.mesh.region_names, problem.laminates, strict=True):
+        if not laminate.areal_mass > 0.0:
+            where = f"region {name!r}" if name else "the plate"
+            raise DesignError(
+                f"the laminate of {where} has no mass, so it has no natural frequencies; give its materials a density, "
+                "kg/m³"
+            )

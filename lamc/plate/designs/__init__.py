@@ -1,0 +1,1 @@
+"""Bodies and hinges of a laminate design as plates."""

@@ -1,0 +1,1 @@
+"""Plate files and field files."""

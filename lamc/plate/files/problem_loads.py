@@ -1,0 +1,139 @@
+"""Supports and loads of a plate file: from validated models to records.
+
+In: models, places, and the collector of the file's problems. Out: records of `supports` and `loads`, SI. Never:
+evaluates an expression by Python.
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from lamc.design import units
+from lamc.design.checking import Path, Problems
+from lamc.design.units import Quantity, to_si
+from lamc.errors import DesignError
+from lamc.mechanism.records import checked_name
+from lamc.plate.files.expression import Field, depends_on_place
+from lamc.plate.files.problem_places import Places
+from lamc.plate.files.problem_schema import LoadModel, SupportModel
+from lamc.plate.loads import (
+    EdgeLoad,
+    EdgeMoment,
+    ElectricField,
+    Gravity,
+    LoadRecord,
+    Moisture,
+    PointLoad,
+    Pressure,
+    Temperature,
+)
+from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry, Value
+
+
+class Actions:
+    """Reads supports and loads; `bare` is the unit of a length without one."""
+
+    def __init__(self, places: Places, problems: Problems, bare: str | None) -> None:
+        self._places = places
+        self._problems = problems
+        self._bare = bare
+        self._step = to_si(1.0, units.LENGTH, bare)  # m, of a bare length
+
+    def supports(self, models: Sequence[SupportModel]) -> tuple[SupportRecord, ...]:
+        """Those of the file, in order."""
+        return tuple(
+            s for index, model in enumerate(models) for s in self._support(model, ("supports", index))
+        )
+
+    def cases(
+        self, common: Sequence[LoadModel], cases: Mapping[str, Sequence[LoadModel]]
+    ) -> dict[str, tuple[LoadRecord, ...]]:
+        """Loads by case, one of the name "" where the file has none; the common ones belong to every case."""
+        everywhere = self._loads(("loads",), common)
+        for name in cases:
+            self._problems.attempt(("cases", name), partial(checked_name, name, "a case"))
+        found = {name: (*everywhere, *self._loads(("cases", name), own)) for name, own in cases.items()}
+        return found or {"": everywhere}
+
+    def _support(self, model: SupportModel, path: Path) -> list[SupportRecord]:
+        if model.fixed is not None:
+            assert model.where is not None
+            where = self._places.where(model.where, (*path, "where"))
+            value = self._problems.attempt((*path, "value"), lambda: self._support_value(model))
+            return [] if where is None or value is None else [Support(where, tuple(model.fixed), value)]
+        kind = next(k for k in ("clamped", "simply_supported", "hinged", "symmetry") if getattr(model, k))
+        where = self._places.where(getattr(model, kind), (*path, kind))
+        if where is None:
+            return []
+        if kind == "clamped":
+            return [Clamped(where)]
+        if kind == "symmetry":
+            return [Symmetry(where)]
+        if kind == "hinged":
+            return [Hinged(where, model.stiffness)]
+        return [SimplySupported(where, kind=model.kind)]
+
+    def _support_value(self, model: SupportModel) -> Value:
+        """The value of fixed unknowns: m, or of slopes without unit; an expression counts as a bare number does."""
+        names = model.fixed or []
+        slopes = [name for name in names if name.startswith("w_")]
+        if slopes and len(slopes) < len(names) and model.value != 0:
+            raise DesignError("displacements and slopes have different units; fix them in two entries")
+        if isinstance(model.value, str) and depends_on_place(model.value):
+            return Field(model.value, self._step, 1.0 if slopes else self._step)
+        return to_si(model.value, units.RATIO) if slopes else to_si(model.value, units.LENGTH, self._bare)
+
+    def _loads(self, path: Path, models: Sequence[LoadModel]) -> tuple[LoadRecord, ...]:
+        made = [
+            self._problems.attempt((*path, index), partial(self._load, model, (*path, index)))
+            for index, model in enumerate(models)
+        ]
+        return tuple(load for load in made if load is not None)
+
+    def _load(self, model: LoadModel, path: Path) -> LoadRecord | None:
+        region = model.region
+        if region is not None:
+            self._problems.attempt((*path, "region"), lambda: self._places.named(region))
+        if model.point is not None:
+            force = self._vector(model.force, units.FORCE, (*path, "force"))
+            return None if force is None else PointLoad(model.point, force)
+        if model.edge is not None:
+            return self._edge_load(model, path)
+        if model.pressure is not None:
+            pressure = model.pressure
+            return Pressure(Field(pressure, self._step) if isinstance(pressure, str) else pressure, region)
+        if model.gravity is not None:
+            return Gravity(model.gravity)
+        if model.temperature is not None:
+            return Temperature(model.temperature, region)
+        if model.moisture is not None:
+            return Moisture(model.moisture, region)
+        assert model.field is not None
+        return ElectricField(model.field, region)
+
+    def _edge_load(self, model: LoadModel, path: Path) -> LoadRecord | None:
+        assert model.edge is not None
+        where = self._places.where(model.edge, (*path, "edge"))
+        if where is None:
+            return None
+        if model.moment is not None:
+            return EdgeMoment(where, model.moment)
+        if model.force is not None:
+            force = self._vector(model.force, units.LINE_FORCE, (*path, "force"))
+            return None if force is None else EdgeLoad(where, force)
+        total = self._vector(model.total, units.FORCE, (*path, "total"))
+        length = self._problems.attempt((*path, "edge"), lambda: self._places.edge_length(where))
+        if total is None or length is None:
+            return None
+        return EdgeLoad(where, tuple(part / length for part in total))
+
+    def _vector(self, value: object, quantity: Quantity, path: Path) -> tuple[float, float, float] | None:
+        """A force along z, or three components."""
+        given = value if isinstance(value, list) else [0.0, 0.0, value]
+        if len(given) != 3:
+            self._problems.add(path, f"a force is one number, along z, or three; this one has {len(given)}")
+            return None
+        x, y, z = (
+            self._problems.attempt((*path, index) if given is value else path, partial(to_si, part, quantity))
+            for index, part in enumerate(given)
+        )
+        return None if x is None or y is None or z is None else (x, y, z)

@@ -1,0 +1,47 @@
+"""From what a plate file says to a problem that can be solved.
+
+In: a `PlateFile`, and another element or length of edges if one is wanted. Out: a `Mesh`, a `Problem`. Never: files.
+"""
+
+from lamc.plate.files.problem_records import CELLS_ALONG, Geometry, PlateFile
+from lamc.plate.meshing.grid import grid
+from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.mesher import mesh
+from lamc.plate.problem import Problem
+
+
+def mesh_of(geometry: Geometry, size: float | None = None) -> Mesh:
+    """The mesh; `size`, m, in place of the grid's and the file's. Raises DesignError as the mesher does."""
+    x0, y0, x1, y1 = geometry.outline.bounds
+    shapes = {name: region.polygon for name, region in geometry.regions.items()}
+    if geometry.grid is not None:
+        a, b = x1 - x0, y1 - y0
+        cells = geometry.grid if size is None else (_steps(a, size), _steps(b, size))
+        return grid(a, b, *cells, geometry.pattern, origin=(x0, y0), regions=shapes)
+    general = size or geometry.size or max(x1 - x0, y1 - y0) / CELLS_ALONG
+    share = (
+        1.0 if size is None or geometry.size is None else size / geometry.size
+    )  # regions stay as fine beside it
+    sizes = {n: share * region.size for n, region in geometry.regions.items() if region.size is not None}
+    return mesh(geometry.outline, general, regions=shapes, sizes=sizes)
+
+
+def problem_of(file: PlateFile, element: str | None = None, size: float | None = None) -> Problem:
+    """Meshed, and ready to be solved. Raises DesignError as the mesher and `Problem` do."""
+    made = mesh_of(file.geometry, size)
+    own = {name: region.laminate for name, region in file.geometry.regions.items()}
+    laminates = {name: own.get(name) or file.laminate for name in made.region_names}
+    cases = dict(file.cases)
+    single = cases.pop("") if list(cases) == [""] else ()
+    return Problem(
+        made,
+        {name: laminate for name, laminate in laminates.items() if laminate is not None},
+        element=element or file.element,
+        supports=file.supports,
+        loads=single,
+        cases=cases,
+    )
+
+
+def _steps(length: float, size: float) -> int:
+    return max(1, round(length / size))

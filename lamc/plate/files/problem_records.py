@@ -1,0 +1,72 @@
+"""What a plate file says, as records: SI, geometry in shapely.
+
+In: values that `problem_file` has checked. Out: a `PlateFile`. Never: YAML, units, meshes; `problem_make` makes a
+`Problem` of it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from shapely.geometry.base import BaseGeometry
+
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.loads import LoadRecord
+from lamc.plate.supports import SupportRecord
+
+CELLS_ALONG = 40  # of the longer side, where a file gives neither a grid nor a size
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A part of the plate by name; None: as the rest of the plate."""
+
+    polygon: BaseGeometry  # m
+    laminate: Laminate | None = None
+    size: float | None = None  # m, of the mesh's edges
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """An outline and how it is meshed.
+
+    grid     cells along x and y of a regular mesh of a rectangle; None: a mesh that follows the outline
+    size     m, of the mesh's edges without a grid; None: the longer side over CELLS_ALONG
+    regions  parts by name, in the order of the file
+    """
+
+    outline: BaseGeometry  # m
+    grid: tuple[int, int] | None = None
+    pattern: str = "one-diagonal"
+    size: float | None = None
+    regions: Mapping[str, Region] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Output:
+    """A value that is asked for at a point; `expected` in the value's unit, None where the file does not say."""
+
+    name: str
+    at: tuple[float, float]  # m
+    value: str = "w"
+    expected: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class PlateFile:
+    """A plate problem as it was written.
+
+    laminate   of the plate where no region has its own; None where all have
+    cases      loads by the name of the case; one of the name "" where the file has no cases
+    story      what the problem is about, a paragraph; nothing is computed from it
+    """
+
+    name: str
+    geometry: Geometry
+    laminate: Laminate | None
+    element: str = "dkt"
+    supports: Sequence[SupportRecord] = ()
+    cases: Mapping[str, Sequence[LoadRecord]] = field(default_factory=dict)
+    outputs: Sequence[Output] = ()
+    modes: int = 0
+    buckling: int = 0
+    story: str = ""

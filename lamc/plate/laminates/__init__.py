@@ -1,0 +1,1 @@
+"""Laminates: materials, plies, stiffness, and when plies fail."""

@@ -1,0 +1,113 @@
+"""A plate ready to be solved, again and again.
+
+In: a problem. Out: solutions for its loads, for other loads at the price of a re-solve, and for other laminates at the
+price of new values in the same pattern. Never: formulas; the rooms below have them.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from lamc.errors import SimulationError
+from lamc.mechanism.checks import Array
+from lamc.plate.advice import notes
+from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.loads import LOADS, LoadRecord
+from lamc.plate.problem import Problem, check_load, checked_kinds
+from lamc.plate.solving.load_vectors import load_vector
+from lamc.plate.solving.refine import Deformed
+from lamc.plate.solving.refine import solve as refined
+from lamc.plate.solving.rigid import check_balance, free_text, pin_joints, without_rigid
+from lamc.plate.solving.solution import Solution, SolveReport
+from lamc.plate.solving.system import System, system
+from lamc.readonly import ReadOnlyDict
+
+
+class Model:
+    """A problem assembled; it is factored when it is first solved, and only then.
+
+    solver  "auto" (CHOLMOD if scikit-sparse is there with a fast BLAS, else SuperLU), "cholmod", "superlu", "pardiso"
+    refine  True: refined until the digits are right; False: one solution in plain double precision
+
+    Raises DesignError where supports contradict each other, UnsupportedError for a solver that is not installed.
+    """
+
+    def __init__(self, problem: Problem, solver: str = "auto", *, refine: bool = True) -> None:
+        self.system: System = system(problem, solver)
+        self.refine = refine
+
+    @property
+    def problem(self) -> Problem:
+        return self.system.problem
+
+    def solve(self, loads: Sequence[LoadRecord] | None = None, case: str = "") -> Solution:
+        """Under `loads`; None: those of the problem that act in every case. `case` is a name for messages.
+
+        Raises DesignError for a load that touches nothing, and where a piece is not held and the loads on it are not in
+        balance; SimulationError where the matrix is too badly conditioned.
+        """
+        acting = (
+            tuple(self.problem.loads) if loads is None else checked_kinds(loads, LOADS, "loads of a Model")
+        )
+        if loads is not None:
+            for load in acting:
+                check_load(self.problem, load)
+        outer = load_vector(self.problem, self.system.kernels, acting)
+        check_balance(self.system.pieces, outer, self.problem.dofs, case)
+        held = self.system.constraints
+        try:
+            deformed = refined(self.system, outer, held.fixed.T @ held.values, refine=self.refine)
+        except SimulationError as error:
+            raise SimulationError(f"{error.message}{self._loose_text()}") from error
+        return self._solution(acting, outer, deformed)
+
+    def _loose_text(self) -> str:
+        """Where parts of the plate may turn in its plane although they hang together."""
+        if not self.problem.dofs.element.stretches:
+            return ""
+        joints = pin_joints(self.problem.dofs)
+        if not len(joints):
+            return ""
+        x, y = joints[0]
+        return (
+            f"; parts of the plate hang together at single points only, such as ({x:.6g}, {y:.6g}), and may turn about "
+            "them in its plane: join them by an edge, or hold both"
+        )
+
+    def solve_cases(self) -> ReadOnlyDict[str, Solution]:
+        """All cases of the problem by name, each with what acts in every case."""
+        own = self.problem.cases
+        return ReadOnlyDict({name: self.solve((*self.problem.loads, *own[name]), name) for name in own})
+
+    def with_laminates(self, laminate: Laminate | Mapping[str, Laminate]) -> "Model":
+        """The same plate of other laminates: values are assembled anew, in the same pattern and ordering.
+
+        Raises DesignError where they call for another element (a membrane where there was none).
+        """
+        other = object.__new__(Model)
+        other.system = self.system.with_problem(self.problem.with_laminate(laminate))
+        other.refine = self.refine
+        return other
+
+    def _solution(self, loads: tuple[LoadRecord, ...], outer: Array, deformed: Deformed) -> Solution:
+        d = deformed.d
+        for piece in self.system.pieces:
+            if piece.names:
+                d = without_rigid(d, piece, self.problem.dofs)
+        report = SolveReport(
+            self.system.solver,
+            self.problem.dofs.count,
+            deformed.accuracy,
+            free_text(self.system.pieces),
+            notes(self.problem, loads, deformed.accuracy),
+        )
+        values = np.asarray(d, dtype=float)
+        return Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)
+
+
+def solve(
+    problem: Problem, solver: str = "auto", *, refine: bool = True
+) -> Solution | ReadOnlyDict[str, Solution]:
+    """The solution of `problem`; a dict of solutions by name where it has cases. See `Model`."""
+    model = Model(problem, solver, refine=refine)
+    return model.solve_cases() if problem.cases else model.solve()

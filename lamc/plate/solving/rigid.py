@@ -1,0 +1,274 @@
+"""Rigid motion that nothing prevents: which pieces of a plate may move, and how.
+
+In: unknowns, and the directions held. Out: pieces, the motions left to each and their names; unknowns to pin where a
+balanced load acts on a free piece. Never: stiffness.
+
+A piece is what hangs together through its nodes. It has three rigid motions where it bends (it rises, it turns about x
+and about y) and three where it stretches (it slides, it turns in its plane); the supports of its nodes, applied to
+these exactly, leave a null space.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import Array
+from lamc.plate.dofs import Dofs
+from lamc.plate.elements.definition import DOFS
+from lamc.plate.meshing.mesh import Integers
+from lamc.plate.solving.constraints import Constraints, Equations, equations_of, joined
+
+_HELD = 1e-8  # of the supports' lever arms over the piece's size: below it a motion is not held
+_ZERO = 1e-6  # of the components of a motion, for its name
+_STRAY = 1e-5  # times the next: what forces in the plane may leave across it is 1e-15 of them
+_BALANCED = (
+    1e-10  # of the sum of what acts, whatever its sign: round-off of a sum of a million terms is below
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """What hangs together.
+
+    number, count  1, 2, … of so many
+    centre         (2,), m: mean of its nodes
+    size           m: diagonal of its bounding box
+    nodes, dofs    numbers
+    units          (dofs,): what each unknown is counted in: `size`, 1, or 1/`size`
+    motions        (dofs, k): those not held, as changes of its unknowns where the piece turns by 1 rad or moves by its
+                   size
+    names          (k,): "rise", "turn about x", …
+    """
+
+    number: int
+    count: int
+    centre: Array
+    size: float
+    nodes: Integers
+    dofs: Integers
+    units: Array
+    motions: Array
+    names: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """As a message names it."""
+        x, y = self.centre
+        return f"piece {self.number} of {self.count} at ({x:.4g}, {y:.4g})"
+
+
+def pieces(dofs: Dofs, constraints: Constraints, turns: sp.csr_array | None = None) -> tuple[Piece, ...]:
+    """All pieces, in the order of their first nodes, with the motions that `constraints` leave.
+
+    turns  (k, N) sparse: changes that springs oppose, each of one piece
+    """
+    label, count = _components(dofs)
+    nodes_of = _groups(label, count)
+    held, of_rows = constraints.fixed, label[constraints.nodes]
+    if turns is not None and turns.shape[0]:
+        node_of = np.empty(dofs.count, dtype=np.int64)
+        node_of[dofs.table[dofs.table >= 0]] = np.nonzero(dofs.table >= 0)[0]
+        held = sp.csr_array(sp.vstack([held, turns]))
+        of_rows = np.concatenate([of_rows, label[node_of[turns.indices[turns.indptr[:-1]]]]])
+    rows_of = _groups(of_rows, count)
+    found = []
+    for k, (nodes, rows) in enumerate(zip(nodes_of, rows_of, strict=True)):
+        at, table = dofs.points[nodes], dofs.table[nodes]
+        low, high = at.min(axis=0), at.max(axis=0)
+        centre, size = 0.5 * (low + high), float(np.hypot(*(high - low)))
+        there = table >= 0
+        units = np.broadcast_to([size, size, size, 1.0, 1.0, 1.0 / size], table.shape)[there]
+        rigid, coordinates = _rigid(at - centre, size, table)
+        own = held[rows][:, table[there]]
+        weight = np.sqrt((own @ sp.diags_array(units)).power(2).sum(axis=1)) if len(rows) else np.ones(0)
+        kernel = _null((own @ rigid) / np.asarray(weight).reshape(-1, 1), rigid.shape[1])
+        kernel = _echelon(kernel, coordinates)
+        names = tuple(_name(dict(zip(coordinates, column, strict=True)), centre, size) for column in kernel.T)
+        numbers = table[there]
+        found.append(Piece(k + 1, count, centre, size, nodes, numbers, units, rigid @ kernel, names))
+    return tuple(found)
+
+
+def _components(dofs: Dofs) -> tuple[Integers, int]:
+    """A label for every node, in the order of their first nodes, and how many there are."""
+    m, k = dofs.of_nodes.shape
+    first = np.repeat(dofs.of_nodes[:, 0], k - 1)
+    links = (np.ones(m * (k - 1), dtype=np.int8), (first, dofs.of_nodes[:, 1:].ravel()))
+    graph = sp.coo_array(links, shape=(len(dofs.points),) * 2).tocsr()
+    count, label = connected_components(graph, directed=False)
+    return label, int(count)
+
+
+def _groups(label: Integers, count: int) -> list[Integers]:
+    """For each label, where it stands, ascending."""
+    order = np.argsort(label, kind="stable")
+    return np.split(order, np.searchsorted(label[order], np.arange(1, count)))
+
+
+def _rigid(at: Array, size: float, table: Integers) -> tuple[Array, tuple[str, ...]]:
+    """Rigid motions of a piece with nodes `at` from its centre, (dofs, 3 or 6), and what they are."""
+    x, y = at.T
+    none, one = np.zeros(len(at)), np.ones(len(at))
+    motions = {
+        "about x": [none, none, y, none, one, none],
+        "about y": [none, none, -x, -one, none, none],
+        "up": [none, none, size * one, none, none, none],
+        "in plane": [-y, x, none, none, none, none],
+        "along x": [size * one, none, none, none, none, none],
+        "along y": [none, size * one, none, none, none, none],
+    }
+    bends, stretches = (table[:, DOFS.index("w")] >= 0).any(), (table[:, DOFS.index("u")] >= 0).any()
+    names = tuple(motions)[0 if bends else 3 : 6 if stretches else 3]
+    there = table >= 0
+    return np.stack([np.stack(motions[name], axis=1)[there] for name in names], axis=1), names
+
+
+def _null(levers: Array, count: int) -> Array:
+    """Combinations of motions that move no row of `levers`, (count, k)."""
+    if not len(levers):
+        return np.eye(count)
+    triangle = np.linalg.qr(levers, mode="r") if len(levers) > count else levers
+    _, values, right = np.linalg.svd(triangle)
+    return np.asarray(right[int(np.count_nonzero(values > _HELD)) :].T)
+
+
+def _echelon(kernel: Array, coordinates: tuple[str, ...]) -> Array:
+    """The same space, by columns that have as few components as can be: turns first, as the rest depends on them."""
+    rows = kernel.T.copy()
+    done = 0
+    for column in range(len(coordinates)):
+        if done == len(rows):
+            break
+        pivot = done + int(np.argmax(np.abs(rows[done:, column])))
+        if abs(rows[pivot, column]) < _ZERO:
+            continue
+        rows[[done, pivot]] = rows[[pivot, done]]
+        rows[done] /= rows[done, column]
+        others = np.arange(len(rows)) != done
+        rows[others] -= np.outer(rows[others, column], rows[done])
+        done += 1
+    rows[np.abs(rows) < _ZERO * 1e-3] = 0.0
+    return np.asarray(rows.T)
+
+
+def _name(of: dict[str, float], centre: Array, size: float) -> str:
+    """A motion as a message names it."""
+    a, b, up = of.get("about x", 0.0), of.get("about y", 0.0), of.get("up", 0.0)
+    if max(abs(a), abs(b)) > _ZERO:
+        shift = size * up / (a * a + b * b)
+        through = np.array([centre[0] + shift * b, centre[1] - shift * a])
+        x, y = np.where(np.abs(through) < _ZERO * size, 0.0, through)
+        if abs(b) < _ZERO:
+            return "turn about x" + (f" (the line y = {y:.4g})" if up else "")
+        if abs(a) < _ZERO:
+            return "turn about y" + (f" (the line x = {x:.4g})" if up else "")
+        length = float(np.hypot(a, b))
+        return f"turn about the line through ({x:.4g}, {y:.4g}) along ({a / length:.3f}, {b / length:.3f})"
+    if abs(up) > _ZERO:
+        return "rise"
+    if abs(of.get("in plane", 0.0)) > _ZERO:
+        return "turn in its plane"
+    sx, sy = of.get("along x", 0.0), of.get("along y", 0.0)
+    if abs(sy) < _ZERO:
+        return "slide along x"
+    if abs(sx) < _ZERO:
+        return "slide along y"
+    return f"slide along ({sx:.3f}, {sy:.3f})"
+
+
+def pin_joints(dofs: Dofs) -> Array:
+    """Places of nodes that join parts of the plate that have no edge in common, (k, 2), m.
+
+    Slopes go through such a node, but in its plane each part may turn about it.
+    """
+    mesh = dofs.mesh
+    by_edge = np.argsort(mesh.cell_edges.ravel(), kind="stable")
+    edge, cell = mesh.cell_edges.ravel()[by_edge], by_edge // mesh.corner_count
+    pair = np.flatnonzero(edge[1:] == edge[:-1])
+    links = (np.ones(len(pair), dtype=np.int8), (cell[pair], cell[pair + 1]))
+    graph = sp.coo_array(links, shape=(len(mesh.cells),) * 2).tocsr()
+    _, part = connected_components(graph, directed=False)
+    low, high = np.full(len(mesh.points), len(mesh.cells)), np.full(len(mesh.points), -1)
+    np.minimum.at(low, mesh.cells, part[:, None])
+    np.maximum.at(high, mesh.cells, part[:, None])
+    return np.asarray(mesh.points[high > low])
+
+
+def free_text(found: tuple[Piece, ...]) -> str:
+    """Which pieces may move, and how: one line."""
+    free = [piece for piece in found if piece.names]
+    shown = "; ".join(f"{piece.text} may {', may '.join(piece.names)}" for piece in free[:4])
+    return shown + (f"; and {len(free) - 4} more pieces" if len(free) > 4 else "")
+
+
+def check_balance(found: tuple[Piece, ...], loads: Array, dofs: Dofs, case: str = "") -> None:
+    """Raises DesignError where `loads` (N,) push a piece along a motion that is not held."""
+    for piece in found:
+        if not piece.names:
+            continue
+        if (np.abs(piece.motions.T @ loads[piece.dofs]) <= _BALANCED * _acting(piece, loads, dofs)).all():
+            continue
+        of_case = f"in case {case!r} " if case else ""
+        raise DesignError(
+            f"the plate is not held: {free_text(found)}; {of_case}the loads on {piece.text} leave "
+            f"{_left_over(piece, loads, dofs)}: add supports, or balance the loads"
+        )
+
+
+def _acting(piece: Piece, loads: Array, dofs: Dofs) -> Array:
+    """Work of the loads along each free motion if none cancelled another, N·m: what acts across for motions across, in
+    the plane for motions in the plane, and of the other kind as much as round-off makes of it."""
+    table = dofs.table[piece.nodes]
+    in_plane = np.broadcast_to(np.arange(table.shape[1]) < 2, table.shape)[table >= 0]
+    work = piece.units * np.abs(loads[piece.dofs])
+    plane, across = float(work[in_plane].sum()), float(work[~in_plane].sum())
+    moves_in_plane = np.abs(piece.motions[in_plane]).sum(axis=0) > 0.0
+    return np.where(moves_in_plane, plane + _STRAY * across, across + _STRAY * plane)
+
+
+def _left_over(piece: Piece, loads: Array, dofs: Dofs) -> str:
+    force, moment = resultant(loads, dofs, piece.nodes, piece.centre)
+    numbers = ", ".join(f"{value:.4g}" for value in force)
+    return f"a force ({numbers}) N and a moment ({', '.join(f'{value:.4g}' for value in moment)}) N·m about its centre"
+
+
+def resultant(loads: Array, dofs: Dofs, nodes: Integers, about: Array) -> tuple[Array, Array]:
+    """Force (3,), N, and moment (3,), N·m, about the point `about` (2,) of the plane, of nodal `loads` (N,)."""
+    table = dofs.table[nodes]
+    values = np.where(table >= 0, loads[np.maximum(table, 0)], 0.0)
+    u, v, w, by_x, by_y, _ = values.T  # what works on w_x turns about -y, on w_y about x
+    x, y = (dofs.points[nodes] - about).T
+    force = np.array([u.sum(), v.sum(), w.sum()])
+    moment = np.array([(y * w + by_y).sum(), (-x * w - by_x).sum(), (x * v - y * u).sum()])
+    return force, moment
+
+
+def pins(piece: Piece, dofs: Dofs) -> Equations:
+    """Displacements that hold exactly the motions of a free piece: as many as these, far from each other."""
+    name_of = np.full(dofs.count, -1, dtype=np.int32)
+    node_of = np.empty(dofs.count, dtype=np.int32)
+    nodes, columns = np.nonzero(dofs.table >= 0)
+    name_of[dofs.table[nodes, columns]], node_of[dofs.table[nodes, columns]] = columns, nodes
+    moves = np.flatnonzero(name_of[piece.dofs] <= DOFS.index("w"))
+    _, _, order = scipy.linalg.qr(piece.motions[moves].T / piece.size, mode="economic", pivoting=True)
+    chosen = piece.dofs[moves[order[: len(piece.names)]]]
+    return joined(
+        equations_of(DOFS[name_of[number]], node_of[[number]], 0.0, -1) for number in np.sort(chosen)
+    )
+
+
+def without_rigid(d: Array, piece: Piece, dofs: Dofs) -> Array:
+    """`d` (N,) with the free motions of `piece` taken out: its nodes' displacements have the least sum of squares."""
+    table = dofs.table[piece.nodes]
+    moves = np.isin(piece.dofs, table[:, :3])
+    motions = piece.motions[moves] / piece.size
+    amounts = np.linalg.lstsq(
+        motions, np.asarray(d[piece.dofs][moves], dtype=float) / piece.size, rcond=None
+    )[0]
+    result = d.copy()
+    result[piece.dofs] -= (piece.motions @ amounts).astype(d.dtype)
+    return result

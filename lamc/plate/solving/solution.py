@@ -1,0 +1,255 @@
+"""What a plate does under its loads, anywhere on it.
+
+In: unknowns at the nodes, and the problem they belong to. Out: deflection, slopes, curvature, moments, strains, forces,
+ply states, reactions, energy. Never: solves.
+
+Arrays of x and y may have any shape; results have that shape, with components last. Points on the boundary belong to
+the plate; on an edge between cells, where curvature and moments jump, the first of them counts.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from lamc.errors import DesignError, UnsupportedError
+from lamc.mechanism.checks import Array, shown
+from lamc.plate.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
+from lamc.plate.answers.recovery import RecoveredStrains
+from lamc.plate.laminates.plies import PlyState
+from lamc.plate.loads import LoadRecord
+from lamc.plate.meshing.mesh import Integers
+from lamc.plate.problem import Problem
+from lamc.plate.solving.reactions import Reaction, reactions
+from lamc.plate.solving.refine import Accuracy
+from lamc.plate.solving.refine import solve as refined
+from lamc.plate.solving.rigid import check_balance
+from lamc.plate.solving.sections import Climate, climates, expansions, matrices
+from lamc.plate.solving.system import Numbers, System
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """How it was solved.
+
+    solver    "cholmod", "superlu" or "pardiso"
+    unknowns  how many, held ones included
+    accuracy  condition, steps of refinement, errors
+    free      what may move freely, and was left out of the solution since the loads are in balance; "" if nothing
+    notes     warnings: what may make the answer worse than the reader expects
+    """
+
+    solver: str
+    unknowns: int
+    accuracy: Accuracy
+    free: str
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """One load case.
+
+    values  (N,): the unknowns, in the order of `problem.dofs`; m, m, m, no unit twice, 1/m
+    loads   what acts, including what acts in every case
+    """
+
+    problem: Problem
+    loads: tuple[LoadRecord, ...]
+    values: Array
+    report: SolveReport
+    _system: System
+    _exact: Numbers  # `values` in long double
+    _inner: Numbers
+    _outer: Array
+    _better: RecoveredStrains | None = None
+
+    # --- at points ---------------------------------------------------------------------------------------------------
+
+    def deflection(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """w, m, positive up; shape of x and y. Raises DesignError for a point outside, with its distance."""
+        return self._fields(x, y, "deflection")[..., -3]
+
+    def slope(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """(w_x, w_y), shape (..., 2)."""
+        return self._fields(x, y, "slope")[..., -2:]
+
+    def displacement(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """(u, v, w) of the reference surface, m, shape (..., 3); zeros for what the element does not have."""
+        fields, chosen = self._fields(x, y), self.problem.dofs.element
+        none = np.zeros((*fields.shape[:-1], 1))
+        plane = fields[..., :2] if chosen.stretches else np.concatenate([none, none], axis=-1)
+        return np.concatenate([plane, fields[..., -3:-2] if chosen.bends else none], axis=-1)
+
+    def curvature(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """κ = -(w_xx, w_yy, 2 w_xy), 1/m, shape (..., 3)."""
+        return self._bending(self._strains(x, y)[0], "curvature")
+
+    def strain(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """(ε_x, ε_y, γ_xy) of the reference surface, expansion included, shape (..., 3)."""
+        return self._stretching(self._strains(x, y)[0])
+
+    def moments(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """(M_x, M_y, M_xy) per width about the reference surface, N, shape (..., 3)."""
+        return self._bending(self._resultants(x, y), "moments")
+
+    def forces(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """(N_x, N_y, N_xy) per width, N/m, tension positive, shape (..., 3)."""
+        return self._stretching(self._resultants(x, y))
+
+    def ply_states(self, x: float, y: float) -> tuple[PlyState, ...]:
+        """Strain and stress of every ply at one point, bottom to top, with the case's temperature, moisture, field."""
+        strains, cells = self._strains(float(x), float(y))
+        chosen = self.problem.dofs.element
+        strain = self._stretching(strains)
+        curvature = strains[-3:] if chosen.bends else np.zeros(3)
+        region = int(self.problem.mesh.regions[cells])
+        state = self.climates[region]
+        return self.problem.laminates[region].ply_states(
+            strain, curvature, temperature=state.temperature, moisture=state.moisture, fields=state.fields
+        )
+
+    # --- whole -------------------------------------------------------------------------------------------------------
+
+    def at_nodes(self, name: str) -> Array:
+        """The unknown `name` at all nodes of `problem.dofs`, shape (nodes,); nan where a node does not have it."""
+        if name not in self.problem.dofs.names:
+            raise DesignError(
+                f"a node has no unknown {shown(name)}; with element {self.problem.dofs.element.name!r} there are "
+                f"{', '.join(self.problem.dofs.names)}"
+            )
+        numbers = self.problem.dofs.of(name)
+        return np.where(numbers >= 0, self.values[np.maximum(numbers, 0)], np.nan)
+
+    @cached_property
+    def reactions(self) -> tuple[Reaction, ...]:
+        """Of the supports, in their order; with the loads they are in balance."""
+        return reactions(self._system, self._inner - self._outer, self._exact)
+
+    @property
+    def compliance(self) -> float:
+        """Work of the loads along the displacements that they cause, J: twice the strain energy where nothing is
+        prescribed and nothing expands."""
+        return float(self._outer.astype(self._exact.dtype) @ self._exact)
+
+    @cached_property
+    def strain_energy(self) -> float:
+        """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges, J, where e is the strain of the free laminate."""
+        energy = 0.5 * float(self._inner @ self._exact)
+        if self._expansions.any():
+            element = self.problem.dofs.element
+            rows = self._expansions[self.problem.mesh.regions]
+            dofs = self.problem.dofs
+            forces = self._system.kernels.prestress(self.problem.mesh.corners, rows)
+            energy -= float(np.sum(forces * self._exact[dofs.of_cells]))
+            S = matrices(self.problem.laminates, element)
+            per_area = [0.5 * r @ np.linalg.solve(s, r) for s, r in zip(S, self._expansions, strict=True)]
+            energy += float(np.array(per_area)[self.problem.mesh.regions] @ self.problem.mesh.areas)
+        return energy
+
+    @cached_property
+    def climates(self) -> tuple[Climate, ...]:
+        """Temperature, moisture and fields of the regions in this case."""
+        return tuple(climates(self.problem.laminates, self.loads, self.problem.mesh.region_names))
+
+    def cell_strains(self, xi: Array) -> Array:
+        """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
+        6)."""
+        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells))
+
+    def answer_to(self, forces: Array) -> Array:
+        """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
+        DesignError where a piece is not held and these are not in balance."""
+        check_balance(self._system.pieces, forces, self.problem.dofs)
+        still = np.zeros(self.problem.dofs.count)
+        return np.asarray(refined(self._system, forces, still).d, dtype=float)
+
+    @cached_property
+    def error_estimate(self) -> ErrorEstimate:
+        """How far off the strains are, cell by cell and all together."""
+        return error_estimate(self)
+
+    @cached_property
+    def recovered(self) -> "Solution":
+        """The same, with strains, curvatures, moments and forces recovered from patches of cells: smooth within a
+        region, and of higher order than the element's own."""
+        return replace(self, _better=recovered_strains(self))
+
+    # --- inside ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _of_cells(self) -> Array:
+        return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
+
+    @cached_property
+    def _expansions(self) -> Array:
+        return expansions(self.problem.laminates, self.problem.dofs.element, self.climates)
+
+    def _located(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Integers, Array, tuple[int, ...]]:
+        try:
+            at_x, at_y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        except (TypeError, ValueError) as error:
+            raise DesignError(f"x and y must be numbers, or arrays of one shape: {error}") from error
+        points = np.stack([at_x.ravel(), at_y.ravel()], axis=1)
+        cells, xi = self.problem.places.cells_under(points, "a point of the solution")
+        return cells, xi, at_x.shape
+
+    def _fields(self, x: npt.ArrayLike, y: npt.ArrayLike, wanted: str = "") -> Array:
+        if wanted and not self.problem.dofs.element.bends:
+            raise UnsupportedError(
+                f"element {self.problem.dofs.element.name!r} has no {wanted}: it only stretches; choose one that bends"
+            )
+        cells, xi, shape = self._located(x, y)
+        corners = self.problem.mesh.corners[cells]
+        values = self._system.kernels.displacement(
+            corners, xi, self.values[self.problem.dofs.of_cells[cells]]
+        )
+        return np.asarray(values).reshape(*shape, -1)
+
+    def _strains(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Array, Integers]:
+        """All strains of the element, (..., 3 or 6), and the cells that they are of, (...)."""
+        cells, xi, shape = self._located(x, y)
+        if self._better is not None:
+            return self._better.at(cells, xi).reshape(*shape, -1), cells.reshape(shape)
+        values = self._system.kernels.strain(self.problem.mesh.corners[cells], xi, self._relative(cells))
+        return np.asarray(values).reshape(*shape, -1), cells.reshape(shape)
+
+    def _relative(self, cells: Integers) -> Array:
+        """Unknowns of `cells` without the rigid motion of their first node, which strains nothing: it is taken out in
+        long double, so that a strain keeps its digits however far the cell has moved."""
+        dofs = self.problem.dofs
+        d = self._exact[dofs.of_cells[cells]]
+        names = np.array(dofs.element.dofs)
+        node = np.repeat(np.arange(len(dofs.element.nodes)), [len(n.dofs) for n in dofs.element.nodes])
+        for name in ("u", "v"):
+            d[:, names == name] -= d[:, names == name][:, :1]
+        if dofs.element.bends:
+            arm = dofs.points[dofs.of_nodes[cells]] - dofs.points[dofs.of_nodes[cells, 0]][:, None]
+            by_x, by_y = (d[:, names == name][:, :1] for name in ("w_x", "w_y"))
+            at = node[names == "w"]
+            d[:, names == "w"] -= d[:, names == "w"][:, :1] + by_x * arm[:, at, 0] + by_y * arm[:, at, 1]
+            d[:, names == "w_x"] -= by_x
+            d[:, names == "w_y"] -= by_y
+        return np.asarray(d, dtype=float)
+
+    def _resultants(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        strains, cells = self._strains(x, y)
+        regions = self.problem.mesh.regions[cells]
+        S = matrices(self.problem.laminates, self.problem.dofs.element)
+        return np.asarray(np.einsum("...ij,...j->...i", S[regions], strains) - self._expansions[regions])
+
+    def _bending(self, values: Array, wanted: str) -> Array:
+        if not self.problem.dofs.element.bends:
+            raise UnsupportedError(
+                f"element {self.problem.dofs.element.name!r} has no {wanted}: it only stretches; choose one that bends"
+            )
+        return values[..., -3:]
+
+    def _stretching(self, values: Array) -> Array:
+        """Zeros for an element that only bends: nothing pulls at it, or it would have got a membrane."""
+        return values[..., :3] if self.problem.dofs.element.stretches else np.zeros_like(values)
+
+
+Solutions = Mapping[str, Solution]

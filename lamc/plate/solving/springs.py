@@ -1,0 +1,71 @@
+"""Lines that resist turning: elastic hinges to bodies that stand still.
+
+In: a problem and kernels. Out: slopes across these lines, and what opposes them. Never: supports without stiffness.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from lamc.mechanism.checks import Array
+from lamc.plate.elements.kernels import ElementKernels
+from lamc.plate.problem import Problem
+from lamc.plate.solving.edge_parts import edge_parts_on
+from lamc.plate.solving.load_vectors import along_edges
+from lamc.plate.supports import Hinged
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """The energy ½ Σ stiffness (turns @ d)², over points of quadrature along the lines.
+
+    turns      (k, N) sparse: the slope across the line; a row is of one cell
+    stiffness  (k,), N·m per rad: of the line's part that the point stands for
+    owners     (k,): numbers of the supports
+    """
+
+    turns: sp.csr_array
+    stiffness: Array
+    owners: NDArray[np.int64]
+
+    def forces(self, d: NDArray[np.floating], owner: int | None = None) -> NDArray[np.floating]:
+        """On the unknowns (N,), against the springs, in the precision of `d`; of all supports or of one."""
+        stiffness = self.stiffness if owner is None else np.where(self.owners == owner, self.stiffness, 0.0)
+        return np.asarray(self.turns.T @ (stiffness * (self.turns @ d)))
+
+    def added_to(self, matrix: sp.csc_array) -> sp.csc_array:
+        """`matrix` with the springs on its own pattern, which holds all unknowns of a cell with each other."""
+        if not len(self.stiffness):
+            return matrix
+        own = sp.csc_array(self.turns.T @ sp.diags_array(self.stiffness) @ self.turns)
+        count = np.int64(matrix.shape[0])
+        columns = np.flatnonzero(np.diff(own.indptr))
+        places = np.concatenate([np.arange(*matrix.indptr[c : c + 2]) for c in columns])
+        keys = np.repeat(columns, np.diff(matrix.indptr)[columns]) * count + matrix.indices[places]
+        wanted = np.repeat(columns, np.diff(own.indptr)[columns]) * count + own.indices
+        data = matrix.data.copy()
+        data[places[np.searchsorted(keys, wanted)]] += own.data
+        return sp.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def springs(problem: Problem, kernels: ElementKernels) -> Springs:
+    """Of all supports of `problem` with a stiffness."""
+    rows, stiffness, owners = (
+        [sp.csr_array((0, problem.dofs.count))],
+        [np.zeros(0)],
+        [np.zeros(0, dtype=np.int64)],
+    )
+    for index, support in enumerate(problem.supports):
+        if not isinstance(support, Hinged) or support.stiffness == 0.0:
+            continue
+        parts = edge_parts_on(problem.places, support.where, "the Hinged support")
+        numbers = problem.dofs.of_cells[parts.edges[:, 0]]
+        starts = np.arange(len(numbers) + 1) * numbers.shape[1]
+        for point in along_edges(problem, kernels, parts):
+            entries = (point.across.ravel(), numbers.ravel(), starts)
+            rows.append(sp.csr_array(entries, shape=(len(numbers), problem.dofs.count)))
+            stiffness.append(support.stiffness * point.length)
+            owners.append(np.full(len(numbers), index))
+    return Springs(sp.csr_array(sp.vstack(rows)), np.concatenate(stiffness), np.concatenate(owners))

@@ -1,11 +1,14 @@
 """Plates that several tests share: laminates of a given stiffness, meshes that are not regular, closed forms."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
+from lamc.errors import DesignError
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import Material
 from lamc.plate.laminates.plies import Ply
@@ -78,3 +81,10 @@ def disk(rings: int, radius: float = 1.0) -> Mesh:
 def richardson(coarse: float, fine: float) -> float:
     """The limit of a quantity with an error of order h², from meshes of size h and h / 2."""
     return (4.0 * fine - coarse) / 3.0
+
+
+def assert_refused(make: Callable[[], object], message: str) -> None:
+    """`make` raises a DesignError of one line in which `message` is found."""
+    with pytest.raises(DesignError, match=message) as caught:
+        make()
+    assert "\n" not in str(caught.value)

@@ -5,7 +5,7 @@ evaluated by Python, and no name is known but those that are given.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -18,32 +18,8 @@ from lamc.effects.expression import stage
 from lamc.errors import ExpressionError
 from lamc.mechanics.staging import CONSTANT, NUMBER, SYMBOL, Scalar, Store, Symbol, Value
 from lamc.mechanism.checks import Array
+from lamc.reference.operations import BATCHED
 
-_OPERATIONS: Mapping[str, Callable[..., Any]] = {
-    "+": np.add,
-    "-": np.subtract,
-    "*": np.multiply,
-    "neg": np.negative,
-    "reciprocal": np.reciprocal,
-    "sqrt": np.sqrt,
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "atan2": np.arctan2,
-    "sinh": np.sinh,
-    "cosh": np.cosh,
-    "tanh": np.tanh,
-    "exp": np.exp,
-    "log": np.log,
-    "abs": np.abs,
-    "sign": np.sign,
-    "min": np.minimum,
-    "max": np.maximum,
-    "pow": np.power,
-}
 _PLACE = re.compile(r"(?<![A-Za-z0-9_.])[xy](?![A-Za-z0-9_(])", re.ASCII)
 
 
@@ -111,5 +87,5 @@ def _evaluated(store: Store, value: Scalar, places: list[Array]) -> Array:
             assert isinstance(payload, int | float | Fraction)
             known[index] = float(payload)
         else:
-            known[index] = _OPERATIONS[operation](*(known[i] for i in store.arguments[index]))
+            known[index] = BATCHED[operation](*(known[i] for i in store.arguments[index]))
     return np.asarray(value.sign * known[value.index] + np.zeros(places[0].shape))

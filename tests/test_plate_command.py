@@ -103,15 +103,14 @@ def test_the_strip_twists_under_a_symmetric_load(shared: Path) -> None:
     expected = case_of(shared, "strip_45_22_45")["expected"]
     data = answer("--example", "strip")
     names = ("middle of the tip", "lower corner", "upper corner", "twist at the tip")
-    # The reference is extrapolated from graded meshes; this one has 32 cells across and a singular corner.
-    assert [value(data, name) for name in names] == pytest.approx(expected, rel=2e-3)
+    # The case's own tolerance: the mesh is fine where moments are singular.
+    assert [value(data, name) for name in names] == pytest.approx(expected, rel=5e-4)
     text = plates.find("strip").text.replace("[45/22.5/45]", "[-45/-22.5/-45]")
     Path("mirror.yaml").write_text(text, encoding="utf-8")
     mirrored = answer("mirror.yaml")
-    assert value(mirrored, "lower corner") == pytest.approx(
-        value(data, "upper corner"), rel=1e-2
-    )  # diagonals differ
-    assert value(mirrored, "twist at the tip") == pytest.approx(-value(data, "twist at the tip"), rel=1e-2)
+    # The two corners of the clamp are not meshed alike: each answer is within the tolerance above.
+    assert value(mirrored, "lower corner") == pytest.approx(value(data, "upper corner"), rel=1e-3)
+    assert value(mirrored, "twist at the tip") == pytest.approx(-value(data, "twist at the tip"), rel=1e-3)
 
 
 def test_bciz_is_right_on_one_diagonal_and_warned_of_on_others(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@ One exception root, specific leaves. A message is one line and names the offende
 way out; `place` says where in which file. The CLI turns `exit_code` into the process's exit code.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 
@@ -26,13 +27,17 @@ class Place:
 
 
 class LamcError(Exception):
-    """Root of all errors raised on purpose."""
+    """Root of all errors raised on purpose.
+
+    subject  the record that the error is about, where one is known: who read it from a file knows its place there
+    """
 
     exit_code = 2
 
     def __init__(self, message: str, place: Place | None = None) -> None:
         self.message = " ".join(message.split())
         self.place = place
+        self.subject: object = None
         super().__init__(f"{place}: {self.message}" if place else self.message)
 
 
@@ -48,6 +53,7 @@ class DesignErrors(DesignError):  # noqa: N818  it is what it says: several erro
         Exception.__init__(self, "\n".join(str(p) for p in self.problems))
         self.message = str(self)
         self.place = self.problems[0].place if self.problems else None
+        self.subject = None
 
 
 class TopologyError(DesignError):
@@ -84,3 +90,14 @@ class BuildError(LamcError):
     """No C compiler, a compiler that fails, or a cache that cannot be used."""
 
     exit_code = 4
+
+
+@contextmanager
+def about(record: object) -> Iterator[None]:
+    """LamcErrors of the block are about `record`, unless they already are about another."""
+    try:
+        yield
+    except LamcError as error:
+        if error.subject is None:
+            error.subject = record
+        raise

@@ -51,6 +51,17 @@ def test_gap_stays_white_and_far_reference_is_no_obstacle(tmp_path: Path) -> Non
     assert 0.35 < 1 - colours[inside.min() : inside.max()].mean() < 0.65  # half of it
 
 
+def test_the_reference_surface_does_not_strike_a_label_through(tmp_path: Path) -> None:
+    """The middle ply's label stands where z = 0 is: its white ground interrupts the red line."""
+    path = draw_stack(Laminate([Ply(STEEL, 1e-3)] * 3), tmp_path / "stack.png")
+    image = matplotlib.image.imread(path)[..., :3]
+    red = (image[..., 0] > 0.5) & (image[..., 1] < 0.2) & (image[..., 2] < 0.3)
+    line = int(red.sum(axis=1).argmax())
+    middle = slice(int(0.45 * image.shape[1]), int(0.55 * image.shape[1]))
+    assert red[line].mean() > 0.3
+    assert not red[:, middle].any()
+
+
 def test_same_laminate_gives_the_same_picture(tmp_path: Path) -> None:
     laminate = Laminate.parse("[0/90/±45/22.5]10s", plate.material("T300/5208"), 1e-4)
     one, other = (draw_stack(laminate, tmp_path / name).read_bytes() for name in ("a.png", "b.png"))

@@ -245,6 +245,12 @@ def test_strength_is_told_where_it_is_known_and_large_deflections_are_warned_of(
     steel = answer("--example", "square")["cases"][""]
     assert steel["first_failure"] is None
     assert steel["notes"] == []
+    (line,) = [
+        line for line in call("--example", "thermal", "--no-pictures").stdout.splitlines() if "fails" in line
+    ]
+    found = cooled["first_failure"]
+    for word in (f"{found['ratio']:.4g} times", f"ply {found['ply']} ", f"{found['face']} face", "along 2"):
+        assert word in line
 
 
 # --- files --------------------------------------------------------------------------------------------------------
@@ -345,7 +351,6 @@ def test_examples_are_listed_and_copied_once() -> None:
         (("s.yaml", "--size", "2 kg"), "not a unit of length"),
         (("s.yaml", "--modes", "-1"), "must be 0 to 1000"),
         (("s.yaml", "--case", "wind"), "no such case"),
-        (("s.yaml", "--buckling", "2"), "forces"),
         (("free.yaml",), "the plate is not held"),
         (("--copy", "x"), "needs the name of an example"),
     ],
@@ -379,6 +384,72 @@ def test_every_problem_of_a_file_is_a_line_with_its_place(tmp_path: Path) -> Non
     found = json.loads(result.stdout)["errors"]
     assert [error["line"] for error in found] == sorted(error["line"] for error in found)
     assert all(error["file"] == file for error in found)
+
+
+@pytest.mark.parametrize(
+    ("supports", "loads", "line", "told"),
+    [
+        ("  - clamped: left\n  - clamped: {point: [5, 5]}\n", "  - pressure: 1\n", 6, "touches no node"),
+        ("  - clamped: left\n  - {fixed: [w], where: left, value: 1}\n", "", 6, "contradict"),
+        ("  - clamped: left\n", "  - pressure: 1\n  - {point: [5, 5], force: 1 N}\n", 8, "outside the plate"),
+        ("  - clamped: left\n", "  - field: [1, 2]\n", 7, "one per ply"),
+        ("  - clamped: left\n", "  - {pressure: 'sqrt(x - 1)'}\n", 7, "Pressure: expression"),
+        ("  - {fixed: [u], where: left}\n", "  - pressure: 1\n", None, "is not held"),
+    ],
+)
+def test_what_shows_only_when_the_plate_is_solved_has_its_place_in_the_file(
+    tmp_path: Path, supports: str, loads: str, line: int | None, told: str
+) -> None:
+    head = "kind: plate\nlaminate: {material: steel, thickness: 1 mm}\ngeometry: {rect: [0, 0, 1, 1], grid: [2, 2]}\n"
+    file = tmp_path / "p.yaml"
+    file.write_text(f"{head}supports:\n{supports}" + (f"loads:\n{loads}" if loads else ""), encoding="utf-8")
+    (error,) = json.loads(call(str(file), "--json").stdout)["errors"]
+    assert told in error["message"]
+    assert (error["file"], error["line"]) == (str(file), line)
+
+
+def test_a_mesh_that_cannot_be_is_told_at_its_geometry_unless_an_option_asked_for_it(tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    text = "kind: plate\nlaminate: {material: steel, thickness: 1 mm}\ngeometry: {rect: [0, 0, 1, 1], size: 1 um}\n"
+    file.write_text(text, encoding="utf-8")
+    assert f"{file}:3:" in call(str(file)).stderr
+    assert f"error: {file}: a mesh of size 2e-06 m" in call(str(file), "--size", "2e-6").stderr
+
+
+def test_deflections_and_modes_are_told_before_the_error_of_buckling(tmp_path: Path) -> None:
+    file = square(tmp_path / "s.yaml", n=4, loads="loads: [{pressure: 1}]\nmodes: 2\nbuckling: 1")
+    result = call(file, "--json", "--no-pictures", "--out", "o")
+    assert result.exit_code == 2
+    told = json.loads(result.stdout)
+    assert not told["ok"]
+    assert len(told["modes"]["frequencies"]) == 2
+    assert middle(told) > 0.0
+    assert told["buckling"] == {}
+    (error,) = told["errors"]
+    assert "no membrane forces" in error["message"]
+    assert error["line"] == 8
+    assert json.loads((tmp_path / "o/summary.json").read_text())["errors"] == [error]
+    assert result.stderr.splitlines()[-1].startswith(f"error: {file}:8:")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("kind: plat\ngeometry: {}\n", "1:7: kind: 'plat' is unknown; did you mean 'plate'?"),
+        ("kind: [plate]\n", "1:7: kind: a word is expected here"),
+        ("hello\n", "1:1: the file holds a single value"),
+        ("- 1\n- 2\n", "1:1: the file holds a list"),
+        ("a: &a [x, x]\nb: [*a, *a]\n", "1:1: the file has neither a kind nor layers"),
+    ],
+)
+def test_what_is_neither_plate_nor_design_is_not_called_a_design(
+    tmp_path: Path, text: str, told: str
+) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text(text, encoding="utf-8")
+    result = call(str(file), "--quiet")
+    assert result.exit_code == 2
+    assert f"error: {file}:{told}" in result.stderr
 
 
 def test_interrupted_work_ends_with_130_and_leaves_no_folder(

@@ -109,6 +109,21 @@ def test_a_hole_stays_white_in_the_picture(tmp_path: Path) -> None:
     assert (widths > 40).sum() == 2  # plate, hole, plate
 
 
+def test_peaks_beyond_the_colour_bar_are_no_white_holes(tmp_path: Path) -> None:
+    """Two cells of 800 have values far beyond the others: the picture has no white pixel between the plate's edges."""
+    mesh = grid(1.0, 1.0, 20, 20)
+    peaks = np.tile(np.linspace(0.0, 1.0, len(mesh.cells))[:, None], 3)
+    peaks[209], peaks[609] = 50.0, -50.0
+    path = draw_fields(Problem(mesh, SHEET), [Field("M_x", "N", peaks)], tmp_path / "f.png", "peaks")
+    with Image.open(path) as image:
+        rgb = np.asarray(image.convert("RGB"))
+    coloured = rgb.max(axis=2).astype(int) - rgb.min(axis=2) > 40
+    rows = np.flatnonzero(coloured[:, : rgb.shape[1] // 2].sum(axis=1) > 100)
+    columns = np.flatnonzero(coloured[rows.min() : rows.max()].sum(axis=0) > 100)
+    inside = rgb[rows.min() + 3 : rows.max() - 3, columns.min() + 3 : columns.min() + 200]
+    assert (inside.min(axis=2) < 250).all()
+
+
 def test_colours_are_even_to_the_eye_and_zero_is_pale_where_signs_differ() -> None:
     name, norm = colours_of(-1.0, 3.0)
     assert name == "PuOr"

@@ -13,7 +13,7 @@ from lamc.commands.inputs import output_folder
 from lamc.commands.plate_files import own_files, write_files
 from lamc.commands.plate_input import PlateSource, load_source
 from lamc.commands.plate_work import answers
-from lamc.commands.terminal import INTERRUPTED, Terminal, plain
+from lamc.commands.terminal import INTERRUPTED, Terminal, plain, problem_data
 from lamc.design.units import LENGTH, to_si
 from lamc.errors import DesignError, LamcError
 from lamc.files import write_text
@@ -45,7 +45,8 @@ class PlateOrder:
 def plate(order: PlateOrder, terminal: Terminal) -> int:
     """Solves, writes, prints; or tells what an element is, where no plate is named.
 
-    Ctrl-C while files are written keeps those that are there. Returns 0, or 130 after Ctrl-C.
+    Ctrl-C while files are written keeps those that are there. Returns 0, 130 after Ctrl-C, or the exit code of what was
+    asked for and could not be found, after all that could.
     """
     if order.source.file is None and order.source.example is None and order.element is not None:
         text = describe(element_of(order.element))
@@ -69,14 +70,19 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
                 interrupted = True
             files.append("summary.json")
             told = data(report) | {"lamc_version": __version__, "files": files, "interrupted": interrupted}
+            if report.errors:
+                told["errors"] = [problem_data(error) for error in report.errors]
             write_text(folder / "summary.json", json.dumps(plain(told), indent=2, ensure_ascii=False) + "\n")
             for name in sorted(older - set(files)):
                 (folder / name).unlink(missing_ok=True)
     terminal.say(summary(report, folder, files))
     terminal.result(told | {"folder": str(folder)})
+    for error in report.errors:
+        terminal.error(str(error))
     if interrupted:
         terminal.error(f"interrupted while files were written; see {folder}")
-    return INTERRUPTED if interrupted else 0
+        return INTERRUPTED
+    return max((error.exit_code for error in report.errors), default=0)
 
 
 def _chosen(file: PlateFile, order: PlateOrder) -> PlateFile:

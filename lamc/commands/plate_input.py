@@ -10,15 +10,18 @@ from pathlib import Path
 
 from lamc.commands.inputs import split_pair
 from lamc.design import popupcad
+from lamc.design.checking import did_you_mean
 from lamc.design.inert import ListNode, MapNode, Node, ScalarNode, compose
 from lamc.design.load import file_text
 from lamc.design.native import length_unit_of
 from lamc.errors import DesignError, LamcError
 from lamc.examples import plates
+from lamc.mechanism import joints_file
 from lamc.plate.files.problem_file import is_plate, load_plate, read_plate
 from lamc.plate.files.problem_records import PlateFile
 from lamc.plate.files.problem_schema import PLACES
 
+_KINDS = ("plate", "design", "mechanism")
 _OPTIONS = "--body, --hinges, --material, --clamp, --hinge and --load"
 
 
@@ -60,12 +63,32 @@ def load_source(source: PlateSource) -> tuple[PlateFile, str]:
     file = source.file or ""
     root = compose(file_text(file), file)
     if not is_plate(root):
+        _check_design(root)
         return read_plate(_of_design(root, file, source)), file
     if source.for_designs:
         raise LamcError(
             f"{file!r} is a plate file, which says its own supports and loads; {_OPTIONS} belong to a design"
         )
     return read_plate(root), file
+
+
+def _check_design(root: Node) -> None:
+    """Raises DesignError for what is neither a plate file nor like any design that lamc reads."""
+    if popupcad.is_design(root) or joints_file.is_joint_definition(root):
+        return
+    known = "a plate file is a map with kind: plate, a laminate and a geometry; a design is a map with layers"
+    if not isinstance(root, MapNode):
+        found = "a list" if isinstance(root, ListNode) else "a single value"
+        raise root.error(f"the file holds {found}; {known}")
+    kind = root.get("kind")
+    if kind is None:
+        if not any(root.get(key) is not None for key in ("layers", "shapes", "materials", "joints")):
+            raise root.error(f"the file has neither a kind nor layers; {known}")
+    elif not isinstance(kind, ScalarNode):
+        raise kind.error("kind: a word is expected here, such as plate")
+    elif kind.text not in _KINDS:
+        hint = did_you_mean(kind.text, _KINDS)
+        raise kind.error(f"kind: {kind.text[:40]!r} is unknown; {hint}")
 
 
 def _of_design(design: Node, file: str, source: PlateSource) -> Node:
@@ -79,8 +102,8 @@ def _of_design(design: Node, file: str, source: PlateSource) -> Node:
     geometry: list[tuple[str, Node]] = [("design", _word(Path(file).name, file)), ("body", body)]
     if source.hinges is not None:
         geometry.append(("hinges", _word(source.hinges, "--hinges")))
-    supports = [_map([("clamped", _place(text, "--clamp"))]) for text in source.clamps]
-    supports += [_map([("hinged", _place(text, "--hinge"))]) for text in source.hinged]
+    supports = [_map([("clamped", _place(text, "--clamp"))], f"--clamp {text!r}") for text in source.clamps]
+    supports += [_map([("hinged", _place(text, "--hinge"))], f"--hinge {text!r}") for text in source.hinged]
     entries: list[tuple[str, Node]] = [
         ("kind", _word("plate", file)),
         ("name", _word(f"{Path(file).stem} {'+'.join(source.body)}", file)),

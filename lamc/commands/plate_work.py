@@ -3,11 +3,13 @@
 In: a `PlateFile` and how to solve it. Out: a `PlateReport`. Never: files, words.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
+from lamc.errors import LamcError, about
 from lamc.mechanism.checks import Array
 from lamc.pipeline import Times
 from lamc.plate.answers.buckling import Buckling, buckling
@@ -31,28 +33,40 @@ _NOTHING = 1e-11  # of the largest value of a field: less is round-off
 def answers(file: PlateFile, source: str, size: float | None, solver: str, times: Times) -> PlateReport:
     """Meshes, solves every case, estimates errors; modes and buckling where the file asks for them.
 
-    Raises LamcError as the mesher, `Problem`, `Model`, `modes` and `buckling` do.
+    Modes or buckling loads that cannot be found are no reason to keep the rest back: the report has their errors.
+    Raises LamcError as the mesher, `Problem` and `Model` do.
     """
+    origins = file.origins
     with times.stage("mesh"):
         problem = problem_of(file, size=size)
     with times.stage("element"):
         kernels(problem.dofs.element)
-    with times.stage("assemble"):
+    with times.stage("assemble"), origins.told():
         model = Model(problem, solver)
-    with times.stage("solve"):
+    with times.stage("solve"), origins.told():
         solved = model.solve_cases() if problem.cases else {"": model.solve()}
-    with times.stage("estimate"):
+    with times.stage("estimate"), origins.told():
         cases = [_case(name, solution, file) for name, solution in solved.items()]
+    errors: list[LamcError] = []
     found = None
     if file.modes:
-        with times.stage("modes"):
+        with times.stage("modes"), _kept(errors), origins.told("modes"):
             found = modes(problem, file.modes)
     buckled: dict[str, Buckling] = {}
-    if file.buckling:
-        with times.stage("buckling"):
-            for name in solved:
-                buckled[name] = buckling(_of_case(problem, name), file.buckling)
-    return PlateReport(file, source, problem, cases, found, buckled, times)
+    for name in solved if file.buckling else ():
+        with times.stage("buckling"), _kept(errors), origins.told("buckling"):
+            buckled[name] = buckling(_of_case(problem, name), file.buckling)
+    return PlateReport(file, source, problem, cases, found, buckled, times, errors)
+
+
+@contextmanager
+def _kept(errors: list[LamcError]) -> Iterator[None]:
+    """A LamcError of the block goes to `errors`; one that says the same as another does not."""
+    try:
+        yield
+    except LamcError as error:
+        if str(error) not in map(str, errors):
+            errors.append(error)
 
 
 def _of_case(problem: Problem, name: str) -> Problem:
@@ -67,7 +81,8 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
     found = _extremes(solution, fields)
     printed = []
     for output in file.outputs:
-        value = value_of(solution, output)
+        with about(output):
+            value = value_of(solution, output)
         largest = max((abs(end.value) for end in found.get(output.value, ("",))[1:]), default=0.0)
         kept = value if abs(value) > _NOTHING * largest else 0.0
         printed.append(Printed(output, kept, VALUES[output.value]))

@@ -167,11 +167,12 @@ class Terminal:
         for line in lines:
             click.echo(printable(f"error: {line}"), err=True)
         if self.as_json:
-            told = [_problem(p) for p in problems] or [{"message": line} for line in lines]
+            told = [problem_data(p) for p in problems] or [{"message": line} for line in lines]
             click.echo(json.dumps({"ok": False, "exit_code": code, "errors": told}, indent=2))
 
 
-def _problem(error: LamcError) -> dict[str, Any]:
+def problem_data(error: LamcError) -> dict[str, Any]:
+    """An error for programs: its kind, its message and its place."""
     place = error.place
     return {
         "kind": type(error).__name__,

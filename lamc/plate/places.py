@@ -53,7 +53,7 @@ class Places:
             distance = np.min(shapely.distance(where, shapely.points(self.dofs.points)))
             raise DesignError(
                 f"{what} at {where_text(where)} touches no node of the mesh; the nearest is {distance:.3g} m away, and "
-                f"the tolerance is {self.tolerance:.3g} m: move it, mesh along it, or raise `tolerance`"
+                f"the tolerance is {self.tolerance:.3g} m: move it, or mesh along it"
             )
         return on.astype(np.int32)
 
@@ -76,8 +76,7 @@ class Places:
             distance = np.min(shapely.distance(where, shapely.points(middle)))
             raise DesignError(
                 f"{what} at {where_text(where)} lies along no edge of the mesh; the middle of the nearest is "
-                f"{distance:.3g} m away, and the tolerance is {self.tolerance:.3g} m: move it, mesh along it, or raise "
-                "`tolerance`"
+                f"{distance:.3g} m away, and the tolerance is {self.tolerance:.3g} m: move it, or mesh along it"
             )
         return edges
 

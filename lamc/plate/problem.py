@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
 from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
@@ -72,9 +72,11 @@ class Problem:
         size = float(np.hypot(*np.ptp(self.mesh.points, axis=0)))
         self._put("places", Places(self.dofs, self.tolerance * size))
         for support in self.supports:
-            self._check_support(support)
+            with about(support):
+                self._check_support(support)
         for load in self.all_loads:
-            check_load(self, load)
+            with about(load):
+                check_load(self, load)
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)

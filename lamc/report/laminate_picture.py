@@ -154,16 +154,16 @@ def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array)
             ha="center",
             va="center",
             fontsize=8 if len(laminate.plies) < 30 else 6,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85},
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )
 
 
 def _draw_reference(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
-    """The surface that z counts from, where it lies within the plies: a dashed line."""
+    """The surface that z counts from, where it lies within the plies: a dashed line, behind the labels."""
     if not _holds_reference(laminate):
         return
     at = _place_of(0.0, laminate.heights, bottoms, heights)
-    axis.plot([-0.03, 1.03], [at, at], color="#B00020", linewidth=1.3, dashes=(5, 2), zorder=5, clip_on=False)
+    axis.plot([-0.03, 1.03], [at, at], color="#B00020", linewidth=1.3, dashes=(5, 2), zorder=2, clip_on=False)
     axis.text(1.04, at, "z = 0", color="#B00020", va="center", fontsize=8)
 
 

@@ -27,3 +27,9 @@ def shown_number(value: float, unit: str, digits: int = 5) -> str:
     """A value with its unit and the prefix that suits it."""
     scale, name = prefixed(value, unit)
     return f"{value / scale:.{digits}g} {name}".rstrip()
+
+
+def place_text(at: tuple[float, float], size: float) -> str:
+    """(x, y) in the unit that suits a plate of `size` m."""
+    scale, unit = prefixed(size, "m")
+    return f"({', '.join(f'{round(c / scale, 4) + 0.0:.5g}' for c in at)}) {unit}"

@@ -16,7 +16,7 @@ def data(report: PlateReport) -> dict[str, Any]:
     mesh, element = report.problem.mesh, report.problem.dofs.element
     low, high = angles(mesh)
     return {
-        "ok": True,
+        "ok": not report.errors,
         "plate": report.file.name,
         "source": report.source,
         "mesh": {
@@ -95,6 +95,7 @@ def _failure_data(failure: PlateFailure) -> dict[str, Any]:
         "ply": failure.number,
         "face": failure.face,
         "mode": failure.mode,
+        "not_judged": list(failure.unjudged),
     }
 
 

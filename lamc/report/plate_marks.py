@@ -203,7 +203,14 @@ def _place(
         lines = shapely.line_merge(shapely.multilinestrings(list(mesh.points[ends] * scale.per_metre)))
         pieces = [np.asarray(part.coords) for part in shapely.get_parts(lines)]
         axis.add_collection(
-            LineCollection(pieces, colors=colour, linewidths=width, linestyles=style, zorder=order)
+            LineCollection(
+                pieces,
+                colors=colour,
+                linewidths=width,
+                linestyles=style,
+                zorder=order,
+                capstyle="projecting" if style == "solid" else None,  # a ring has no notch where it closes
+            )
         )
         return False
     nodes = problem.places.nodes(where, "a place that is drawn")

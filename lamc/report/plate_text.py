@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lamc.errors import LamcError
 from lamc.pipeline import Times
 from lamc.plate.answers.buckling import Buckling
 from lamc.plate.answers.corner_fields import CornerFields, Extreme
@@ -23,7 +24,8 @@ from lamc.plate.meshing.report import corner_angles
 from lamc.plate.problem import Problem
 from lamc.plate.solving.solution import Solution
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
-from lamc.report.numbers import prefixed, shown_number
+from lamc.report.failure_text import failure_text
+from lamc.report.numbers import place_text, prefixed, shown_number
 from lamc.report.plan_view import shortened
 from lamc.report.plate_marks import load_text, vector_text
 from lamc.report.run_text import duration
@@ -69,7 +71,10 @@ class CaseReport:
 
 @dataclass(frozen=True, eq=False)
 class PlateReport:
-    """A plate and all that was asked of it."""
+    """A plate and all that was asked of it.
+
+    errors  why modes or buckling loads are missing
+    """
 
     file: PlateFile
     source: str
@@ -78,6 +83,7 @@ class PlateReport:
     modes: Modes | None
     buckling: Mapping[str, Buckling]
     times: Times
+    errors: Sequence[LamcError] = ()
 
 
 def summary(report: PlateReport, folder: Path, files: Sequence[str]) -> str:
@@ -224,7 +230,8 @@ def _case(case: CaseReport) -> list[tuple[str, str]]:
     rows = [("case", case.name)] if case.name else []
     rows.append(("loads", ", ".join(load_text(load) for load in solution.loads) or "none"))
     rows += [(name, _extreme_text(*found, solution.problem.size)) for name, found in case.extremes.items()]
-    rows += [("strength", str(case.strength))] if case.strength is not None else []
+    if case.strength is not None:
+        rows.append(("fails", failure_text(case.strength, solution.problem.size)))
     rows.append(("energy", f"{shown_number(energy, 'J')} stored"))
     rows.append(("reactions", _reactions(case)))
     rows.append(("error", _error(case.estimate)))
@@ -256,12 +263,6 @@ def _extreme_text(unit: str, low: Extreme, high: Extreme, size: float) -> str:
         value = f"{round(each.value / scale, decimals) + 0.0:.{_DIGITS}g} {name}".rstrip()
         told.append(f"{value} at {place_text(each.at, size)}")
     return " to ".join(told)
-
-
-def place_text(at: tuple[float, float], size: float) -> str:
-    """(x, y) in the unit that suits a plate of `size` m."""
-    scale, unit = prefixed(size, "m")
-    return f"({', '.join(f'{round(c / scale, 4) + 0.0:.5g}' for c in at)}) {unit}"
 
 
 def _reactions(case: CaseReport) -> str:

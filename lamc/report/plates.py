@@ -32,6 +32,7 @@ from lamc.report.style import PALETTE, save
 _LEVELS = 16  # at most, as many as round values allow
 _RARE = 0.005  # of the area, at each end of a field
 _SHARE = 1 / 3  # of the colours
+_BELOW = 1e-9  # of the colour bar: less than can be seen
 _VISIBLE = 50_000  # cells of a mesh that is drawn; more are smaller than four pixels
 _LINES = 40  # cells along the longer side, up to which contours show the mesh
 
@@ -83,7 +84,7 @@ def draw_deflection(problem: Problem, w: Array, path: Path, title: str, loads: S
         figure = Figure(figsize=(7.6, sum(heights) + 0.7), layout="constrained")
         plan, view = figure.subplots(2, 1, height_ratios=heights)
     else:
-        figure = Figure(figsize=(10.6, 4.9), layout="constrained")
+        figure = Figure(figsize=(10.6, min(4.9, 1.6 + 4.2 * height / width)), layout="compressed")
         plan, view = figure.subplots(1, 2)
     _contours(figure, plan, mesh, Field("deflection w", "m", w), scale)
     handles = draw_supports(plan, problem, scale) + draw_loads(plan, problem, loads, scale)
@@ -111,7 +112,7 @@ def draw_fields(
     lines = math.ceil(len(fields) / columns)
     panel = 10.5 / columns if columns > 1 else 7.4
     tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + 0.75
-    figure = Figure(figsize=(panel * columns, tall * lines + 0.5), layout="constrained")
+    figure = Figure(figsize=(panel * columns, tall * lines + 0.5), layout="compressed")
     axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     handles: list[Line2D] = []
     for axis in axes[len(fields) :]:
@@ -180,9 +181,11 @@ def _contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: Scale
         if colours == ONE_SIGN:
             norm = Normalize(levels[0], levels[-1])
         cut = shown.min() < levels[0] or shown.max() > levels[-1]
-        # Not `extend`: beyond an end of PuOr it would paint the darkest colour beside a pale one.
+        # Not `extend`: beyond an end of PuOr it would paint the darkest colour beside a pale one. Below the last level,
+        # since triangles that are on it with all their corners belong to no interval and would stay white.
+        most = levels[-1] - _BELOW * (levels[-1] - levels[0])
         filled = axis.tricontourf(
-            drawn, np.clip(shown, levels[0], levels[-1]).ravel(), levels=levels, cmap=colours, norm=norm
+            drawn, np.clip(shown, levels[0], most).ravel(), levels=levels, cmap=colours, norm=norm
         )
         bar = figure.colorbar(filled, ax=axis, pad=0.02, fraction=0.05)
     told = f"{field.name} [{unit}]" if unit else field.name

@@ -93,7 +93,7 @@ def _membrane_forces(problem: Problem, forces: Sequence[float] | Array | None) -
     count = len(problem.mesh.cells)
     if forces is None:
         found = _forces_of_loads(problem)
-        way_out = "load it in its plane and hold it there, or give forces=(N_x, N_y, N_xy)"
+        way_out = "load it in its plane and hold it there (in Python, forces=(N_x, N_y, N_xy) can be given)"
     else:
         by_cell = hasattr(forces, "__len__") and len(forces) == count and hasattr(forces[0], "__len__")
         shape = (count, 3) if by_cell else (3,)

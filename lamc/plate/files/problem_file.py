@@ -17,9 +17,10 @@ from lamc.design.inert import MapNode, Node, ScalarNode, compose
 from lamc.design.load import file_text
 from lamc.design.native import length_unit_of
 from lamc.design.units import Quantity, to_si
-from lamc.errors import DesignError
+from lamc.errors import DesignError, Place
 from lamc.mechanism.records import checked_name
 from lamc.plate.files import expression
+from lamc.plate.files.origins import Origins
 from lamc.plate.files.problem_loads import Actions
 from lamc.plate.files.problem_places import Places
 from lamc.plate.files.problem_records import Geometry, Output, PlateFile
@@ -88,6 +89,7 @@ def read_plate(node: Node) -> PlateFile:
         for index, entry in enumerate(model.outputs)
     ]
     problems.raise_if_any()
+    records = [*actions.origins, *((o, problems.place(("outputs", k))) for k, o in enumerate(outputs))]
     drawn = model.geometry
     return PlateFile(
         name=name,
@@ -100,7 +102,14 @@ def read_plate(node: Node) -> PlateFile:
         modes=model.modes,
         buckling=model.buckling,
         story=model.story.strip(),
+        origins=Origins(Place(node.file), _keys(node), records),
     )
+
+
+def _keys(node: Node) -> dict[str, Place]:
+    """Places of what stands under the keys at the top."""
+    assert isinstance(node, MapNode)
+    return {key.text: value.place for key, value in node.pairs if isinstance(key, ScalarNode)}
 
 
 def _output(

@@ -10,7 +10,7 @@ from functools import partial
 from lamc.design import units
 from lamc.design.checking import Path, Problems
 from lamc.design.units import Quantity, to_si
-from lamc.errors import DesignError
+from lamc.errors import DesignError, Place
 from lamc.mechanism.records import checked_name
 from lamc.plate.files.expression import Field, depends_on_place
 from lamc.plate.files.problem_places import Places
@@ -37,12 +37,17 @@ class Actions:
         self._problems = problems
         self._bare = bare
         self._step = to_si(1.0, units.LENGTH, bare)  # m, of a bare length
+        self.origins: list[tuple[object, Place]] = []  # every record that was made, and its place
 
     def supports(self, models: Sequence[SupportModel]) -> tuple[SupportRecord, ...]:
         """Those of the file, in order."""
-        return tuple(
-            s for index, model in enumerate(models) for s in self._support(model, ("supports", index))
-        )
+        made: list[SupportRecord] = []
+        for index, model in enumerate(models):
+            path: Path = ("supports", index)
+            found = self._support(model, path)
+            self.origins += [(support, self._problems.place(path)) for support in found]
+            made += found
+        return tuple(made)
 
     def cases(
         self, common: Sequence[LoadModel], cases: Mapping[str, Sequence[LoadModel]]
@@ -83,11 +88,14 @@ class Actions:
         return to_si(model.value, units.RATIO) if slopes else to_si(model.value, units.LENGTH, self._bare)
 
     def _loads(self, path: Path, models: Sequence[LoadModel]) -> tuple[LoadRecord, ...]:
-        made = [
-            self._problems.attempt((*path, index), partial(self._load, model, (*path, index)))
-            for index, model in enumerate(models)
-        ]
-        return tuple(load for load in made if load is not None)
+        made: list[LoadRecord] = []
+        for index, model in enumerate(models):
+            here: Path = (*path, index)
+            load = self._problems.attempt(here, partial(self._load, model, here))
+            if load is not None:
+                self.origins.append((load, self._problems.place(here)))
+                made.append(load)
+        return tuple(made)
 
     def _load(self, model: LoadModel, path: Path) -> LoadRecord | None:
         region = model.region

@@ -27,8 +27,14 @@ def mesh_of(geometry: Geometry, size: float | None = None) -> Mesh:
 
 
 def problem_of(file: PlateFile, element: str | None = None, size: float | None = None) -> Problem:
-    """Meshed, and ready to be solved. Raises DesignError as the mesher and `Problem` do."""
-    made = mesh_of(file.geometry, size)
+    """Meshed, and ready to be solved. Raises DesignError as the mesher and `Problem` do, with the place in the file."""
+    with file.origins.told("geometry" if size is None else ""):
+        made = mesh_of(file.geometry, size)
+    with file.origins.told():
+        return _problem(file, made, element)
+
+
+def _problem(file: PlateFile, made: Mesh, element: str | None) -> Problem:
     own = {name: region.laminate for name, region in file.geometry.regions.items()}
     laminates = {name: own.get(name) or file.laminate for name in made.region_names}
     cases = dict(file.cases)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from shapely.geometry.base import BaseGeometry
 
+from lamc.plate.files.origins import Origins
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LoadRecord
 from lamc.plate.supports import SupportRecord
@@ -58,6 +59,7 @@ class PlateFile:
     laminate   of the plate where no region has its own; None where all have
     cases      loads by the name of the case; one of the name "" where the file has no cases
     story      what the problem is about, a paragraph; nothing is computed from it
+    origins    where the file says what
     """
 
     name: str
@@ -70,3 +72,4 @@ class PlateFile:
     modes: int = 0
     buckling: int = 0
     story: str = ""
+    origins: Origins = field(default_factory=Origins)

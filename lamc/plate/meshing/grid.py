@@ -203,6 +203,6 @@ def _check_count(value: object, what: str, most: float) -> None:
 
 def _too_many(what: str, count: float, most: float) -> str:
     return (
-        f"{what} would have {count:.0f} cells or more, {memory_of(count)}; the limit is {most:.0f}: take fewer, or "
-        "raise the limit"
+        f"{what} would have {count:.0f} cells or more, {memory_of(count)}; the limit is {most:.0f}: take fewer (in "
+        "Python, `limit` can be raised)"
     )

@@ -138,7 +138,7 @@ def _expected(
 def _too_many(number: str, count: float, most: float, wanted: Array) -> str:
     return (
         f"a mesh of size {wanted.min():g} m would have {number} triangles, {memory_of(count)}; the limit is "
-        f"{most:.0f}: take a larger size, give a small one to single regions only, or raise the limit"
+        f"{most:.0f}: take a larger size, or give a small one to single regions only (in Python, `limit` can be raised)"
     )
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
 from lamc.mechanism.checks import Array
 from lamc.plate.dofs import Dofs
 from lamc.plate.meshing.mesh import Integers
@@ -67,7 +67,8 @@ def support_equations(problem: Problem) -> Equations:
     """All that the supports ask for, in their order."""
     found: list[Equations] = []
     for index, support in enumerate(problem.supports):
-        found.extend(_of_support(problem, support, index))
+        with about(support):
+            found.extend(_of_support(problem, support, index))
     hard = [
         (index, support.where)
         for index, support in enumerate(problem.supports)
@@ -207,10 +208,13 @@ def _check_agreement(
         f"{type(problem.supports[owner[k]]).__name__} (number {owner[k] + 1}) asks for {value[k]:g}"
         for k in (rivals[0], wrong[0])
     ]
-    raise DesignError(
-        f"supports contradict each other at ({x:.6g}, {y:.6g}): {texts[0]}, {texts[1]}; take one of them away, or make "
-        "their values agree"
-    )
+    with about(
+        problem.supports[max(owner[rivals[0]], owner[wrong[0]])]
+    ):  # the later one was added to the other
+        raise DesignError(
+            f"supports contradict each other at ({x:.6g}, {y:.6g}): {texts[0]}, {texts[1]}; take one of them away, or "
+            "make their values agree"
+        )
 
 
 def _owners(

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, ExpressionError
 from lamc.mechanism.checks import Array, shown
 
 
@@ -19,6 +19,8 @@ def values_at(given: float | Callable[[Array, Array], Array], points: Array, wha
     x, y = points[..., 0].ravel(), points[..., 1].ravel()
     try:
         values = np.asarray(given(x.copy(), y.copy()), dtype=float)
+    except ExpressionError as error:  # of a file, whose words suit its reader
+        raise DesignError(f"{what}: {error.message}") from error
     except Exception as error:  # whatever a user's own function raises
         raise DesignError(
             f"{what} is a function that fails: {type(error).__name__}: {error}; it is called with arrays of x and y "

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
 from lamc.mechanism.checks import Array
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.elements.kernels import ElementKernels
@@ -31,15 +31,17 @@ def load_vector(problem: Problem, kernels: ElementKernels, loads: Sequence[LoadR
     Raises DesignError for a point load outside the plate, a moment along an inner line, a function that fails.
     """
     total = np.zeros(problem.dofs.count)
-    areal = [load for load in loads if isinstance(load, Pressure | Gravity)]
-    if areal:
-        intensity = sum(_intensity(problem, load) for load in areal)
-        _add(total, problem.dofs.of_cells, kernels.load(problem.mesh.corners, intensity))
+    intensities = []
     for load in loads:
-        if isinstance(load, PointLoad):
-            _add_point(total, problem, kernels, load)
-        elif isinstance(load, EdgeLoad | EdgeMoment):
-            _add_edges(total, problem, kernels, load)
+        with about(load):
+            if isinstance(load, Pressure | Gravity):
+                intensities.append(_intensity(problem, load))
+            elif isinstance(load, PointLoad):
+                _add_point(total, problem, kernels, load)
+            elif isinstance(load, EdgeLoad | EdgeMoment):
+                _add_edges(total, problem, kernels, load)
+    if intensities:
+        _add(total, problem.dofs.of_cells, kernels.load(problem.mesh.corners, sum(intensities)))
     if any(isinstance(load, CLIMATES) for load in loads):
         states = climates(problem.laminates, loads, problem.mesh.region_names)
         rows = expansions(problem.laminates, problem.dofs.element, states)[problem.mesh.regions]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
 from lamc.mechanism.checks import Array
 from lamc.plate.elements.definition import Element
 from lamc.plate.laminates.laminate import Laminate
@@ -72,7 +72,8 @@ def climates(
             elif isinstance(load, Moisture):
                 moisture += load.content
             else:
-                fields = fields + checked_fields(laminate, load, name)
+                with about(load):
+                    fields = fields + checked_fields(laminate, load, name)
         result.append(Climate(temperature, moisture, fields))
     return result
 

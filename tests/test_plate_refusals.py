@@ -29,13 +29,13 @@ REFUSED = [
     ({"laminate": {}}, "region '' of the mesh has no laminate; give one"),
     ({"laminate": {"": 1.0}}, "the laminate of region '' is 1.0; it must be a Laminate"),
     ({"element": "dkq"}, "there is no element 'dkq'; did you mean 'dkt'?"),
-    ({"element": 7}, "the element of a Problem is 7; it must be a name or an Element"),
+    ({"element": 7}, "the element is 7; it must be an Element, or the name of one"),
     ({"element": "bfs"}, "element 'bfs' is for quadrilaterals, and the mesh has triangles"),
     ({"supports": plate.Clamped(BOUNDARY)}, "supports of a Problem are a single Clamped; put it into a list"),
     ({"supports": [BOUNDARY]}, "supports of a Problem hold 'boundary'; each must be one of Support, Clamped"),
     (
         {"supports": [plate.Clamped(FAR)]},
-        r"the Clamped support at LINESTRING \(5 0, 5 1\) touches no node .* 4 m away",
+        r"the Clamped support at the line from \(5, 0\) to \(5, 1\) touches no node .* 4 m away",
     ),
     (
         {"supports": [plate.Support(Point(0.1, 0), ("w",))]},
@@ -51,7 +51,7 @@ REFUSED = [
     ),
     (
         {"supports": [plate.Support(Point(0.125, 0), ("w",))], "element": "dkt+lst"},
-        r"a Support holds 'w' at POINT \(0.125 0\), and none of the 1 nodes there has it: .* at corners of cells only",
+        r"a Support holds 'w' at \(0.125, 0\), and none of the 1 nodes there has it: .* at corners of cells only",
     ),
     (
         {"supports": [plate.Hinged(Point(0, 0), 1.0)]},
@@ -61,7 +61,10 @@ REFUSED = [
         {"loads": [plate.Pressure(1.0, region="wing")]},
         "acts on region 'wing', which the mesh does not have; it has ''",
     ),
-    ({"loads": [plate.EdgeLoad(FAR, 1.0)]}, "the EdgeLoad at LINESTRING .* lies along no edge of the mesh"),
+    (
+        {"loads": [plate.EdgeLoad(FAR, 1.0)]},
+        "the EdgeLoad at the line from .* lies along no edge of the mesh",
+    ),
     ({"loads": ["wind"]}, "loads of a Problem hold 'wind'; each must be one of PointLoad"),
     (
         {"loads": [plate.Pressure(1.0)], "element": "cst"},

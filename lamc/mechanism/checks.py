@@ -29,6 +29,13 @@ def shown(value: object) -> str:
     return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}…"
 
 
+def checked_kind(value: object, kind: type[Item], what: str, way_out: str) -> Item:
+    """`value`, if it is one of `kind`, or DesignError with the way to get one."""
+    if not isinstance(value, kind):
+        raise DesignError(f"{what} is {shown(value)}; it must be a {kind.__name__}: {way_out}")
+    return value
+
+
 def checked_name(name: object, what: str) -> str:
     """`name` as a usable name, or DesignError."""
     if not isinstance(name, str) or not name.strip():
@@ -57,7 +64,9 @@ def checked_array(value: object, shape: tuple[int, ...], what: str) -> Array:
 
 
 def checked_number(value: object, what: str, *, minimum: float = -math.inf) -> float:
-    """`value` as a finite float, at least `minimum`, or DesignError."""
+    """`value` as a finite float, at least `minimum`, or DesignError: True is 1 to Python, and must not pass for it."""
+    if isinstance(value, bool | np.bool_):
+        raise DesignError(f"{what} is {shown(value)}; it must be a number")
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError) as error:

@@ -10,9 +10,12 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from lamc.errors import DesignError
 from lamc.mechanism.checks import shown
 from lamc.plate.elements.definition import CORNERS, SQUARE, TRIANGLE, Element
+from lamc.plate.elements.library import checked_element
 
 # Corners, edges and cells per cell of a large mesh.
 _COUNTS = {TRIANGLE: (0.5, 1.5, 1.0), SQUARE: (1.0, 2.0, 1.0)}
@@ -47,8 +50,11 @@ class Memory:
     factor: int
 
 
-def estimate_memory(element: Element, cell_count: int) -> Memory:
+def estimate_memory(element: Element | str, cell_count: int) -> Memory:
     """What `cell_count` cells of `element` take; some per cent too little for small meshes, which have more rim."""
+    element = checked_element(element)
+    if isinstance(cell_count, bool) or not isinstance(cell_count, int | np.integer) or cell_count < 0:
+        raise DesignError(f"the number of cells is {shown(cell_count)}; it must be a whole number, 0 or more")
     counts = [cell_count * each for each in _COUNTS[element.cell]]
     own = _unknowns(element)
     unknowns = sum(count * dofs for count, dofs in zip(counts, own, strict=True))

@@ -14,14 +14,14 @@ from lamc.errors import DesignError, about
 from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
-from lamc.plate.elements.library import combine, element
+from lamc.plate.elements.library import checked_element, combine, element
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.places import Places
 from lamc.plate.solving.edge_parts import edge_parts_on
 from lamc.plate.solving.sections import climates, couples
-from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord, Symmetry, where_text
+from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord, Symmetry, support_text, where_text
 
 _COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares
 _IN_PLANE = ("u", "v")
@@ -132,7 +132,7 @@ class Problem:
         return False
 
     def _check_support(self, support: SupportRecord) -> None:
-        what = f"the {type(support).__name__} support"
+        what = support_text(support)
         nodes = self.places.nodes(support.where, what)
         if isinstance(support, Symmetry):
             self.places.some_edges_on(support.where, what)
@@ -179,15 +179,6 @@ def check_load(problem: Problem, load: LoadRecord) -> None:
             f"a {type(load).__name__} acts in the plane, and element {chosen.name!r} of the model only bends; give it "
             "with the problem, or choose an element with a membrane, such as 'dkt+cst'"
         )
-
-
-def checked_element(given: str | Element) -> Element:
-    """The element of that name, of two names joined by "+", or as it is."""
-    if isinstance(given, Element):
-        return given
-    if not isinstance(given, str):
-        raise DesignError(f"the element of a Problem is {shown(given)}; it must be a name or an Element")
-    return element(given)
 
 
 def laminates_of(laminate: Laminate | Mapping[str, Laminate], mesh: Mesh) -> tuple[Laminate, ...]:

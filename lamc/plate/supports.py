@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import shapely
 from shapely.geometry.base import BaseGeometry
 
 from lamc.errors import DesignError
@@ -161,5 +162,23 @@ def where_text(where: Where) -> str:
     """A place as a message shows it."""
     if isinstance(where, str):
         return where
-    text = where.wkt
-    return text if len(text) <= 60 else f"{text[:60]}…"
+    parts = shapely.get_parts(where)
+    others = f" and {len(parts) - 1} more" if len(parts) > 1 else ""
+    dimension = int(shapely.get_dimensions(where))
+    if dimension == 0:
+        return f"{_point_text(shapely.get_coordinates(parts[0])[0])}{others}"
+    if dimension == 1:
+        line = shapely.get_coordinates(parts[0])
+        bends = f" by way of {len(line) - 2} more points" if len(line) > 2 else ""
+        return f"the line from {_point_text(line[0])} to {_point_text(line[-1])}{bends}{others}"
+    low, high = shapely.bounds(where).reshape(2, 2)
+    return f"the area between {_point_text(low)} and {_point_text(high)}"
+
+
+def _point_text(point: Array) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g})"
+
+
+def support_text(support: SupportRecord) -> str:
+    """A support as a message names it."""
+    return "the Support" if isinstance(support, Support) else f"the {type(support).__name__} support"

@@ -64,6 +64,10 @@ def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Arra
     stiffness, free = pinned(system.stiffness, system.motions)
     kept = sparse.diags_array(free)
     geometric = sparse.csc_array(kept @ system.geometric(acting) @ kept)
+    if not geometric.count_nonzero():
+        raise DesignError(
+            "the supports hold every deflection of the plate, so nothing buckles; hold less, or mesh finer"
+        )
     signs = [sign for sign in (1, -1) if _can_buckle(acting * sign)]
     available = min(wanted, stiffness.shape[0])
     values: dict[int, Array] = {1: np.empty(0), -1: np.empty(0)}

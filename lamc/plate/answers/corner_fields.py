@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.mechanism.checks import Array
-from lamc.plate.answers.estimate import recovered_strains
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.laminates.failure import tsai_wu_index
 from lamc.plate.laminates.laminate import Laminate
@@ -55,7 +54,7 @@ def corner_fields(solution: Solution) -> CornerFields:
     """Recovered fields of `solution`."""
     problem = solution.problem
     mesh, element = problem.mesh, problem.dofs.element
-    better = recovered_strains(solution)
+    better = solution.recovered_strains
     cells = np.arange(len(mesh.cells), dtype=np.int32)
     places = np.array(CORNERS[element.cell], dtype=float)
     strains = np.stack([better.at(cells, np.tile(xi, (len(cells), 1))) for xi in places], axis=1)

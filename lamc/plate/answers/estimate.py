@@ -87,7 +87,7 @@ def error_estimate(solution: "Solution") -> ErrorEstimate:
     """The error of `solution` from its own recovered strains."""
     problem = solution.problem
     mesh, element = problem.mesh, problem.dofs.element
-    better = recovered_strains(solution)
+    better = solution.recovered_strains
     stiffness = matrices(problem.laminates, element)[mesh.regions]
     cells = np.arange(len(mesh.cells), dtype=np.int32)
     error, energy = np.zeros(len(cells)), np.zeros(len(cells))

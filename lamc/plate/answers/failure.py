@@ -12,7 +12,6 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, shown
-from lamc.plate.answers.estimate import recovered_strains
 from lamc.plate.answers.recovery import RecoveredStrains
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.laminates.failure import (
@@ -78,7 +77,7 @@ def first_failure(
     judged = [k for k, laminate in enumerate(problem.laminates) if _is_known(laminate)]
     if not judged:
         require_strengths(problem.laminates[0])
-    recovered = recovered_strains(solution)
+    recovered = solution.recovered_strains
     best: tuple[float, int, PlyFailure, int, int] | None = None
     for region in judged:
         cells = np.flatnonzero(mesh.regions == region).astype(np.int32)

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import Array, checked_array
+from lamc.mechanism.checks import Array, checked_array, checked_kind
 from lamc.plate.loads import PointLoad
 from lamc.plate.problem import Problem
 from lamc.plate.solving.load_vectors import load_vector
@@ -28,7 +28,9 @@ def flexibility(
     One factorisation serves all points. Raises DesignError for points off the plate, a direction that is zero, and
     where the supports leave the plate free to move.
     """
-    points = checked_array(at, (len(at), 2), "the points of a flexibility")
+    checked_kind(problem, Problem, "the problem of a flexibility", "make one of a mesh and a laminate")
+    count = len(at) if hasattr(at, "__len__") else 0
+    points = checked_array(at, (count, 2), "the points of a flexibility")
     direction = checked_array(along, (3,), "the direction of a flexibility")
     length = float(np.linalg.norm(direction))
     if not length > 0.0:

@@ -124,7 +124,7 @@ def _of_solution(solution: Solution, of: Of) -> _Slopes:
     if is_compliance:
         adjoint = solution.answer_to(load_vector(problem, own, solution.loads))
     else:
-        adjoint = solution.answer_to(load_vector(problem, own, [_unit_load(of)]))
+        adjoint = solution.answer_to(load_vector(problem, own, [_unit_load(problem, of)]))
     cells, corners, regions = problem.dofs.of_cells, problem.mesh.corners, problem.mesh.regions
     count = len(problem.laminates)
     entries, strains = _section_count(problem), _strain_count(problem)
@@ -139,13 +139,14 @@ def _of_solution(solution: Solution, of: Of) -> _Slopes:
     return _Slopes(-stiff, resultants, mass)
 
 
-def _unit_load(of: Of) -> PointLoad:
+def _unit_load(problem: Problem, of: Of) -> PointLoad:
     """Whose work is the number that is asked for: 1 N upwards at the point of ("deflection", (x, y))."""
     if not (isinstance(of, tuple) and len(of) == 2 and of[0] == "deflection"):
         raise DesignError(
             f"a gradient of a solution is asked of {shown(of)}; it can be of 'compliance' or ('deflection', (x, y))"
         )
     at = checked_array(of[1], (2,), "the point of a gradient of the deflection")
+    problem.places.cells_under(at[None, :], "the point of a gradient of the deflection")
     return PointLoad(tuple(at.tolist()), 1.0)
 
 

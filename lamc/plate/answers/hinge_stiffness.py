@@ -26,7 +26,7 @@ import numpy as np
 from shapely.geometry import LineString
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import checked_number, shown
+from lamc.mechanism.checks import checked_kind, checked_number, shown
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.meshing.grid import grid_of_lines
 from lamc.plate.meshing.mesh import Mesh
@@ -71,6 +71,7 @@ def hinge_stiffness(laminate: Laminate, width: float, length: float, *, cells: i
 
     Raises DesignError where these are not positive, and BuildError without a C compiler where there are cells.
     """
+    checked_kind(laminate, Laminate, "the laminate of a hinge", "make one of plies, or by Laminate.layer")
     L, b = _checked(width, "width"), _checked(length, "length")
     if not isinstance(cells, int) or not 0 <= cells <= _MOST_CELLS:
         raise DesignError(

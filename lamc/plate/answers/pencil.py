@@ -132,9 +132,14 @@ def check_problem(problem: object) -> None:
 
 
 def pencil(problem: Problem, solver: str = "auto") -> Pencil:
-    """The matrices of `problem`; `solver` as for `plate.solve`."""
+    """The matrices of `problem`; `solver` as for `plate.solve`. Raises DesignError where nothing is free to move."""
     made = system(problem, solver)
     free = made.constraints.free
+    if not free.shape[1]:
+        raise DesignError(
+            "the supports hold every unknown of the plate, so there is nothing that vibrates or buckles; hold less, or "
+            "mesh finer"
+        )
     if any(piece.names for piece in made.pieces):  # without the pins that hold free pieces for `solve`
         free = constraints(problem, support_equations(problem)).free
     motions, names = _motions(made.pieces, problem.dofs.count)

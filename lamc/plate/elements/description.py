@@ -15,6 +15,7 @@ from lamc.plate.elements.cell import Cell
 from lamc.plate.elements.checks import missing_strains
 from lamc.plate.elements.definition import L1, SQUARE, TRIANGLE, Element, eta, xi
 from lamc.plate.elements.derive import ElementEquations, derive
+from lamc.plate.elements.library import checked_element
 from lamc.plate.elements.polynomials import Polynomial
 
 _STRETCHING_ROWS = ("u_ξ", "u_η", "v_ξ", "v_η")
@@ -33,8 +34,10 @@ def operations(equations: ElementEquations) -> dict[str, Operations]:
     }
 
 
-def describe(element: Element) -> str:
-    """Lines of plain text about `element`: nodes, unknowns, shape functions, strains, integration, operations."""
+def describe(element: Element | str) -> str:
+    """Lines of plain text about `element`, or the one of that name: nodes, unknowns, shape functions, strains,
+    integration, operations."""
+    element = checked_element(element)
     equations = derive(element)
     return "\n".join(
         (

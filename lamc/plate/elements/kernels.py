@@ -17,7 +17,7 @@ from lamc.codegen.program import ElementProgram
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.checks import Array, shown
 from lamc.plate.elements.definition import Element
-from lamc.plate.elements.library import element as element_named
+from lamc.plate.elements.library import checked_element
 
 Backend = Literal["c", "interpreted"]
 
@@ -206,10 +206,7 @@ def kernels(element: Element | str, backend: Backend = "c") -> ElementKernels:
     from lamc.plate.elements.build import element_module, element_program
     from lamc.plate.elements.native import CompiledElement
 
-    if isinstance(element, str):
-        element = element_named(element)
-    if not isinstance(element, Element):
-        raise DesignError(f"the element is {shown(element)}; it must be an Element, or the name of one")
+    element = checked_element(element)
     if backend == "c":
         return ElementKernels(element, CompiledElement(element_module(element)))
     if backend == "interpreted":

@@ -26,7 +26,7 @@ def element(name: str) -> Element:
     Raises DesignError for a name that is not there, and as `combine` does.
     """
     if not isinstance(name, str):
-        raise DesignError(f"the element is {shown(name)}; give its name, or an Element")
+        raise DesignError(f"the element is {shown(name)}; it must be an Element, or the name of one")
     names = [part.strip().lower() for part in name.split("+")]
     for part in names:
         if part not in ELEMENTS:
@@ -43,12 +43,18 @@ def element(name: str) -> Element:
     return combine(first, second) if first.bends else combine(second, first)
 
 
-def combine(bending: Element, membrane: Element) -> Element:
-    """One element with the unknowns of both, for laminates that bend when they are stretched.
+def checked_element(given: Element | str) -> Element:
+    """`given`, or the element of that name. Raises DesignError for anything else."""
+    return given if isinstance(given, Element) else element(given)
+
+
+def combine(bending: Element | str, membrane: Element | str) -> Element:
+    """One element with the unknowns of both, for laminates that bend when they are stretched; each may be a name.
 
     Nodes of both that are at the same place are one; corners come first, then edges, then the inside. Raises
     DesignError unless one only bends, the other only stretches, and both have the same cell.
     """
+    bending, membrane = checked_element(bending), checked_element(membrane)
     for part, does, wrong in (
         (bending, bending.bends, bending.stretches),
         (membrane, membrane.stretches, membrane.bends),

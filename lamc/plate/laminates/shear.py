@@ -58,10 +58,9 @@ def shear_warning(plies: Sequence[Ply], length: float) -> str:
     share = shear_share(plies, length)
     if thickness <= THIN * length and share <= SMALL:
         return ""
+    ratio = f"h/a = {thickness / length:.2g}"
     why = (
-        f"h/a = {thickness / length:.2g}, above 1/20"
-        if thickness > THIN * length
-        else "a layer is soft in shear"
+        f"{ratio}, above 1/20" if thickness > THIN * length else f"{ratio} and a layer that is soft in shear"
     )
     percent = float(f"{100 * share:.2g}")
     added = (
@@ -70,6 +69,6 @@ def shear_warning(plies: Sequence[Ply], length: float) -> str:
         else f"which adds about {percent:g} % to the deflection"
     )
     return (
-        f"the laminate is {thickness * 1e3:.3g} mm thick over a span of {length * 1e3:.3g} mm and {why}: shear through "
-        f"the thickness, {added}, is left out by classical theory"
+        f"the laminate's thickness over the shorter span is {why}: shear through the thickness, {added}, is left out "
+        "by classical theory"
     )

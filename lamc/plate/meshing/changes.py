@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import checked_number, shown
-from lamc.plate.meshing.mesh import Mesh
+from lamc.mechanism.checks import checked_kind, checked_number, shown
+from lamc.plate.meshing.mesh import MAKING, Mesh
 
 _SURVIVE = ("one-diagonal", "squares")  # patterns whose cells, each cut in four, make the same pattern again
 
@@ -19,6 +19,7 @@ def refined(mesh: Mesh) -> Mesh:
     Points of `mesh` keep their numbers, and the middle of edge e follows as point n + e; quadrilaterals have their
     centres after those. The four of cell c are 4 c to 4 c + 3: at corner 0, 1, 2, then inside, or at corner 3.
     """
+    checked_kind(mesh, Mesh, "the mesh to refine", MAKING)
     middles = mesh.points[mesh.edges].mean(axis=1)
     corner, middle = mesh.cells, len(mesh.points) + mesh.cell_edges  # middle k: between corner k and the next
     before = np.roll(middle, 1, axis=1)
@@ -42,6 +43,7 @@ def jittered(mesh: Mesh, fraction: float = 0.25, seed: int = 0) -> Mesh:
     For trying what a result owes to the regularity of a grid. Raises DesignError for a fraction outside 0 to 1, and for
     one by which a cell turns over.
     """
+    checked_kind(mesh, Mesh, "the mesh of a jitter", MAKING)
     part = checked_number(fraction, "the fraction of a jitter", minimum=0.0)
     if part > 1.0:
         raise DesignError(f"the fraction of a jitter is {part:g}; it must be between 0 and 1: 0.25 is usual")

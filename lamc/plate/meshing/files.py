@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from lamc.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.files import checked_path, replacing
-from lamc.mechanism.checks import Array, shown
-from lamc.plate.meshing.mesh import Integers, Mesh
+from lamc.mechanism.checks import Array, checked_kind, shown
+from lamc.plate.meshing.mesh import MAKING, Integers, Mesh
 
 LARGEST = 2**30  # bytes of a file
 
@@ -77,6 +77,7 @@ def write_mesh(
     names that the format cannot hold, LamcError where the file cannot be written.
     """
     file = checked_path(path)
+    checked_kind(mesh, Mesh, f"what is written to {file.name}", MAKING)
     module = _format(file, None)
     data = [
         {name: _checked_data(name, values, count, what) for name, values in (given or {}).items()}

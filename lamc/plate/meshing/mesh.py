@@ -24,6 +24,9 @@ from lamc.plate.meshing.locate import Locator
 Integers = NDArray[np.int32]
 
 
+MAKING = "make one by plate.grid or plate.mesh"
+
+
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Cells of one kind, all counter-clockwise.

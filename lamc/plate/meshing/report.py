@@ -13,11 +13,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import Array
+from lamc.mechanism.checks import Array, checked_kind
 from lamc.plate.elements.definition import SQUARE
 from lamc.plate.elements.library import element as element_named
 from lamc.plate.meshing.checks import name_cell
-from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.mesh import MAKING, Mesh
 
 THREE_DIRECTIONS, GRADED, FOUR_DIRECTIONS = "three directions", "three directions, graded", "four directions"
 SHAKEN, IRREGULAR, RECTANGLES, QUADRILATERALS = "six to a point", "irregular", "rectangles", "quadrilaterals"
@@ -87,6 +87,7 @@ def mesh_report(mesh: Mesh, element: str | None = None) -> MeshReport:
 
     Raises DesignError for an element that is not there.
     """
+    checked_kind(mesh, Mesh, "the mesh of a report", MAKING)
     angles = corner_angles(mesh)
     aspects = _aspects(mesh)
     regions = tuple(_sizes(mesh, index) for index in range(len(mesh.region_names)))
@@ -128,7 +129,7 @@ def mesh_report(mesh: Mesh, element: str | None = None) -> MeshReport:
 def bciz_bias(mesh: Mesh) -> float:
     """Part by which BCIZ's deflections are too large on ever finer meshes like this one; an estimate where the mesh is
     irregular. Raises DesignError for quadrilaterals."""
-    kind = kind_of(mesh)
+    kind = kind_of(checked_kind(mesh, Mesh, "the mesh of a bias", MAKING))
     if kind not in BCIZ_BIAS:
         raise DesignError("BCIZ is a triangle, and this mesh has quadrilaterals: take a grid of triangles")
     return BCIZ_BIAS[kind]

@@ -21,7 +21,7 @@ from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
 from lamc.plate.solving.directions import PARALLEL, Indices, edge_nodes_on, gram, principal
 from lamc.plate.solving.functions import values_at
-from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry, Where
+from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry, Where, support_text
 
 PLANE, ACROSS, SLOPE, TWIST = range(4)  # (u, v), w, (w_x, w_y), w_xy
 _FIRST = np.array([0, 2, 3, 5])  # column in the table of unknowns of the first of a kind
@@ -112,7 +112,7 @@ def equations_of(name: str, nodes: Integers, value: Array | float, owner: int) -
 def _of_support(problem: Problem, support: object, index: int) -> list[Equations]:
     """What a support asks for that has no direction of an edge."""
     assert isinstance(support, Support | Clamped | SimplySupported | Symmetry | Hinged)
-    nodes = problem.places.nodes(support.where, f"the {type(support).__name__} support")
+    nodes = problem.places.nodes(support.where, support_text(support))
     if isinstance(support, Support):
         value = values_at(support.value, problem.dofs.points[nodes], "the value of a Support")
         return [equations_of(name, nodes, value, index) for name in support.dofs]

@@ -9,11 +9,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from lamc.errors import SimulationError
-from lamc.mechanism.checks import Array
+from lamc.mechanism.checks import Array, checked_kind
 from lamc.plate.advice import notes
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, LoadRecord
 from lamc.plate.problem import Problem, check_load, checked_kinds
+from lamc.plate.solving.idle import idle
 from lamc.plate.solving.load_vectors import load_vector
 from lamc.plate.solving.refine import Deformed
 from lamc.plate.solving.refine import solve as refined
@@ -33,6 +34,7 @@ class Model:
     """
 
     def __init__(self, problem: Problem, solver: str = "auto", *, refine: bool = True) -> None:
+        checked_kind(problem, Problem, "the problem", "make one of a mesh and a laminate")
         self.system: System = system(problem, solver)
         self.refine = refine
 
@@ -99,7 +101,7 @@ class Model:
             self.problem.dofs.count,
             deformed.accuracy,
             free_text(self.system.pieces),
-            notes(self.problem, loads, deformed.accuracy),
+            (*notes(self.problem, loads, deformed.accuracy), *idle(self.system, loads)),
         )
         values = np.asarray(d, dtype=float)
         return Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)

@@ -29,7 +29,8 @@ class Reduction:
         rows = np.flatnonzero(entries)
         number[rows], weight[rows] = columns.indices, columns.data
         free = number >= 0
-        oblique = free & (np.bincount(columns.indices, minlength=self.size) > 1)[number]
+        shared = np.bincount(columns.indices, minlength=self.size) > 1
+        oblique = np.append(shared, False)[number]  # -1, what is held, takes the last
         per_column = np.diff(pattern.indptr)
         plain = (free & ~oblique)[pattern.indices] & np.repeat(free & ~oblique, per_column)
         self._plain = np.flatnonzero(plain)

@@ -24,6 +24,7 @@ from lamc.plate.solving.constraints import Constraints, Equations, equations_of,
 
 _HELD = 1e-8  # of the supports' lever arms over the piece's size: below it a motion is not held
 _ZERO = 1e-6  # of the components of a motion, for its name
+_NOISE = 1e-9  # of the largest force, with the piece's size as the arm: smaller is round-off
 _STRAY = 1e-5  # times the next: what forces in the plane may leave across it is 1e-15 of them
 _BALANCED = (
     1e-10  # of the sum of what acts, whatever its sign: round-off of a sum of a million terms is below
@@ -232,8 +233,12 @@ def _acting(piece: Piece, loads: Array, dofs: Dofs) -> Array:
 
 def _left_over(piece: Piece, loads: Array, dofs: Dofs) -> str:
     force, moment = resultant(loads, dofs, piece.nodes, piece.centre)
-    numbers = ", ".join(f"{value:.4g}" for value in force)
-    return f"a force ({numbers}) N and a moment ({', '.join(f'{value:.4g}' for value in moment)}) N·m about its centre"
+    size = max(float(np.abs(force).max()), float(np.abs(moment).max()) / piece.size)
+    texts = [
+        ", ".join(f"{value:.4g}" for value in np.where(np.abs(values) > _NOISE * unit, values, 0.0))
+        for values, unit in ((force, size), (moment, size * piece.size))
+    ]
+    return f"a force ({texts[0]}) N and a moment ({texts[1]}) N·m about its centre"
 
 
 def resultant(loads: Array, dofs: Dofs, nodes: Integers, about: Array) -> tuple[Array, Array]:

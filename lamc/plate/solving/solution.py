@@ -101,7 +101,12 @@ class Solution:
 
     def ply_states(self, x: float, y: float) -> tuple[PlyState, ...]:
         """Strain and stress of every ply at one point, bottom to top, with the case's temperature, moisture, field."""
-        strains, cells = self._strains(float(x), float(y))
+        if np.ndim(x) or np.ndim(y):
+            raise DesignError(
+                f"ply states are asked for at {shown(x)}, {shown(y)}; they are of one point, as "
+                "regions differ in their plies: ask point by point"
+            )
+        strains, cells = self._strains(x, y)
         chosen = self.problem.dofs.element
         strain = self._stretching(strains)
         curvature = strains[-3:] if chosen.bends else np.zeros(3)
@@ -175,7 +180,12 @@ class Solution:
     def recovered(self) -> "Solution":
         """The same, with strains, curvatures, moments and forces recovered from patches of cells: smooth within a
         region, and of higher order than the element's own."""
-        return replace(self, _better=recovered_strains(self))
+        return replace(self, _better=self.recovered_strains)
+
+    @cached_property
+    def recovered_strains(self) -> RecoveredStrains:
+        """Strains, then curvatures, by patches of cells; what `recovered` and `error_estimate` go by."""
+        return recovered_strains(self)
 
     # --- inside ------------------------------------------------------------------------------------------------------
 

@@ -189,18 +189,20 @@ def cholmod_is_fast() -> bool:
 
 def _cholmod() -> Any:
     return _imported(
-        "sksparse.cholmod", "CHOLMOD needs scikit-sparse: pip install scikit-sparse (and SuiteSparse)"
+        "cholmod",
+        "sksparse.cholmod",
+        "CHOLMOD needs scikit-sparse: pip install scikit-sparse (and SuiteSparse)",
     )
 
 
 def _pardiso() -> Any:
     return _imported(
-        "pypardiso.pardiso_wrapper", "PARDISO needs the package pypardiso: pip install pypardiso"
+        "pardiso", "pypardiso.pardiso_wrapper", "PARDISO needs the package pypardiso: pip install pypardiso"
     )
 
 
-def _imported(name: str, way_out: str) -> Any:
+def _imported(solver: str, module: str, way_out: str) -> Any:
     try:
-        return importlib.import_module(name)
+        return importlib.import_module(module)
     except ImportError as error:
-        raise UnsupportedError(f"solver {name.split('.')[0]!r} cannot be used: {error}; {way_out}") from error
+        raise UnsupportedError(f"solver {solver!r} cannot be used: {error}; {way_out}") from error

@@ -35,6 +35,7 @@ _SHARE = 1 / 3  # of the colours
 _BELOW = 1e-9  # of the colour bar: less than can be seen
 _VISIBLE = 50_000  # cells of a mesh that is drawn; more are smaller than four pixels
 _LINES = 40  # cells along the longer side, up to which contours show the mesh
+_COLUMNS = 4  # of a legend
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +240,8 @@ def _finish(
     figure: Figure, axis: Axes, mesh: Mesh, scale: Scale, title: str, handles: Sequence[Line2D]
 ) -> None:
     _frame(axis, mesh, scale)
-    axis.set_title(shortened(title, 80), fontsize=10, parse_math=False)
+    figure.suptitle(shortened(title, 80), fontsize=10, parse_math=False)
+    figure.set_figheight(figure.get_figheight() + 0.25 * math.ceil(len(handles) / _COLUMNS))
     _legend(figure, handles)
 
 
@@ -248,7 +250,7 @@ def _legend(figure: Figure, handles: Sequence[Line2D]) -> None:
         legend = figure.legend(
             handles=list(handles),
             loc="outside lower center",
-            ncols=min(4, len(handles)),
+            ncols=min(_COLUMNS, len(handles)),
             fontsize=8,
             frameon=False,
         )

@@ -4,6 +4,7 @@ import hashlib
 import itertools
 import math
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -369,3 +370,74 @@ def test_any_lines_inside_any_star_become_edges(polygon: Polygon, ends: list[flo
     for line in lines:
         # Its ends were rounded to the outline, and corners as near as 1e-9 of the extent are taken for one.
         assert on_edges(mesh, line) == pytest.approx(line.length, abs=1e-8)
+
+
+STRIP = box(0, 0, 10e-3, 2e-3)
+PIECES = {  # outlines with many equal lengths, where round-off decides ties
+    "strip": ({"polygon": STRIP, "size": 0.5e-3}, {}),
+    "folded": ({"polygon": FOLDED, "size": 1e-3}, {"regions": LINKS, "sizes": {"hinge": 50e-6}}),
+    "moved, with ribs": (
+        {"polygon": translate(STRIP, 0.013, -0.007), "size": 0.3e-3},
+        {"follow": [LineString([(0.014, -0.007), (0.019, -0.005)]), Point(0.0215, -0.0063)]},
+    ),
+}
+
+
+@pytest.mark.parametrize("unit", [1e-3, 3.0, 10.0, 1e3, 1e6])
+@pytest.mark.parametrize("name", PIECES)
+def test_the_unit_of_length_does_not_change_the_mesh(name: str, unit: float) -> None:
+    (first, more), scaled = PIECES[name], partial(scale, xfact=unit, yfact=unit, origin=(0, 0))
+    expected = plate.mesh(**first, **more)
+    mesh = plate.mesh(
+        scaled(first["polygon"]),
+        first["size"] * unit,
+        regions={key: scaled(value) for key, value in more.get("regions", {}).items()},
+        sizes={key: value * unit for key, value in more.get("sizes", {}).items()},
+        follow=[scaled(value) for value in more.get("follow", [])],
+    )
+    assert np.array_equal(mesh.cells, expected.cells)
+    assert np.array_equal(mesh.regions, expected.regions)
+    # round-off of coordinates, which are up to 0.03 on plates of 0.01
+    np.testing.assert_allclose(mesh.points / unit, expected.points, rtol=0, atol=1e-16)
+
+
+@pytest.mark.parametrize("name", PIECES)
+def test_corners_are_kept_to_the_last_digit(name: str) -> None:
+    first, more = PIECES[name]
+    outlines = [first["polygon"], *more.get("regions", {}).values(), *more.get("follow", [])]
+    points = set(map(tuple, plate.mesh(**first, **more).points.tolist()))
+    assert {tuple(corner) for corner in shapely.get_coordinates(outlines).tolist()} <= points
+
+
+def test_the_unit_of_length_does_not_change_an_answer() -> None:
+    def tip(unit: float) -> float:  # over the unit; forces stay, so moduli and pressures are per square of it
+        cloth = plate.Material(
+            E1=350e9 / unit**2, E2=7e9 / unit**2, nu12=0.33, G12=5e9 / unit**2, density=1600.0
+        )
+        laminate = plate.Laminate([plate.Ply(cloth, 50e-6 * unit, angle) for angle in (45.0, 22.5, 45.0)])
+        length, width = 10e-3 * unit, 2e-3 * unit
+        held = [plate.Clamped(LineString([(0, 0), (0, width)]))]
+        mesh = plate.mesh(box(0, 0, length, width), 0.5e-3 * unit)
+        problem = plate.Problem(mesh, laminate, supports=held, loads=[plate.Pressure(1.0 / unit**2)])
+        return float(plate.solve(problem).deflection(length, 0.5 * width)) / unit
+
+    expected = tip(1.0)
+    for unit in (1e-3, 3.0, 1e3, 1e6):
+        assert abs(tip(unit) / expected - 1.0) < 1e-8  # digits of a solution at a condition of 1e8
+
+
+def test_narrow_plates_are_counted_before_they_are_meshed() -> None:
+    with pytest.raises(DesignError, match=r"about 1\.2e\+07 triangles.* limit is 5000000"):
+        plate.mesh(box(0, 0, 1e4, 1e-3), 1.0)  # cells of 1 m would be fifty
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e-12, 1e-30, 1e-200])
+def test_hopeless_sizes_are_counted_without_overflow(size: float) -> None:
+    with pytest.raises(DesignError, match=r"triangles.* limit is 5000000"):
+        plate.mesh(box(0, 0, 1, 1), size)
+
+
+def test_a_raised_limit_still_asks_for_memory() -> None:
+    with pytest.raises(DesignError, match=r"about 3e\+12 triangles.*; .* GiB are free: take a larger size"):
+        plate.mesh(box(0, 0, 1, 1), 1e-6, limit=10**15)

@@ -291,3 +291,53 @@ def check_common_nodes(dofs: Dofs) -> None:
 def test_an_element_for_other_cells_is_refused() -> None:
     with pytest.raises(DesignError, match="element 'q4' is for quadrilaterals, and the mesh has triangles"):
         Dofs(plate.grid(1.0, 1.0, 2, 2), plate.element("q4"))
+
+
+FIBRES = plate.Material(E1=140e9, E2=9e9, nu12=0.3, G12=5e9, density=1600.0)
+
+
+def mirrored(angles: list[float], line: LineString, mesh: plate.Mesh | None = None) -> plate.Problem:
+    laminate = plate.Laminate([plate.Ply(FIBRES, 1e-4, angle) for angle in angles])
+    held = [plate.SimplySupported(BOUNDARY), plate.Symmetry(line)]
+    return plate.Problem(mesh or plate.grid(1, 1, 4, 4), laminate, supports=held, loads=[plate.Pressure(1.0)])
+
+
+@pytest.mark.parametrize(
+    ("angles", "term"),
+    [([45.0], "D[12]6 of 0.83"), ([30.0, -30.0], "B[12]6"), ([45.0, -45.0, -45.0, 45.0], "D[12]6")],
+)
+def test_a_mirror_along_a_laminate_that_couples_across_it_is_refused(angles: list[float], term: str) -> None:
+    with pytest.raises(DesignError, match=rf"Symmetry support at .* along 90°, .* region '' has a {term}"):
+        mirrored(angles, RIGHT)
+
+
+@pytest.mark.parametrize("angles", [[0.0], [0.0, 90.0], [90.0, 0.0, 0.0, 90.0]])
+def test_a_mirror_along_a_cross_ply_is_a_mirror(angles: list[float]) -> None:
+    assert plate.solve(mirrored(angles, RIGHT)).at_nodes("w").max() > 0.0
+
+
+def test_what_a_mirror_needs_is_judged_in_the_edges_own_axes() -> None:
+    # A ply along or across an oblique mirror is symmetric to it, and one along x is not.
+    n = 4
+    whole = plate.grid(1.0, 1.0, n, n, "one-diagonal")
+    below = whole.points[whole.cells].mean(axis=1)
+    lower = whole.cells[below[:, 0] > below[:, 1]]
+    used, cells = np.unique(lower, return_inverse=True)
+    half = plate.Mesh(whole.points[used], cells.reshape(lower.shape))
+    diagonal = LineString([(0, 0), (1, 1)])
+    for angle in (45.0, -45.0, 135.0):
+        mirrored([angle], diagonal, half)
+    with pytest.raises(DesignError, match=r"along 45°, .* D[12]6"):
+        mirrored([0.0], diagonal, half)
+
+
+def test_a_mirror_is_judged_again_with_other_laminates_and_by_what_bears() -> None:
+    problem = mirrored([0.0], RIGHT)
+    with pytest.raises(DesignError, match=r"Symmetry support .* D[12]6"):
+        problem.with_laminate(plate.Laminate([plate.Ply(FIBRES, 1e-4, 10.0)]))
+    # A and B of this stack have no such terms, so a membrane may have the mirror; D has, so a plate may not.
+    twisted = plate.Laminate([plate.Ply(FIBRES, 1e-4, angle) for angle in (45.0, -45.0, -45.0, 45.0)])
+    mirror = [plate.Symmetry(RIGHT)]
+    assert plate.Problem(plate.grid(1, 1, 2, 2), twisted, "cst", supports=mirror).supports
+    with pytest.raises(DesignError, match=r"D[12]6"):
+        plate.Problem(plate.grid(1, 1, 2, 2), twisted, "dkt+cst", supports=mirror)

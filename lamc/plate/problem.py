@@ -18,6 +18,7 @@ from lamc.plate.elements.library import checked_element, combine, element
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
 from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.mirrors import check_mirror
 from lamc.plate.places import Places
 from lamc.plate.solving.edge_parts import edge_parts_on
 from lamc.plate.solving.sections import climates, couples
@@ -87,7 +88,8 @@ class Problem:
         return (*self.loads, *(load for case in self.cases.values() for load in case))
 
     def with_laminate(self, laminate: Laminate | Mapping[str, Laminate]) -> "Problem":
-        """The same with other laminates. Raises DesignError where they call for another element."""
+        """The same with other laminates. Raises DesignError where they call for another element, or where a symmetry
+        does not mirror them."""
         other = object.__new__(Problem)
         vars(other).update(vars(self))
         other._put("laminate", laminate)
@@ -98,6 +100,9 @@ class Problem:
                 f"these laminates call for element {chosen.name!r}, and the model has {self.dofs.element.name!r}; "
                 "make a new Problem"
             )
+        for support in self.supports:
+            if isinstance(support, Symmetry):
+                check_mirror(self.places, other.laminates, support.where)
         return other
 
     @property
@@ -136,6 +141,7 @@ class Problem:
         nodes = self.places.nodes(support.where, what)
         if isinstance(support, Symmetry):
             self.places.some_edges_on(support.where, what)
+            check_mirror(self.places, self.laminates, support.where)
         if isinstance(support, Hinged) and support.stiffness > 0.0:
             edge_parts_on(self.places, support.where, what)
         if isinstance(support, Support):

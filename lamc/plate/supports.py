@@ -111,7 +111,7 @@ class Symmetry:
     """No slope across the edge, and no displacement across it: the mirror image lies beyond.
 
     The laminate is not mirrored with it: only one that does not couple bending and twisting (D16 = D26 = 0, and the
-    same of A and B) in the edge's own axes is symmetric. Raises DesignError.
+    same of A and B) in the edge's own axes is symmetric, and others are refused. Raises DesignError.
     """
 
     where: Where

@@ -229,7 +229,8 @@ class Places:
 
 
 def _cut(outer: BaseGeometry, holes: Sequence[BaseGeometry | None]) -> BaseGeometry:
-    """The outline without its holes. Raises DesignError where a hole does not overlap it, or nothing is left."""
+    """The outline without its holes; one that reaches beyond the outline is a notch. Raises DesignError where a hole
+    does not overlap the outline, or nothing is left."""
     left = outer
     for hole in holes:
         if hole is None:

@@ -18,7 +18,7 @@ _FLAT = 1e-12  # area over the square of the longest edge, below which a cell ha
 FARTHEST = 1e100  # m; squares of products must not overflow
 _MOST = np.iinfo(np.int32).max
 MOST_CELLS = 5_000_000  # that a mesh has unless a higher limit is given
-_PEAK_BYTES = 360  # per cell, measured, while a mesh is made and checked; 60 of these stay
+PEAK_BYTES = 360  # per cell, measured, while a mesh is made and checked; 60 of these stay
 
 
 def checked_points(value: object, what: str = "the points of a mesh", *, empty: bool = False) -> Array:
@@ -190,7 +190,7 @@ def checked_regions(names: object, regions: object, count: int) -> tuple[tuple[s
 
 def memory_of(count: float) -> str:
     """What so many cells take, as messages tell it."""
-    return f"{count * _PEAK_BYTES / 2.0**30:.2g} GiB while it is made and many times that to solve"
+    return f"{count * PEAK_BYTES / 2.0**30:.2g} GiB while it is made and many times that to solve"
 
 
 def name_cell(points: Array, cells: NDArray[np.integer], cell: int) -> str:

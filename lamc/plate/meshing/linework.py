@@ -1,11 +1,13 @@
 """From polygons to lines that a mesher can take: every meeting of lines is a point, and points lie as close as cells
 shall be.
 
-In: outlines that were checked. Out: corners, segments between them, and points on these. Never: cells.
+In: outlines that were checked, in any unit. Out: corners, segments between them, and points on these, in that unit.
+Never: cells.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -31,27 +33,27 @@ BORDER, REGION, FREE = 0, 1, 2
 class Path:
     """A chain of points; a ring ends where it begins, and one point alone is a corner."""
 
-    points: Array  # (k, 2), m
+    points: Array  # (k, 2)
     kind: int  # BORDER of the plate, ring of a REGION, or FREE inside one
-    size: float  # m, wanted length of edges: in the region, or where there is none
+    size: float  # wanted length of edges: in the region, or where there is none
 
 
 @dataclass(frozen=True, eq=False)
 class Linework:
     """Corners and the segments between them, no two of which cross or lie upon each other."""
 
-    corners: Array  # (c, 2), m
+    corners: Array  # (c, 2)
     segments: Integers  # (s, 2), rows of corners, the lower first
-    sizes: Array  # (s,), m, wanted length of edges along each
-    limits: Array  # (c,), m, wanted length of edges at corners of no segment; inf at others
+    sizes: Array  # (s,), wanted length of edges along each
+    limits: Array  # (c,), wanted length of edges at corners of no segment; inf at others
 
 
 @dataclass(frozen=True, eq=False)
 class Divided:
     """Corners, then points on segments."""
 
-    points: Array  # (n, 2), m
-    sizes: Array  # (n,), m, wanted length of edges there
+    points: Array  # (n, 2)
+    sizes: Array  # (n,), wanted length of edges there
     segment_of: Integers  # (n,), -1 for corners
     parts: Integers  # (p, 2), rows of points
 
@@ -120,7 +122,7 @@ def _split_at_corners(
 
 
 def corner_sizes(lines: Linework, grading: float) -> Array:
-    """Wanted length of edges at the corners, shape (c,), m: not more than at any segment there, nor than the segment's
+    """Wanted length of edges at the corners, shape (c,): not more than at any segment there, nor than the segment's
     length, and growing along segments by `grading` per length at most."""
     count = len(lines.corners)
     lengths = _lengths(lines)
@@ -223,7 +225,11 @@ class _Growth:
         self.first = np.log1p(grading * grown / at_start) / grading
         self.middle = (shrinks - grown) / cap
         self.total = self.first + self.middle + np.log1p(grading * (length - shrinks) / at_end) / grading
-        self.counts = np.maximum(1, np.ceil(self.total - 1e-6)).astype(np.int64)
+
+    @cached_property
+    def counts(self) -> NDArray[np.int64]:
+        """Steps along each segment."""
+        return np.asarray(np.maximum(1, np.ceil(self.total - 1e-6)).astype(np.int64))
 
     def positions(self, number: int) -> Array:
         """From 0 to the length of one segment, equal steps in the integral."""

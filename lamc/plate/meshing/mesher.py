@@ -5,6 +5,7 @@ In: shapely polygons in m. Out: a `Mesh` whose edges follow every border. Never:
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -13,7 +14,9 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_number, shown
-from lamc.plate.meshing.checks import MOST_CELLS, memory_of, place
+from lamc.plate.memory import available_memory
+from lamc.plate.meshing.checks import MOST_CELLS, PEAK_BYTES, memory_of, place
+from lamc.plate.meshing.frame import Frame, frame_of
 from lamc.plate.meshing.linework import (
     Divided,
     Linework,
@@ -43,6 +46,7 @@ _PER_PART = (
     2.5  # triangles from a part of a border on one side until they have their full size, times the grading
 )
 _SPARE = 1.3  # triangles there are over those of wanted edges on the area
+_NARROW = 0.6  # triangles of a narrow plate over its border in widths, measured
 _DIGITS = 1e-6  # of the size: coarsest step between coordinates
 _AROUND = 8.0  # half the side of the box around all, over the extent
 
@@ -84,16 +88,18 @@ def mesh(
     _check_digits(polygon, float(wanted.min()))
     try:
         paths = paths_of(polygon, named, wanted, checked_followed(polygon, follow))
-        lines = linework(paths, TOLERANCE * extent_of(polygon))
+        frame = frame_of(polygon, paths)
+        area, parts = frame.moved(polygon), {name: frame.moved(part) for name, part in named.items()}
+        sizes_there = frame.lengths(wanted)
+        lines = linework([frame.moved_path(path) for path in paths], TOLERANCE)
     except shapely.errors.GEOSException as error:
         raise DesignError(f"the outlines cannot be compared: {error}; round their coordinates") from error
     at_corners = corner_sizes(lines, slope)
-    expected = _expected(polygon, named, wanted, count_of_parts(lines, at_corners, slope), slope)
-    if expected > most:
-        raise DesignError(_too_many(f"about {expected:.2g}", expected, most, wanted))
+    expected = _expected(area, parts, sizes_there, count_of_parts(lines, at_corners, slope), slope)
+    _check_count(expected, most, wanted)
     divided = divide(lines, at_corners, slope)
-    triangles = _triangulate(polygon, named, wanted, slope, lines, divided, expected, most)
-    return _mesh_of(triangles, divided, named)
+    job = _Job(area, parts, sizes_there, slope, lines, divided, frame)
+    return _mesh_of(_triangulate(job, expected, most, wanted), job)
 
 
 def _checked_sizes(size: float, regions: Mapping[str, Area], sizes: Mapping[str, float]) -> Array:
@@ -117,8 +123,8 @@ def _checked_sizes(size: float, regions: Mapping[str, Area], sizes: Mapping[str,
 
 
 def _check_digits(polygon: Area, size: float) -> None:
-    farthest = float(np.abs(polygon.bounds).max())
-    if np.spacing(farthest) > _DIGITS * min(size, extent_of(polygon)):
+    farthest, extent = float(np.abs(polygon.bounds).max()), extent_of(polygon)
+    if farthest > 2.0 * extent and np.spacing(farthest) > _DIGITS * min(size, extent):
         raise DesignError(
             f"the polygon of a mesh lies {farthest:g} m from the origin, where coordinates have not the digits for a "
             f"size of {size:g} m: move it to the origin"
@@ -128,11 +134,28 @@ def _check_digits(polygon: Area, size: float) -> None:
 def _expected(
     polygon: Area, regions: Mapping[str, Area], wanted: Array, parts: float, grading: float
 ) -> float:
-    """About how many triangles there will be: those of wanted edges on the area, and those of the borders."""
+    """About how many triangles there will be: those of wanted edges on the area, and those of the borders; or, where
+    that are more, those as high as a plate or a region is wide on average, if cells become that small for it."""
     areas = np.array([polygon.area, *(area.area for area in regions.values())])
-    areas[0] = max(0.0, areas[0] - areas[1:].sum())
-    on_area = float(np.sum(areas / wanted / wanted)) / (math.sqrt(3.0) / 4.0)
-    return _SPARE * on_area + 2.0 * _PER_PART / grading * parts
+    around = np.array([polygon.length, *(area.length for area in regions.values())])
+    with np.errstate(over="ignore"):  # beyond all limits is as good as infinite
+        width = 2.0 * areas / around
+        narrow = np.where(width > _LEAST * wanted, _NARROW * around / np.maximum(width, _LEAST * wanted), 0.0)
+        areas[0] = max(0.0, areas[0] - areas[1:].sum())
+        on_area = np.sum(areas / wanted / wanted) / (math.sqrt(3.0) / 4.0)
+    return float(max(_SPARE * on_area + 2.0 * _PER_PART / grading * parts, narrow.max()))
+
+
+def _check_count(expected: float, most: float, wanted: Array) -> None:
+    """Raises DesignError above the limit, or where there is no memory for so many triangles."""
+    if expected > most:
+        raise DesignError(_too_many(f"about {expected:.2g}", expected, most, wanted))
+    free = available_memory()
+    if free is not None and expected * PEAK_BYTES > free:
+        raise DesignError(
+            f"a mesh of size {wanted.min():g} m would have about {expected:.2g} triangles, {memory_of(expected)}; "
+            f"{free / 2**30:.2g} GiB are free: take a larger size, or give a small one to single regions only"
+        )
 
 
 def _too_many(number: str, count: float, most: float, wanted: Array) -> str:
@@ -142,44 +165,45 @@ def _too_many(number: str, count: float, most: float, wanted: Array) -> str:
     )
 
 
-def _triangulate(
-    polygon: Area,
-    regions: Mapping[str, Area],
-    wanted: Array,
-    grading: float,
-    lines: Linework,
-    divided: Divided,
-    expected: float,
-    most: float,
-) -> Triangulation:
-    """In coordinates of order one, and back. Doubles the room until it is enough."""
-    low_x, low_y, high_x, high_y = polygon.bounds
-    middle = np.array([0.5 * (low_x + high_x), 0.5 * (low_y + high_y)])
-    scale = 2.0 ** -math.ceil(math.log2(extent_of(polygon)))
-    box = _AROUND * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
-    native = Lines(
-        np.concatenate([box, (divided.points - middle) * scale]),
-        np.concatenate([np.full(4, 2.0 * _AROUND), divided.sizes * scale]),
-        np.concatenate([np.full(4, -1, dtype=np.int32), divided.segment_of]),
-        divided.parts + np.int32(4),
-        lines.segments + np.int32(4),
-    )
+@dataclass(frozen=True, eq=False)
+class _Job:
+    """What is to be meshed, in the coordinates of `frame`."""
 
-    def regions_at(points: Array) -> Integers:
-        places = shapely.points(points / scale + middle)
-        index = np.where(shapely.contains(polygon, places), 0, -1).astype(np.int32)
-        for number, area in enumerate(regions.values(), start=1):
+    polygon: Area
+    regions: Mapping[str, Area]
+    sizes: Array  # of what is in no region, then of each region
+    grading: float
+    lines: Linework
+    divided: Divided
+    frame: Frame
+
+    def regions_at(self, points: Array) -> Integers:
+        """Number of the region, from 1; 0 for none, and -1 outside the plate."""
+        places = shapely.points(points)
+        index = np.where(shapely.contains(self.polygon, places), 0, -1).astype(np.int32)
+        for number, area in enumerate(self.regions.values(), start=1):
             index[shapely.contains(area, places)] = number
         return index
 
+
+def _triangulate(job: _Job, expected: float, most: float, wanted: Array) -> Triangulation:
+    """Without the box and its points. Doubles the room until it is enough; `wanted`, m, for messages."""
+    box = _AROUND * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    native = Lines(
+        np.concatenate([box, job.divided.points]),
+        np.concatenate([np.full(4, 2.0 * _AROUND), job.divided.sizes]),
+        np.concatenate([np.full(4, -1, dtype=np.int32), job.divided.segment_of]),
+        job.divided.parts + np.int32(4),
+        job.lines.segments + np.int32(4),
+    )
     capacity = int(1.2 * expected) + 1000
     while True:
         try:
-            made = triangulate(native, regions_at, wanted * scale, grading, _LEAST, capacity)
+            made = triangulate(native, job.regions_at, job.sizes, job.grading, _LEAST, capacity)
             break
         except MesherError as error:
             raise DesignError(
-                f"lines of the polygon or of regions cross near {place(error.at / scale + middle)}; they must meet in "
+                f"lines of the polygon or of regions cross near {place(job.frame.metres(error.at))}; they must meet in "
                 "corners: give both the same corners there"
             ) from error
         except Full:
@@ -188,21 +212,20 @@ def _triangulate(
             capacity *= 2
     if len(made.cells) > most:
         raise DesignError(_too_many(str(len(made.cells)), len(made.cells), most, wanted))
-    return Triangulation(made.points / scale + middle, made.cells, made.regions)
+    return Triangulation(made.points[4:], made.segment_of[4:], made.cells - np.int32(4), made.regions)
 
 
-def _mesh_of(made: Triangulation, divided: Divided, regions: Mapping[str, Area]) -> Mesh:
-    """Without the box and what is outside; given points exactly where they were."""
+def _mesh_of(made: Triangulation, job: _Job) -> Mesh:
+    """In m, without what is outside; given points exactly where they were."""
     if not len(made.cells):
         raise DesignError(
             f"the polygon of a mesh is thinner than {TOLERANCE:g} of its length; it has no area to mesh"
         )
-    points = made.points[4:]
-    points[: len(divided.points)] = divided.points
-    used, cells = np.unique(made.cells - 4, return_inverse=True)
+    points = job.frame.placed(made.points, len(job.lines.corners), made.segment_of, job.lines.segments)
+    used, cells = np.unique(made.cells, return_inverse=True)
     cells = cells.reshape(-1, 3)
     present = np.unique(made.regions)
-    names = ("", *regions)
+    names = ("", *job.regions)
     index = np.searchsorted(present, made.regions).astype(np.int32)
     result = Mesh(points[used], cells.astype(np.int32), index, [names[k] for k in present])
     _check_connected(result)

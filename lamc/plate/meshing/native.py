@@ -46,6 +46,7 @@ class Triangulation:
     """All points, those of `Lines` first, and the cells of the regions."""
 
     points: Array  # (n, 2)
+    segment_of: Integers  # (n,), the given segment that a point lies on; -1: a corner; -2: none
     cells: Integers  # (m, 3)
     regions: Integers  # (m,)
 
@@ -113,6 +114,7 @@ def triangulate(
     kept = regions >= 0
     return Triangulation(
         arrays["points"][: mesher.point_count].copy(),
+        arrays["segment_of"][: mesher.point_count].copy(),
         arrays["corners"][: mesher.cell_count][kept],
         regions[kept],
     )

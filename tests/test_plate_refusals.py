@@ -1,5 +1,6 @@
 """What a plate problem refuses, and what it warns of: each message names the offender, the value and the way out."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -380,7 +381,65 @@ def test_bciz_is_as_far_off_as_the_warning_says(shared: Any) -> None:
 def test_slivers_with_specht_are_warned_of() -> None:
     thin = plate.grid(1.0, 1.0, 2, 200)
     assert "element 'specht' on cells up to 100 times as long as high" in notes(mesh=thin, element="specht")
-    assert notes(mesh=thin) == ""
+    assert notes(mesh=plate.grid(1.0, 1.0, 2, 40)) == ""
+
+
+@pytest.mark.parametrize("aspect", [100, 400])
+def test_what_slivers_cost_is_as_the_warnings_say(shared: Any, aspect: int) -> None:
+    exact = case(shared, "ssss_unif")["expected"]
+
+    def share(element: str, rows: int) -> tuple[float, str]:
+        mesh = plate.grid(1.0, 1.0, 4, rows)
+        held = [plate.SimplySupported("boundary")]
+        solved = plate.solve(problem(mesh=mesh, element=element, supports=held, loads=[plate.Pressure(1.0)]))
+        return float(solved.deflection(0.5, 0.5)) / exact, " | ".join(solved.report.notes)
+
+    bciz, said = share("bciz", 4 * aspect)
+    found = re.search(r"'bciz' on cells up to (\d+) times .* gives (0\.\d+) of the deflection", said)
+    assert found is not None
+    assert int(found[1]) == aspect
+    assert bciz == pytest.approx(float(found[2]), abs=0.02)  # two digits, between entries of a table
+    dkt, said = share("dkt", 4 * aspect)
+    assert "4 % off with four along each side" in said
+    assert dkt == pytest.approx(1.04, abs=0.005)  # the note's digits
+    assert share("dkt", 4)[0] == pytest.approx(dkt, abs=0.01)  # squares do no better
+
+
+@pytest.mark.parametrize("cells", [4, 8])
+@pytest.mark.parametrize("reference", ["bottom", 0.8e-3])
+def test_a_reference_off_the_middle_costs_what_the_warning_says(cells: int, reference: str | float) -> None:
+    # With u and v free along w = 0, the reference surface makes no difference to the plate itself.
+    sheet = plate.Material(E1=70e9, E2=70e9, nu12=0.3, G12=70e9 / 2.6, density=2700.0)
+    held = [
+        plate.SimplySupported("boundary"),
+        plate.Support(Point(0, 0), ("u", "v")),
+        plate.Support(Point(1, 0), ("v",)),
+    ]
+
+    def middle_of(surface: str | float, element: str) -> tuple[float, str]:
+        made = plate.Laminate([plate.Ply(sheet, 1e-3)], surface)
+        mesh = plate.grid(1.0, 1.0, cells, cells)
+        given = {"mesh": mesh, "laminate": made, "element": element, "supports": held}
+        solved = plate.solve(problem(loads=[plate.Pressure(1.0)], **given))
+        return float(solved.deflection(0.5, 0.5)), " | ".join(solved.report.notes)
+
+    right, silent = middle_of("middle", "dkt")
+    low, said = middle_of(reference, "dkt+cst")
+    quadratic, silent_too = middle_of(reference, "dkt+lst")
+    assert silent == silent_too == ""
+    assert quadratic == pytest.approx(right, rel=1e-9)  # round-off at a condition of 1e7
+    found = re.search(r"too stiff, by some ([\d.]+) % of the deflection.* take 'dkt\+lst'", said)
+    assert found is not None
+    assert 1.0 - low / right == pytest.approx(
+        0.01 * float(found[1]), rel=0.45
+    )  # one term in s h², s = 3 and 7.7
+
+
+def test_weak_coupling_and_fine_meshes_go_without_a_warning() -> None:
+    sheet = plate.Material(E1=70e9, E2=70e9, nu12=0.3, G12=70e9 / 2.6, density=2700.0)
+    for height, cells in ((0.05e-3, 4), (0.5e-3, 20)):
+        made = plate.Laminate([plate.Ply(sheet, 1e-3)], height)
+        assert notes(mesh=plate.grid(1.0, 1.0, cells, cells), laminate=made) == ""
 
 
 def test_thick_plates_are_warned_of() -> None:

@@ -21,9 +21,7 @@ from lamc.plate.meshing.outlines import Area, extent_of
 
 Integers = NDArray[np.int32]
 
-_STEPS = (
-    2.0**36
-)  # per extent; an outline's corners are one where they are within 70 of these, `outlines.TOLERANCE`
+_STEPS = 2.0**36  # per extent; corners are one where they are within 68 steps, `outlines.TOLERANCE`
 
 
 @dataclass(frozen=True, eq=False)

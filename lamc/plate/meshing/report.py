@@ -271,6 +271,11 @@ def _bciz_line(kind: str) -> str:
     )
 
 
+def share_on_slivers(aspect: float, measured: Array) -> float:
+    """Deflection over the right one where all cells have this aspect, from a table over `SLIVERS`."""
+    return float(np.exp(np.interp(np.log(aspect), np.log(SLIVERS), np.log(measured))))
+
+
 def _sliver_line(name: str, slivers: str, worst: float, measured: Array) -> str:
-    part = float(np.exp(np.interp(np.log(worst), np.log(SLIVERS), np.log(measured))))
+    part = share_on_slivers(worst, measured)
     return f"{name}: {slivers}; where all are like the worst, 1:{worst:.3g}, it gives {part:.2g} of the deflection"

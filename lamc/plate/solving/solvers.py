@@ -30,6 +30,9 @@ _FAST = (
 )
 _POSITIVE_DEFINITE = 2  # PARDISO's number for real symmetric matrices of that kind
 _DENSE = 600  # unknowns of the matrix that this is measured with: 10 ms against 80 ms
+# Unknowns up to which CHOLMOD orders by minimum degree alone. Left to itself it tries METIS too, and takes the better:
+# at 300 000 that is 1.2 s for a factor of 1.3 s, against 0.35 s for one of 1.6 s.
+_MINIMUM_DEGREE = 500_000
 
 
 class SingularError(SimulationError):
@@ -87,7 +90,8 @@ class Cholmod:
         if hasattr(self._module, "CholeskyFactor"):
             self._factor = self._module.CholeskyFactor(matrix, lower=True)
         else:
-            self._factor = self._module.analyze(matrix)
+            small = matrix.shape[0] <= _MINIMUM_DEGREE
+            self._factor = self._module.analyze(matrix, ordering_method="amd" if small else "default")
         self._fill(matrix)
 
     def _fill(self, matrix: sp.csc_array) -> None:

@@ -18,15 +18,13 @@ from lamc.mechanics.staging import Scalar, Store, Value, call
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD, Cut, Side
 
-EQUATIONS_PER_CUT = 5
-
 
 @dataclass(frozen=True)
 class CutHinge:
     """One cut hinge. angle rad, within ±π; rate rad/s; both child relative to parent."""
 
     cut: Cut
-    residual: tuple[Scalar, ...]  # m, EQUATIONS_PER_CUT of them
+    residual: tuple[Scalar, ...]  # m, five for each cut
     angle: Scalar
     rate: Scalar
 

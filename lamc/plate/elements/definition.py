@@ -124,7 +124,7 @@ class Element:
                 raise DesignError(
                     f"element {self.name!r} has {shown(value)} in {name}; give sympy expressions in xi and eta"
                 )
-            expr = sp.sympify(value)
+            expr = _exact(value)
             if expr.has(sp.nan, sp.oo, -sp.oo, sp.zoo):
                 raise DesignError(f"element {self.name!r} has {expr} in {name}; every number must be finite")
             # Symbols are known by name, whatever a user assumed of his.
@@ -215,6 +215,15 @@ class Element:
     def fields(self) -> tuple[str, ...]:
         """The displacements that it has, of u, v, w."""
         return ("u", "v") * self.stretches + ("w",) * self.bends
+
+
+def _exact(value: sp.Expr | int | float | Fraction) -> sp.Expr:
+    """A number as sympy's, a Fraction without rounding; nothing is parsed."""
+    if isinstance(value, sp.Expr):
+        return value
+    if isinstance(value, float):
+        return sp.Float(value)
+    return sp.Rational(value.numerator, value.denominator)
 
 
 def symbols_of(nodes: Sequence[Node]) -> tuple[sp.Symbol, ...]:

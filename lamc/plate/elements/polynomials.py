@@ -41,11 +41,6 @@ def monomial_integral(i: int, j: int, cell: str) -> Fraction:
     return Fraction(4, (i + 1) * (j + 1)) if i % 2 == 0 and j % 2 == 0 else Fraction(0)
 
 
-def integral(p: Polynomial, cell: str) -> Fraction:
-    """Over the natural cell."""
-    return sum((c * monomial_integral(i, j, cell) for (i, j), c in p.items()), start=Fraction(0))
-
-
 def inner(p: Polynomial, q: Polynomial, cell: str) -> Fraction:
     """Integral of the product over the natural cell."""
     total = Fraction(0)

@@ -7,7 +7,6 @@ Arrays of x and y may have any shape; results have that shape, with components l
 the plate; on an edge between cells, where curvature and moments jump, the first of them counts.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -260,6 +259,3 @@ class Solution:
     def _stretching(self, values: Array) -> Array:
         """Zeros for an element that only bends: nothing pulls at it, or it would have got a membrane."""
         return values[..., :3] if self.problem.dofs.element.stretches else np.zeros_like(values)
-
-
-Solutions = Mapping[str, Solution]

@@ -4,14 +4,14 @@ In: nodes (from `inert`) and a pydantic model. Out: the validated model, or Desi
 reads `file:line:column: path: message`. It knows no particular schema.
 """
 
-import difflib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from lamc.design.inert import STANDARD_TAGS, ListNode, MapNode, Node, ScalarNode, plain
 from lamc.errors import DesignError, DesignErrors, LamcError, Place
+from lamc.mechanism.checks import did_you_mean as did_you_mean
 
 Path = tuple[str | int, ...]
 T = TypeVar("T")
@@ -111,16 +111,6 @@ def shown(path: Path) -> str:
     for step in path:
         text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else str(step)
     return text or "the file"
-
-
-def did_you_mean(word: str, known: Sequence[str]) -> str:
-    """A hint that ends a message about an unknown word."""
-    known = list(dict.fromkeys(known))
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    if close:
-        return f"did you mean {close[0]!r}?"
-    listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-    return f"known are {listed}" if known else "none are known here"
 
 
 def _tagged(node: Node) -> Iterator[Node]:

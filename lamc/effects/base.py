@@ -31,6 +31,10 @@ class Effect(Protocol):
 
     An effect that cannot act from every start has check_start(mechanism, angles) as well: angles are those of all
     joints by name, rad, at the start; it raises DesignError for one that it refuses.
+
+    An effect that must be the only one of its sort says so by claims(): short texts such as "motion of the base" or
+    "stiffness of hinge 'h1'". Two effects of a scene with a claim in common are refused. One that gives way instead
+    asks `loads.claims` who holds a claim, and leaves that out: HingeStiffness does, hinge by hinge.
     """
 
     name: ClassVar[str]
@@ -53,3 +57,9 @@ class RegisteredEffect(Effect, Protocol):
 
         Raises DesignError if the data does not fit.
         """
+
+
+def claims_of(effect: Effect) -> tuple[str, ...]:
+    """What the effect claims, each thing once; nothing for one that does not say."""
+    claims = getattr(effect, "claims", None)
+    return tuple(dict.fromkeys(claims())) if claims is not None else ()

@@ -1,5 +1,6 @@
 """Effects of the hinges themselves, with values from the joints: stiffness, rest angle, damping (eq. 15-17)."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -17,6 +18,18 @@ def _no_value(kind: str, value: object, where: str) -> None:
         )
 
 
+def stiffness_claim(joint: str) -> str:
+    """What an effect says that gives a hinge its restoring torque: HingeStiffness and RestAngle then leave it out."""
+    return f"stiffness of hinge {joint!r}"
+
+
+def _sprung(loads: Loads) -> Iterator[Hinge]:
+    """Hinges with a stiffness that no other effect has taken over."""
+    return (
+        h for h in loads.hinges() if h.joint.stiffness and stiffness_claim(h.joint.name) not in loads.claims
+    )
+
+
 def _stiffness(loads: Loads, hinge: Hinge) -> Scalar:
     name = f"{hinge.joint.name}.stiffness"
     return loads.parameter(name, hinge.joint.stiffness, "N·m/rad", "torsional stiffness of the hinge")
@@ -24,18 +37,20 @@ def _stiffness(loads: Loads, hinge: Hinge) -> Scalar:
 
 @dataclass(frozen=True)
 class HingeStiffness:
-    """Torque -k q on every hinge with a stiffness; the energy is ½ k q²."""
+    """Torque -k q on every hinge with a stiffness; the energy is ½ k q².
+
+    Hinges whose stiffness another effect of the scene claims, such as NonlinearStiffness, are left to that one.
+    """
 
     name: ClassVar[str] = "hinge_stiffness"
     summary: ClassVar[str] = "Hinge stiffness"
     source: ClassVar[str] = "T = -k q, eq. 15"
 
     def contribute(self, loads: Loads) -> None:
-        for hinge in loads.hinges():
-            if hinge.joint.stiffness:
-                k = _stiffness(loads, hinge)
-                loads.hinge_torque(hinge.joint.name, -(k * hinge.angle))
-                loads.stored_energy(0.5 * (k * (hinge.angle * hinge.angle)))
+        for hinge in _sprung(loads):
+            k = _stiffness(loads, hinge)
+            loads.hinge_torque(hinge.joint.name, -(k * hinge.angle))
+            loads.stored_energy(0.5 * (k * (hinge.angle * hinge.angle)))
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
@@ -57,7 +72,7 @@ class HingeStiffness:
 class RestAngle:
     """Torque +k q₀ on every hinge with a rest angle, which moves the spring's rest from the drawn angle to q₀.
 
-    Its energy, k q₀ (½ q₀ - q), makes the sum with HingeStiffness ½ k (q - q₀)².
+    Its energy, k q₀ (½ q₀ - q), makes the sum with HingeStiffness ½ k (q - q₀)². It acts where HingeStiffness does.
     """
 
     name: ClassVar[str] = "rest_angle"
@@ -65,9 +80,9 @@ class RestAngle:
     source: ClassVar[str] = "T = k q0, eq. 15"
 
     def contribute(self, loads: Loads) -> None:
-        for hinge in loads.hinges():
+        for hinge in _sprung(loads):
             name, value = hinge.joint.name, hinge.joint.rest_angle
-            if hinge.joint.stiffness and value:
+            if value:
                 k = _stiffness(loads, hinge)
                 rest = loads.parameter(f"{name}.rest_angle", value, "rad", "angle at which the hinge rests")
                 loads.hinge_torque(name, k * rest)

@@ -58,6 +58,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
     placement = Placement(Kinematics(store, tree, q))
     hinges = cut_hinges(placement, u)
     loads = Loads(placement, parameters, time, q, u, hinges)
+    loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
     for effect in effects:
         with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
             effect.contribute(loads)

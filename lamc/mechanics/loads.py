@@ -6,7 +6,7 @@ as lamc's: see `Effect` in `lamc/effects/base.py`.
 """
 
 import numbers
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -88,6 +88,9 @@ class Loads:
         self.energies: dict[str, Scalar] = {}
         self.guards: list[Guard] = []
         self.field_effects: list[tuple[str, Vector3]] = []
+        self.claims: Mapping[
+            str, str
+        ] = {}  # what one effect of the scene has for itself → that effect's name
         self._q, self._u = list(q), list(u)
         self._parameters = parameters
         self._store = parameters.store

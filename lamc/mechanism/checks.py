@@ -4,8 +4,9 @@ In: a value of any type, and what to call it. Out: the value in its proper type,
 names the value and the rule. Never: knows what the value is for.
 """
 
+import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -27,6 +28,16 @@ def shown(value: object) -> str:
     except ValueError:  # an integer of more digits than Python prints
         return f"<{type(value).__name__}>"
     return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}…"
+
+
+def did_you_mean(word: str, known: Sequence[str]) -> str:
+    """A hint that ends a message about an unknown word."""
+    known = list(dict.fromkeys(known))
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean {close[0]!r}?"
+    listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+    return f"known are {listed}" if known else "none are known here"
 
 
 def checked_kind(value: object, kind: type[Item], what: str, way_out: str) -> Item:

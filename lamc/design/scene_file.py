@@ -5,7 +5,6 @@ In: plain data. Out: a `Scene`, or a `Scene` as plain data. No effect is known h
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from pydantic import ValidationError
 from lamc.design.checking import Path, Problems, did_you_mean, shown
 from lamc.design.schema import SceneModel
 from lamc.effects.base import Effect
+from lamc.effects.data import DataError, refusal
 from lamc.effects.registry import by_name
 from lamc.errors import DesignError
 from lamc.scene import Scene
@@ -43,7 +43,7 @@ def scene_from_model(model: SceneModel | None, problems: Problems) -> Scene | No
     effects: list[Effect] = []
     called = problems.attempt(("scene", "effects"), lambda: list(_called(model.effects))) or []
     for path, name, value in called:
-        effect = problems.attempt(path, partial(make_effect, name, value, shown(path), prefix=False))
+        effect = _attempt_effect(problems, path, name, value)
         if effect is not None:
             effects.append(effect)
     return problems.attempt(
@@ -56,18 +56,37 @@ def _scene(model: SceneModel, effects: tuple[Effect, ...] | None) -> Scene:
     return Scene(effects, model.angles, model.rates, model.branch, model.closure_tolerance)
 
 
-def make_effect(name: str, value: object, where: str, *, prefix: bool = True) -> Effect:
-    """The effect of that name in files. Raises DesignError for a name the registry does not have."""
+def make_effect(name: str, value: object, where: str) -> Effect:
+    """The effect of that name in files; messages begin with `where`.
+
+    Raises DesignError for a name the registry does not have, and for data that does not fit.
+    """
     known = by_name()
     if name not in known:
-        text = f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(known))}"
-        raise DesignError(f"{where}: {text}" if prefix else text)
+        raise refusal(where, f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(known))}")
     try:
         return known[name].from_data(value, where)
+    except DataError:
+        raise
     except DesignError as error:
-        # `from_data` begins its messages with `where`; the collector of a file's problems adds it again.
-        text = error.message.removeprefix(f"{where}: ")
-        raise type(error)(f"{where}: {text}" if prefix else text, error.place) from error
+        raise type(error)(f"{where}: {_unplaced(error, where)}", error.place) from error
+
+
+def _attempt_effect(problems: Problems, path: Path, name: str, value: object) -> Effect | None:
+    """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
+    where = shown(path)
+    try:
+        return make_effect(name, value, where)
+    except DataError as error:
+        problems.add((*path, *error.path), error.problem)
+    except DesignError as error:
+        problems.add(path, _unplaced(error, where), error.place)
+    return None
+
+
+def _unplaced(error: DesignError, where: str) -> str:
+    """The message without the place that the effect's own reader may have put before it."""
+    return error.message.removeprefix(f"{where}: ")
 
 
 def scene_data(scene: Scene) -> dict[str, Any]:

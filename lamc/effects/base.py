@@ -29,6 +29,10 @@ class Effect(Protocol):
                 u = sympy.Symbol("u_h1")
                 loads.hinge_torque("h1", -0.01 * u * sympy.Abs(u))
 
+    What scene files can name besides is a `RegisteredEffect`. Its `units` give the SI unit of each field that has one,
+    and `lamc.effects.data.record` reads the fields from a file then: numbers are SI, text has its unit ("3 N*mm/deg");
+    `lamc.effects.data.quantity(value, "N*m/rad", where, "stiffness")` reads one number.
+
     An effect that cannot act from every start has check_start(mechanism, angles) as well: angles are those of all
     joints by name, rad, at the start; it raises DesignError for one that it refuses.
 
@@ -55,7 +59,8 @@ class RegisteredEffect(Effect, Protocol):
     def from_data(cls, value: object, where: str) -> Effect:
         """The effect from a scene file's plain data; `where` names the place for errors.
 
-        Raises DesignError if the data does not fit.
+        Most return `data.record(cls, value, where)`. Raises DesignError, at best a `data.DataError` with the part at
+        fault, if the data does not fit.
         """
 
 

@@ -1,11 +1,11 @@
 """Gravity: a uniform field that accelerates all mass alike."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 from lamc.effects.base import Effect
-from lamc.errors import DesignError
+from lamc.effects.data import record
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Mechanism, checked_array
 
@@ -21,6 +21,7 @@ class Gravity:
     name: ClassVar[str] = "gravity"
     summary: ClassVar[str] = "Gravity"
     source: ClassVar[str] = "F = m g, eq. 18"
+    units: ClassVar[Mapping[str, str]] = {"acceleration": "m/s^2"}
 
     def __post_init__(self) -> None:
         x, y, z = (float(v) for v in checked_array(self.acceleration, (3,), "the acceleration of gravity"))
@@ -43,10 +44,7 @@ class Gravity:
 
     @classmethod
     def from_data(cls, value: object, where: str) -> "Gravity":
-        """From a scene file: nothing (the standard), or three numbers in m/s²."""
-        if value is None or value is True:
-            return cls()
-        if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == 3:
-            x, y, z = value
-            return cls((x, y, z))
-        raise DesignError(f"{where}: gravity is {value!r}; give three numbers [gx, gy, gz] in m/s²")
+        """From a scene file: nothing (the standard), three numbers (m/s², or with units), or a map of the field."""
+        if isinstance(value, Sequence) and not isinstance(value, str):
+            value = {"acceleration": value}
+        return record(cls, value, where)

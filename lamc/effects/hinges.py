@@ -5,16 +5,17 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from lamc.effects.base import Effect
-from lamc.errors import DesignError
+from lamc.effects.data import refusal
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanics.staging import Scalar
+from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
 
 
 def _no_value(kind: str, value: object, where: str) -> None:
     if value not in (None, True, {}):
-        raise DesignError(
-            f"{where}: {kind} takes no value, since its values come from the joints; it has {value!r}"
+        raise refusal(
+            where, f"{kind} takes no value, since its values come from the joints; it has {shown(value)}"
         )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from lamc.effects.base import Effect
+from lamc.effects.data import record
 from lamc.errors import DesignError
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanics.staging import Scalar
@@ -18,8 +19,6 @@ STOP_STIFFNESS = (
     100.0  # times the torque of the mechanism's weight at arm's length: it then yields 0.6° at most
 )
 STOP_DAMPING_RATIO = 0.3  # of critical damping with the mechanism's inertia: a dull stop
-
-_FIELDS = ("stiffness", "damping", "restitution", "flat_fold")
 
 
 @dataclass(frozen=True)
@@ -44,6 +43,11 @@ class JointLimits:
     name: ClassVar[str] = "joint_limits"
     summary: ClassVar[str] = "Limits of the joints"
     source: ClassVar[str] = "T = -k (q - limit) - c u beyond the limit; or Newton's law of impact"
+    units: ClassVar[Mapping[str, str]] = {
+        "stiffness": "N*m/rad",
+        "damping": "N*m*s/rad",
+        "restitution": "",
+    }
 
     def __post_init__(self) -> None:
         for field in ("stiffness", "damping", "restitution"):
@@ -139,13 +143,7 @@ class JointLimits:
     @classmethod
     def from_data(cls, value: object, where: str) -> "JointLimits":
         """From a scene file: a mapping of the fields above; nothing for all defaults."""
-        if value in (None, True):
-            return cls()
-        if not isinstance(value, Mapping) or not set(value) <= set(_FIELDS):
-            raise DesignError(
-                f"{where}: joint_limits is {shown(value)}; give {', '.join(_FIELDS)}, as many as wished"
-            )
-        return cls(**{str(k): v for k, v in value.items()})
+        return record(cls, value, where)
 
 
 def _limits(joint: Joint, *, flat_fold: bool) -> Iterator[tuple[int, float]]:

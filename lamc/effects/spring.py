@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from lamc.effects.base import Effect
-from lamc.errors import DesignError
+from lamc.effects.data import record
 from lamc.mechanics.algebra import Vector3, dot
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Scalar, call
 from lamc.mechanism.records import Mechanism, checked_array, checked_name, checked_number
-
-_FIELDS = ("body_a", "point_a", "body_b", "point_b", "stiffness", "rest_length", "damping")
 
 
 @dataclass(frozen=True)
@@ -36,6 +34,13 @@ class Spring:
     summary: ClassVar[str] = "Springs between points"
     source: ClassVar[str] = "F = -(k (l - l0) + c dl/dt) along the line, eq. 18"
     repeatable: ClassVar[bool] = True
+    units: ClassVar[Mapping[str, str]] = {
+        "point_a": "m",
+        "point_b": "m",
+        "stiffness": "N/m",
+        "rest_length": "m",
+        "damping": "N*s/m",
+    }
 
     def __post_init__(self) -> None:
         for field in ("body_a", "body_b"):
@@ -86,16 +91,7 @@ class Spring:
     @classmethod
     def from_data(cls, value: object, where: str) -> "Spring":
         """From a scene file: a mapping of the fields above."""
-        if (
-            not isinstance(value, Mapping)
-            or not set(value) <= set(_FIELDS)
-            or not set(_FIELDS[:5]) <= set(value)
-        ):
-            needed = ", ".join(_FIELDS[:5])
-            raise DesignError(
-                f"{where}: spring is {value!r}; give {needed}, and rest_length and damping if wished"
-            )
-        return cls(**{str(k): v for k, v in value.items()})
+        return record(cls, value, where)
 
 
 def _difference(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector3:

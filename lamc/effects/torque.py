@@ -6,10 +6,12 @@ from typing import ClassVar
 
 from lamc.codegen.program import Space
 from lamc.effects.base import Effect
+from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.expression import stage
 from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Store
+from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism, checked_name, checked_number
 from lamc.readonly import ReadOnlyDict
 
@@ -27,6 +29,7 @@ class Torque:
     name: ClassVar[str] = "torque"
     summary: ClassVar[str] = "Applied hinge torques"
     source: ClassVar[str] = "eq. 17"
+    units: ClassVar[Mapping[str, str]] = {"torques": "N*m"}
 
     def __post_init__(self) -> None:
         if not isinstance(self.torques, Mapping):
@@ -60,10 +63,16 @@ class Torque:
 
     @classmethod
     def from_data(cls, value: object, where: str) -> "Torque":
-        """From a scene file: a mapping from joint name to a number (N·m) or an expression."""
+        """From a scene file: a map from joint name to a number (N·m, or with its unit) or an expression."""
         if not isinstance(value, Mapping):
-            raise DesignError(f"{where}: torque is {value!r}; give a mapping such as {{h1: 0.02}}")
-        return cls({str(k): v for k, v in value.items()})
+            raise refusal(where, f"torque is {shown(value)}; give a map such as {{h1: 0.02}}")
+        torques = {}
+        for joint, torque in value.items():
+            if isinstance(torque, str) and is_measured(torque):
+                torques[str(joint)] = quantity(torque, cls.units["torques"], where, str(joint))
+            else:
+                torques[str(joint)] = torque
+        return cls(torques)
 
 
 def _check(joint: str, text: str) -> None:

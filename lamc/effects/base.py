@@ -39,6 +39,9 @@ class Effect(Protocol):
     An effect that must be the only one of its sort says so by claims(): short texts such as "motion of the base" or
     "stiffness of hinge 'h1'". Two effects of a scene with a claim in common are refused. One that gives way instead
     asks `loads.claims` who holds a claim, and leaves that out: HingeStiffness does, hinge by hinge.
+
+    An effect that adds coordinates or moves the fixed bodies has arrange(arranging), asked before `contribute`: see
+    `Arranging` in `lamc/mechanics/arrangement.py`. Its method inverse_dynamics() is for those that add fluid's mass.
     """
 
     name: ClassVar[str]

@@ -12,6 +12,7 @@ from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
+from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
@@ -42,6 +43,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
 
     Raises DesignError where an effect does not fit.
     """
+    arrangement = arrange(tree, effects)
     store = Store()
     count = len(tree.links)
     names = tree.joint_names
@@ -80,6 +82,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
         guards=tuple(guard_terms(guard, q, u) for guard in loads.guards),
         solver=solver,
         solver_flops=flops,
+        arrangement=arrangement,
     )
 
 

@@ -5,12 +5,13 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Operations, Parameter
 from lamc.loops.rank import NO_LOOPS, LoopCount
+from lamc.mechanics.arrangement import Coordinate
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import sympy as sp
 
     from lamc.effects.base import Effect
+    from lamc.mechanics.arrangement import Arrangement
     from lamc.mechanics.closure import Closure
     from lamc.mechanics.derive import Problem
     from lamc.mechanics.guards import GuardTerms
@@ -51,6 +53,10 @@ class Equations:
     loops         how many of the closure's equations are independent
     guards        conditions whose passing of zero is an event
     solver        how u̇ was solved for; `solver_flops` what each way costs
+    arrangement   coordinates beyond the hinges; with any, M u̇ = f comes from inverse dynamics, `acceleration` is
+                  empty, and the runtime solves
+    coordinate_rates  q̇ (nq,) by q and u; None where q̇ = u
+    powers        W, of all loads of an effect, by its name; in terms of t, q, u and u̇
     """
 
     tree: Tree
@@ -66,6 +72,9 @@ class Equations:
     closure: "Closure | None" = None
     guards: "tuple[GuardTerms, ...]" = ()
     loops: LoopCount = NO_LOOPS
+    arrangement: "Arrangement | None" = None
+    coordinate_rates: tuple[Scalar, ...] | None = None
+    powers: Mapping[str, Scalar] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return (
@@ -85,6 +94,32 @@ class Equations:
     @property
     def joints(self) -> tuple[str, ...]:
         return self.tree.joint_names
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Names and units of q, (nq,): the joints first."""
+        if self.arrangement is not None:
+            return self.arrangement.coordinates
+        return tuple(Coordinate(name, "rad") for name in self.joints)
+
+    @property
+    def rates(self) -> tuple[Coordinate, ...]:
+        """Names and units of u, (nu,)."""
+        if self.arrangement is not None:
+            return self.arrangement.rates
+        return tuple(Coordinate(name, "rad/s") for name in self.joints)
+
+    @property
+    def is_plain(self) -> bool:
+        """Hinges on a fixed world and nothing else."""
+        return self.arrangement is None or self.arrangement.is_plain
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names in the order of `poses`: moving bodies, then fixed ones where the base moves."""
+        if self.arrangement is not None:
+            return self.arrangement.moving_bodies
+        return tuple(link.body.name for link in self.tree.links)
 
     @property
     def cut_joints(self) -> tuple[str, ...]:

@@ -1,0 +1,307 @@
+"""`arrange`: which coordinates a scene has beyond the angles of the hinges, and how they start. Plain numbers only.
+
+Goes in: a tree and the effects of the scene; those with an attribute `arrange` are asked for what they add. Comes out:
+an `Arrangement`. It is cheap, holds no symbol, and is made for every simulator, whether its code is new or cached.
+
+Coordinates, in this order: the tree's hinges; what compliant hinges add; modes of flexible bodies; a floating base.
+All but the base's have q̇ = u. The base has seven coordinates, the world position of its centre of mass and a
+quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world axes and the angular
+velocity in axes of the body.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.mechanics.flexible import FlexibleBody
+from lamc.mechanism.checks import Array, checked_array
+from lamc.mechanism.network import some
+from lamc.mechanism.tree import Cut, Tree
+
+if TYPE_CHECKING:
+    from lamc.effects.base import Effect
+
+# Freedoms of a compliant hinge beyond its angle, in the order of the rows of its matrices, where the angle is third.
+FREEDOMS = ("twist_x", "twist_y", "angle", "slide_x", "slide_y", "slide_z")
+CROSS_FREEDOMS = tuple(f for f in FREEDOMS if f != "angle")
+BASE_COORDINATES = (
+    *((f"base.{axis}", "m") for axis in "xyz"),
+    *((f"base.q{part}", "1") for part in "wxyz"),
+)
+BASE_RATES = (*((f"base.v{axis}", "m/s") for axis in "xyz"), *((f"base.w{axis}", "rad/s") for axis in "xyz"))
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A coordinate or a rate: its name and unit."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class FloatingBase:
+    """The fixed bodies as one rigid body that moves freely.
+
+    bodies    their names
+    mass      kg; com (3,), m, and inertia (3, 3), kg·m², about it: of all together, as drawn, world axes
+    position  of the centre of mass at the start, (3,), m, world
+    rotation  world from drawn axes at the start: unit quaternion (w, x, y, z)
+    velocity  of the centre of mass at the start, (3,), m/s, world axes
+    spin      angular velocity at the start, (3,), rad/s, axes of the body
+    """
+
+    effect: str
+    bodies: tuple[str, ...]
+    mass: float
+    com: Array
+    inertia: Array
+    position: Array
+    rotation: Array
+    velocity: Array
+    spin: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PrescribedBase:
+    """The fixed bodies, moved as told: a drawn point d is at point + Rot(axis, angle) (d - point) + displacement.
+
+    displacement  (x, y, z), m, world: numbers, or expressions in t
+    angle         rad: a number, or an expression in t
+    axis, point   unit vector and a point of the axis, m; both (3,), world, drawn
+    """
+
+    effect: str
+    bodies: tuple[str, ...]
+    displacement: tuple[float | str, float | str, float | str]
+    angle: float | str
+    axis: Array
+    point: Array
+
+
+@dataclass(frozen=True, eq=False)
+class CompliantHinge:
+    """A hinge that yields across its axis as well, with potential ½ pᵀ stiffness p and forces -damping ṗ.
+
+    p = (twist_x, twist_y, angle, slide_x, slide_y, slide_z), rad and m, child relative to parent; twists and slides
+    are about and along `axes` at `point`, which ride on the parent; twist_x comes first, then twist_y, then the angle.
+    (Where the tree enters the hinge by its child they ride on the child: the same but for products of deflections.)
+
+    point      on the hinge line, (3,), m, world, drawn: where the strip's middle is
+    axes       (3, 3), columns x, y, z, world, drawn; z along the joint's axis
+    stiffness  (6, 6): N·m/rad, N/rad, N/m; symmetric. Its angle-angle entry adds to what HingeStiffness gives
+    damping    (6, 6), the same by rates
+    freedoms   which of the five move; the others stay rigid, and their rows are not looked at
+    """
+
+    effect: str
+    joint: str
+    point: Array
+    axes: Array
+    stiffness: Array
+    damping: Array
+    freedoms: tuple[str, ...] = CROSS_FREEDOMS
+
+    def __post_init__(self) -> None:
+        what = f"the compliant hinge {self.joint!r}"
+        for name, shape in (("point", (3,)), ("axes", (3, 3)), ("stiffness", (6, 6)), ("damping", (6, 6))):
+            object.__setattr__(self, name, checked_array(getattr(self, name), shape, f"{name} of {what}"))
+        for matrix in (self.stiffness, self.damping):
+            size = float(np.abs(matrix).max())
+            if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * size):
+                raise DesignError(f"a matrix of {what} is not symmetric; energy would come from nothing")
+        if not np.allclose(self.axes.T @ self.axes, np.eye(3), atol=1e-9) or np.linalg.det(self.axes) < 0:
+            raise DesignError(
+                f"axes of {what} are not a right-handed set of unit vectors; give x, y, z as columns"
+            )
+        unknown = [f for f in self.freedoms if f not in FREEDOMS or f == "angle"]
+        if unknown:
+            raise DesignError(f"{what} has no freedom {unknown[0]!r}; there are {', '.join(CROSS_FREEDOMS)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Bushing:
+    """A compliant hinge that closes a loop: its two sides are held by its stiffness, and by no equation."""
+
+    cut: Cut
+    hinge: CompliantHinge
+
+
+@dataclass(frozen=True, eq=False)
+class Arrangement:
+    """What a scene's equations are written in.
+
+    tree              the mechanism's tree; its `cuts` without those that bushings hold
+    base              None: fixed to the world
+    compliant         compliant hinges of the tree, in its order
+    bushings          compliant hinges of its cuts, in their order
+    flexible          flexible bodies, in the tree's order
+    inverse_dynamics  an effect asks for equations in the general form, M u̇ = f from inverse dynamics
+    """
+
+    tree: Tree
+    base: FloatingBase | PrescribedBase | None = None
+    compliant: tuple[CompliantHinge, ...] = ()
+    bushings: tuple[Bushing, ...] = ()
+    flexible: tuple[FlexibleBody, ...] = ()
+    inverse_dynamics: bool = False
+
+    @property
+    def is_plain(self) -> bool:
+        """Hinges on a fixed world, nothing else: u̇ is solved for symbolically, and nothing here has a trace."""
+        added = self.compliant or self.bushings or self.flexible
+        return self.base is None and not added and not self.inverse_dynamics
+
+    @property
+    def floats(self) -> bool:
+        """Whether q̇ = u does not hold for all coordinates."""
+        return isinstance(self.base, FloatingBase)
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Of q, shape (nq,)."""
+        own = BASE_COORDINATES if self.floats else ()
+        return (*self.plain_coordinates, *(Coordinate(*entry) for entry in own))
+
+    @property
+    def rates(self) -> tuple[Coordinate, ...]:
+        """Of u, shape (nu,)."""
+        own = BASE_RATES if self.floats else ()
+        plain = (Coordinate(c.name, f"{c.unit}/s") for c in self.plain_coordinates)
+        return (*plain, *(Coordinate(*entry) for entry in own))
+
+    @property
+    def plain_coordinates(self) -> tuple[Coordinate, ...]:
+        """Those with q̇ = u: all but the floating base's."""
+        hinges = (Coordinate(name, "rad") for name in self.tree.joint_names)
+        across = (
+            Coordinate(f"{hinge.joint}.{freedom}", "rad" if freedom.startswith("twist") else "m")
+            for hinge in self.compliant
+            for freedom in CROSS_FREEDOMS
+            if freedom in hinge.freedoms
+        )
+        modes = (
+            Coordinate(f"{body.body}.mode_{k + 1}", body.unit)
+            for body in self.flexible
+            for k in range(body.count)
+        )
+        return (*hinges, *across, *modes)
+
+    @property
+    def moving_bodies(self) -> tuple[str, ...]:
+        """Names in the order of the poses: the tree's links, then the fixed bodies where the base moves."""
+        links = tuple(link.body.name for link in self.tree.links)
+        return (*links, *(self.base.bodies if self.base is not None else ()))
+
+    def start(self, q_joints: Sequence[float], u_joints: Sequence[float]) -> tuple[Array, Array]:
+        """q (nq,) and u (nu,) from the tree's angles, rad, and rates, rad/s; hinges and bodies start undeformed."""
+        rest = len(self.plain_coordinates) - len(q_joints)
+        q, u = np.append(q_joints, np.zeros(rest)), np.append(u_joints, np.zeros(rest))
+        base = self.base
+        if isinstance(base, FloatingBase):
+            q = np.concatenate([q, base.position, base.rotation])
+            u = np.concatenate([u, base.velocity, base.spin])
+        return q, u
+
+
+class Arranging:
+    """What the method `arrange(arranging)` of an effect is given: it adds coordinates here, or prescribes them.
+
+    Each method raises DesignError where the mechanism does not allow it, or where another effect did it already.
+    """
+
+    def __init__(self, tree: Tree) -> None:
+        self.tree = tree
+        self.effect = ""  # the name of the effect that is being asked
+        self._base: FloatingBase | PrescribedBase | None = None
+        self._compliant: dict[str, CompliantHinge] = {}
+        self._flexible: dict[str, FlexibleBody] = {}
+        self._inverse_dynamics = False
+
+    def move_base(self, base: FloatingBase | PrescribedBase) -> None:
+        """The fixed bodies move, freely or as told."""
+        if self._base is not None:
+            raise DesignError(
+                f"effects {self._base.effect!r} and {base.effect!r} both move the fixed bodies; leave one out"
+            )
+        self._base = base
+
+    def compliant_hinge(self, hinge: CompliantHinge) -> None:
+        """A hinge yields across its axis: one of the tree gains coordinates, one that closes a loop becomes a bushing."""
+        joints = {joint.name: joint for joint in self.tree.mechanism.joints}
+        if hinge.joint not in joints:
+            raise DesignError(f"no joint is named {hinge.joint!r}; the joints are {some(sorted(joints))}")
+        if hinge.joint in self._compliant:
+            raise DesignError(f"two effects make joint {hinge.joint!r} compliant; leave one out")
+        askew = float(np.linalg.norm(np.cross(hinge.axes[:, 2], joints[hinge.joint].axis)))
+        if askew > 1e-9:
+            raise DesignError(
+                f"the z axis of the compliant hinge {hinge.joint!r} is not along the joint's axis"
+            )
+        self._compliant[hinge.joint] = hinge
+
+    def flexible_body(self, body: FlexibleBody) -> None:
+        """A body of the tree bends in the modes given."""
+        moving = {link.body.name for link in self.tree.links}
+        if body.body not in moving:
+            raise DesignError(f"no moving body is named {body.body!r}; they are {some(sorted(moving))}")
+        if body.body in self._flexible:
+            raise DesignError(f"two effects make body {body.body!r} flexible; leave one out")
+        self._flexible[body.body] = body
+
+    def inverse_dynamics(self) -> None:
+        """The equations are to be in the general form, which `Loads.added_inertia` needs."""
+        self._inverse_dynamics = True
+
+    def arranged(self) -> Arrangement:
+        """What the effects asked for."""
+        links, cuts = self.tree.links, self.tree.cuts
+        yielding = {cut.joint.name for cut in cuts} & set(self._compliant)
+        bushings = tuple(Bushing(c, self._compliant[c.joint.name]) for c in cuts if c.joint.name in yielding)
+        for bushing in bushings:
+            _check_bushing(bushing.hinge)
+        tree = replace(self.tree, cuts=tuple(c for c in cuts if c.joint.name not in yielding))
+        return Arrangement(
+            tree=tree if bushings else self.tree,
+            base=self._base,
+            compliant=tuple(self._compliant[n] for n in self.tree.joint_names if n in self._compliant),
+            bushings=bushings,
+            flexible=tuple(
+                self._flexible[link.body.name] for link in links if link.body.name in self._flexible
+            ),
+            inverse_dynamics=self._inverse_dynamics,
+        )
+
+
+def arrange(tree: Tree, effects: "Iterable[Effect | Any]") -> Arrangement:
+    """What the effects of a scene make of `tree`. Raises DesignError where they do not fit it."""
+    arranging = Arranging(tree)
+    for effect in effects:
+        ask = getattr(effect, "arrange", None)
+        if ask is not None:
+            arranging.effect = effect.name
+            ask(arranging)
+    return arranging.arranged()
+
+
+def _check_bushing(hinge: CompliantHinge) -> None:
+    """Nothing else holds the sides of a cut hinge: all five freedoms have to be stiff."""
+    rigid = [f for f in CROSS_FREEDOMS if f not in hinge.freedoms]
+    if rigid:
+        raise DesignError(
+            f"joint {hinge.joint!r} closes a loop and is compliant, but rigid in {', '.join(rigid)}; give it all "
+            "five freedoms with their stiffness, or none"
+        )
+    rows = [FREEDOMS.index(f) for f in CROSS_FREEDOMS]
+    block = hinge.stiffness[np.ix_(rows, rows)]
+    scale = np.sqrt(np.maximum(np.diag(block), 0.0))
+    loose = [f for f, s in zip(CROSS_FREEDOMS, scale, strict=True) if s == 0.0]
+    if loose or float(np.linalg.eigvalsh(block / np.outer(scale, scale))[0]) <= 0.0:
+        which = loose[0] if loose else "a combination of its freedoms"
+        raise DesignError(
+            f"joint {hinge.joint!r} closes a loop and is compliant, but {which} has no stiffness, so nothing would "
+            "hold the loop; give the stiffness of every freedom"
+        )

@@ -34,6 +34,7 @@ from lamc.plate.loads import (
     Temperature,
 )
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
+from lamc.report.plate_marks import load_text
 
 PATIENCE = 5.0  # s; a second is the promise, and the machine may be busy with other tests
 FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -184,6 +185,28 @@ def test_a_pressure_in_x_and_y_counts_in_the_files_units() -> None:
     x, y = np.array([0.05, 0.1]), np.array([0.01, 0.02])
     expected = [1000 * math.sin(math.pi / 4) * 100, 1000 * math.sin(math.pi / 2) * 400]
     assert load.intensity(x, y) == pytest.approx(expected, rel=1e-14)  # type: ignore[operator]
+
+
+def test_what_expands_may_be_an_expression_in_the_files_units() -> None:
+    warm, wet, field, fields = single(
+        read(
+            'loads: [{temperature: "20 + x/10"}, {moisture: "0.01*y/100"}, {field: "1000*x"}, '
+            '{field: ["-x", "0.5 kV/mm"]}]\n'
+        )
+    )
+    x, y = np.array([0.05, 0.1]), np.array([0.01, 0.02])
+    assert warm.rise(x, y) == pytest.approx([25.0, 30.0], rel=1e-14)  # type: ignore[attr-defined]
+    assert wet.content(x, y) == pytest.approx([0.001, 0.002], rel=1e-14)  # type: ignore[attr-defined]
+    assert field.field(x, y) == pytest.approx([5e4, 1e5], rel=1e-14)  # type: ignore[attr-defined]
+    first, second = fields.field  # type: ignore[attr-defined]
+    assert first(x, y) == pytest.approx([-50.0, -100.0], rel=1e-14)
+    assert second == 5e5
+    assert [load_text(load) for load in (warm, wet, field, fields)] == [
+        "20 + x/10 K",
+        "moisture 0.01*y/100",
+        "electric field 1000*x",
+        "electric field -x, 500 kV/m",
+    ]
 
 
 def test_common_loads_act_in_every_case() -> None:
@@ -371,6 +394,8 @@ def test_all_problems_of_a_file_are_told_at_once_each_at_its_place() -> None:
         ("loads: [{edge: {line: [[30, 30], [40, 40]]}, total: 3 N}]", "no edge there"),
         ("loads: [{edge: left, force: 1, moment: 2}]", "this one has force and moment"),
         ("loads: [{pressure: 1, region: r}]", "no region is named 'r'"),
+        ("loads: [{temperature: 20 m}]", "or an expression in x and y"),
+        ("loads: [{field: [1, '2*x +']}]", "'2*x +'"),
         ("loads: [{gravity: [0, 0, -9.81], region: r}]", "region belongs to"),
         ("outputs: [{at: [300, 0]}]", "(0.3, 0) m is 0.1 m off the plate"),
         ("outputs: [{at: [0, 0], expected: 1/D17}]", "D17"),

@@ -16,7 +16,7 @@ from lamc.codegen.program import Space
 from lamc.plate.laminates.ply_kernel import ply_function, split
 from lamc.plate.laminates.ply_terms import PLY_NUMBERS, TERMS
 from lamc.plate.laminates.slopes import VARIABLES, laminate_terms
-from lamc.plate.solving.sections import Climate
+from lamc.plate.solving.climate import Climate
 from lamc.reference.listing import listing_of, run
 from lamc.reference.operations import BATCHED
 from tests.ctools import STRICT, cc, needs_cc

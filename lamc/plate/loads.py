@@ -10,13 +10,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+
 from lamc.mechanism.checks import Array, checked_array, checked_name, checked_number
 from lamc.plate.supports import Where, checked_where
 
 Force: TypeAlias = float | Sequence[float]  # along z, or (x, y, z)
-Intensity: TypeAlias = (
-    float | Callable[[Array, Array], Array]
-)  # or a function of x, y in m, called with arrays
+# A number, or a function of x and y, m, that takes and gives arrays.
+Intensity: TypeAlias = float | Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +76,7 @@ class EdgeMoment:
 class Pressure:
     """A force per area along +z, Pa; everywhere, or on the region named.
 
-    intensity  a number, or a function of x and y that takes and gives arrays; it is taken at the corners of the cells
-               and linear between them
+    intensity  a number, or a function of x and y that takes and gives arrays; it is taken at 16 points of each cell
 
     Raises DesignError.
     """
@@ -85,9 +85,9 @@ class Pressure:
     region: str | None = None
 
     def __post_init__(self) -> None:
-        if not callable(self.intensity):
-            value = checked_number(self.intensity, "the intensity of a Pressure")
-            object.__setattr__(self, "intensity", value)
+        object.__setattr__(
+            self, "intensity", _checked_intensity(self.intensity, "the intensity of a Pressure")
+        )
         _check_region(self.region, "a Pressure")
 
 
@@ -106,26 +106,31 @@ class Gravity:
 class Temperature:
     """Warmer by `rise` K than where the plate is free of stress; everywhere, or on the region named.
 
+    rise  a number, or a function of x and y that takes and gives arrays; through the thickness it is the same
+
     Raises DesignError.
     """
 
-    rise: float
+    rise: Intensity
     region: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rise", checked_number(self.rise, "the rise of a Temperature"))
+        object.__setattr__(self, "rise", _checked_intensity(self.rise, "the rise of a Temperature"))
         _check_region(self.region, "a Temperature")
 
 
 @dataclass(frozen=True, eq=False)
 class Moisture:
-    """Mass of moisture over dry mass; everywhere, or on the region named. Raises DesignError."""
+    """Mass of moisture over dry mass, a number or a function of x and y; everywhere, or on the region named.
 
-    content: float
+    Raises DesignError.
+    """
+
+    content: Intensity
     region: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "content", checked_number(self.content, "the content of a Moisture"))
+        object.__setattr__(self, "content", _checked_intensity(self.content, "the content of a Moisture"))
         _check_region(self.region, "a Moisture")
 
 
@@ -133,18 +138,22 @@ class Moisture:
 class ElectricField:
     """Field through the thickness of every piezoelectric ply, V/m, positive upwards; or one field per ply.
 
-    Everywhere, or on the region named. Raises DesignError.
+    Each is a number, or a function of x and y. Everywhere, or on the region named. Raises DesignError.
     """
 
-    field: float | Sequence[float]
+    field: Intensity | Sequence[Intensity]
     region: str | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.field, Sequence) and not isinstance(self.field, str):
-            value = checked_array(self.field, (len(self.field),), "the field of an ElectricField")
-            object.__setattr__(self, "field", tuple(value.tolist()))
+        what = "the field of an ElectricField"
+        given = self.field
+        if isinstance(given, np.ndarray) and given.ndim:
+            given = checked_array(given, (len(given),), what).tolist()
+        if isinstance(given, Sequence) and not isinstance(given, str):
+            each = [_checked_intensity(value, f"{what} in ply {k}") for k, value in enumerate(given)]
+            object.__setattr__(self, "field", tuple(each))
         else:
-            object.__setattr__(self, "field", checked_number(self.field, "the field of an ElectricField"))
+            object.__setattr__(self, "field", _checked_intensity(given, what))
         _check_region(self.region, "an ElectricField")
 
 
@@ -161,6 +170,10 @@ def _checked_force(force: object, what: str) -> tuple[float, float, float]:
         return (0.0, 0.0, checked_number(force, f"{what} along z"))
     x, y, z = checked_array(force, (3,), what).tolist()
     return (x, y, z)
+
+
+def _checked_intensity(value: object, what: str) -> Intensity:
+    return value if callable(value) else checked_number(value, what)
 
 
 def _check_region(region: object, what: str) -> None:

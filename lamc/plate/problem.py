@@ -20,8 +20,9 @@ from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, P
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.mirrors import check_mirror
 from lamc.plate.places import Places
+from lamc.plate.solving.climate import climates, pulls
 from lamc.plate.solving.edge_parts import edge_parts_on
-from lamc.plate.solving.sections import climates, couples
+from lamc.plate.solving.sections import couples
 from lamc.plate.supports import SUPPORTS, Hinged, Support, SupportRecord, Symmetry, support_text, where_text
 
 _COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares
@@ -130,11 +131,8 @@ class Problem:
             return any(load.acceleration[:2])
         if isinstance(load, Pressure | EdgeMoment):
             return False
-        names = self.mesh.region_names
-        for laminate, state in zip(self.laminates, climates(self.laminates, [load], names), strict=True):
-            if laminate.expansion(state.temperature, state.moisture, state.fields).force.any():
-                return True
-        return False
+        found = climates(self.laminates, [load], self.mesh.region_names)
+        return any(pulls(laminate, own) for laminate, own in zip(self.laminates, found, strict=True))
 
     def _check_support(self, support: SupportRecord) -> None:
         what = support_text(support)

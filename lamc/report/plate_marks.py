@@ -3,7 +3,7 @@
 In: a `Problem`, matplotlib axes in a unit of length. Out: artists with labels for a legend. Never: fields, files.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from lamc.plate.loads import (
     EdgeMoment,
     ElectricField,
     Gravity,
+    Intensity,
     LoadRecord,
     Moisture,
     PointLoad,
@@ -157,23 +158,26 @@ def load_text(load: LoadRecord) -> str:
         case EdgeMoment(moment=moment):
             told = f"moment {shown_number(moment, 'N')} per length"
         case Pressure(intensity=intensity):
-            value = (
-                getattr(intensity, "text", "varies") if callable(intensity) else shown_number(intensity, "Pa")
-            )
-            told = f"pressure {value}"
+            told = f"pressure {_amount(intensity, lambda value: shown_number(value, 'Pa'))}"
         case Gravity(acceleration=acceleration):
             told = f"gravity {vector_text(acceleration, 'm/s²')}"
         case Temperature(rise=rise):
-            told = f"{rise:+g} K"
+            told = _amount(rise, lambda value: f"{value:+g}") + " K"
         case Moisture(content=content):
-            told = f"moisture {content:g}"
+            told = f"moisture {_amount(content, lambda value: f'{value:g}')}"
         case ElectricField(field=field):
-            values = np.atleast_1d(field)
-            told = f"electric field {', '.join(shown_number(float(v), 'V/m') for v in values)}"
+            each = field if isinstance(field, Sequence) else [field]
+            values = [_amount(one, lambda value: shown_number(value, "V/m")) for one in each]
+            told = f"electric field {', '.join(values)}"
         case _:
             told = type(load).__name__
     region = getattr(load, "region", None)
     return f"{told} on {region!r}" if region else told
+
+
+def _amount(amount: Intensity, told: Callable[[float], str]) -> str:
+    """A number in words; of a function its text, where it has one."""
+    return str(getattr(amount, "text", "varies")) if callable(amount) else told(amount)
 
 
 def _place(

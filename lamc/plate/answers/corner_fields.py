@@ -16,7 +16,7 @@ from lamc.plate.elements.definition import CORNERS
 from lamc.plate.laminates.failure import tsai_wu_index
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import STRENGTHS
-from lamc.plate.solving.sections import expansions, matrices
+from lamc.plate.solving.sections import matrices
 from lamc.plate.solving.solution import Solution
 
 _NOTHING = 1e-11  # of the terms of a sum: less is round-off
@@ -59,9 +59,9 @@ def corner_fields(solution: Solution) -> CornerFields:
     places = np.array(CORNERS[element.cell], dtype=float)
     strains = np.stack([better.at(cells, np.tile(xi, (len(cells), 1))) for xi in places], axis=1)
     stiffness = matrices(problem.laminates, element)[mesh.regions]
-    free = expansions(problem.laminates, element, solution.climates)[mesh.regions]
-    resultants = np.einsum("mij,mcj->mci", stiffness, strains) - free[:, None, :]
-    terms = np.einsum("mij,mcj->mci", np.abs(stiffness), np.abs(strains)) + np.abs(free)[:, None, :]
+    free = np.stack([solution.expansion.at(cells, mesh.corners[:, c]) for c in range(len(places))], axis=1)
+    resultants = np.einsum("mij,mcj->mci", stiffness, strains) - free
+    terms = np.einsum("mij,mcj->mci", np.abs(stiffness), np.abs(strains)) + np.abs(free)
     sizes = np.repeat(terms.max(axis=(0, 1)).reshape(-1, 3).max(axis=1), 3)  # of forces, of moments
     resultants[np.abs(resultants) < _NOTHING * sizes] = 0.0
     energy = float(np.einsum("mci,mci,m->", terms, np.abs(strains), mesh.areas)) / mesh.corner_count
@@ -70,7 +70,7 @@ def corner_fields(solution: Solution) -> CornerFields:
     none = np.zeros(3)
     for region, laminate in enumerate(problem.laminates):
         chosen = mesh.regions == region
-        climate = solution.climates[region]
+        climate = solution.climates[region].at(mesh.corners[chosen])
         plies = laminate.material_stress(
             strains[chosen][..., :3] if element.stretches else none,
             strains[chosen][..., -3:] if element.bends else none,

@@ -1,8 +1,8 @@
 """How far off the strains of a solution are: an estimate with every result, from the solution itself.
 
 In: a solution. Out: the energy of its error, cell by cell, and where to refine. Never: solves; a bound. It is right
-within a small factor where the mesh shows what the solution does, and blind to what it does not show: infinite strains
-under a point load, or what is left out of a pressure that is taken to be linear in each cell.
+within a small factor where the mesh shows what the solution does, and blind to what it does not show, such as infinite
+strains under a point load.
 
 The error of strains is taken for their difference from recovered ones (`recovery.py`). Source: O. C. Zienkiewicz, J. Z.
 Zhu, Int. J. Numer. Meth. Engng 33, 1992.

@@ -84,7 +84,7 @@ def first_failure(
         if not len(cells):
             continue
         strains = _at_corners(recovered, cells, element.cell)
-        climate = solution.climates[region]
+        climate = solution.climates[region].at(mesh.corners[cells])
         plies = ply_failures(
             problem.laminates[region],
             strains[..., :3] if element.stretches else np.zeros(3),

@@ -24,15 +24,15 @@ from lamc.mechanism.checks import Array, checked_array, shown
 from lamc.plate.answers.buckling import Buckling
 from lamc.plate.answers.modes import Modes
 from lamc.plate.answers.pencil import is_in_plane
-from lamc.plate.answers.sensitivity import by_mass, by_resultants, by_sections, by_weight
+from lamc.plate.answers.sensitivity import by_mass, by_resultants, by_sections, by_varying, by_weight
 from lamc.plate.elements.kernels import kernels
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.ply_terms import EXPANSION, MASS, STIFFNESS
 from lamc.plate.laminates.slopes import VARIABLES, laminate_terms
-from lamc.plate.loads import CLIMATES, Gravity, LoadRecord, PointLoad
+from lamc.plate.loads import CLIMATES, Gravity, PointLoad
 from lamc.plate.problem import Problem
+from lamc.plate.solving.climate import Climate
 from lamc.plate.solving.load_vectors import load_vector
-from lamc.plate.solving.sections import Climate, climates
 from lamc.plate.solving.solution import Solution
 
 Of: TypeAlias = str | tuple[str, Sequence[float]] | tuple[str, int]
@@ -46,8 +46,9 @@ class _Slopes:
     """Of one number, by what the regions hand to the elements."""
 
     sections: Array  # (R, 6 or 18)
-    resultants: Array  # (R, 3 or 6), of expansion
+    resultants: Array  # (R, 3 or 6), of what expands all over a region
     mass: Array  # (R,), areal
+    varying: Sequence[tuple[int, Climate, Array]] = ()  # a region, what acts where a function is 1, (3 or 6)
 
 
 def gradient(
@@ -73,15 +74,15 @@ def gradient(
         )
     problem = answer.problem
     wanted = _checked_names(problem, by)
-    loads: Sequence[LoadRecord] = ()
     if isinstance(answer, Modes):
         slopes = _of_frequency(answer, _checked_number(of, "omega", answer.omega, answer.rigid))
     elif isinstance(answer, Buckling):
         slopes = _of_factor(answer, _checked_number(of, "factor", answer.factors, ()))
     else:
-        slopes, loads = _of_solution(answer, of), answer.loads
-    states = climates(problem.laminates, loads, problem.mesh.region_names)
-    return _chained(problem, slopes, states, wanted)
+        slopes = _of_solution(answer, of)
+        return _chained(problem, slopes, [climate.uniform for climate in answer.climates], wanted)
+    still = [Climate(0.0, 0.0, np.zeros(len(laminate.plies))) for laminate in problem.laminates]
+    return _chained(problem, slopes, still, wanted)
 
 
 def _of_frequency(modes: Modes, k: int) -> _Slopes:
@@ -131,12 +132,17 @@ def _of_solution(solution: Solution, of: Of) -> _Slopes:
     stiff = by_sections(own, corners, regions, adjoint[cells], solution.values[cells], (count, entries))
     loaded = adjoint + solution.values if is_compliance else adjoint
     resultants, mass = np.zeros((count, strains)), np.zeros(count)
+    varying: list[tuple[int, Climate, Array]] = []
     if any(isinstance(load, CLIMATES) for load in solution.loads):
         resultants = by_resultants(own, corners, regions, loaded[cells], (count, strains))
+        for region, climate in enumerate(solution.climates):
+            for part in climate.varying:
+                acting = by_varying(own, corners, regions == region, loaded[cells], part.factor)
+                varying.append((region, part.unit, acting))
     weights = [load.acceleration for load in solution.loads if isinstance(load, Gravity)]
     if weights:
         mass = by_weight(own, corners, regions, loaded[cells], np.sum(weights, axis=0), count)
-    return _Slopes(-stiff, resultants, mass)
+    return _Slopes(-stiff, resultants, mass, varying)
 
 
 def _unit_load(problem: Problem, of: Of) -> PointLoad:
@@ -174,10 +180,15 @@ def _chained(
         weights[section] = slopes.sections[region]
         weights[expansion] = slopes.resultants[region]
         weights[MASS] = slopes.mass[region]
-        terms = laminate_terms(laminate, state)
+        pairs = [(weights, laminate_terms(laminate, state))]
+        for where, unit, acting in slopes.varying:
+            if where == region:
+                own = np.zeros(25)
+                own[expansion] = acting
+                pairs.append((own, laminate_terms(laminate, unit)))
         for name, ply, variable in _variables(problem, region, laminate):
             if name in result:
-                result[name] += float(weights @ terms.slopes[variable][ply])
+                result[name] += sum(float(w @ terms.slopes[variable][ply]) for w, terms in pairs)
     return result
 
 

@@ -7,11 +7,17 @@ K is linear in the section s, so that lᵀ (∂K/∂s_k) d = Σ l · ∫ Bᵀ E_
 place k: the element's own forces give it exactly as the stiffness is integrated, and nothing is differenced.
 """
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from lamc.mechanism.checks import Array
 from lamc.plate.elements.kernels import ElementKernels
 from lamc.plate.meshing.mesh import Integers
+from lamc.plate.solving.cell_points import cell_points
+
+Flags = NDArray[np.bool_]
 
 
 def by_sections(
@@ -43,6 +49,19 @@ def by_resultants(
         work = np.einsum("ma,ma->m", left, kernels.prestress(corners, resultants))
         result[:, k] = np.bincount(regions, work, shape[0])
     return result
+
+
+def by_varying(
+    kernels: ElementKernels, corners: Array, chosen: Flags, left: Array, factor: Callable[[Array], Array]
+) -> Array:
+    """Derivatives of leftᵀ ∫ Bᵀ r f dA by r, (3 or 6,), over the cells of `chosen` (m,); f is `factor` at places
+    (k, 2)."""
+    total = np.zeros(kernels.strain_count)
+    cells = np.flatnonzero(chosen).astype(np.int32)
+    for point in cell_points(kernels.element.cell, corners, cells):
+        strain = kernels.strain(corners[point.cells], point.xi, left[point.cells])
+        total += (point.areas * factor(point.places)) @ strain
+    return total
 
 
 def by_mass(

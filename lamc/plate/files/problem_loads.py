@@ -107,16 +107,21 @@ class Actions:
         if model.edge is not None:
             return self._edge_load(model, path)
         if model.pressure is not None:
-            pressure = model.pressure
-            return Pressure(Field(pressure, self._step) if isinstance(pressure, str) else pressure, region)
+            return Pressure(self._amount(model.pressure), region)
         if model.gravity is not None:
             return Gravity(model.gravity)
         if model.temperature is not None:
-            return Temperature(model.temperature, region)
+            return Temperature(self._amount(model.temperature), region)
         if model.moisture is not None:
-            return Moisture(model.moisture, region)
+            return Moisture(self._amount(model.moisture), region)
         assert model.field is not None
-        return ElectricField(model.field, region)
+        if isinstance(model.field, list):
+            return ElectricField([self._amount(one) for one in model.field], region)
+        return ElectricField(self._amount(model.field), region)
+
+    def _amount(self, value: float | str) -> float | Field:
+        """A number, or the function that an expression stands for."""
+        return Field(value, self._step) if isinstance(value, str) else value
 
     def _edge_load(self, model: LoadModel, path: Path) -> LoadRecord | None:
         assert model.edge is not None

@@ -5,6 +5,7 @@ named exists, a force at a point or along an edge) and geometry are checked wher
 `problem_file`.
 """
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -12,10 +13,10 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from lamc.design import fields, units
 from lamc.design.fields import Coordinate, Length, Point, described, not_negative, reader
 from lamc.design.schema import CircleModel, LengthUnit, Model
-from lamc.design.units import to_si
+from lamc.design.units import Quantity, to_si
 from lamc.errors import DesignError, ExpressionError
 from lamc.plate.files import expression
-from lamc.plate.files.section_schema import LaminateField, MaterialField, Ratio, one_of, only_with, problem
+from lamc.plate.files.section_schema import LaminateField, MaterialField, one_of, only_with, problem
 
 Named = Literal["boundary", "left", "right", "bottom", "top", "fixed"]
 PLACES = get_args(Named)
@@ -37,15 +38,31 @@ VALUES = {  # what can be asked for at a point, and its unit
 }
 
 
-def _intensity(value: Any) -> float | str:
-    try:
-        if isinstance(value, str) and expression.depends_on_place(value):
-            expression.Field(value)
-            return value
-        return to_si(value, units.PRESSURE)
-    except DesignError as error:
-        hint = ", or an expression in x and y" if not isinstance(error, ExpressionError) else ""
-        raise fields.custom(DesignError(error.message + hint)) from error
+def _varying(quantity: Quantity, kinds: Sequence[str] = ()) -> tuple[BeforeValidator, WithJsonSchema]:
+    """Reads a number of `quantity`, or keeps an expression in x and y as text; of a list, where `kinds` has "array",
+    each."""
+
+    def read(value: Any) -> float | str | list[float | str]:
+        if isinstance(value, list) and "array" in kinds:
+            return [one(item) for item in value]
+        return one(value)
+
+    def one(value: Any) -> float | str:
+        try:
+            if isinstance(value, str) and expression.depends_on_place(value):
+                expression.Field(value)
+                return value
+            return to_si(value, quantity)
+        except DesignError as error:
+            hint = ", or an expression in x and y" if not isinstance(error, ExpressionError) else ""
+            raise fields.custom(DesignError(error.message + hint)) from error
+
+    unit = quantity.unit or "plain"
+    told = (
+        f"{quantity.name}: a number ({unit}), text with a unit, or an expression in x and y with the value in {unit}, "
+        "where x and y count in the file's units"
+    )
+    return BeforeValidator(read), WithJsonSchema({"type": ["number", "string", *kinds], "description": told})
 
 
 HingeStiffness = Annotated[
@@ -55,23 +72,14 @@ HingeStiffness = Annotated[
 ]
 Moment = Annotated[float, reader(units.LINE_MOMENT), described(units.LINE_MOMENT)]
 Acceleration = Annotated[float, reader(units.ACCELERATION), described(units.ACCELERATION)]
-Warming = Annotated[float, reader(units.WARMING), described(units.WARMING)]
-ElectricField = Annotated[float, reader(units.ELECTRIC_FIELD), described(units.ELECTRIC_FIELD)]
+Intensity = Annotated[float | str, *_varying(units.PRESSURE)]
+Warming = Annotated[float | str, *_varying(units.WARMING)]
+Wetness = Annotated[float | str, *_varying(units.RATIO)]
+ElectricField = Annotated[float | str | list[float | str], *_varying(units.ELECTRIC_FIELD, ["array"])]
 FreeValue = Annotated[
     Any, WithJsonSchema({"type": ["number", "string"]})
 ]  # its unit depends on its neighbours
 FreeVector = Annotated[Any, WithJsonSchema({"type": ["number", "string", "array"]})]
-Intensity = Annotated[
-    float | str,
-    BeforeValidator(_intensity),
-    WithJsonSchema(
-        {
-            "type": ["number", "string"],
-            "description": "pressure: a number (Pa), text with a unit, or an expression in x and y with the value in "
-            "Pa, where x and y count in the file's units",
-        }
-    ),
-]
 
 
 class PlateOutlineModel(Model):
@@ -219,9 +227,9 @@ class LoadModel(Model):
     pressure: Intensity | None = None
     gravity: tuple[Acceleration, Acceleration, Acceleration] | None = None
     temperature: Warming | None = None
-    moisture: Ratio | None = None
-    field: ElectricField | list[ElectricField] | None = Field(
-        None, description="V/m through every piezoelectric ply, or one value per ply"
+    moisture: Wetness | None = None
+    field: ElectricField | None = Field(
+        None, description="V/m through every piezoelectric ply, or a list of one value per ply"
     )
     region: str | None = Field(None, description="the named region only")
 

@@ -137,13 +137,14 @@ def ply_failures(
     strain: Sequence[float] | Array,
     curvature: Sequence[float] | Array,
     *,
-    temperature: float = 0.0,
-    moisture: float = 0.0,
+    temperature: float | Array = 0.0,
+    moisture: float | Array = 0.0,
     fields: Fields = 0.0,
     interaction: float = INTERACTION,
 ) -> tuple[PlyFailure, ...]:
     """Indices and strength ratios of every ply, bottom to top, where the reference surface has `strain` (..., 3) and
-    `curvature` (..., 3), 1/m, expansion included. The ratios multiply all of the stress.
+    `curvature` (..., 3), 1/m, expansion included. The ratios multiply all of the stress. What expands is given as for
+    `Laminate.material_stress`.
 
     Raises DesignError for materials without strengths, and as `Laminate.expansion` does.
     """

@@ -207,6 +207,12 @@ class Laminate:
             [p.material.free_strain(rise, content, f) for p, f in zip(self.plies, each, strict=True)]
         )
 
+    def _free_strains_at(self, temperature: Array, moisture: Array, fields: Array) -> Array:
+        """Of each ply at many places, shape (..., plies, 3)."""
+        units = np.array([[p.material.free_strain(*unit) for unit in np.eye(3)] for p in self.plies])
+        causes = np.broadcast_arrays(temperature[..., None], moisture[..., None], fields)
+        return np.asarray(np.einsum("...pc,pci->...pi", np.stack(causes, axis=-1), units))
+
     def deformation(
         self,
         force: Sequence[float] | Array = _NONE,
@@ -260,18 +266,23 @@ class Laminate:
         strain: Array,
         curvature: Array,
         *,
-        temperature: float = 0.0,
-        moisture: float = 0.0,
+        temperature: float | Array = 0.0,
+        moisture: float | Array = 0.0,
         fields: Fields = 0.0,
     ) -> Array:
         """Stress along and across the fibres at the lower and upper face of every ply, Pa, shape (..., plies, 2, 3),
-        from strains (..., 3) and curvatures (..., 3) of many places at once; for a result, so nothing is checked."""
-        free = self._free_strains(temperature, moisture, fields)
+        from strains (..., 3) and curvatures (..., 3) of many places at once; for a result, so nothing is checked.
+
+        What expands is the same at all places; or temperature and moisture have shape (...) and fields (..., plies)."""
+        if np.ndim(temperature):
+            free = self._free_strains_at(np.asarray(temperature), np.asarray(moisture), np.asarray(fields))
+        else:
+            free = self._free_strains(float(temperature), float(moisture), fields)
         turns = np.array([strain_rotation(ply.angle) for ply in self.plies])
         Q = np.array([ply.material.Q for ply in self.plies])
         bend = np.asarray(curvature)[..., None, None, :]
         total = np.asarray(strain)[..., None, None, :] + self.heights[:, :, None] * bend
-        along = np.einsum("pij,...pfj->...pfi", turns, total) - free[:, None, :]
+        along = np.einsum("pij,...pfj->...pfi", turns, total) - free[..., :, None, :]
         return np.asarray(np.einsum("pij,...pfj->...pfi", Q, along))
 
     def shear_share(self, length: float) -> float:

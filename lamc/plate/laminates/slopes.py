@@ -13,7 +13,7 @@ from lamc.mechanism.checks import Array
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.ply_kernel import PlyKernel, ply_kernel
 from lamc.plate.laminates.ply_terms import PLY_NUMBERS
-from lamc.plate.solving.sections import Climate
+from lamc.plate.solving.climate import Climate
 
 # What a gradient can be asked for, with the unit that it is per.
 VARIABLES: Mapping[str, str] = {
@@ -64,8 +64,9 @@ def laminate_terms(laminate: Laminate, climate: Climate, kernel: PlyKernel | Non
 def _numbers(laminate: Laminate, climate: Climate) -> Array:
     """Of every ply the values of `PLY_NUMBERS`, (plies, 10)."""
     rows = []
+    warmth, wetness = float(climate.temperature), float(climate.moisture)
     for ply, middle, field in zip(laminate.plies, laminate.heights.mean(axis=1), climate.fields, strict=True):
-        free = ply.material.free_strain(climate.temperature, climate.moisture, field)
+        free = ply.material.free_strain(warmth, wetness, field)
         own = {
             "angle": ply.angle,
             "thickness": ply.thickness,

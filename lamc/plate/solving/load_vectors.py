@@ -16,9 +16,10 @@ from lamc.plate.elements.kernels import ElementKernels
 from lamc.plate.loads import CLIMATES, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
+from lamc.plate.solving.cell_points import cell_points
 from lamc.plate.solving.edge_parts import EdgeParts, edge_parts_on
+from lamc.plate.solving.expansion import Expansion
 from lamc.plate.solving.functions import values_at
-from lamc.plate.solving.sections import climates, expansions
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(
     4
@@ -34,7 +35,9 @@ def load_vector(problem: Problem, kernels: ElementKernels, loads: Sequence[LoadR
     intensities = []
     for load in loads:
         with about(load):
-            if isinstance(load, Pressure | Gravity):
+            if isinstance(load, Pressure) and callable(load.intensity):
+                _add_varying(total, problem, kernels, load)
+            elif isinstance(load, Pressure | Gravity):
                 intensities.append(_intensity(problem, load))
             elif isinstance(load, PointLoad):
                 _add_point(total, problem, kernels, load)
@@ -43,9 +46,7 @@ def load_vector(problem: Problem, kernels: ElementKernels, loads: Sequence[LoadR
     if intensities:
         _add(total, problem.dofs.of_cells, kernels.load(problem.mesh.corners, sum(intensities)))
     if any(isinstance(load, CLIMATES) for load in loads):
-        states = climates(problem.laminates, loads, problem.mesh.region_names)
-        rows = expansions(problem.laminates, problem.dofs.element, states)[problem.mesh.regions]
-        _add(total, problem.dofs.of_cells, kernels.prestress(problem.mesh.corners, rows))
+        _add(total, problem.dofs.of_cells, Expansion(problem, loads).forces(kernels))
     return total
 
 
@@ -60,26 +61,36 @@ def _fields(problem: Problem, force: Any) -> list[Any]:
 
 
 def _intensity(problem: Problem, load: Pressure | Gravity) -> Array:
-    """Force per area at the corners of the cells, shape (m, fields, c), Pa."""
+    """Force per area of what does not vary, at the corners of the cells, shape (m, fields, c), Pa."""
     mesh = problem.mesh
     shape = mesh.cells.shape
     if isinstance(load, Gravity):
         mass = np.array([laminate.areal_mass for laminate in problem.laminates])[mesh.regions][:, None]
         parts = [np.broadcast_to(mass * g, shape) for g in _fields(problem, load.acceleration)]
         return np.stack(parts, axis=1)
-    chosen = np.ones(shape[0], dtype=bool)
-    if load.region is not None:
-        chosen = mesh.regions == mesh.region_names.index(load.region)
     across = np.zeros(shape)
-    if callable(load.intensity):  # once per point of the mesh, not once per corner
-        used = np.unique(mesh.cells[chosen])
-        at_points = np.zeros(len(mesh.points))
-        at_points[used] = values_at(load.intensity, mesh.points[used], "the intensity of a Pressure")
-        across[chosen] = at_points[mesh.cells[chosen]]
-    else:
-        across[chosen] = load.intensity
+    across[_cells_of(problem, load)] = load.intensity  # type: ignore[assignment]  # a number
     none = np.zeros(shape)
     return np.stack(_fields(problem, (none, none, across)), axis=1)
+
+
+def _cells_of(problem: Problem, load: Pressure) -> Integers:
+    mesh = problem.mesh
+    if load.region is None:
+        return np.arange(len(mesh.cells), dtype=np.int32)
+    return np.flatnonzero(mesh.regions == mesh.region_names.index(load.region)).astype(np.int32)
+
+
+def _add_varying(total: Array, problem: Problem, kernels: ElementKernels, load: Pressure) -> None:
+    """A pressure that is a function of the place, integrated at points of every cell."""
+    chosen, cells, what = problem.dofs.element, _cells_of(problem, load), "the intensity of a Pressure"
+    # Gauss's points lie inside of cells, and would not meet what is infinite at a corner.
+    values_at(load.intensity, problem.mesh.points[np.unique(problem.mesh.cells[cells])], what)
+    for point in cell_points(chosen.cell, problem.mesh.corners, cells):
+        pressure = values_at(load.intensity, point.places, what)
+        deflections = shape_functions(problem, kernels, point.cells, point.xi)[:, :, 2 * chosen.stretches]
+        forces = (point.areas * pressure)[:, None] * deflections
+        _add(total, problem.dofs.of_cells[point.cells], forces)
 
 
 def shape_functions(problem: Problem, kernels: ElementKernels, cells: Integers, xi: Array) -> Array:

@@ -21,11 +21,13 @@ from lamc.plate.laminates.plies import PlyState
 from lamc.plate.loads import LoadRecord
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
+from lamc.plate.solving.climate import RegionClimate
+from lamc.plate.solving.expansion import Expansion
 from lamc.plate.solving.reactions import Reaction, reactions
 from lamc.plate.solving.refine import Accuracy
 from lamc.plate.solving.refine import solve as refined
 from lamc.plate.solving.rigid import check_balance
-from lamc.plate.solving.sections import Climate, climates, expansions, matrices
+from lamc.plate.solving.sections import matrices
 from lamc.plate.solving.system import Numbers, System
 
 
@@ -110,9 +112,13 @@ class Solution:
         strain = self._stretching(strains)
         curvature = strains[-3:] if chosen.bends else np.zeros(3)
         region = int(self.problem.mesh.regions[cells])
-        state = self.climates[region]
+        state = self.climates[region].at(np.array([x, y], dtype=float))
         return self.problem.laminates[region].ply_states(
-            strain, curvature, temperature=state.temperature, moisture=state.moisture, fields=state.fields
+            strain,
+            curvature,
+            temperature=float(state.temperature),
+            moisture=float(state.moisture),
+            fields=state.fields,
         )
 
     # --- whole -------------------------------------------------------------------------------------------------------
@@ -142,21 +148,21 @@ class Solution:
     def strain_energy(self) -> float:
         """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges, J, where e is the strain of the free laminate."""
         energy = 0.5 * float(self._inner @ self._exact)
-        if self._expansions.any():
-            element = self.problem.dofs.element
-            rows = self._expansions[self.problem.mesh.regions]
-            dofs = self.problem.dofs
-            forces = self._system.kernels.prestress(self.problem.mesh.corners, rows)
-            energy -= float(np.sum(forces * self._exact[dofs.of_cells]))
-            S = matrices(self.problem.laminates, element)
-            per_area = [0.5 * r @ np.linalg.solve(s, r) for s, r in zip(S, self._expansions, strict=True)]
-            energy += float(np.array(per_area)[self.problem.mesh.regions] @ self.problem.mesh.areas)
+        if not self.expansion.is_none:
+            forces = self.expansion.forces(self._system.kernels)
+            energy -= float(np.sum(forces * self._exact[self.problem.dofs.of_cells]))
+            energy += self.expansion.energy
         return energy
 
-    @cached_property
-    def climates(self) -> tuple[Climate, ...]:
+    @property
+    def climates(self) -> tuple[RegionClimate, ...]:
         """Temperature, moisture and fields of the regions in this case."""
-        return tuple(climates(self.problem.laminates, self.loads, self.problem.mesh.region_names))
+        return self.expansion.climates
+
+    @cached_property
+    def expansion(self) -> Expansion:
+        """What these do to the laminates."""
+        return Expansion(self.problem, self.loads)
 
     def cell_strains(self, xi: Array) -> Array:
         """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
@@ -191,10 +197,6 @@ class Solution:
     @cached_property
     def _of_cells(self) -> Array:
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
-
-    @cached_property
-    def _expansions(self) -> Array:
-        return expansions(self.problem.laminates, self.problem.dofs.element, self.climates)
 
     def _located(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Integers, Array, tuple[int, ...]]:
         try:
@@ -245,9 +247,10 @@ class Solution:
 
     def _resultants(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
         strains, cells = self._strains(x, y)
-        regions = self.problem.mesh.regions[cells]
-        S = matrices(self.problem.laminates, self.problem.dofs.element)
-        return np.asarray(np.einsum("...ij,...j->...i", S[regions], strains) - self._expansions[regions])
+        S = matrices(self.problem.laminates, self.problem.dofs.element)[self.problem.mesh.regions[cells]]
+        places = np.stack(np.broadcast_arrays(*np.atleast_1d(x, y)), axis=-1).reshape(-1, 2)
+        free = self.expansion.at(cells.ravel(), places.astype(float)).reshape(strains.shape)
+        return np.asarray(np.einsum("...ij,...j->...i", S, strains) - free)
 
     def _bending(self, values: Array, wanted: str) -> Array:
         if not self.problem.dofs.element.bends:

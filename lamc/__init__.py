@@ -14,7 +14,17 @@ from lamc._version import __version__
 from lamc.design.load import load
 from lamc.design.records import Design
 from lamc.design.split import split
-from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, JointLimits, RestAngle, Spring, Torque
+from lamc.effects import (
+    Effect,
+    Gravity,
+    GroundContact,
+    HingeDamping,
+    HingeStiffness,
+    JointLimits,
+    RestAngle,
+    Spring,
+    Torque,
+)
 from lamc.errors import (
     BuildError,
     DesignError,
@@ -43,6 +53,7 @@ __all__ = [
     "EmitError",
     "ExpressionError",
     "Gravity",
+    "GroundContact",
     "HingeDamping",
     "HingeStiffness",
     "Joint",

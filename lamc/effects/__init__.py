@@ -2,6 +2,7 @@
 
 from lamc.effects.base import Effect
 from lamc.effects.gravity import Gravity
+from lamc.effects.ground_contact import GroundContact
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.spring import Spring
@@ -10,6 +11,7 @@ from lamc.effects.torque import Torque
 __all__ = [
     "Effect",
     "Gravity",
+    "GroundContact",
     "HingeDamping",
     "HingeStiffness",
     "JointLimits",

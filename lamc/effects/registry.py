@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from lamc.effects.base import Effect, RegisteredEffect, claims_of
 from lamc.effects.gravity import Gravity
+from lamc.effects.ground_contact import GroundContact
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.spring import Spring
@@ -22,6 +23,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     JointLimits,
     Spring,
     Torque,
+    GroundContact,
 )
 
 

@@ -6,10 +6,10 @@ as lamc's: see `Effect` in `lamc/effects/base.py`.
 """
 
 import numbers
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from lamc.codegen.program import Parameter, Space
 from lamc.errors import DesignError
@@ -24,6 +24,8 @@ from lamc.mechanism.tree import WORLD
 
 if TYPE_CHECKING:
     import sympy as sp
+
+Item = TypeVar("Item")
 
 
 @dataclass
@@ -158,6 +160,12 @@ class Loads:
         for name in self.joints:
             self._store.link = self._index.get(name, NO_LINK)
             yield self.hinge(name)
+
+    def each(self, items: Iterable[Item]) -> Iterator[Item]:
+        """The items in order. Use this to do the same for each: what repeats is then emitted once."""
+        for place, item in enumerate(items):
+            self._store.link = place
+            yield item
 
     def hinge_torque(self, joint: str, torque: "Scalar | sp.Expr") -> None:
         """Adds a torque about the joint's axis, N·m, on the child, and its opposite on the parent (eq. 15-17)."""

@@ -28,6 +28,9 @@ _RULES: Mapping[str, _Rule] = {
     "inertia_xx": _Rule("a moment of inertia", may_be_zero=True),
     "inertia_yy": _Rule("a moment of inertia", may_be_zero=True),
     "inertia_zz": _Rule("a moment of inertia", may_be_zero=True),
+    "friction": _Rule("a coefficient of friction", may_be_zero=True),
+    "static_friction": _Rule("a coefficient of friction", may_be_zero=True),
+    "slip_speed": _Rule("a slip speed", may_be_zero=False),
     "restitution": _Rule("a restitution", may_be_zero=False, most=1.0),
 }
 

@@ -1,0 +1,111 @@
+"""Which points of the bodies can touch something: corners of their outlines, or points that are listed.
+
+Goes in: a mechanism and what a user said. Comes out: points by body, as drawn. Never: where they are in motion.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from shapely.geometry import MultiPolygon, Polygon
+
+from lamc.errors import DesignError
+from lamc.mechanism.checks import shown
+from lamc.mechanism.records import Body, Mechanism, checked_array, checked_name
+from lamc.readonly import ReadOnlyDict
+
+Point = tuple[float, float, float]  # m, drawn configuration, world axes
+SAME_HEIGHT = 1e-9  # of the body's extent: faces nearer to each other than this are one
+
+
+@dataclass(frozen=True)
+class ContactPoint:
+    """A point of a moving body."""
+
+    body: str
+    point: Point
+
+
+def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]]:
+    """Points by body, in the order of the bodies' names. Raises DesignError for what is no such mapping."""
+    if not isinstance(value, Mapping) or not value:
+        raise DesignError(
+            f"{what} is {shown(value)}; it must map bodies to lists of points, as in {{foot: [[0, 0, 0]]}}"
+        )
+    points: dict[str, tuple[Point, ...]] = {}
+    for body, given in sorted(value.items(), key=lambda item: str(item[0])):
+        checked_name(body, f"a body in {what}")
+        if isinstance(given, str | Mapping) or not isinstance(given, Sequence | np.ndarray) or len(given) == 0:
+            raise DesignError(f"{what} of body {body!r} is {shown(given)}; give a list of points [x, y, z] in m")
+        rows = [checked_array(each, (3,), f"a point in {what} of body {body!r}") for each in given]
+        points[body] = tuple((float(x), float(y), float(z)) for x, y, z in rows)
+    return ReadOnlyDict(points)
+
+
+def contact_points(
+    mechanism: Mechanism,
+    bodies: Sequence[str] | None,
+    points: Mapping[str, Sequence[Point]] | None,
+    corners: int,
+) -> tuple[ContactPoint, ...]:
+    """The points that can touch, body by body in the mechanism's order, each once.
+
+    bodies   whose corners count; None: all moving bodies with an outline, or no corners where points are listed
+    points   further points by body, or None
+    corners  how many a body has at most on each of its faces
+
+    Raises DesignError for a body that is not there, that is fixed or has no outline, and where nothing can touch.
+    """
+    known = {body.name: body for body in mechanism.bodies}
+    listed = points or {}
+    for name in (*(bodies or ()), *listed):
+        if name not in known:
+            raise DesignError(f"no body is named {name!r}; the bodies are {', '.join(sorted(known))}")
+        if known[name].fixed:
+            raise DesignError(f"body {name!r} is fixed and touches nothing by moving; name bodies that move")
+    if bodies is None:
+        drawn = () if points else tuple(b.name for b in mechanism.bodies if not b.fixed and b.outline)
+    else:
+        drawn = tuple(bodies)
+    found: dict[ContactPoint, None] = {}
+    for body in mechanism.bodies:
+        each: list[Point] = list(corners_of(body, corners)) if body.name in drawn else []
+        each += listed.get(body.name, ())
+        found |= dict.fromkeys(ContactPoint(body.name, point) for point in each)
+    if not found:
+        raise DesignError(
+            "no moving body has an outline, so none has corners that could touch: list points by body"
+        )
+    return tuple(found)
+
+
+def corners_of(body: Body, most: int) -> tuple[Point, ...]:
+    """Corners of the convex hulls of the body's lowest and highest face, at most `most` on each.
+
+    Raises DesignError for a body without an outline.
+    """
+    if not body.outline:
+        raise DesignError(f"body {body.name!r} has no outline and so no corners; list its points instead")
+    low = min(plate.z_bottom for plate in body.outline)
+    high = max(plate.z_top for plate in body.outline)
+    xs, ys = zip(*(xy for plate in body.outline for xy in plate.polygon.exterior.coords), strict=True)
+    near = SAME_HEIGHT * (max(xs) - min(xs) + max(ys) - min(ys))
+    bottom = [plate.polygon for plate in body.outline if plate.z_bottom <= low + near]
+    top = [plate.polygon for plate in body.outline if plate.z_top >= high - near]
+    faces = [(low, bottom), (high, top)] if high - low > near else [(low, bottom)]
+    return tuple((x, y, float(z)) for z, polygons in faces for x, y in hull_corners(polygons, most))
+
+
+def hull_corners(polygons: Sequence[Polygon], most: int) -> tuple[tuple[float, float], ...]:
+    """Corners of the convex hull, m, anticlockwise from the lowest x. Beyond `most`, those go whose loss takes the
+    least area, one after the other (Visvalingam & Whyatt 1993)."""
+    hull = MultiPolygon(list(polygons)).convex_hull.normalize().exterior.coords[:-1]
+    corners = [(float(x), float(y)) for x, y in hull][::-1]
+    while len(corners) > most:
+        lost = [_area(corners[i - 1], corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners))]
+        del corners[int(np.argmin(lost))]
+    return tuple(corners)
+
+
+def _area(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return 0.5 * abs((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))

@@ -1,0 +1,222 @@
+"""Contact with a ground plane: Hunt and Crossley's normal force at points of the bodies, and Coulomb friction.
+
+Goes in: a plane, points, and constants of the contact. Comes out: forces at the points, the energy stored in the
+ground, one switch per point. Points do not know of each other, and the ground has no edge.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lamc.effects.base import Effect
+from lamc.effects.contact_points import Point, checked_points, contact_points
+from lamc.effects.data import record
+from lamc.errors import DesignError
+from lamc.mechanics.algebra import Vector3, add, dot, scale
+from lamc.mechanics.loads import Loads
+from lamc.mechanics.staging import Scalar, call, power
+from lamc.mechanism.checks import checked_number, shown
+from lamc.mechanism.records import Array, Mechanism, checked_array, checked_name
+
+STANDARD_GRAVITY = 9.81  # m/s², for a ground of which the scene does not say how stiff it is
+SINKING = 1e-3  # of the size: how deep all the weight presses one point into the ground
+SLIP = 1e-3  # of the speed sqrt(g size): where friction has reached 0.7 of its strength
+MAX_CORNERS = 8  # on each face of a body, unless the scene says otherwise
+SHARPNESS = 0.05  # of the clamp that keeps the ground from pulling; see `_push`
+STICTION_PEAK = 5.0  # slip speeds at which friction is strongest where its static coefficient is larger
+
+
+@dataclass(frozen=True)
+class GroundContact:
+    """A plane that pushes on the points of bodies that are below it, and rubs on those that slide.
+
+    With the depth d of a point and the speed v at which it goes deeper, the ground pushes with
+    F = k dⁿ (1 + 3/2 c v), and never pulls. A blow at a small speed v is returned with the restitution 1 - c v. Friction
+    is μ F against the sliding velocity s: μ F s / sqrt(s² + slip_speed²), which is smooth. A body at rest on a slope thus
+    creeps, by slip_speed x / sqrt(1 - x²) where x is the tangent of the slope over μ. Integrators stop where points
+    touch and leave.
+
+    friction         μ, of sliding
+    static_friction  the largest coefficient, of what begins to slide; None: as when sliding. It is reached, within 2 %
+                     of μ, at five times the slip speed
+    slip_speed       m/s; None: 1e-3 sqrt(g size), where size is the diagonal of the box around all contact points
+    stiffness        k, N/mⁿ; None: the weight of all that moves, on one point, sinks in by 1e-3 of the size
+    damping          c, s/m; None: 1 / sqrt(g size)
+    exponent         n: 1.5 (Hertz: round on flat), or 1
+    height           m: of the plane along its normal, from the world's origin. The bottom of a drawing lies at 0
+    normal           out of the ground, world axes; made a unit vector
+    bodies           names of those whose corners can touch; None: all that move and have an outline, or where points
+                     are listed, none. Corners are those of the hull of the lowest and of the highest face
+    points           further points by body, m, as drawn
+    corners          at most that many on each face of a body, at least 3; those go whose loss takes the least area
+    """
+
+    friction: float = 0.5
+    static_friction: float | None = None
+    slip_speed: float | None = None  # m/s
+    stiffness: float | None = None  # N/m^n
+    damping: float | None = None  # s/m
+    exponent: float = 1.5
+    height: float = 0.0  # m
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    bodies: tuple[str, ...] | None = None
+    points: Mapping[str, tuple[Point, ...]] | None = None
+    corners: int = MAX_CORNERS
+
+    name: ClassVar[str] = "ground_contact"
+    summary: ClassVar[str] = "Contact with the ground"
+    source: ClassVar[str] = "F = k d^n (1 + 3/2 c v), Hunt & Crossley 1975; friction mu F s / sqrt(s^2 + vs^2)"
+    units: ClassVar[Mapping[str, str]] = {
+        "slip_speed": "m/s",
+        "damping": "s/m",
+        "height": "m",
+        "points": "m",
+    }
+
+    def __post_init__(self) -> None:
+        put = _setter(self)
+        for field in ("friction", "static_friction", "slip_speed", "stiffness", "damping"):
+            value = getattr(self, field)
+            if value is not None:
+                put(field, checked_number(value, f"the {field} of ground contact", minimum=0.0))
+        put("height", checked_number(self.height, "the height of the ground"))
+        put("exponent", checked_number(self.exponent, "the exponent of ground contact"))
+        self._check_numbers()
+        normal = checked_array(self.normal, (3,), "the normal of the ground")
+        length = float(np.linalg.norm(normal))
+        if not 0.0 < length < math.inf:
+            raise DesignError(f"the normal of the ground is {normal.tolist()}; it must have a direction")
+        put("normal", tuple(float(x) for x in (normal if abs(length - 1.0) < 1e-15 else normal / length)))
+        if self.bodies is not None:
+            if isinstance(self.bodies, str | Mapping) or not isinstance(self.bodies, Sequence) or not self.bodies:
+                raise DesignError(f"bodies of ground contact is {shown(self.bodies)}; give a list of names")
+            put("bodies", tuple(checked_name(b, "a body of ground contact") for b in self.bodies))
+        if self.points is not None:
+            put("points", checked_points(self.points, "points of ground contact"))
+
+    def _check_numbers(self) -> None:
+        if self.exponent not in (1.0, 1.5):
+            raise DesignError(
+                f"the exponent of ground contact is {self.exponent:g}; it must be 1.5, as of round on flat, or 1"
+            )
+        for field, unit in (("stiffness", "N/m^1.5" if self.exponent == 1.5 else "N/m"), ("slip_speed", "m/s")):
+            if getattr(self, field) == 0.0:
+                raise DesignError(
+                    f"the {field} of ground contact is 0; give {unit} above zero, or leave it out for one that "
+                    "suits the mechanism"
+                )
+        if self.static_friction is not None and self.static_friction < self.friction:
+            raise DesignError(
+                f"the static_friction of ground contact is {self.static_friction:g}, below its friction of "
+                f"{self.friction:g}; what begins to slide is held at least as much as what slides"
+            )
+        whole = isinstance(self.corners, int) and not isinstance(self.corners, bool)
+        if not whole or self.corners < 3:
+            raise DesignError(f"corners of ground contact is {shown(self.corners)}; it must be 3 or more")
+
+    def __hash__(self) -> int:
+        points = None if self.points is None else tuple(self.points.items())
+        return hash((self.friction, self.stiffness, self.height, self.normal, self.bodies, points))
+
+    def contribute(self, loads: Loads) -> None:
+        points = contact_points(loads.mechanism, self.bodies, self.points, self.corners)
+        ground = _Ground(self, loads, np.array([each.point for each in points]))
+        counts: dict[str, int] = {}
+        for each in loads.each(points):
+            counts[each.body] = counts.get(each.body, 0) + 1
+            ground.act(each.body, each.point, f"contact {counts[each.body]} of {each.body}")
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no ground is called for"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "GroundContact":
+        """From a scene file: a mapping of the fields above; nothing for all defaults."""
+        return record(cls, value, where)
+
+
+class _Ground:
+    """The constants of one contact as parameters, and what they come to at a point."""
+
+    def __init__(self, effect: GroundContact, loads: Loads, points: Array) -> None:
+        self.loads = loads
+        self.normal: Vector3 = effect.normal
+        self.exponent = effect.exponent
+        size = float(np.linalg.norm(np.ptp(points, axis=0))) or loads.mechanism.size
+        mass = math.fsum(body.mass for body in loads.mechanism.bodies if not body.fixed)
+        weight, speed = mass * STANDARD_GRAVITY, math.sqrt(STANDARD_GRAVITY * size)
+        stiffness = weight / (SINKING * size) ** effect.exponent
+
+        def parameter(field: str, value: float, unit: str, meaning: str) -> Scalar:
+            return loads.parameter(f"{effect.name}.{field}", value, unit, meaning)
+
+        def given(value: float | None, default: float) -> float:
+            return default if value is None else value
+
+        unit = "N/m^1.5" if effect.exponent == 1.5 else "N/m"
+        self.height = parameter("height", effect.height, "m", "of the ground along its normal")
+        self.stiffness = parameter(
+            "stiffness", given(effect.stiffness, stiffness), unit, "force over depth to the exponent"
+        )
+        self.damping = parameter(
+            "damping", given(effect.damping, 1.0 / speed), "s/m", "loss of restitution per speed of impact"
+        )
+        self.friction = parameter("friction", effect.friction, "1", "coefficient of friction of what slides")
+        self.slip = parameter(
+            "slip_speed", given(effect.slip_speed, SLIP * speed), "m/s", "at which friction has 0.7 of its strength"
+        )
+        self.extra: Scalar | None = None  # of the static coefficient above that of sliding
+        if effect.static_friction is not None:
+            static = parameter(
+                "static_friction", effect.static_friction, "1", "coefficient of friction of what begins to slide"
+            )
+            self.extra = static - self.friction
+
+    def act(self, body: str, point: Point, title: str) -> None:
+        """Forces and stored energy at one point."""
+        loads = self.loads
+        velocity = loads.velocity(body, point)
+        rising = dot(self.normal, velocity)
+        depth = self.height - dot(self.normal, loads.position(body, point))
+        touching = loads.switch(title, depth)
+        # Beyond the switch the depth is positive but for round-off and for trial states of a step, where a root of a
+        # negative number would end the run.
+        deep = call("max", depth, 0.0)
+        spring = touching * (self.stiffness * (deep if self.exponent == 1.0 else power(deep, 1.5)))
+        loads.stored_energy(spring * deep * (1.0 / (self.exponent + 1.0)))
+        push = spring * _push(1.0 - 1.5 * (self.damping * rising))
+        sliding = add(velocity, scale(-rising, self.normal))
+        rub = push * self._rub(sliding)
+        loads.force(body, point, add(scale(push, self.normal), scale(-rub, sliding)))
+
+    def _rub(self, sliding: Vector3) -> Scalar:
+        """Friction over the pushing force and the sliding velocity, s/m."""
+        squared = dot(sliding, sliding)
+        steady = self.friction / call("sqrt", squared + self.slip * self.slip)
+        if self.extra is None:
+            return steady
+        # A bump that is 1 at x = 1, where x is the speed over that of the peak: (2 x / (1 + x²))³
+        peak = STICTION_PEAK * self.slip
+        part = 1.0 / (1.0 + squared / (peak * peak))
+        return steady + (8.0 * self.extra / (peak * peak * peak)) * (squared * power(part, 3))
+
+
+def _push(w: Scalar) -> Scalar:
+    """w where it is positive, and nearly nothing where it is not; smooth, rising, and 1 at w = 1.
+
+    s log(1 + exp(w / s)) in the form that does not overflow: with s = 0.05 it differs from w by 1e-10 from w = 1 on. The
+    ground's force is thus the law's up to speeds of separation near 2 / (3 c), of which the law makes a pull.
+    """
+    return _soft(w) / _soft(1.0)
+
+
+def _soft(w: Scalar) -> Scalar:
+    return call("max", w, 0.0) + SHARPNESS * call("log", 1.0 + call("exp", abs(w) / -SHARPNESS))
+
+
+def _setter(record: object) -> Any:
+    return lambda name, value: object.__setattr__(record, name, value)

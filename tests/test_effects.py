@@ -179,6 +179,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
     bare = account(pendulum(), Scene())
     assert bare == {
         "gravity": (True, "-9.81 m/s² along z unless a scene says otherwise"),
+        "ground_contact": (False, "no ground is called for"),
         "hinge_damping": (False, "no hinge is damped"),
         "hinge_stiffness": (False, "no hinge has a stiffness"),
         "joint_limits": (False, "no joint has limits narrower than ±180°"),

@@ -1,6 +1,8 @@
-"""The law of contact on a lever, whose one point of contact moves as a mass does on a line: force, restitution, energy."""
+"""The law of contact on a lever, whose one point moves as a mass on a line does: force, restitution, energy."""
 
 import math
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,8 +13,10 @@ from scipy.optimize import brentq
 
 import lamc
 from lamc import Body, DesignError, Gravity, GroundContact, Joint, Mechanism, RequestError, Scene
+from lamc.reference.check import check
 from lamc.run.simulator import Simulator
 from tests.ctools import needs_cc
+from tests.mechanisms import chain
 
 pytestmark = needs_cc
 
@@ -32,6 +36,7 @@ def contact(**fields: Any) -> GroundContact:
     return GroundContact(**{**defaults, **fields})
 
 
+@cache
 def on_ground(effect: GroundContact, rate: float = 0.0) -> Simulator:
     return lamc.compile(lever(), Scene((effect,), rates={"h": rate}))
 
@@ -74,7 +79,9 @@ def test_the_damping_factor_stays_true_until_the_ground_would_pull() -> None:
     sim = on_ground(contact())
     spring = push(sim, 1e-3, 0.0, damping=0.0)
     at_the_turn = push(sim, 1e-3, -1.0, damping=1.0 / 1.5)
-    assert at_the_turn / spring == pytest.approx(0.05 * math.log(2.0), rel=1e-6)  # the clamp's value at 1 is 1 + 1e-10
+    assert at_the_turn / spring == pytest.approx(
+        0.05 * math.log(2.0), rel=1e-6
+    )  # the clamp's value at 1 is 1 + 1e-10
     beyond = push(sim, 1e-3, -2.0, damping=1.0 / 1.5)
     assert 0.0 < beyond / spring < 1e-9  # exp(-1 / 0.05)
 
@@ -91,8 +98,8 @@ def restitution(speed: float, **fields: float) -> float:
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 @pytest.mark.parametrize("loss", [0.01, 0.1, 0.5, 2.0])  # c v
 def test_restitution_is_that_of_marhefka_and_orin(loss: float, exponent: float) -> None:
-    """m v dv/dd = -k dⁿ (1 + a v), a = 3/2 c, integrates to a v (1 + e) = log((1 + a v) / (1 - a v e)), whatever k and n
-    (Marhefka & Orin, A compliant contact model with nonlinear damping, 1999)."""
+    """m v dv/dd = -k dⁿ (1 + a v), a = 3/2 c, integrates to a v (1 + e) = log((1 + a v) / (1 - a v e)), whatever k
+    and n (Marhefka & Orin, A compliant contact model with nonlinear damping, 1999)."""
     speed = 0.5
     a = 1.5 * loss
 
@@ -130,14 +137,18 @@ def test_depth_at_rest_and_energy_are_those_of_the_spring() -> None:
         sim = lamc.compile(lever(), Scene((effect, lamc.Torque({"h": 0.1}))))
         result = sim.run(t_end=20.0, rtol=1e-8)
         depth = (force / 1e4) ** (1.0 / exponent)
-        assert math.sin(result.q[-1, 0]) * ARM == pytest.approx(depth, rel=2e-4)  # lever turned by 1e-2: cos 1 - 1e-4
+        assert math.sin(result.q[-1, 0]) * ARM == pytest.approx(
+            depth, rel=2e-4
+        )  # lever turned by 1e-2: cos 1 - 1e-4
         stored = 1e4 * depth ** (exponent + 1.0) / (exponent + 1.0)
         assert result.energies["ground_contact"][-1] == pytest.approx(stored, rel=1e-3)
 
 
 def test_friction_drags_by_the_coefficient_and_grows_smoothly_with_the_sliding_speed() -> None:
     """The ground is a wall here, x = const: the lever's end slides along it, and its turning is braked by μ F."""
-    effect = contact(normal=(-1.0, 0.0, 0.0), height=-(ARM - 1e-3), friction=0.4, slip_speed=1e-3, damping=0.0)
+    effect = contact(
+        normal=(-1.0, 0.0, 0.0), height=-(ARM - 1e-3), friction=0.4, slip_speed=1e-3, damping=0.0
+    )
     sim = on_ground(effect)
     pressed = 1e6 * 1e-3**1.5
     for speed in (-2.0, -1e-3, 1e-4, 1e-3, 5e-2, 2.0):
@@ -167,7 +178,13 @@ def test_static_friction_is_the_most_that_holds() -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("friction", -0.1), ("stiffness", -1.0), ("damping", -1.0), ("slip_speed", 0.0), ("static_friction", -1.0)],
+    [
+        ("friction", -0.1),
+        ("stiffness", -1.0),
+        ("damping", -1.0),
+        ("slip_speed", 0.0),
+        ("static_friction", -1.0),
+    ],
 )
 def test_a_swept_parameter_that_would_feed_energy_is_refused(name: str, value: float) -> None:
     sim = on_ground(contact(friction=0.1, static_friction=0.2))
@@ -206,3 +223,17 @@ def test_gravity_alone_brings_the_default_ground_to_a_small_depth() -> None:
     result = lamc.compile(mechanism, Scene((Gravity(), ground))).run(t_end=10.0, rtol=1e-7)
     assert result.success
     assert result.q[-1, 0] * 0.1 == pytest.approx(1e-3 * mechanism.size, rel=1e-3)
+
+
+def test_four_voices_agree_on_a_chain_that_lies_on_slanting_ground() -> None:
+    """Points of every body of a chain in space, some in the ground and sliding: C, its interpretation, Newton and Euler
+    in numbers, and maximal coordinates."""
+    mechanism = chain(3, "space", seed=2)
+    points = {f"body{i}": [(float(i), 0.2, -0.1), (i + 0.8, -0.3, 0.2)] for i in range(3)}
+    ground = GroundContact(
+        friction=0.4, static_friction=0.6, slip_speed=0.5, height=0.3, normal=(0.2, -0.1, 1.0), points=points
+    )
+    sim = lamc.compile(mechanism, Scene((Gravity(), replace(ground, stiffness=40.0))))
+    report = check(sim, states=8, t_end=0.3)
+    assert report.passed, [c for c in report.comparisons if not c.passed]
+    assert not [note for note in report.notes if "do not know" in note]

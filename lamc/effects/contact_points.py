@@ -35,8 +35,14 @@ def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]]:
     points: dict[str, tuple[Point, ...]] = {}
     for body, given in sorted(value.items(), key=lambda item: str(item[0])):
         checked_name(body, f"a body in {what}")
-        if isinstance(given, str | Mapping) or not isinstance(given, Sequence | np.ndarray) or len(given) == 0:
-            raise DesignError(f"{what} of body {body!r} is {shown(given)}; give a list of points [x, y, z] in m")
+        if (
+            isinstance(given, str | Mapping)
+            or not isinstance(given, Sequence | np.ndarray)
+            or len(given) == 0
+        ):
+            raise DesignError(
+                f"{what} of body {body!r} is {shown(given)}; give a list of points [x, y, z] in m"
+            )
         rows = [checked_array(each, (3,), f"a point in {what} of body {body!r}") for each in given]
         points[body] = tuple((float(x), float(y), float(z)) for x, y, z in rows)
     return ReadOnlyDict(points)
@@ -102,7 +108,9 @@ def hull_corners(polygons: Sequence[Polygon], most: int) -> tuple[tuple[float, f
     hull = MultiPolygon(list(polygons)).convex_hull.normalize().exterior.coords[:-1]
     corners = [(float(x), float(y)) for x, y in hull][::-1]
     while len(corners) > most:
-        lost = [_area(corners[i - 1], corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners))]
+        lost = [
+            _area(corners[i - 1], corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners))
+        ]
         del corners[int(np.argmin(lost))]
     return tuple(corners)
 

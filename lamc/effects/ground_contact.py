@@ -34,10 +34,10 @@ class GroundContact:
     """A plane that pushes on the points of bodies that are below it, and rubs on those that slide.
 
     With the depth d of a point and the speed v at which it goes deeper, the ground pushes with
-    F = k dⁿ (1 + 3/2 c v), and never pulls. A blow at a small speed v is returned with the restitution 1 - c v. Friction
-    is μ F against the sliding velocity s: μ F s / sqrt(s² + slip_speed²), which is smooth. A body at rest on a slope thus
-    creeps, by slip_speed x / sqrt(1 - x²) where x is the tangent of the slope over μ. Integrators stop where points
-    touch and leave.
+    F = k dⁿ (1 + 3/2 c v), and never pulls. A blow at a small speed v is returned with the restitution 1 - c v.
+    Friction is μ F s / sqrt(s² + slip_speed²) against the sliding velocity s, which is smooth: a body at rest on a
+    slope creeps, by slip_speed x / sqrt(1 - x²) where x is the tangent of the slope over μ. Integrators stop where
+    points touch and leave.
 
     friction         μ, of sliding
     static_friction  the largest coefficient, of what begins to slide; None: as when sliding. It is reached, within 2 %
@@ -68,7 +68,9 @@ class GroundContact:
 
     name: ClassVar[str] = "ground_contact"
     summary: ClassVar[str] = "Contact with the ground"
-    source: ClassVar[str] = "F = k d^n (1 + 3/2 c v), Hunt & Crossley 1975; friction mu F s / sqrt(s^2 + vs^2)"
+    source: ClassVar[str] = (
+        "F = k d^n (1 + 3/2 c v), Hunt & Crossley 1975; friction mu F s / sqrt(s^2 + vs^2)"
+    )
     units: ClassVar[Mapping[str, str]] = {
         "slip_speed": "m/s",
         "damping": "s/m",
@@ -91,7 +93,11 @@ class GroundContact:
             raise DesignError(f"the normal of the ground is {normal.tolist()}; it must have a direction")
         put("normal", tuple(float(x) for x in (normal if abs(length - 1.0) < 1e-15 else normal / length)))
         if self.bodies is not None:
-            if isinstance(self.bodies, str | Mapping) or not isinstance(self.bodies, Sequence) or not self.bodies:
+            if (
+                isinstance(self.bodies, str | Mapping)
+                or not isinstance(self.bodies, Sequence)
+                or not self.bodies
+            ):
                 raise DesignError(f"bodies of ground contact is {shown(self.bodies)}; give a list of names")
             put("bodies", tuple(checked_name(b, "a body of ground contact") for b in self.bodies))
         if self.points is not None:
@@ -102,7 +108,10 @@ class GroundContact:
             raise DesignError(
                 f"the exponent of ground contact is {self.exponent:g}; it must be 1.5, as of round on flat, or 1"
             )
-        for field, unit in (("stiffness", "N/m^1.5" if self.exponent == 1.5 else "N/m"), ("slip_speed", "m/s")):
+        for field, unit in (
+            ("stiffness", "N/m^1.5" if self.exponent == 1.5 else "N/m"),
+            ("slip_speed", "m/s"),
+        ):
             if getattr(self, field) == 0.0:
                 raise DesignError(
                     f"the {field} of ground contact is 0; give {unit} above zero, or leave it out for one that "
@@ -167,12 +176,18 @@ class _Ground:
         )
         self.friction = parameter("friction", effect.friction, "1", "coefficient of friction of what slides")
         self.slip = parameter(
-            "slip_speed", given(effect.slip_speed, SLIP * speed), "m/s", "at which friction has 0.7 of its strength"
+            "slip_speed",
+            given(effect.slip_speed, SLIP * speed),
+            "m/s",
+            "at which friction has 0.7 of its strength",
         )
         self.extra: Scalar | None = None  # of the static coefficient above that of sliding
         if effect.static_friction is not None:
             static = parameter(
-                "static_friction", effect.static_friction, "1", "coefficient of friction of what begins to slide"
+                "static_friction",
+                effect.static_friction,
+                "1",
+                "coefficient of friction of what begins to slide",
             )
             self.extra = static - self.friction
 
@@ -208,8 +223,8 @@ class _Ground:
 def _push(w: Scalar) -> Scalar:
     """w where it is positive, and nearly nothing where it is not; smooth, rising, and 1 at w = 1.
 
-    s log(1 + exp(w / s)) in the form that does not overflow: with s = 0.05 it differs from w by 1e-10 from w = 1 on. The
-    ground's force is thus the law's up to speeds of separation near 2 / (3 c), of which the law makes a pull.
+    It is s log(1 + exp(w / s)) in the form that does not overflow; with s = 0.05 that differs from w by 1e-10 from
+    w = 1 on. The force is thus the law's, up to speeds of leaving near 2 / (3 c), where the law turns to a pull.
     """
     return _soft(w) / _soft(1.0)
 

@@ -1,4 +1,4 @@
-"""Effects as numbers: scene effects in, gravity, hinge torques and forces of springs at a state out.
+"""Effects as numbers: scene effects in, gravity, hinge torques, forces of springs and contacts at a state out.
 
 An independent reading of the effects, written from their physical meaning and sharing nothing with their
 symbolic form. It dispatches on `effect.name`; an effect that it does not know is refused, never skipped.
@@ -6,6 +6,7 @@ symbolic form. It dispatches on `effect.name`; an effect that it does not know i
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.records import Joint, Mechanism
+from lamc.reference.contact import Ground, ground
 from lamc.reference.expression import Formula, parse
 from lamc.reference.kinematics import Link, Motion, cross
 
@@ -42,6 +44,7 @@ class NumericLoads:
     applied      constant torques, N·m
     torques      (index of the joint, formula in t, angle and rate, N·m)
     springs      springs between points
+    grounds      planes that points touch
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -53,6 +56,7 @@ class NumericLoads:
     applied: Array
     torques: tuple[tuple[int, Formula], ...]
     springs: tuple[PointSpring, ...]
+    grounds: tuple[Ground, ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -62,8 +66,9 @@ class NumericLoads:
             torque[k] += formula({"t": t, "angle": float(q[k]), "rate": float(u[k])})
         return torque
 
-    def spring_wrenches(self, links: Sequence[Link], state: Motion) -> tuple[Array, Array]:
-        """Forces, N, and moments about the centres of mass, N·m, on the bodies of the walk; both (n, 3), world."""
+    def point_wrenches(self, links: Sequence[Link], state: Motion) -> tuple[Array, Array]:
+        """Of springs and contacts: forces, N, and moments about the centres of mass, N·m, on the bodies of the walk;
+        both (n, 3), world."""
         forces, moments = np.zeros((2, len(links), 3))
         for spring in self.springs:
             ends = [_end(links, state, *end) for end in zip(spring.bodies, spring.points, strict=True)]
@@ -78,6 +83,10 @@ class NumericLoads:
                 if place >= 0:
                     forces[place] += force
                     moments[place] += cross(point - state.centre[place], force)
+        for plane in self.grounds:
+            for place, point, force in plane.forces(partial(_end, links, state)):
+                forces[place] += force
+                moments[place] += cross(point - state.centre[place], force)
         return forces, moments
 
     def stored(self, q: Array, links: Sequence[Link], state: Motion) -> dict[str, float]:
@@ -92,6 +101,7 @@ class NumericLoads:
             "hinge_stiffness": float(0.5 * self.stiffness @ (q * q)),
             "rest_angle": float(self.rest_energy.sum() - self.preload @ q),
             "spring": sum(0.5 * s.stiffness * x * x for s, x in zip(self.springs, stretches, strict=True)),
+            "ground_contact": sum(g.stored(partial(_end, links, state)) for g in self.grounds),
         }
         return {name: values[name] for name in self.energies}
 
@@ -105,7 +115,7 @@ def _end(links: Sequence[Link], state: Motion, body: str, point: Array) -> tuple
     return -1, point, np.zeros(3)
 
 
-KNOWN = ("gravity", "hinge_stiffness", "hinge_damping", "rest_angle", "torque", "spring")
+KNOWN = ("gravity", "hinge_stiffness", "hinge_damping", "rest_angle", "torque", "spring", "ground_contact")
 
 
 def told_apart(effects: Iterable[Any]) -> tuple[tuple[Any, ...], str]:
@@ -128,6 +138,7 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
     stiffness, preload, rest_energy, damping, applied = np.zeros((5, n))
     torques: list[tuple[int, Formula]] = []
     springs: list[PointSpring] = []
+    grounds: list[Ground] = []
     energies: list[str] = []
     for effect in effects:
         match effect.name:
@@ -152,6 +163,9 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
             case "spring":
                 springs.append(_spring(mechanism, effect))
                 energies.append("spring")
+            case "ground_contact":
+                grounds.append(ground(mechanism, effect))
+                energies.append("ground_contact")
             case other:
                 raise UnsupportedError(
                     f"the independent voice cannot check the effect {other!r}: it has no numeric meaning "
@@ -166,6 +180,7 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
         applied,
         tuple(torques),
         tuple(springs),
+        tuple(grounds),
         tuple(dict.fromkeys(energies)),
     )
 

@@ -81,7 +81,7 @@ class MaximalCoordinates:
         """Mass matrix (6n, 6n) and applied plus gyroscopic forces (6n,), per body force then moment."""
         n = len(self.links)
         mass, force = np.zeros((6 * n, 6 * n)), np.zeros(6 * n)
-        pulls, moments = self._loads.spring_wrenches(self.links, state)
+        pulls, moments = self._loads.point_wrenches(self.links, state)
         for i, link in enumerate(self.links):
             a, b, c = 6 * i, 6 * i + 3, 6 * i + 6
             inertia = state.rotation[i] @ link.body.inertia @ state.rotation[i].T

@@ -53,7 +53,7 @@ class NewtonEuler:
         closed = self.closure.at(state)
         angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
         torque = self._loads.hinge_torques(t, angles, rates)
-        forces, moments = self._loads.spring_wrenches(self.links, state)
+        forces, moments = self._loads.point_wrenches(self.links, state)
         moments += closed.moments(torque[n:])
         mass, force = np.empty((n, n)), np.empty(n)
         mass[np.ix_(self._slot, self._slot)] = self._mass_matrix(state)

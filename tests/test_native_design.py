@@ -14,7 +14,7 @@ from lamc.design.records import Design
 from lamc.design.scene_file import read_scene
 from lamc.design.schema import json_schema
 from lamc.design.split import split
-from lamc.design.units import ANGLE, DENSITY, LENGTH, STIFFNESS, to_si
+from lamc.design.units import ANGLE, ANGLE_RATE, DENSITY, LENGTH, STIFFNESS, Quantity, to_si
 from lamc.errors import DesignError, DesignErrors, LamcError
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.yaml_file import write_mechanism
@@ -193,8 +193,27 @@ def test_units_of_the_trade_are_understood() -> None:
     assert to_si("25 µm", LENGTH) == to_si("25 um", LENGTH) == 2.5e-05
     assert to_si("180°", ANGLE) == math.pi
     assert to_si("2 kg m^-3", DENSITY) == to_si("2 kg/(m^3)", DENSITY) == 2.0
-    assert to_si("3 N*mm", STIFFNESS) == 3e-3
+    assert to_si("3 N*mm/rad", STIFFNESS) == 3e-3
     assert to_si(12, LENGTH, "inch") == pytest.approx(0.3048, rel=1e-15)  # one rounding
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "said"),
+    [
+        ("3 N*mm", STIFFNESS, "'N*mm' names no angle, and a hinge stiffness is in N*m/rad or the like"),
+        ("5 Hz", ANGLE_RATE, "'Hz' names no angle, and an angular rate is in rad/s or the like"),
+        ("1 mm*rad", LENGTH, "'mm*rad' names an angle, and a length is in m or the like"),
+        ("2 mm/mm", ANGLE, "'mm/mm' names no angle"),
+    ],
+)
+def test_an_angle_that_is_missing_or_too_much_is_told(text: str, kind: Quantity, said: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        to_si(text, kind)
+    assert said in str(caught.value)
+
+
+def test_rates_may_be_in_turns() -> None:
+    assert to_si("60 rpm", ANGLE_RATE) == pytest.approx(2 * math.pi, rel=1e-15)  # one rounding
 
 
 @pytest.mark.parametrize(

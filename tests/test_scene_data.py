@@ -64,6 +64,7 @@ def test_effects_take_units_in_files() -> None:
         ("gravty", None, "x: no effect is named 'gravty'; did you mean 'gravity'?"),
         ("joint_limits", {"stifness": 1}, "x.stifness: joint_limits has no field 'stifness'; did you mean 'stif"),
         ("joint_limits", {"stiffness": "1 N/m"}, "x.stiffness: 'N/m' is not a unit of stiffness; expected N*m/rad"),
+        ("joint_limits", {"stiffness": "1 N*mm"}, "x.stiffness: 'N*mm' names no angle"),
         ("joint_limits", {"stiffness": -1}, "x: the stiffness of joint limits is -1.0; it must be finite and at"),
         ("joint_limits", 3, "x: joint_limits is 3; give a map of its fields: stiffness, damping"),
         ("gravity", ["1 m", 0, 0], "x.acceleration[0]: 'm' is not a unit of acceleration"),

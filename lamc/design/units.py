@@ -160,6 +160,13 @@ def _factor(unit: str, quantity: Quantity) -> float:
             f"{unit!r} is not a unit of {quantity.name}; expected {quantity.unit or 'a plain number'} "
             f"or the like, such as {quantity.example!r}"
         )
+    if _angles(given) != _angles(expected):
+        # Angles have no dimension, so that N*mm would pass for N*mm/rad where N*mm/deg was meant, and Hz for rad/s.
+        told = "names no angle" if _angles(expected) else "names an angle"
+        raise DesignError(
+            f"{unit!r} {told}, and {_a(quantity.name)} is in {quantity.unit or 'plain form'} or the like: "
+            f"write it such as {quantity.example!r}"
+        )
     try:
         factor = float(registry.Quantity(1.0, given).to(expected).magnitude)
     except Exception as error:  # offset and logarithmic units (degC, dB) refuse plain scaling
@@ -167,6 +174,14 @@ def _factor(unit: str, quantity: Quantity) -> float:
     if not math.isfinite(factor) or factor <= 0.0:
         raise DesignError(f"{unit!r} cannot be used as a unit of {quantity.name}; its size is {factor!r}")
     return factor
+
+
+def _angles(unit: Any) -> float:
+    """The power of angle in a unit: -1 for N*mm/deg. 0 for one that cannot be scaled, which fails later."""
+    try:
+        return float(dict(_registry().Quantity(1.0, unit).to_root_units().unit_items()).get("radian", 0))
+    except Exception:  # offset and logarithmic units
+        return 0.0
 
 
 @cache

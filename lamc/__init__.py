@@ -12,6 +12,7 @@ Everything public is listed in `__all__`; everything else may change.
 
 from lamc._version import __version__
 from lamc.design.load import load
+from lamc.design.load_scene import load_scene
 from lamc.design.records import Design
 from lamc.design.split import split
 from lamc.effects import (
@@ -74,5 +75,6 @@ __all__ = [
     "__version__",
     "compile",
     "load",
+    "load_scene",
     "split",
 ]

@@ -27,6 +27,7 @@ from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
 from lamc.options import CompileOptions
+from lamc.places import told_at
 from lamc.resources import data_dir, stamps
 from lamc.run.simulator import Simulator
 from lamc.scene import Scene
@@ -110,6 +111,11 @@ def compile(  # noqa: A001  the public name is lamc.compile
     else:
         mechanism = design
     scene = scene or mechanism.scene or Scene()
+    with told_at(scene.places):
+        return _compiled(mechanism, scene, options, times)
+
+
+def _compiled(mechanism: Mechanism, scene: Scene, options: CompileOptions, times: Times) -> Simulator:
     effects = effects_of(mechanism, scene)
     loops = None
     if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):

@@ -1,12 +1,17 @@
-"""The `Scene`: which effects act, and how the mechanism starts. Nothing here knows any effect by name."""
+"""The `Scene`: which effects act, how the mechanism starts, how long it runs and what of it matters.
 
+In: effects, and plain values. Out: checked records. Nothing here knows any effect by name, or any mechanism.
+"""
+
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from numbers import Integral
 from typing import TYPE_CHECKING
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import checked_number, shown
+from lamc.mechanism.checks import checked_kind, checked_name, checked_number, shown
+from lamc.places import Places
 from lamc.readonly import ReadOnlyDict
 
 if TYPE_CHECKING:
@@ -24,25 +29,41 @@ def _angles(values: Mapping[str, float], argument: str, what: str) -> Mapping[st
     return ReadOnlyDict({str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()})
 
 
-def _effects(values: "Iterable[Effect]") -> "tuple[Effect, ...]":
+def _effects(values: "Iterable[Effect]", argument: str) -> "tuple[Effect, ...]":
     if isinstance(values, type) or hasattr(values, "contribute"):
         name = values.__name__ if isinstance(values, type) else type(values).__name__
-        raise DesignError(f"effects of a scene is {shown(values)}, no tuple; write effects=({name}(),)")
+        raise DesignError(f"{argument} of a scene is {shown(values)}, no tuple; write {argument}=({name}(),)")
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise DesignError(f"effects of a scene is {shown(values)}; it must be None or a tuple of effects")
+        raise DesignError(f"{argument} of a scene is {shown(values)}; it must be a tuple of effects")
     effects = tuple(values)
     for effect in effects:
         if isinstance(effect, type):
             raise DesignError(
-                f"effects of a scene holds the class {effect.__name__}; make one: {effect.__name__}()"
+                f"{argument} of a scene holds the class {effect.__name__}; make one: {effect.__name__}()"
             )
         missing = [each for each in _NEEDED if not hasattr(effect, each)]
         if missing:
             raise DesignError(
-                f"effects of a scene holds {shown(effect)}, which is no effect (it has no {missing[0]!r}); "
+                f"{argument} of a scene holds {shown(effect)}, which is no effect (it has no {missing[0]!r}); "
                 "make an instance of one, such as those in lamc.effects"
             )
+    kinds = [type(e) for e in effects]
+    for kind in kinds:
+        if kinds.count(kind) > 1 and not getattr(kind, "repeatable", False):
+            raise DesignError(f"the scene calls for {kind.__name__} twice; once is all it can act")
     return effects
+
+
+def _names(values: Iterable[str], argument: str, example: str) -> tuple[str, ...]:
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise DesignError(
+            f"{argument} of a scene is {shown(values)}; it must be a tuple of names, such as ({example!r},)"
+        )
+    names = tuple(checked_name(name, f"an entry of {argument}") for name in values)
+    for name in names:
+        if names.count(name) > 1:
+            raise DesignError(f"{argument} of a scene has {name!r} twice; once is enough")
+    return names
 
 
 @dataclass(frozen=True)
@@ -50,12 +71,18 @@ class Scene:
     """What a run calls for.
 
     effects  None: what the design itself asks for; a tuple: exactly these, and an empty one means none
+    added    effects besides; one takes the place of an effect of the same name, unless several may act (springs)
+    without  names of effects that are left out, as in ("gravity",)
     angles   initial joint angles by joint name, rad; joints left out start at zero (the drawn angle)
     rates    initial joint rates by joint name, rad/s; joints left out start at zero
              with loops, what is left out follows from closure, as near to zero as that allows
     branch   which way out of a singular start, such as a flat one: 1 is the first of `Simulator.branches`; -1 the same
              the other way
     closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-6 of the size
+    duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
+    outputs  what of the motion matters, by name: joints (angles), "BODY.x", ".y" and ".z" (centre of mass), and
+             coordinates that effects add; None: all joints
+    places   where its parts stand in its file; empty for a scene made by hand
 
     Raises DesignError for what are no effects, no numbers, or an effect twice.
     """
@@ -65,17 +92,31 @@ class Scene:
     rates: Mapping[str, float] = field(default_factory=dict)  # rad/s
     branch: int | None = None
     closure_tolerance: float | None = None  # m
+    added: "tuple[Effect, ...]" = ()
+    without: tuple[str, ...] = ()
+    duration: float | None = None  # s
+    outputs: tuple[str, ...] | None = None
+    places: Places = field(default=Places(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.effects is not None:
-            effects = _effects(self.effects)
-            kinds = [type(e) for e in effects]
-            for kind in kinds:
-                if kinds.count(kind) > 1 and not getattr(kind, "repeatable", False):
-                    raise DesignError(f"the scene calls for {kind.__name__} twice; once is all it can act")
-            object.__setattr__(self, "effects", effects)
+            object.__setattr__(self, "effects", _effects(self.effects, "effects"))
+        object.__setattr__(self, "added", _effects(self.added, "added"))
+        object.__setattr__(self, "without", _names(self.without, "without", "gravity"))
+        for effect in self.added:
+            if effect.name in self.without:
+                raise DesignError(f"the scene adds {effect.name!r} and leaves it out; say one of them")
         object.__setattr__(self, "angles", _angles(self.angles, "angles", "initial angle"))
         object.__setattr__(self, "rates", _angles(self.rates, "rates", "initial rate"))
+        if self.duration is not None:
+            duration = checked_number(self.duration, "duration of a scene", minimum=0.0)
+            if duration == 0.0:
+                raise DesignError("duration of a scene is 0; give seconds above zero, or None")
+            object.__setattr__(self, "duration", duration)
+        if self.outputs is not None:
+            object.__setattr__(self, "outputs", _names(self.outputs, "outputs", "h1"))
+            if not self.outputs:
+                raise DesignError("outputs of a scene is empty; name one at least, or leave it out")
         if self.branch is not None:
             whole = isinstance(self.branch, Integral) and not isinstance(self.branch, bool)
             if not whole or self.branch == 0:
@@ -87,3 +128,25 @@ class Scene:
         if self.closure_tolerance is not None:
             tolerance = checked_number(self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0)
             object.__setattr__(self, "closure_tolerance", tolerance)
+
+
+_SCENE_NAME = re.compile(r"[^\W\d][\w-]*\Z")
+
+
+def is_scene_name(text: str) -> bool:
+    """True for a letter or _, and then letters, digits, _ and -: no such name is taken for a file's."""
+    return _SCENE_NAME.match(text) is not None
+
+
+def checked_scenes(scenes: Mapping[str, Scene], what: str) -> Mapping[str, Scene]:
+    """Scenes by name as a mapping that cannot change. Raises DesignError for what are none."""
+    if not isinstance(scenes, Mapping):
+        raise DesignError(f"scenes of {what} is {shown(scenes)}; it must map names to Scenes")
+    for name, scene in scenes.items():
+        checked_name(name, f"a scene of {what}")
+        if not is_scene_name(name):
+            raise DesignError(
+                f"a scene of {what} is named {name!r}; a name is of letters, digits, _ and -, and begins with a letter"
+            )
+        checked_kind(scene, Scene, f"the scene {name!r} of {what}", "make one with lamc.Scene(…)")
+    return ReadOnlyDict(scenes)

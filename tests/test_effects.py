@@ -234,7 +234,11 @@ def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
         (lambda: Torque({"hip": None}), DesignError, "must be a number"),  # type: ignore[dict-item]
         (lambda: Torque(0.3), DesignError, "mapping from joint name to torque"),  # type: ignore[arg-type]
         (lambda: Torque({"hip": "t.real"}), ExpressionError, "joint 'hip'.*column 2"),
-        (lambda: Gravity.from_data("down", "a:1"), DesignError, "a:1: gravity is 'down'"),
+        (
+            lambda: Gravity.from_data("down", "a:1"),
+            DesignError,
+            "a:1.acceleration: 'down' is not an acceleration",
+        ),
         (lambda: Torque.from_data([1], "a:1"), DesignError, "a:1: torque is"),
         (lambda: HingeStiffness.from_data(3, "a:1"), DesignError, "a:1: hinge_stiffness takes no value"),
         (lambda: HingeDamping.from_data([0], "a:1"), DesignError, "takes no value"),

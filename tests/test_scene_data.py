@@ -71,7 +71,7 @@ def test_effects_take_units_in_files() -> None:
         ("spring", {"body_a": "a"}, "x: spring needs point_a and body_b and point_b and stiffness: give body_a, "),
         ("hinge_stiffness", 3, "x: hinge_stiffness takes no value"),
         ("torque", {"h": "3 kg"}, "x.h: 'kg' is not a unit of h; expected N*m"),
-        ("torque", 3, "x: torque is 3; give a map such as {h1: 0.02}"),
+        ("torque", 3, "x: torque is 3; give a mapping such as {h1: 0.02}"),
         ("torque", {"h": "3*x"}, "x: the torque of joint 'h': expression '3*x', column 3: 'x' is not known"),
     ],
 )  # fmt: skip

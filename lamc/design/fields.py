@@ -8,17 +8,23 @@ import math
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationInfo, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from lamc.design import units
-from lamc.design.units import Quantity
+from lamc.design.units import Quantity, length_unit
 from lamc.errors import DesignError
 
 LENGTH_UNIT = "length_unit"  # the context's key
 
 ALL_LAYERS = "all"
 _WIDEST_ANGLE = 4.0 * math.pi
+
+
+class Model(BaseModel):
+    """Base of all models: unknown keys are errors, and nothing changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 def custom(error: DesignError) -> PydanticCustomError:
@@ -67,6 +73,13 @@ def _poisson(number: float) -> str | None:
     return None if -1.0 < number < 1.0 else "is not between -1 and 1"
 
 
+def _length_unit(value: Any) -> str:
+    try:
+        return length_unit(value)
+    except DesignError as error:
+        raise custom(error) from error
+
+
 def _names(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
@@ -88,11 +101,14 @@ Mass = Annotated[float, reader(units.MASS, not_negative), described(units.MASS, 
 Inertia = Annotated[float, reader(units.INERTIA), described(units.INERTIA)]
 Number = Annotated[float, reader(units.RATIO), described(units.RATIO)]
 
+Duration = Annotated[float, reader(units.DURATION, above_zero), described(units.DURATION, ", above 0")]
+
 Point = tuple[Coordinate, Coordinate]
 SpacePoint = tuple[Coordinate, Coordinate, Coordinate]
 Direction = tuple[Number, Number, Number]
 InertiaRow = tuple[Inertia, Inertia, Inertia]
 InertiaTensor = tuple[InertiaRow, InertiaRow, InertiaRow]
+LengthUnit = Annotated[str, BeforeValidator(_length_unit)]
 LayerNames = Annotated[
     list[str],
     BeforeValidator(_names),

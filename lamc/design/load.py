@@ -117,18 +117,28 @@ def _native(node: Node) -> Design | Mechanism:
     if kind_node is None:
         kind = "mechanism" if node.get("joints") is not None and node.get("layers") is None else "design"
         if not any(node.get(key) is not None for key in ("layers", "shapes", "materials", "joints")):
+            if any(node.get(key) is not None for key in ("scene", "scenes", "effects", "angles")):
+                raise _scenes_alone(node)
             raise DesignError(f"the file has neither layers nor joints; lamc reads {FORMATS}", node.place)
     if kind == "design":
         return read_design(node)
     if kind == "mechanism":
         return read_mechanism(node)
     assert kind_node is not None
+    if kind == "scene":
+        raise _scenes_alone(node)
     if kind == "plate":
         raise DesignError(
             "the file holds a plate problem, not a design; `lamc plate` solves it", kind_node.place
         )
     shown = repr(kind[:40]) if kind is not None else "this"
     raise DesignError(f"kind: {shown} is unknown; it is 'design' or 'mechanism'", kind_node.place)
+
+
+def _scenes_alone(node: Node) -> DesignError:
+    return DesignError(
+        "the file holds scenes, not a design; name it beside one: lamc run DESIGN --scene FILE", node.place
+    )
 
 
 def _text(data: bytes, file: str) -> str:

@@ -17,7 +17,7 @@ from lamc.design.checking import Path, Problems, did_you_mean, validate
 from lamc.design.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.design.inert import MapNode, Node, ScalarNode
 from lamc.design.records import BodyName, Design, HingeLine, HingeSet, Layer, Material, Places
-from lamc.design.scene_file import scene_from_model
+from lamc.design.scene_file import read_scenes
 from lamc.design.schema import (
     DesignModel,
     HingeModel,
@@ -33,8 +33,9 @@ from lamc.mechanism.records import checked_name
 
 def read_design(node: Node) -> Design:
     """The design in `node`. Raises DesignErrors with every problem."""
-    model = validate(DesignModel, node, {LENGTH_UNIT: length_unit_of(node)})
-    return _Reader(model, Problems(node), node.place.file).design()
+    unit = length_unit_of(node)
+    model = validate(DesignModel, node, {LENGTH_UNIT: unit})
+    return _Reader(model, Problems(node), node.place.file, unit).design()
 
 
 def length_unit_of(node: Node) -> str | None:
@@ -51,10 +52,11 @@ def length_unit_of(node: Node) -> str | None:
 class _Reader:
     """One design file on its way to a record; every step adds to `problems` and goes on."""
 
-    def __init__(self, model: DesignModel, problems: Problems, file: str) -> None:
+    def __init__(self, model: DesignModel, problems: Problems, file: str, length_unit: str | None) -> None:
         self.model = model
         self.problems = problems
         self.file = file
+        self.length_unit = length_unit
         self.layer_names = [layer.name for layer in model.layers]
 
     def design(self) -> Design:
@@ -67,7 +69,7 @@ class _Reader:
         found = [self._hinge(i, hinge) for i, hinge in enumerate(model.hinges)]
         hinges = tuple(hinge for hinge in found if hinge is not None)
         names = tuple(self._body_name(name, body) for name, body in model.bodies.items())
-        scene = scene_from_model(model.scene, problems)
+        scene, scenes = read_scenes(model.scene, model.scenes, problems, self.length_unit)
         problems.raise_if_any()
         materials = {
             name: Material(
@@ -81,7 +83,16 @@ class _Reader:
         )
         source = PurePath(self.file).name
         return Design(
-            name, layers, hinges, tuple(fixed), names, scene, source, model.story.strip(), self._places()
+            name,
+            layers,
+            hinges,
+            tuple(fixed),
+            names,
+            scene,
+            source,
+            model.story.strip(),
+            self._places(),
+            scenes,
         )
 
     def _places(self) -> Places:

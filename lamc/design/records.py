@@ -5,12 +5,14 @@ was read, and nowhere later.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from shapely.geometry import MultiPolygon, Point
 
 from lamc.errors import Place
-from lamc.scene import Scene
+from lamc.places import Places as Places
+from lamc.scene import Scene, checked_scenes
 
 Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
 
@@ -66,18 +68,6 @@ class HingeSet:
 
 
 @dataclass(frozen=True)
-class Places:
-    """Where the parts of a design stand in its file, for messages: keys from the top of the file, and the place."""
-
-    known: tuple[tuple[tuple[str | int, ...], Place], ...] = ()
-
-    def of(self, *path: str | int) -> Place | None:
-        """The place of what stands at `path`, or of the nearest thing around it; None for a design by hand."""
-        known = dict(self.known)
-        return next((known[path[:n]] for n in range(len(path), -1, -1) if path[:n] in known), None)
-
-
-@dataclass(frozen=True)
 class BodyName:
     """A name that the drawing gives to a body, by a point inside it.
 
@@ -94,6 +84,8 @@ class Design:
     """A laminate device before splitting.
 
     fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
+    scene         what runs call for if nothing else is said; None: what the design itself asks for
+    scenes        other scenes by name
     story         what the design is for, a paragraph of plain text; nothing is computed from it
     """
 
@@ -106,6 +98,10 @@ class Design:
     source: str = ""  # the file's name, without its folder
     story: str = ""
     places: Places = field(default=Places(), compare=False, repr=False)
+    scenes: Mapping[str, Scene] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))
 
     @property
     def z(self) -> tuple[float, ...]:

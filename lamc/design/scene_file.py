@@ -1,59 +1,249 @@
-"""The `scene:` section of lamc's files, both ways; the one place of the front end that asks for effects.
+"""Scenes in lamc's files; with `scene_schema` and `scene_writer`, where the front end asks for effects.
 
-In: plain data. Out: a `Scene`, or a `Scene` as plain data. No effect is known here by name.
+In: validated models of a `scene:` and a `scenes:` section. Out: `Scene` records. A scene that is `like` another has all
+of it but what it says itself. No effect is known here by name.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass
-from typing import Any
-
-import numpy as np
-from pydantic import ValidationError
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from lamc.design.checking import Path, Problems, did_you_mean, shown
-from lamc.design.schema import SceneModel
+from lamc.design.scene_schema import SceneModel
 from lamc.effects.base import Effect
-from lamc.effects.data import DataError, refusal
+from lamc.effects.data import DataError, Where, refusal
 from lamc.effects.registry import by_name
 from lamc.errors import DesignError
-from lamc.scene import Scene
+from lamc.places import Places
+from lamc.scene import Scene, is_scene_name
+
+MOST_SCENES = 1000  # in one file
+
+SINGLE = ("branch", "closure_tolerance", "duration", "outputs")
 
 
-def read_scene(data: object) -> Scene:
-    """The scene that plain data describes: {effects: …, angles: {joint: rad}, rates: {joint: rad/s}, branch: …,
-    closure_tolerance: m}.
+class Scenes(NamedTuple):
+    """The scenes of a file: the one that is meant where no name is given, and those with names."""
 
-    Raises DesignError with the first problem.
+    default: Scene | None
+    named: Mapping[str, Scene]
+
+
+class _Called(NamedTuple):
+    """An effect as a file calls for it."""
+
+    path: Path
+    name: str
+    value: object
+
+
+@dataclass(frozen=True)
+class _Said:
+    """All that a scene says, with what it is like, and where in the file it says so."""
+
+    path: Path
+    effects: tuple[_Called, ...] | None = None
+    added: tuple[_Called, ...] = ()
+    without: Mapping[str, Path] = field(default_factory=dict)
+    angles: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
+    rates: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
+    single: Mapping[str, tuple[Any, Path]] = field(default_factory=dict)
+
+
+def read_scenes(
+    scene: SceneModel | None,
+    scenes: Mapping[str, SceneModel],
+    problems: Problems,
+    length_unit: str | None = None,
+    at: Path = ("scene",),
+) -> Scenes:
+    """The scenes of a validated file; every problem is added to `problems`, and what has one is left out.
+
+    length_unit  of bare lengths; at  where `scene` stands in the file
     """
-    try:
-        model = SceneModel.model_validate(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise DesignError(f"{shown(('scene', *first['loc']))}: {first['msg']}") from error
-    effects = None
-    if model.effects is not None:
-        effects = tuple(make_effect(name, value, shown(path)) for path, name, value in _called(model.effects))
-    return _scene(model, effects)
+    return _Reader(scene, scenes, problems, length_unit, at).scenes()
 
 
-def scene_from_model(model: SceneModel | None, problems: Problems) -> Scene | None:
-    """The scene of a validated file; every problem is added to `problems`."""
-    if model is None:
-        return None
-    effects: list[Effect] = []
-    called = problems.attempt(("scene", "effects"), lambda: list(_called(model.effects))) or []
-    for path, name, value in called:
-        effect = _attempt_effect(problems, path, name, value)
-        if effect is not None:
-            effects.append(effect)
-    return problems.attempt(
-        ("scene",),
-        lambda: _scene(model, tuple(effects) if model.effects is not None else None),
-    )
+def check_joints(
+    scene: SceneModel | None, scenes: Mapping[str, SceneModel], joints: Sequence[str], problems: Problems
+) -> None:
+    """Notes joints that scenes start and that are not there."""
+    models: list[tuple[Path, SceneModel]] = [(("scenes", name), model) for name, model in scenes.items()]
+    models += [(("scene",), scene)] if scene is not None else []
+    for path, model in models:
+        for section in ("angles", "rates"):
+            for name in getattr(model, section):
+                if name not in joints:
+                    text = f"no joint is named {name[:40]!r}; {did_you_mean(name, joints)}"
+                    problems.add((*path, section, name), text)
 
 
-def _scene(model: SceneModel, effects: tuple[Effect, ...] | None) -> Scene:
-    return Scene(effects, model.angles, model.rates, model.branch, model.closure_tolerance)
+class _Reader:
+    """The scenes of one file on their way to records; every step adds to `problems` and goes on."""
+
+    def __init__(
+        self,
+        scene: SceneModel | None,
+        scenes: Mapping[str, SceneModel],
+        problems: Problems,
+        length_unit: str | None,
+        at: Path,
+    ) -> None:
+        self.scene = scene
+        self.models = scenes
+        self.problems = problems
+        self.length_unit = length_unit
+        self.at = at
+        self.said: dict[str, _Said | None] = {}
+        self.effects: dict[Path, Effect | None] = {}  # each is made once, however many scenes have it
+
+    def scenes(self) -> Scenes:
+        if len(self.models) > MOST_SCENES:
+            self.problems.add(
+                ("scenes",),
+                f"the file has {len(self.models)} scenes; at most {MOST_SCENES} are read: split it",
+            )
+            return Scenes(None, {})
+        for name in self.models:
+            if not is_scene_name(name):
+                text = f"{name[:40]!r} is no name of a scene; use letters, digits, _ and -, beginning with a letter"
+                self.problems.add(("scenes", name), text)
+        named: dict[str, Scene] = {}
+        for name in self.models:
+            said = self._resolved(name)
+            made = self._scene(said) if said is not None else None
+            if made is not None:
+                named[name] = made
+        default = None
+        if self.scene is not None:
+            base = self._base(self.scene, self.at) if self.scene.like is not None else _Said(self.at)
+            said = self._merged(base, self.scene, self.at) if base is not None else None
+            default = self._scene(said) if said is not None else None
+        return Scenes(default, named)
+
+    def _base(self, model: SceneModel, path: Path) -> _Said | None:
+        """What the scene at `path` is like; None after noting that it is not there."""
+        assert model.like is not None
+        if model.like not in self.models:
+            text = f"no scene of this file is named {model.like[:40]!r}; {did_you_mean(model.like, list(self.models))}"
+            self.problems.add((*path, "like"), text)
+            return None
+        return self._resolved(model.like)
+
+    def _resolved(self, name: str) -> _Said | None:
+        """The named scene with all that it is like; None after noting a problem. Chains may be long: no recursion."""
+        chain: list[str] = []
+        step: str | None = name
+        while step is not None and step not in self.said and step in self.models and step not in chain:
+            chain.append(step)
+            step = self.models[step].like
+        if step in chain:
+            ring = [*chain[chain.index(step) :], step]
+            told = ", which is like ".join(repr(each) for each in ring[:6])
+            self.problems.add(("scenes", chain[-1], "like"), f"{told}: a scene cannot be like itself")
+            self.said.update(dict.fromkeys(chain))
+        for each in reversed(chain):
+            if each in self.said:
+                continue
+            model, path = self.models[each], ("scenes", each)
+            base = self._base(model, path) if model.like is not None else _Said(path)
+            self.said[each] = self._merged(base, model, path) if base is not None else None
+        return self.said[name]
+
+    def _merged(self, base: _Said, model: SceneModel, path: Path) -> _Said | None:
+        """`base` with what `model` says in its place."""
+        if not model.model_fields_set - {"kind", "units"}:
+            self.problems.add(path, "the scene says nothing; give effects, angles, duration, … or remove it")
+            return None
+        said = replace(base, path=path)
+        if model.effects is not None:
+            effects = self._called(model.effects, (*path, "effects"))
+            said = replace(said, effects=tuple(effects), added=(), without={})
+        added = self._called(model.with_, (*path, "with"))
+        without = self._names(model.without, (*path, "without"))
+        for entry in added:
+            if entry.name in without:
+                self.problems.add(
+                    entry.path, f"the scene adds {entry.name!r} and is to be without it; say one of them"
+                )
+        return replace(
+            said,
+            added=(
+                *(
+                    e
+                    for e in said.added
+                    if e.name not in without and not any(e.name == n.name for n in added)
+                ),
+                *added,
+            ),
+            without={n: p for n, p in said.without.items() if not any(n == e.name for e in added)} | without,
+            angles={**said.angles, **{n: (v, (*path, "angles", n)) for n, v in model.angles.items()}},
+            rates={**said.rates, **{n: (v, (*path, "rates", n)) for n, v in model.rates.items()}},
+            single={
+                **said.single,
+                **{n: (getattr(model, n), (*path, n)) for n in SINGLE if getattr(model, n) is not None},
+            },
+        )
+
+    def _scene(self, said: _Said) -> Scene | None:
+        """The record; None after noting what is wrong with it."""
+        problems = self.problems
+        effects = None if said.effects is None else [(self._effect(each), each) for each in said.effects]
+        added = [(self._effect(each), each) for each in said.added]
+        made = [(effect, problems.place(call.path)) for effect, call in [*(effects or ()), *added]]
+        places: list[tuple[Path, Path]] = [((), said.path)]
+        places += [(("angles", name), path) for name, (_, path) in said.angles.items()]
+        places += [(("rates", name), path) for name, (_, path) in said.rates.items()]
+        places += [(("without", name), path) for name, path in said.without.items()]
+        places += [((name,), path) for name, (_, path) in said.single.items()]
+        known = tuple((key, problems.place(path)) for key, path in places)
+        single = {name: value for name, (value, _) in said.single.items()}
+        return problems.attempt(
+            said.path,
+            lambda: Scene(
+                effects=None if effects is None else tuple(e for e, _ in effects if e is not None),
+                added=tuple(e for e, _ in added if e is not None),
+                without=tuple(said.without),
+                angles={name: value for name, (value, _) in said.angles.items()},
+                rates={name: value for name, (value, _) in said.rates.items()},
+                places=Places(known, tuple((e, place) for e, place in made if e is not None)),
+                **single,
+            ),
+        )
+
+    def _effect(self, called: _Called) -> Effect | None:
+        """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
+        path, name, value = called
+        if path not in self.effects:
+            where = Where(shown(path), self.length_unit)
+            self.effects[path] = None
+            try:
+                self.effects[path] = make_effect(name, value, where)
+            except DataError as error:
+                self.problems.add((*path, *error.path), error.problem)
+            except DesignError as error:
+                self.problems.add(path, _unplaced(error, where), error.place)
+        return self.effects[path]
+
+    def _called(self, effects: object, path: Path) -> list[_Called]:
+        return self.problems.attempt(path, lambda: list(called(effects, path))) or []
+
+    def _names(self, without: object, path: Path) -> dict[str, Path]:
+        """Names of effects that are left out, each with its place."""
+        names = [without] if isinstance(without, str) else without or []
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            self.problems.add(path, "without takes names of effects, such as [gravity, hinge_damping]")
+            return {}
+        found: dict[str, Path] = {}
+        for index, name in enumerate(names):
+            at = (*path, index) if without is names else path
+            if name not in by_name():
+                self.problems.add(
+                    at, f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(by_name()))}"
+                )
+            else:
+                found[name] = at
+        return found
 
 
 def make_effect(name: str, value: object, where: str) -> Effect:
@@ -72,83 +262,26 @@ def make_effect(name: str, value: object, where: str) -> Effect:
         raise type(error)(f"{where}: {_unplaced(error, where)}", error.place) from error
 
 
-def _attempt_effect(problems: Problems, path: Path, name: str, value: object) -> Effect | None:
-    """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
-    where = shown(path)
-    try:
-        return make_effect(name, value, where)
-    except DataError as error:
-        problems.add((*path, *error.path), error.problem)
-    except DesignError as error:
-        problems.add(path, _unplaced(error, where), error.place)
-    return None
-
-
 def _unplaced(error: DesignError, where: str) -> str:
     """The message without the place that the effect's own reader may have put before it."""
     return error.message.removeprefix(f"{where}: ")
 
 
-def scene_data(scene: Scene) -> dict[str, Any]:
-    """The scene as plain data that `read_scene` gives back.
-
-    Raises DesignError for an effect with values that a file cannot hold.
-    """
-    data: dict[str, Any] = {}
-    if scene.effects is not None:
-        data["effects"] = [{effect.name: _effect_data(effect)} for effect in scene.effects]
-    for name, values in (("angles", scene.angles), ("rates", scene.rates)):
-        if values:
-            data[name] = dict(sorted(values.items()))
-    if scene.branch is not None:
-        data["branch"] = scene.branch
-    if scene.closure_tolerance is not None:
-        data["closure_tolerance"] = scene.closure_tolerance
-    return data
-
-
-def _called(effects: object) -> Iterator[tuple[Path, str, object]]:
-    """(path, name, value) of each effect in a map, or in a list of names and one-entry maps."""
+def called(effects: object, path: Path) -> Iterator[_Called]:
+    """The effects of a map, or of a list of names and one-entry maps."""
     if effects is None:
         return
     if isinstance(effects, Mapping):
         for name, value in effects.items():
-            yield ("scene", "effects", str(name)), str(name), value
+            yield _Called((*path, str(name)), str(name), value)
         return
     if not isinstance(effects, list):
         raise DesignError("effects are a map from name to value, or a list of names and one-entry maps")
     for index, item in enumerate(effects):
-        path: Path = ("scene", "effects", index)
         if isinstance(item, str):
-            yield path, item, None
+            yield _Called((*path, index), item, None)
         elif isinstance(item, Mapping) and len(item) == 1:
             ((name, value),) = item.items()
-            yield (*path, str(name)), str(name), value
+            yield _Called((*path, index, str(name)), str(name), value)
         else:
             raise DesignError(f"entry {index} of the effects is neither a name nor a map with one entry")
-
-
-def _effect_data(effect: Effect) -> object:
-    """An effect's record as plain data: nothing, its only field, or its fields by name."""
-    assert is_dataclass(effect)
-    values = {f.name: _plain(getattr(effect, f.name)) for f in fields(effect)}
-    data = None if not values else next(iter(values.values())) if len(values) == 1 else values
-    try:
-        same = make_effect(effect.name, data, effect.name) == effect
-    except DesignError:
-        same = False
-    if not same:
-        raise DesignError(
-            f"the effect {effect.name!r} has values that a file cannot hold, so it cannot be written"
-        )
-    return data
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, tuple | list):
-        return [_plain(v) for v in value]
-    return value

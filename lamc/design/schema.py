@@ -8,47 +8,31 @@ material, a hinge's layer) and geometry are checked where models become records 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from lamc.design import fields
 from lamc.design.fields import (
     ALL_LAYERS,
     Angle,
-    AngleRate,
     AnyAngle,
     Coordinate,
     Damping,
     Density,
     Direction,
-    Gap,
     InertiaTensor,
     LayerNames,
     Length,
+    LengthUnit,
     Mass,
+    Model,
     Modulus,
     Point,
     Poisson,
     SpacePoint,
     Stiffness,
 )
-from lamc.design.units import length_unit
+from lamc.design.scene_schema import SceneFileModel, SceneModel, ScenesModel, with_effects
 from lamc.errors import DesignError
-
-
-def _length_unit(value: Any, info: ValidationInfo) -> str:
-    try:
-        return length_unit(value)
-    except DesignError as error:
-        raise fields.custom(error) from error
-
-
-LengthUnit = Annotated[str, BeforeValidator(_length_unit)]
-
-
-class Model(BaseModel):
-    """Base of all models: unknown keys are errors, and nothing changes after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class MaterialModel(Model):
@@ -106,7 +90,7 @@ class OutlineModel(Model):
 class RegionModel(OutlineModel):
     """A region in some layers."""
 
-    layers: LayerNames = [ALL_LAYERS]
+    layers: LayerNames = Field(default=[ALL_LAYERS])
 
 
 class ShapeModel(RegionModel):
@@ -165,24 +149,6 @@ BodyPoint = Annotated[
 ]
 
 
-class SceneModel(Model):
-    """What acts, and how the mechanism starts. Without `effects`, what the design itself asks for acts."""
-
-    effects: Any = Field(
-        None,
-        description="effects by name with their values, as a map, or as a list of names and one-entry maps",
-        json_schema_extra={"type": ["object", "array", "null"]},
-    )
-    angles: dict[str, AnyAngle] = {}
-    rates: dict[str, AngleRate] = {}
-    branch: int | None = Field(
-        None, description="way out of a singular start: 1, 2, … as listed; negative for the other way"
-    )
-    closure_tolerance: Gap | None = Field(
-        None, description="gap up to which loops that do not fit count as closed"
-    )
-
-
 class DesignModel(Model):
     """A laminate design."""
 
@@ -193,19 +159,20 @@ class DesignModel(Model):
     materials: dict[str, MaterialModel]
     layers: list[LayerModel]
     shapes: list[ShapeModel]
-    hinges: list[HingeModel] = []
-    fixed: list[RegionModel] = []
+    hinges: list[HingeModel] = Field(default=[])
+    fixed: list[RegionModel] = Field(default=[])
     bodies: dict[str, BodyPoint] = Field(
         default={}, description="names of bodies, each with a point inside it"
     )
     scene: SceneModel | None = None
+    scenes: ScenesModel = Field(default={})
 
 
 class PlateModel(Model):
     """One flat piece of a body's outline, between two heights."""
 
     polygon: list[Point]
-    holes: list[list[Point]] = []
+    holes: list[list[Point]] = Field(default=[])
     z: tuple[Coordinate, Coordinate]
 
 
@@ -215,9 +182,9 @@ class BodyModel(Model):
     name: str
     mass: Mass = 0.0
     com: SpacePoint = (0.0, 0.0, 0.0)
-    inertia: InertiaTensor = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    inertia: InertiaTensor = Field(default=((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
     fixed: bool = False
-    outline: list[PlateModel] = []
+    outline: list[PlateModel] = Field(default=[])
 
 
 class JointModel(Model):
@@ -242,11 +209,12 @@ class MechanismModel(Model):
     story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
     units: LengthUnit = "m"
     bodies: list[BodyModel]
-    joints: list[JointModel] = []
+    joints: list[JointModel] = Field(default=[])
     scene: SceneModel | None = None
+    scenes: ScenesModel = Field(default={})
 
 
-FILES: dict[str, type[Model]] = {"Design": DesignModel, "Mechanism": MechanismModel}
+FILES: dict[str, type[Model]] = {"Design": DesignModel, "Mechanism": MechanismModel, "Scenes": SceneFileModel}
 
 
 def json_schema(files: Mapping[str, type[Model]] = FILES) -> dict[str, Any]:
@@ -255,6 +223,7 @@ def json_schema(files: Mapping[str, type[Model]] = FILES) -> dict[str, Any]:
     shared: dict[str, Any] = {}
     for part in parts:
         shared |= part.pop("$defs", {})
+    shared = with_effects(shared)
     named = dict(zip(files, parts, strict=True))
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

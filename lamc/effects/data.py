@@ -12,7 +12,8 @@ An effect says the units of its fields once, and has nothing else to do:
     def from_data(cls, value, where):
         return record(cls, value, where)
 
-A field of `units` may then be a number (SI), text with a unit ("3 N*mm/deg"), or a list or map of such.
+A field of `units` may then be a number (SI), text with a unit ("3 N*mm/deg"), or a list or map of such. `shorthand`, a
+class variable too, names the field that may be given alone, as in `gravity: [0, 0, -9.81]`. `lamc schema` tells both.
 """
 
 import re
@@ -23,8 +24,7 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 from lamc.design import units as kinds
 from lamc.design.units import Quantity, to_si
 from lamc.errors import DesignError
-from lamc.mechanism.checks import shown
-from lamc.run.request import did_you_mean
+from lamc.mechanism.checks import did_you_mean, shown
 
 E = TypeVar("E")
 
@@ -96,7 +96,8 @@ def is_measured(text: str) -> bool:
 
 
 def record(kind: type[E], value: object, where: str) -> E:
-    """The effect of class `kind`, a frozen dataclass, from a map of its fields; nothing stands for all defaults.
+    """The effect of class `kind`, a frozen dataclass, from a map of its fields; nothing stands for all defaults, and a
+    value that is no map for the field `kind.shorthand`.
 
     Fields named in `kind.units` are read by `quantity`, as they are or in lists and maps. In a field that also holds
     text, an expression, text goes through as it is, unless it is a number with a unit; so do all other fields.
@@ -107,6 +108,9 @@ def record(kind: type[E], value: object, where: str) -> E:
     label = getattr(kind, "name", kind.__name__)
     if value is None or value is True:
         value = {}
+    short: str | None = getattr(kind, "shorthand", None)
+    if short is not None and isinstance(value, str | int | float | list | tuple):
+        value = {short: value}
     needed = [f.name for f in known.values() if f.default is MISSING and f.default_factory is MISSING]
     if not isinstance(value, Mapping):
         raise refusal(
@@ -116,7 +120,7 @@ def record(kind: type[E], value: object, where: str) -> E:
         if name not in known:
             raise refusal(
                 where,
-                f"{label} has no field {str(name)[:40]!r}; {did_you_mean(str(name), known)}",
+                f"{label} has no field {str(name)[:40]!r}; {did_you_mean(str(name), list(known))}",
                 str(name)[:40],
             )
     missing = [name for name in needed if name not in value]

@@ -1,6 +1,6 @@
 """Gravity: a uniform field that accelerates all mass alike."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -21,6 +21,7 @@ class Gravity:
     name: ClassVar[str] = "gravity"
     summary: ClassVar[str] = "Gravity"
     source: ClassVar[str] = "F = m g, eq. 18"
+    shorthand: ClassVar[str] = "acceleration"
     units: ClassVar[Mapping[str, str]] = {"acceleration": "m/s^2"}
 
     def __post_init__(self) -> None:
@@ -45,6 +46,4 @@ class Gravity:
     @classmethod
     def from_data(cls, value: object, where: str) -> "Gravity":
         """From a scene file: nothing (the standard), three numbers (m/s², or with units), or a map of the field."""
-        if isinstance(value, Sequence) and not isinstance(value, str):
-            value = {"acceleration": value}
         return record(cls, value, where)

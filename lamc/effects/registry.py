@@ -11,7 +11,8 @@ from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
+from lamc.mechanism.checks import did_you_mean
 from lamc.mechanism.records import Mechanism
 from lamc.scene import Scene
 
@@ -46,28 +47,50 @@ def by_name() -> Mapping[str, type[RegisteredEffect]]:
 def choose(mechanism: Mechanism, scene: Scene) -> tuple[Choice, ...]:
     """Which effects act in the scene and which do not, sorted by name, so that no order of listing matters.
 
-    Raises DesignError for two effects of one name, and for two that claim the same thing.
+    Raises DesignError for two effects of one name, for two that claim the same thing, and for a name of no effect among
+    those left out.
     """
-    choices: list[Choice] = []
     if scene.effects is not None:
-        names = [e.name for e in scene.effects]
-        called = set(names)
-        for called_for in scene.effects:
-            if names.count(called_for.name) > 1 and not getattr(called_for, "repeatable", False):
-                raise DesignError(
-                    f"two effects of the scene are named {called_for.name!r}; names keep their energies apart"
-                )
-        choices += [Choice(e.name, e, "the scene calls for it") for e in scene.effects]
-        choices += [
-            Choice(k.name, None, "the scene does not call for it") for k in EFFECTS if k.name not in called
-        ]
+        choices = _called(scene.effects)
     else:
-        for kind in EFFECTS:
-            effect, reason = kind.default_for(mechanism)
-            choices.append(Choice(kind.name, effect, reason))
+        choices = [Choice(kind.name, *kind.default_for(mechanism)) for kind in EFFECTS]
+    choices = _changed(choices, scene)
     choices.sort(key=lambda c: c.name)
     _check_claims([choice.effect for choice in choices if choice.effect is not None])
     return tuple(_with_claims(choice) for choice in choices)
+
+
+def _called(effects: Sequence[Effect]) -> list[Choice]:
+    """The account where a scene lists its effects."""
+    names = [effect.name for effect in effects]
+    for effect in effects:
+        if names.count(effect.name) > 1 and not getattr(effect, "repeatable", False):
+            raise DesignError(
+                f"two effects of the scene are named {effect.name!r}; names keep their energies apart"
+            )
+    choices = [Choice(effect.name, effect, "the scene calls for it") for effect in effects]
+    return choices + [
+        Choice(kind.name, None, "the scene does not call for it")
+        for kind in EFFECTS
+        if kind.name not in names
+    ]
+
+
+def _changed(choices: list[Choice], scene: Scene) -> list[Choice]:
+    """The account after what the scene adds and leaves out."""
+    for effect in scene.added:
+        kept = getattr(effect, "repeatable", False)
+        choices = [c for c in choices if c.name != effect.name or (kept and c.effect is not None)]
+        choices.append(Choice(effect.name, effect, "added by the scene"))
+    for name in scene.without:
+        if not any(choice.name == name for choice in choices):
+            known = sorted({choice.name for choice in choices})
+            with about(("without", name)):
+                raise DesignError(
+                    f"the scene is to be without {name[:40]!r}, which is no effect; {did_you_mean(name, known)}"
+                )
+        choices = [c for c in choices if c.name != name] + [Choice(name, None, "left out by the scene")]
+    return choices
 
 
 def _check_claims(effects: Sequence[Effect]) -> None:
@@ -76,10 +99,11 @@ def _check_claims(effects: Sequence[Effect]) -> None:
     for effect in effects:
         for claim in claims_of(effect):
             if claim in holders:
-                raise DesignError(
-                    f"{holders[claim]} and {effect.name} both claim the {claim}, which only one effect can have: leave "
-                    "one of them out of the scene"
-                )
+                with about(effect):
+                    raise DesignError(
+                        f"{holders[claim]} and {effect.name} both claim the {claim}, which only one effect can have: "
+                        "leave one of them out of the scene"
+                    )
             holders[claim] = effect.name
 
 

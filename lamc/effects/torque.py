@@ -29,6 +29,7 @@ class Torque:
     name: ClassVar[str] = "torque"
     summary: ClassVar[str] = "Applied hinge torques"
     source: ClassVar[str] = "eq. 17"
+    shorthand: ClassVar[str] = "torques"
     units: ClassVar[Mapping[str, str]] = {"torques": "N*m"}
 
     def __post_init__(self) -> None:
@@ -65,7 +66,7 @@ class Torque:
     def from_data(cls, value: object, where: str) -> "Torque":
         """From a scene file: a map from joint name to a number (N·m, or with its unit) or an expression."""
         if not isinstance(value, Mapping):
-            raise refusal(where, f"torque is {shown(value)}; give a map such as {{h1: 0.02}}")
+            raise refusal(where, f"torque is {shown(value)}; give a mapping such as {{h1: 0.02}}")
         torques = {}
         for joint, torque in value.items():
             if isinstance(torque, str) and is_measured(torque):

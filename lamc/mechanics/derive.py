@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
+from lamc.errors import about
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
 from lamc.mechanics.arrangement import arrange
@@ -62,7 +63,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
     loads = Loads(placement, parameters, time, q, u, hinges)
     loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
     for effect in effects:
-        with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
+        with about(effect), loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
             effect.contribute(loads)
     problem = Problem(placement.kinematics, base, u, loads)
     solutions, flops = ({CONSTRAINED: ()}, {}) if hinges else _solutions(problem, count)

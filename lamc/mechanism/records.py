@@ -5,7 +5,7 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
@@ -19,7 +19,7 @@ from lamc.mechanism.checks import checked_flag, checked_range, checked_records, 
 from lamc.mechanism.checks import checked_name as checked_name
 from lamc.mechanism.checks import checked_number as checked_number
 from lamc.mechanism.network import faults, some
-from lamc.scene import Scene
+from lamc.scene import Scene, checked_scenes
 
 Named = TypeVar("Named", "Body", "Joint")
 
@@ -150,8 +150,10 @@ class Joint:
 class Mechanism:
     """Bodies and joints; what `split` gives, or written by hand.
 
-    story  what the mechanism is for, a paragraph of plain text; nothing is computed from it; without
-           white space at its ends
+    scene   what runs call for if nothing else is said; None: what the joints ask for, and gravity
+    scenes  other scenes by name
+    story   what the mechanism is for, a paragraph of plain text; nothing is computed from it; without
+            white space at its ends
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -162,6 +164,7 @@ class Mechanism:
     name: str = "mechanism"
     scene: Scene | None = None
     story: str = ""
+    scenes: Mapping[str, Scene] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -171,6 +174,7 @@ class Mechanism:
         put("joints", checked_records(self.joints, Joint, "joints", what))
         if self.scene is not None and not isinstance(self.scene, Scene):
             raise DesignError(f"scene of {what} is {shown(self.scene)}; it must be a Scene, or None")
+        put("scenes", checked_scenes(self.scenes, what))
         if not isinstance(self.story, str):
             raise DesignError(f"story of {what} is {shown(self.story)}; it must be text")
         put("story", self.story.strip())

@@ -10,11 +10,12 @@ from pathlib import PurePath
 from typing import Any
 
 from lamc.design import shapes
-from lamc.design.checking import Problems, did_you_mean, validate
+from lamc.design.checking import Problems, validate
 from lamc.design.fields import LENGTH_UNIT
 from lamc.design.inert import Node
 from lamc.design.native import length_unit_of
-from lamc.design.scene_file import scene_data, scene_from_model
+from lamc.design.scene_file import check_joints, read_scenes
+from lamc.design.scene_writer import scenes_data
 from lamc.design.schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.design.yaml_text import dump
 from lamc.errors import DesignError
@@ -25,7 +26,8 @@ from lamc.mechanism.records import FREE_LIMITS, Body, Joint, Mechanism, Plate
 
 def read_mechanism(node: Node) -> Mechanism:
     """The mechanism in `node`. Raises DesignErrors with every problem of the file."""
-    model = validate(MechanismModel, node, {LENGTH_UNIT: length_unit_of(node)})
+    unit = length_unit_of(node)
+    model = validate(MechanismModel, node, {LENGTH_UNIT: unit})
     problems = Problems(node)
     bodies: list[Body] = []
     for index, entry in enumerate(model.bodies):
@@ -35,15 +37,15 @@ def read_mechanism(node: Node) -> Mechanism:
     for index, item in enumerate(model.joints):
         joint = problems.attempt(("joints", index), partial(_joint, item))
         joints += [joint] if joint is not None else []
-    scene = scene_from_model(model.scene, problems)
+    scene, scenes = read_scenes(model.scene, model.scenes, problems, unit)
     problems.raise_if_any()
     for fault in tuple(faults(bodies, joints)) or loose_ends(bodies, joints):
         problems.add(fault.path, fault.error.message)
-    _check_start(model, joints, problems)
+    check_joints(model.scene, model.scenes, [joint.name for joint in joints], problems)
     problems.raise_if_any()
     name = model.name or PurePath(node.place.file).stem or "mechanism"
     mechanism = problems.attempt(
-        (), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene, model.story)
+        (), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene, model.story, scenes)
     )
     problems.raise_if_any()
     assert mechanism is not None
@@ -65,20 +67,7 @@ def mechanism_text(mechanism: Mechanism) -> str:
         data["story"] = mechanism.story
     data["bodies"] = [_body_data(body) for body in mechanism.bodies]
     data["joints"] = [_joint_data(joint) for joint in mechanism.joints]
-    if mechanism.scene is not None:
-        data["scene"] = scene_data(mechanism.scene)
-    return dump(data)
-
-
-def _check_start(model: MechanismModel, joints: list[Joint], problems: Problems) -> None:
-    """Notes names of the scene's start that are no joint's."""
-    names = [joint.name for joint in joints]
-    for section in ("angles", "rates"):
-        for name in getattr(model.scene, section, {}):
-            if name not in names:
-                problems.add(
-                    ("scene", section, name), f"no joint is named {name[:40]!r}; {did_you_mean(name, names)}"
-                )
+    return dump(data | scenes_data(mechanism.scene, mechanism.scenes))
 
 
 def _body(model: BodyModel) -> Body:

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import RequestError
+from lamc.errors import RequestError, about
 from lamc.mechanism.checks import shown
 from lamc.run.request import Array, did_you_mean, finite
 from lamc.scene import Scene
@@ -47,10 +47,11 @@ def check_names(scene: Scene, joints: tuple[str, ...]) -> None:
     for values, what in ((scene.angles, "angle"), (scene.rates, "rate")):
         for name in values:
             if name not in joints:
-                raise RequestError(
-                    f"the scene gives an initial {what} to joint {name!r}, which is not there; "
-                    f"{did_you_mean(name, joints)}"
-                )
+                with about((f"{what}s", name)):
+                    raise RequestError(
+                        f"the scene gives an initial {what} to joint {name!r}, which is not there; "
+                        f"{did_you_mean(name, joints)}"
+                    )
 
 
 def drawn_start(scene: Scene, joints: tuple[str, ...]) -> Array:

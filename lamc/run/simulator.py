@@ -15,13 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
-from lamc.errors import DesignError, RequestError
+from lamc.errors import DesignError, RequestError, about
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.places import told_at
 from lamc.run import integrators
 from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
 from lamc.run.ending import message
@@ -259,15 +260,16 @@ class Simulator(Unchanging):
     def _check_start(self, start: Array, mechanism: Mechanism) -> None:
         """Shows the start and the mechanism with the limits of the run to the effects that ask for it. Raises
         DesignError if one of them refuses it."""
-        checks = [effect.check_start for effect in self.effects if hasattr(effect, "check_start")]
+        checks = [effect for effect in self.effects if hasattr(effect, "check_start")]
         if checks:
             count, cuts = len(self.joints), len(self.cut_joints)
             angles = dict(zip(self.joints, start[:count].tolist(), strict=True))
             if cuts:
                 state = self._default_motion.cut_states(start.reshape(1, -1))[0]
                 angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
-            for check in checks:
-                check(mechanism, angles)
+            for effect in checks:
+                with told_at(self.scene.places), about(effect):
+                    effect.check_start(mechanism, angles)
 
     @cached_property
     def _starter(self) -> Starter:

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.design import fields, units
-from lamc.design.fields import Coordinate, Length, Point, described, not_negative, reader
-from lamc.design.schema import CircleModel, LengthUnit, Model
+from lamc.design.fields import Coordinate, Length, LengthUnit, Model, Point, described, not_negative, reader
+from lamc.design.schema import CircleModel
 from lamc.design.units import Quantity, to_si
 from lamc.errors import DesignError, ExpressionError
 from lamc.plate.files import expression

@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.design import fields, units
-from lamc.design.fields import Length, above_zero, described, not_negative, reader
-from lamc.design.schema import Model
+from lamc.design.fields import Length, Model, above_zero, described, not_negative, reader
 from lamc.design.units import to_si
 from lamc.errors import DesignError
 

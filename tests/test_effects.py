@@ -183,6 +183,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "hinge_damping": (False, "no hinge is damped"),
         "hinge_stiffness": (False, "no hinge has a stiffness"),
         "joint_limits": (False, "no joint has limits narrower than ±180°"),
+        "nonlinear_stiffness": (False, "no law of a hinge's torque is given"),
         "rest_angle": (False, "every hinge rests as drawn"),
         "spring": (False, "no spring is called for"),
         "torque": (False, "no torque is called for"),

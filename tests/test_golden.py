@@ -8,11 +8,12 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import lamc
 from lamc.codegen.emit_element import emit_element
-from lamc.effects import Gravity, HingeDamping, HingeStiffness, Torque
+from lamc.effects import Gravity, HingeDamping, HingeStiffness, NonlinearStiffness, Torque
 from lamc.effects.base import Effect
 from lamc.examples import __file__ as examples
 from lamc.mechanism.records import Body, Joint, Mechanism
@@ -54,10 +55,19 @@ def driven() -> tuple[Mechanism, tuple[Effect, ...]]:
     return Mechanism(bodies, joints, name="driven"), (torque,)
 
 
+def measured() -> tuple[Mechanism, tuple[Effect, ...]]:
+    """A flap on a hinge whose torque was measured at five angles."""
+    bodies = (Body("ground", fixed=True), Body("flap", 0.25, [0.5, 0.0, 0.0], np.diag([0.0, 0.02, 0.02])))
+    joint = Joint("hinge", "ground", "flap", axis=[0.0, 0.0, 1.0], rest_angle=0.25)
+    rows = [(-1.0, -0.5), (-0.25, -0.0625), (0.0, 0.0), (0.5, 0.125), (1.0, 0.75)]
+    return Mechanism(bodies, (joint,), name="measured"), (NonlinearStiffness({"hinge": {"table": rows}}),)
+
+
 CASES: Mapping[str, Callable[[], tuple[Mechanism, tuple[Effect, ...]]]] = {
     "pendulum": pendulum,
     "two_links_in_space": two_links_in_space,
     "driven": driven,
+    "measured": measured,
 }
 
 

@@ -19,6 +19,7 @@ from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import Program
+from lamc.mechanics.piecewise import Piecewise
 from lamc.resources import data_dir
 
 _DECLARATIONS = re.compile(
@@ -36,6 +37,17 @@ class SourceTree:
     declarations: str  # for cffi
     shared: tuple[str, ...]  # names of the files that are the same for everything of this kind
     kind: str = "model"  # of lamc_model, lamc_element: what the library offers
+
+
+@dataclass(frozen=True)
+class CLookUp:
+    """A piecewise polynomial as text."""
+
+    number: int
+    count: int  # of breaks
+    width: int  # coefficients in a row
+    breaks: tuple[str, ...]
+    rows: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -137,8 +149,14 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "guard_modes": [g.mode for g in program.guards],
         "jacobian_cost": literal(program.jacobian_cost),
         "present": sorted(program.functions),
+        "tables": [_look_up(number, table) for number, table in program.tables.items()],
         "functions": [arrange(f, printer, fields) for f in program.functions.values()],
     }
+
+
+def _look_up(number: int, table: Piecewise) -> CLookUp:
+    rows = tuple(", ".join(map(repr, row)) for row in table.pieces)
+    return CLookUp(number, len(table.breaks), table.degree + 1, tuple(map(repr, table.breaks)), rows)
 
 
 def _counts(program: Program) -> dict[str, int]:

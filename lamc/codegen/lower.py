@@ -13,7 +13,8 @@ from lamc.codegen.lowering import Lowering, canonical
 from lamc.codegen.program import Function, Guard, Program, Space
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
-from lamc.mechanics.staging import Level, Scalar, Value
+from lamc.mechanics.piecewise import Piecewise
+from lamc.mechanics.staging import TABLE, Level, Scalar, Store, Value, table_place
 
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
 
@@ -100,6 +101,7 @@ def lower(equations: Equations) -> Program:
         size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
         notes=(_solver_note(equations),),
+        tables=MappingProxyType(_tables(store, (setup, *functions))),
     )
     return _with_digest(program)
 
@@ -142,6 +144,13 @@ def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space,
 def _lower_triangle(equations: Equations) -> list[Scalar]:
     count = len(equations.joints)
     return [equations.inertia.get((i, j), 0) for i in range(count) for j in range(i + 1)]
+
+
+def _tables(store: Store, functions: Sequence[Function]) -> dict[int, Piecewise]:
+    """The tables that the functions look up, by number; a look-up is a statement of its own."""
+    operations = {s.shape[0] for f in functions for s in f.statements if isinstance(s.shape, tuple)}
+    numbers = {table_place(o)[0] for o in operations if isinstance(o, str) and o.startswith(TABLE)}
+    return {number: store.tables[number] for number in sorted(numbers)}
 
 
 def _jacobian_cost(functions: Sequence[Function]) -> float:
@@ -189,5 +198,7 @@ def _canonical(program: Program) -> Iterable[str]:
     )
     for parameter in program.parameters:
         yield repr(parameter)
+    for number, table in program.tables.items():
+        yield f"{number} {table!r}"
     for function in program.functions.values():
         yield from canonical(function)

@@ -14,6 +14,7 @@ from sympy.printing.c import C99CodePrinter
 from lamc.codegen.program import Operand, Shape
 from lamc.errors import EmitError
 from lamc.mechanics.functions import FUNCTIONS
+from lamc.mechanics.staging import TABLE, table_place
 
 _PLACE = re.compile(r"P(\d+)Q")
 
@@ -22,9 +23,17 @@ class _Product(sp.Function):  # type: ignore[misc]
     """A product that is printed as it stands."""
 
 
+class _LookUp(sp.Function):  # type: ignore[misc]
+    """Number of a table, order of its derivative, argument."""
+
+
 class _Printer(C99CodePrinter):  # type: ignore[misc]
     def _print__Product(self, expr: sp.Expr) -> str:  # noqa: N802  sympy's own naming
         return str(self._print(expr.args[0]))
+
+    def _print__LookUp(self, expr: sp.Expr) -> str:  # noqa: N802
+        number, order, x = expr.args
+        return f"table_{number}({self._print(x)}, {order})"
 
 
 class ShapePrinter:
@@ -76,6 +85,8 @@ def _unevaluated(shape: Shape, brackets: bool) -> sp.Expr:
             return sp.Mul(sp.Integer(-1), arguments[0], evaluate=False)
         case "reciprocal":
             return sp.Pow(arguments[0], sp.Integer(-1), evaluate=False)
+        case str() if operation.startswith(TABLE):
+            return _LookUp(*table_place(operation), *arguments)
         case str() if operation in FUNCTIONS:
             return getattr(sp, FUNCTIONS[operation].sympy_name)(*arguments)
         case _:

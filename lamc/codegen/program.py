@@ -5,9 +5,14 @@ no name from the design outside the string tables, and no text in any language.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lamc.mechanics.piecewise import Piecewise
 
 
 class Space(Enum):
@@ -44,7 +49,8 @@ class Operand:
 
 
 # An expression shape: an int is the position of an operand; a tuple is (operation, argument, …). Operations:
-# "+", "-", "*" with two arguments, "neg", "reciprocal" and the names in `mechanics.functions` with one or two.
+# "+", "-", "*" with two arguments, "neg", "reciprocal", the names in `mechanics.functions` with one or two, and
+# "table_<number>_<order>" with one: the derivative of that order of one of `Program.tables`.
 Shape = int | tuple["str | Shape", ...]
 
 
@@ -151,6 +157,9 @@ class Program:
     jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
     tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
     size: float = 1.0  # m, the mechanism's length scale
+    tables: "Mapping[int, Piecewise]" = field(
+        default_factory=lambda: MappingProxyType({})
+    )  # by number, those that the functions look up
     digest: str = ""  # of everything above
 
 

@@ -19,6 +19,7 @@ class variable too, names the field that may be given alone, as in `gravity: [0,
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, fields
+from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from lamc.design import units as kinds
@@ -40,13 +41,16 @@ _KNOWN = {
 
 
 class Where(str):
-    """The place of an effect's data in a file, for messages, and the unit of lengths that are written bare there."""
+    """The place of an effect's data in a file, for messages, the unit of lengths that are written bare there, and the
+    folder from which the names of files count (None: the current one)."""
 
     length_unit: str | None
+    folder: Path | None
 
-    def __new__(cls, text: str, length_unit: str | None = None) -> "Where":
+    def __new__(cls, text: str, length_unit: str | None = None, folder: Path | None = None) -> "Where":
         where = super().__new__(cls, text)
         where.length_unit = length_unit
+        where.folder = folder
         return where
 
 

@@ -9,6 +9,7 @@ from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
+from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.errors import DesignError, about
@@ -22,6 +23,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     RestAngle,
     HingeDamping,
     JointLimits,
+    NonlinearStiffness,
     Spring,
     Torque,
     GroundContact,

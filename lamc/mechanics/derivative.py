@@ -37,6 +37,9 @@ def _node(store: Store, index: int, moving: Mapping[int, Scalar]) -> Scalar:
     if all(not isinstance(s, Value) and s == 0 for s in speeds):
         return 0
     values = [store.scalar(i) for i in arguments]
+    if (found := store.table_of(operation)) is not None:
+        table, order = found
+        return store.table(table, values[0], order + 1) * speeds[0]
     return _RULES[operation](values, Value(store, index, 1), speeds)
 
 

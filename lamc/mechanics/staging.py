@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, TypeAlias, Union
 
 from lamc.codegen.program import Section, Space
 from lamc.mechanics.functions import FUNCTIONS
+from lamc.mechanics.piecewise import Piecewise
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -33,6 +34,9 @@ SYMBOL = "symbol"
 LEAVES = (NUMBER, CONSTANT, SYMBOL)
 BINARY = ("+", "-", "*")
 NO_LINK = -1
+TABLE = (
+    "table_"  # begins the names of operations that look a table up: table_<number>_<order of the derivative>
+)
 STAGED = "lamc:"  # begins the names of sympy symbols that stand for values of a store
 
 
@@ -65,6 +69,7 @@ class Store:
         self.link = NO_LINK  # nodes made from now on belong to this link of the tree; see `section`
         self.payloads: dict[int, Number | Symbol] = {}
         self.sections: list[Section] = [Section("", "", "")]
+        self.tables: list[Piecewise] = []
         self._known: dict[object, int] = {}
         self._section = 0
 
@@ -120,6 +125,24 @@ class Store:
             return function.value(*values)
         return Value(self, self.operation(name, *(self.materialise(a) for a in arguments)), 1)
 
+    def table(self, table: Piecewise, x: Scalar, order: int = 0) -> Scalar:
+        """The derivative of that order of a piecewise polynomial at x; equal tables are one."""
+        if order > table.degree:
+            return 0
+        if not isinstance(x, Value):
+            return table.value(float(x), order)
+        number = self.tables.index(table) if table in self.tables else len(self.tables)
+        if number == len(self.tables):
+            self.tables.append(table)
+        return Value(self, self.operation(f"{TABLE}{number}_{order}", self.materialise(x)), 1)
+
+    def table_of(self, operation: str) -> tuple[Piecewise, int] | None:
+        """The table that an operation looks up, and the order of its derivative; None for all other operations."""
+        if not operation.startswith(TABLE):
+            return None
+        number, order = table_place(operation)
+        return self.tables[number], order
+
     def materialise(self, value: Scalar) -> int:
         """Node index of a scalar, sign included."""
         if not isinstance(value, Value):
@@ -169,6 +192,12 @@ class Store:
                 seen.add(index)
                 stack.extend(self.arguments[index])
         return sorted(seen)
+
+
+def table_place(operation: str) -> tuple[int, int]:
+    """(number of the table, order of the derivative) of an operation that begins with TABLE."""
+    number, order = operation.removeprefix(TABLE).split("_")
+    return int(number), int(order)
 
 
 class Value:

@@ -22,6 +22,8 @@ def _node(store: Store, index: int, a: list[Scalar]) -> Scalar:
     operation = store.operations[index]
     if operation in LEAVES:
         return store.scalar(index)
+    if (found := store.table_of(operation)) is not None:
+        return store.table(found[0], a[0], found[1])
     match operation:
         case "+":
             return a[0] + a[1]

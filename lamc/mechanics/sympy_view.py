@@ -7,12 +7,27 @@ a user wrote. Text never becomes sympy here: only objects pass.
 import math
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import cache
+from typing import Any
 
 import sympy as sp
+from sympy.core.function import UndefinedFunction
 
 from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
-from lamc.mechanics.staging import LEAVES, STAGED, Scalar, Store, Symbol, Value, call, power
+from lamc.mechanics.piecewise import Piecewise
+from lamc.mechanics.staging import (
+    LEAVES,
+    STAGED,
+    TABLE,
+    Scalar,
+    Store,
+    Symbol,
+    Value,
+    call,
+    power,
+    table_place,
+)
 
 # sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
 _CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}
@@ -70,8 +85,22 @@ def node_expression(store: Store, index: int, arguments: list[sp.Expr]) -> sp.Ex
             return -arguments[0]
         case "reciprocal":
             return 1 / arguments[0]
+        case _ if (found := store.table_of(operation)) is not None:
+            return table_function(table_place(operation)[0], *found)(*arguments)
         case _:
             return getattr(sp, FUNCTIONS[operation].sympy_name)(*arguments)
+
+
+@cache
+def table_function(number: int, table: Piecewise, order: int) -> Any:
+    """The derivative of a piecewise polynomial as a function of sympy's: it has a name, numbers and derivatives."""
+    return UndefinedFunction(
+        f"{TABLE}{number}_{order}",
+        _imp_=staticmethod(lambda x: table.value(float(x), order)),
+        fdiff=lambda self, _=1: (
+            table_function(number, table, order + 1)(*self.args) if order < table.degree else sp.Integer(0)
+        ),
+    )
 
 
 def from_sympy(expr: sp.Expr, inputs: Mapping[str, Scalar], store: Store | None = None) -> Scalar:

@@ -13,7 +13,7 @@ from lamc.codegen.program import Program, Space
 from lamc.errors import DesignError
 from lamc.reference.constrained import constrained
 from lamc.reference.listing import listing_of, run
-from lamc.reference.operations import BATCHED, SCALAR
+from lamc.reference.operations import BATCHED, SCALAR, lookups
 
 Array = npt.NDArray[np.float64]
 
@@ -29,8 +29,10 @@ class Interpreter:
         self.program = program
         self.joints = program.joints
         self.bodies = program.bodies
-        self._scalar = {name: listing_of(f, SCALAR) for name, f in program.functions.items()}
-        self._batched = {name: listing_of(f, BATCHED) for name, f in program.functions.items()}
+        tables = lookups(program.tables)
+        scalar, batched = {**SCALAR, **tables}, {**BATCHED, **tables}
+        self._scalar = {name: listing_of(f, scalar) for name, f in program.functions.items()}
+        self._batched = {name: listing_of(f, batched) for name, f in program.functions.items()}
 
     def constants(self, parameters: Mapping[str, float] | None = None) -> Array:
         """Parameter-only values, shape (constant_count,), with defaults replaced by `parameters` by name.

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.records import Joint, Mechanism
+from lamc.reference import hinge_laws
 from lamc.reference.contact import Ground, ground
 from lamc.reference.expression import Formula, parse
 from lamc.reference.kinematics import Link, Motion, cross
@@ -42,9 +43,10 @@ class NumericLoads:
     rest_energy  ½ stiffness rest_angle², J: makes the energy of a hinge at its rest angle zero
     damping      N·m·s/rad, zero where damping does not act
     applied      constant torques, N·m
-    torques      (index of the joint, formula in t, angle and rate, N·m)
+    torques      (index of the joint, formula in t, angle and rate, N·m), those of nonlinear stiffness among them
     springs      springs between points
     grounds      planes that points touch
+    laws         (index of the joint, energy of its nonlinear stiffness, J)
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -57,6 +59,7 @@ class NumericLoads:
     torques: tuple[tuple[int, Formula], ...]
     springs: tuple[PointSpring, ...]
     grounds: tuple[Ground, ...]
+    laws: tuple[tuple[int, Formula], ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -100,6 +103,7 @@ class NumericLoads:
             "gravity": -float(masses @ (state.centre @ self.gravity)),
             "hinge_stiffness": float(0.5 * self.stiffness @ (q * q)),
             "rest_angle": float(self.rest_energy.sum() - self.preload @ q),
+            "nonlinear_stiffness": sum(w({"angle": float(q[k])}) for k, w in self.laws),
             "spring": sum(0.5 * s.stiffness * x * x for s, x in zip(self.springs, stretches, strict=True)),
             "ground_contact": sum(g.stored(partial(_end, links, state)) for g in self.grounds),
         }
@@ -115,7 +119,16 @@ def _end(links: Sequence[Link], state: Motion, body: str, point: Array) -> tuple
     return -1, point, np.zeros(3)
 
 
-KNOWN = ("gravity", "hinge_stiffness", "hinge_damping", "rest_angle", "torque", "spring", "ground_contact")
+KNOWN = (
+    "gravity",
+    "ground_contact",
+    "hinge_damping",
+    "hinge_stiffness",
+    "nonlinear_stiffness",
+    "rest_angle",
+    "spring",
+    "torque",
+)
 
 
 def told_apart(effects: Iterable[Any]) -> tuple[tuple[Any, ...], str]:
@@ -139,20 +152,23 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
     torques: list[tuple[int, Formula]] = []
     springs: list[PointSpring] = []
     grounds: list[Ground] = []
+    laws: list[tuple[int, Formula]] = []
     energies: list[str] = []
+    effects = tuple(effects)
+    linear = np.array([j.stiffness if j.name not in _bent(effects) else 0.0 for j in records])
     for effect in effects:
         match effect.name:
             case "gravity":
                 gravity = np.array(effect.acceleration, dtype=np.float64)
                 energies.append("gravity")
             case "hinge_stiffness":
-                stiffness = np.array([j.stiffness for j in records])
+                stiffness = linear
                 energies.append("hinge_stiffness")
             case "hinge_damping":
                 damping = np.array([j.damping for j in records])
             case "rest_angle":
-                preload = np.array([j.stiffness * j.rest_angle for j in records])
-                rest_energy = np.array([0.5 * j.stiffness * j.rest_angle**2 for j in records])
+                rest = np.array([j.rest_angle for j in records])
+                preload, rest_energy = linear * rest, 0.5 * linear * rest**2
                 energies.append("rest_angle")
             case "torque":
                 for k, torque in _torques(effect.torques, records):
@@ -160,6 +176,10 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
                         torques.append((k, parse(torque)))
                     else:
                         applied[k] += torque
+            case "nonlinear_stiffness":
+                more, laws = hinge_laws.laws(effect.laws, records)
+                torques += more
+                energies.append("nonlinear_stiffness")
             case "spring":
                 springs.append(_spring(mechanism, effect))
                 energies.append("spring")
@@ -181,8 +201,14 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
         tuple(torques),
         tuple(springs),
         tuple(grounds),
+        tuple(laws),
         tuple(dict.fromkeys(energies)),
     )
+
+
+def _bent(effects: Iterable[Any]) -> set[str]:
+    """Names of the joints whose linear stiffness a nonlinear one replaces."""
+    return {name for effect in effects if effect.name == "nonlinear_stiffness" for name in effect.laws}
 
 
 def _spring(mechanism: Mechanism, effect: Any) -> PointSpring:

@@ -6,9 +6,13 @@ or an infinity, so do these: nothing here raises for a value.
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.polynomial import polynomial
+
+if TYPE_CHECKING:
+    from lamc.mechanics.piecewise import Piecewise
 
 Operation = Callable[..., Any]
 
@@ -118,3 +122,25 @@ BATCHED: Mapping[str, Operation] = {
     "max": np.fmax,
     "pow": np.power,
 }
+
+
+def lookups(tables: "Mapping[int, Piecewise]") -> Mapping[str, Operation]:
+    """The operations that look up `tables`, for numbers and for arrays: table_<number>_<order of the derivative>."""
+    return {
+        f"table_{number}_{order}": _lookup(table, order)
+        for number, table in tables.items()
+        for order in range(table.degree + 1)
+    }
+
+
+def _lookup(table: "Piecewise", order: int) -> Operation:
+    breaks = np.array(table.breaks)
+    pieces = np.array([np.atleast_1d(polynomial.polyder(row, order)) for row in table.pieces])
+
+    def evaluate(x: Any) -> Any:
+        row = np.searchsorted(breaks, x, side="right")
+        distance = x - breaks[np.maximum(row - 1, 0)]
+        value = polynomial.polyval(distance, np.moveaxis(pieces[row], -1, 0), tensor=False)
+        return np.where(np.isnan(distance), np.nan, value)[()]
+
+    return evaluate

@@ -135,7 +135,9 @@ def _forces(
     torques: Sequence[sp.Symbol],
     world: ReferenceFrame,
 ) -> list[tuple[Any, Any]]:
-    given = {k: symbol for (k, _), symbol in zip(loads.torques, torques, strict=True)}
+    given: dict[int, Any] = {}
+    for (k, _), symbol in zip(loads.torques, torques, strict=True):
+        given[k] = given.get(k, sp.Integer(0)) + symbol
     forces: list[tuple[Any, Any]] = []
     for link, body in zip(links, bodies, strict=True):
         if loads.gravity.any():

@@ -1,0 +1,127 @@
+"""Hinges whose restoring torque is no straight line: polynomials, expressions, and measured tables."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from lamc.effects.base import Effect
+from lamc.effects.data import is_measured, quantity, refusal
+from lamc.effects.hinges import stiffness_claim
+from lamc.effects.torque_laws import LawData, law_of
+from lamc.errors import DesignError
+from lamc.mechanics.loads import Loads
+from lamc.mechanics.staging import Value
+from lamc.mechanism.checks import checked_name, shown
+from lamc.mechanism.records import Mechanism
+from lamc.readonly import ReadOnlyDict
+
+
+@dataclass(frozen=True)
+class NonlinearStiffness:
+    """Restoring torques T(angle) by joint name; the hinge feels -T, and stores ∫ T from its rest angle on.
+
+    The angle, rad, counts from the joint's rest angle, whether RestAngle acts or not. The law takes the place of the
+    linear spring: HingeStiffness and RestAngle leave these hinges out. A law is one of
+
+        [0.1, 0.0, 0.3]                          T = 0.1 angle + 0.3 angle³, N·m/rad, N·m/rad², …: parameters
+        "0.1*angle + 0.3*sinh(angle)"            T, N·m, as an expression in angle
+        {"energy": "0.05*angle^2"}               W, J, as an expression; T is its derivative
+        {"table": [(-1, -2), (0, 0), (1, 3)]}    points (rad, N·m), 2 to 10 000, angles ascending
+        {"file": "hinge.csv"}                    the same from a file, which is read once, when the record is made
+
+    Tables are joined by a natural cubic spline ("between": "spline"), which is twice smooth, or with "monotone" by a
+    curve that does not overshoot, but is only once smooth: integrators of high order then take shorter steps where the
+    angle passes a point. Outside its points a table goes on straight, with the slope that it ends with.
+
+    Raises DesignError for tables that do not ascend or are not finite, ExpressionError for expressions outside the
+    language, and for torques whose energy has no closed form here: give the energy then.
+    """
+
+    laws: Mapping[str, LawData] = field(default_factory=dict)
+
+    name: ClassVar[str] = "nonlinear_stiffness"
+    summary: ClassVar[str] = "Nonlinear stiffness of hinges"
+    source: ClassVar[str] = "T = -dW/dq, W the antiderivative of the given law"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.laws, Mapping):
+            raise DesignError(
+                f"the laws of nonlinear stiffness are {shown(self.laws)}; give a mapping from joint name to law"
+            )
+        checked: dict[str, LawData] = {}
+        for joint, data in sorted(self.laws.items(), key=lambda item: str(item[0])):
+            checked_name(joint, "the joint of a nonlinear stiffness")
+            checked[joint] = law_of(data, f"the stiffness of hinge {joint!r}").data
+        object.__setattr__(self, "laws", ReadOnlyDict(checked))
+
+    def __hash__(self) -> int:
+        return hash(
+            tuple((j, tuple(d.items()) if isinstance(d, Mapping) else d) for j, d in self.laws.items())
+        )
+
+    def claims(self) -> tuple[str, ...]:
+        """The stiffness of each of its hinges."""
+        return tuple(stiffness_claim(joint) for joint in self.laws)
+
+    def contribute(self, loads: Loads) -> None:
+        for joint in self.laws:
+            loads.hinge(joint)
+        for hinge in loads.hinges():
+            joint = hinge.joint.name
+            if joint not in self.laws:
+                continue
+            angle = hinge.angle
+            if hinge.joint.rest_angle:
+                angle = angle - loads.parameter(
+                    f"{joint}.rest_angle", hinge.joint.rest_angle, "rad", "angle at which the hinge rests"
+                )
+            assert isinstance(angle, Value), "a hinge's angle is a symbol"
+            law = law_of(self.laws[joint], f"the stiffness of hinge {joint!r}")
+            torque, energy = law.staged(loads, joint, angle)
+            loads.hinge_torque(joint, -torque)
+            loads.stored_energy(energy)
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no law of a hinge's torque is given"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "NonlinearStiffness":
+        """From a scene file: a map from joint name to law; coefficients and tables may have units."""
+        if not isinstance(value, Mapping) or not value:
+            raise refusal(
+                where,
+                f"nonlinear_stiffness is {shown(value)}; give a law for each joint, such as {{h1: [0.1, 0, 0.3]}}",
+            )
+        folder = getattr(where, "folder", None)
+        laws: dict[str, LawData] = {}
+        for joint, data in value.items():
+            path = (str(joint),)
+            try:
+                plain = _plain(data, where, path)
+                laws[str(joint)] = law_of(plain, f"the stiffness of hinge {str(joint)!r}", folder).data
+            except DesignError as error:
+                if error.place is not None or hasattr(error, "problem"):
+                    raise
+                raise refusal(where, error.message, *path) from error
+        return cls(laws)
+
+
+def _plain(data: object, where: str, path: tuple[str, ...]) -> object:
+    """The law with quantities in SI."""
+    if isinstance(data, str):
+        return (quantity(data, "N*m/rad", where, *path),) if is_measured(data) else data
+    if isinstance(data, list | tuple):
+        return tuple(
+            quantity(value, "N*m/rad" if power == 1 else f"N*m/rad^{power}", where, *path, power - 1)
+            for power, value in enumerate(data, start=1)
+        )
+    if isinstance(data, Mapping) and isinstance(data.get("table"), list | tuple):
+        rows = []
+        for k, row in enumerate(data["table"]):
+            if not isinstance(row, list | tuple) or len(row) != 2:
+                raise refusal(where, f"the row is {shown(row)}; give [angle, torque]", *path, "table", k)
+            angle = quantity(row[0], "rad", where, *path, "table", k, "angle")
+            rows.append((angle, quantity(row[1], "N*m", where, *path, "table", k, "torque")))
+        return {**data, "table": tuple(rows)}
+    return data

@@ -111,7 +111,8 @@ def hull_corners(polygons: Sequence[Polygon], most: int) -> tuple[tuple[float, f
         lost = [
             _area(corners[i - 1], corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners))
         ]
-        del corners[int(np.argmin(lost))]
+        # Among equals the first goes, whatever their round-off: a round outline keeps its symmetry
+        del corners[next(i for i, area in enumerate(lost) if area <= min(lost) * (1.0 + 1e-9))]
     return tuple(corners)
 
 

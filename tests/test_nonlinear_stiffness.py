@@ -1,6 +1,7 @@
 """Nonlinear stiffness against closed forms, scipy's curves and a voice that shares nothing; files and refusals."""
 
 import contextlib
+import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,7 +16,8 @@ from scipy.special import ellipj
 
 import lamc
 from lamc.codegen.program import Space
-from lamc.design.scene_file import read_scene, scene_data
+from lamc.design.load_scene import scene_of_text
+from lamc.design.scene_writer import scene_data
 from lamc.effects import HingeStiffness, NonlinearStiffness, RestAngle
 from lamc.effects.data import Where
 from lamc.effects.expression import stage
@@ -332,6 +334,19 @@ def test_laws_that_cannot_be_are_refused(law: object, words: str) -> None:
     with pytest.raises(DesignError, match=words) as caught:
         NonlinearStiffness({"h": law})  # type: ignore[dict-item]
     assert "\n" not in str(caught.value)
+
+
+def read_scene(data: object) -> Scene:
+    """Plain data as a file; JSON is YAML."""
+    return scene_of_text(json.dumps(data), "scene.yaml")
+
+
+def test_a_scene_file_names_tables_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "hinge.csv").write_text("0,0\n1,1\n", encoding="utf-8")
+    scene = tmp_path / "scene.yaml"
+    scene.write_text("effects: {nonlinear_stiffness: {h: {file: hinge.csv}}}", encoding="utf-8")
+    law = NonlinearStiffness({"h": {"table": [(0, 0), (1, 1)]}})
+    assert lamc.load_scene(scene).effects == (law,)
 
 
 def test_scene_files_give_laws_with_units_and_take_them_back() -> None:

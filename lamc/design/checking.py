@@ -5,6 +5,7 @@ reads `file:line:column: path: message`. It knows no particular schema.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path as FilePath
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -39,6 +40,12 @@ class Problems:
     @property
     def none(self) -> bool:
         return not self._found
+
+    @property
+    def folder(self) -> FilePath | None:
+        """Where the file lies, from which it counts the names of other files; None for text that has no file."""
+        file = self._root.place.file
+        return FilePath(file).parent if file else None
 
     def place(self, path: Path) -> Place:
         """The place of what stands at `path`, or of the nearest thing around it."""

@@ -215,7 +215,7 @@ class _Reader:
         """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
         path, name, value = called
         if path not in self.effects:
-            where = Where(shown(path), self.length_unit)
+            where = Where(shown(path), self.length_unit, self.problems.folder)
             self.effects[path] = None
             try:
                 self.effects[path] = make_effect(name, value, where)

@@ -107,8 +107,12 @@ def with_effects(definitions: Mapping[str, Any]) -> dict[str, Any]:
 def effect_schema(kind: type[RegisteredEffect]) -> dict[str, Any]:
     """What a file may say under the effect's name, from its dataclass: its fields, their kinds and units.
 
-    The field that an effect's `shorthand` names may stand alone.
+    The field that an effect's `shorthand` names may stand alone. An effect whose data is no record says it itself, as
+    `data_schema`.
     """
+    own: Mapping[str, Any] | None = getattr(kind, "data_schema", None)
+    if own is not None:
+        return {"description": " ".join((kind.__doc__ or kind.summary).split()), **own}
     units: Mapping[str, str] = getattr(kind, "units", {})
     hints = typing.get_type_hints(kind)
     entries = fields_of(kind)  # type: ignore[arg-type]

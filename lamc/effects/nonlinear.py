@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.hinges import stiffness_claim
-from lamc.effects.torque_laws import LawData, law_of
+from lamc.effects.torque_laws import LAW_SCHEMA, LawData, law_of
 from lamc.errors import DesignError
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Value
@@ -42,6 +42,10 @@ class NonlinearStiffness:
     name: ClassVar[str] = "nonlinear_stiffness"
     summary: ClassVar[str] = "Nonlinear stiffness of hinges"
     source: ClassVar[str] = "T = -dW/dq, W the antiderivative of the given law"
+
+    shorthand: ClassVar[str] = "laws"
+
+    data_schema: ClassVar[Mapping[str, Any]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
 
     def __post_init__(self) -> None:
         if not isinstance(self.laws, Mapping):

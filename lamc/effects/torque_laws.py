@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -31,6 +31,32 @@ MAX_DEGREE = 16
 WIDEST_ANGLE = 4.0 * math.pi  # rad; a table that reaches farther is in degrees, in all likelihood
 BETWEEN = ("spline", "monotone")
 KEYS = ("table", "file", "between", "energy")
+
+_NUMBER = {"type": ["number", "string"], "description": "a number (SI), or text with a unit"}
+LAW_SCHEMA: Mapping[str, Any] = {
+    "anyOf": [
+        {
+            "type": "string",
+            "description": "torque, N*m, as an expression in angle; or a stiffness with its unit",
+        },
+        {"type": "array", "items": _NUMBER, "minItems": 1, "maxItems": MAX_DEGREE},
+        {
+            "type": "object",
+            "properties": {
+                "table": {
+                    "type": "array",
+                    "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
+                    "minItems": 2,
+                    "maxItems": MAX_ROWS,
+                },
+                "file": {"type": "string", "description": "a CSV file of angle and torque"},
+                "between": {"enum": [*BETWEEN]},
+                "energy": {"type": "string", "description": "energy, J, as an expression in angle"},
+            },
+            "additionalProperties": False,
+        },
+    ]
+}
 
 LawData = str | tuple[float, ...] | Mapping[str, object]
 

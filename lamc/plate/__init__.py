@@ -22,6 +22,7 @@ from lamc.plate.answers.failure import PlateFailure, first_failure
 from lamc.plate.answers.flexibility import flexibility
 from lamc.plate.answers.gradients import gradient
 from lamc.plate.answers.hinge_stiffness import HingeStiffness, hinge_stiffness
+from lamc.plate.answers.hinge_turns import HingeTurn
 from lamc.plate.answers.modes import Modes, modes
 from lamc.plate.designs.from_design import DesignPlate, plate_of
 from lamc.plate.designs.hinge_edges import HingeEdge
@@ -31,6 +32,7 @@ from lamc.plate.elements.kernels import ElementKernels, kernels
 from lamc.plate.files.problem_file import load_plate
 from lamc.plate.files.problem_make import problem_of
 from lamc.plate.files.problem_records import PlateFile
+from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.laminates.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.library import LIBRARY, material
@@ -81,7 +83,9 @@ __all__ = [
     "FirstPlyFailure",
     "Gravity",
     "HingeEdge",
+    "HingeLine",
     "HingeStiffness",
+    "HingeTurn",
     "Hinged",
     "Laminate",
     "Material",

@@ -4,8 +4,8 @@ In: a mesh and an element. Out: nodes, the unknowns that live on each, and for e
 the element's own order. Never: stiffness, supports.
 
 Nodes are the mesh's points first, in its order; then those on edges, edge by edge in the order of `mesh.edges`, each
-from the end with the lower number to the other; then those inside cells. Unknowns are numbered node by node, at each
-node in the order of `definition.DOFS`.
+from the end with the lower number to the other; then those inside cells; then copies along hinge lines (`doubling.py`).
+Unknowns are numbered node by node, at each node in the order of `definition.DOFS`.
 """
 
 from collections.abc import Sequence
@@ -16,6 +16,7 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, shown
+from lamc.plate.doubling import doubled
 from lamc.plate.elements.cells import check_cells
 from lamc.plate.elements.definition import CORNERS, DOFS, TRIANGLE, Element, Node
 from lamc.plate.meshing.mesh import Integers, Mesh
@@ -30,6 +31,9 @@ Place = tuple[str, int, Fraction]  # "corner", "edge" or "cell"; which one; how 
 class Dofs:
     """The unknowns of `element` on `mesh`.
 
+    hinges    numbers of edges of the mesh across which slopes may jump: each side has nodes of its own
+    origin    (nodes,) int32: the node that each is a copy of; of all others their own number
+
     points    (nodes, 2), m
     of_nodes  (m, k) int32: nodes of the cells, in the element's order
     of_cells  (m, nd) int32: numbers of the cells' unknowns, in the element's order
@@ -41,6 +45,8 @@ class Dofs:
 
     mesh: Mesh
     element: Element
+    hinges: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int32), repr=False)
+    origin: Integers = field(init=False, repr=False)
     points: Array = field(init=False, repr=False)
     of_nodes: Integers = field(init=False, repr=False)
     of_cells: Integers = field(init=False, repr=False)
@@ -54,7 +60,12 @@ class Dofs:
                 f"{_KINDS[self.mesh.corner_count]}; choose an element for these, or mesh anew"
             )
         check_cells(self.element, self.mesh.corners)
-        of_nodes, points = _nodes(self.mesh, self.element)
+        of_nodes, points, edge_of = _nodes(self.mesh, self.element)
+        origin = np.arange(len(points), dtype=np.int32)
+        if len(self.hinges):
+            slopes = np.array(["w_x" in node.dofs or "w_y" in node.dofs for node in self.element.nodes])
+            of_nodes, copied = doubled(self.mesh, of_nodes, edge_of, slopes, self.hinges)
+            origin, points = np.concatenate([origin, copied]), np.concatenate([points, points[copied]])
         has = np.zeros((len(points), len(DOFS)), dtype=bool)
         for k, node in enumerate(self.element.nodes):
             for name in node.dofs:
@@ -74,6 +85,7 @@ class Dofs:
         ]
         of_cells = np.ascontiguousarray(np.stack(columns, axis=1))
         for name, value in (
+            ("origin", origin),
             ("points", points),
             ("of_nodes", of_nodes),
             ("of_cells", of_cells),
@@ -95,6 +107,15 @@ class Dofs:
     def of(self, name: str) -> Integers:
         """Numbers of the unknown `name` at all nodes, shape (nodes,), -1 where a node has none."""
         return np.asarray(self.table[:, DOFS.index(name)])
+
+    @property
+    def of_corners(self) -> Integers:
+        """What tells apart the corners of cells that are one point of one part of the plate, (m, corners): the mesh's
+        points, and copies of these along hinge lines."""
+        if not len(self.hinges):
+            return self.mesh.cells
+        places = [_place(self.element.cell, node)[:2] for node in self.element.nodes]
+        return self.of_nodes[:, [places.index(("corner", c)) for c in range(self.mesh.corner_count)]]
 
     def on_edges(self, cells: Integers, edges: Integers) -> Integers:
         """Nodes on edge `edges[i]` of cell `cells[i]`, both ends included, shape (len(cells), nodes of an edge)."""
@@ -138,8 +159,9 @@ def _place(cell: str, node: Node) -> Place:
     return "cell", 0, Fraction(0)
 
 
-def _nodes(mesh: Mesh, element: Element) -> tuple[Integers, Array]:
-    """Nodes of the cells, (m, k), and where all nodes are, (nodes, 2)."""
+def _nodes(mesh: Mesh, element: Element) -> tuple[Integers, Array, Integers]:
+    """Nodes of the cells, (m, k), where all nodes are, (nodes, 2), and the edge of those between its ends, (nodes,), -1
+    for others."""
     places = [_place(element.cell, node) for node in element.nodes]
     corners = mesh.corner_count
     per_edge = _checked_edges(element, places, corners)
@@ -163,7 +185,9 @@ def _nodes(mesh: Mesh, element: Element) -> tuple[Integers, Array]:
         points[of_nodes[:, k]] = mapped(
             element.cell, mesh.corners, np.array(element.nodes[k].at, dtype=float)
         )
-    return of_nodes.astype(np.int32), points
+    edge_of = np.full(len(points), -1, dtype=np.int32)
+    edge_of[n : n + edge_count * len(per_edge)] = np.repeat(np.arange(edge_count), len(per_edge))
+    return of_nodes.astype(np.int32), points, edge_of
 
 
 def _checked_edges(element: Element, places: Sequence[Place], corners: int) -> list[Fraction]:

@@ -15,9 +15,10 @@ from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import checked_element, combine, element
+from lamc.plate.hinge_lines import HingeLine, hinge_edges
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
-from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.mesh import Integers, Mesh
 from lamc.plate.mirrors import check_mirror
 from lamc.plate.places import Places
 from lamc.plate.solving.climate import climates, pulls
@@ -42,6 +43,7 @@ class Problem:
     loads      records of `loads.py`; they act in every case
     cases      more loads by the name of a case; they are solved together
     tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
+    hinges     records of `hinge_lines.py`: lines inside the plate along which it may fold
 
     laminates  (regions,), in the order of the mesh's regions
     dofs       unknowns of the element that was chosen: `problem.dofs.element`
@@ -56,9 +58,11 @@ class Problem:
     loads: Sequence[LoadRecord] = ()
     cases: Mapping[str, Sequence[LoadRecord]] = field(default_factory=dict)
     tolerance: float = 1e-6
+    hinges: Sequence[HingeLine] = ()
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
     places: Places = field(init=False, repr=False)
+    hinge_edges: tuple[Integers, ...] = field(init=False, repr=False)  # of each hinge, numbers of `mesh.edges`
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):
@@ -70,9 +74,12 @@ class Problem:
         self._put("loads", checked_kinds(self.loads, LOADS, "loads of a Problem"))
         self._put("cases", _checked_cases(self.cases))
         self._put("laminates", laminates_of(self.laminate, self.mesh))
-        self._put("dofs", Dofs(self.mesh, self._chosen_element()))
-        size = float(np.hypot(*np.ptp(self.mesh.points, axis=0)))
-        self._put("places", Places(self.dofs, self.tolerance * size))
+        self._put("hinges", checked_kinds(self.hinges, (HingeLine,), "hinges of a Problem"))
+        self._number(Dofs(self.mesh, self._chosen_element()))
+        self._put("hinge_edges", hinge_edges(self.places, self.hinges))
+        if self.hinges:
+            lines = np.unique(np.concatenate(self.hinge_edges))
+            self._number(Dofs(self.mesh, self.dofs.element, lines))
         for support in self.supports:
             with about(support):
                 self._check_support(support)
@@ -82,6 +89,10 @@ class Problem:
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
+
+    def _number(self, dofs: Dofs) -> None:
+        self._put("dofs", dofs)
+        self._put("places", Places(dofs, self.tolerance * self.size))
 
     @property
     def all_loads(self) -> tuple[LoadRecord, ...]:

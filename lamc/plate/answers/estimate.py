@@ -116,7 +116,7 @@ def recovered_strains(solution: "Solution") -> RecoveredStrains:
         xi = sample_points(element.cell, degree)
         strains = np.stack([solution.cell_strains(np.tile(point, (count, 1))) for point in xi], axis=1)
         mine = slice(3 * k, 3 * k + 3) if len(names) > 1 else slice(None)
-        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree))
+        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, problem.dofs.of_corners))
     return RecoveredStrains(tuple(parts))
 
 

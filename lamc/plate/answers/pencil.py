@@ -143,7 +143,7 @@ def pencil(problem: Problem, solver: str = "auto") -> Pencil:
     if any(piece.names for piece in made.pieces):  # without the pins that hold free pieces for `solve`
         free = constraints(problem, support_equations(problem)).free
     motions, names = _motions(made.pieces, problem.dofs.count)
-    reduced = sparse.csc_array(free.T @ made.stiffness @ free)
+    reduced = sparse.csc_array(free.T @ made.stiffness @ free + made.hinge_springs.over(free))
     return Pencil(made, free, reduced, np.asarray(free.T @ motions), names)
 
 

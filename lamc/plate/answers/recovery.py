@@ -1,7 +1,7 @@
 """Curvatures and strains that are better than those of the elements, from patches of cells.
 
 In: a mesh, and strains sampled inside its cells. Out: strains anywhere. Never: elements, solving. Patches do not reach
-into another region: there the stiffness may jump, and strains with it.
+into another region, where the stiffness may jump and strains with it, nor across a hinge line.
 
 About each corner of the mesh, a polynomial is fitted to the samples of the cells around it by least squares. Inside a
 cell those of its corners are blended by the functions that are 1 at one corner and linear or bilinear between. With
@@ -78,9 +78,12 @@ class RecoveredStrains:
         return np.concatenate([part.at(cells, xi) for part in self.parts], axis=1)
 
 
-def recover(mesh: Mesh, xi: Array, samples: Array, degree: int) -> Recovered:
-    """From `samples` (m, q, k) taken at `xi` (q, 2) of every cell."""
-    of_corner, member = _patches(mesh, len(xi), degree)
+def recover(
+    mesh: Mesh, xi: Array, samples: Array, degree: int, of_corners: Integers | None = None
+) -> Recovered:
+    """From `samples` (m, q, k) taken at `xi` (q, 2) of every cell; `of_corners` (m, corners) as `Dofs` has them, None:
+    the mesh's points."""
+    of_corner, member = _patches(mesh, mesh.cells if of_corners is None else of_corners, len(xi), degree)
     found = member.tocoo()
     patch, cell = found.coords
     count, pairs = member.shape[0], len(patch)
@@ -106,10 +109,10 @@ def monomials(place: Array, degree: int) -> Array:
     return np.stack([x ** (d - k) * y**k for d in range(degree + 1) for k in range(d + 1)], axis=-1)
 
 
-def _patches(mesh: Mesh, per_cell: int, degree: int) -> tuple[Integers, sparse.csr_array]:
+def _patches(mesh: Mesh, of_corners: Integers, per_cell: int, degree: int) -> tuple[Integers, sparse.csr_array]:
     """Patch of every corner of every cell, and which cells each patch takes, (p, m)."""
     regions = np.broadcast_to(mesh.regions[:, None], mesh.cells.shape)
-    keys = mesh.cells.astype(np.int64) * len(mesh.region_names) + regions
+    keys = of_corners.astype(np.int64) * len(mesh.region_names) + regions
     unique, index = np.unique(keys.ravel(), return_inverse=True)
     of_corner = index.reshape(mesh.cells.shape).astype(np.int32)
     cells = np.repeat(np.arange(len(mesh.cells)), mesh.corner_count)

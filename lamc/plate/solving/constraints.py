@@ -3,6 +3,8 @@
 In: a problem's supports. Out: orthonormal rows, one per direction held, with its value and its support; and orthonormal
 columns that span the rest. Never: stiffness, loads.
 
+Along hinge lines a point has several nodes, which count as one: what they have in common is part of the columns.
+
 At a node the unknowns (u, v) and (w_x, w_y) are vectors, and a support may hold a part of one along any direction.
 Where that is an axis, an unknown is simply fixed; elsewhere the node gets axes of its own. See `supports.py` for how
 edges give directions.
@@ -21,6 +23,8 @@ from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
 from lamc.plate.solving.directions import PARALLEL, Indices, edge_nodes_on, gram, principal
 from lamc.plate.solving.functions import values_at
+from lamc.plate.solving.joints import held, numbers, spread
+from lamc.plate.solving.ties import Ties, ties
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry, Where, support_text
 
 PLANE, ACROSS, SLOPE, TWIST = range(4)  # (u, v), w, (w_x, w_y), w_xy
@@ -49,11 +53,12 @@ class Equations:
 class Constraints:
     """What is held, and what is free: every vector of unknowns is free @ y + fixed.T @ values.
 
-    fixed   (c, N) sparse, rows orthonormal; a row concerns one node
+    fixed   (c, N) sparse, rows orthonormal; a row concerns one node, with its copies
     values  (c,)
     owners  (c,) index into the problem's supports, the first that holds it; -1: see Equations
     nodes   (c,)
-    free    (N, f) sparse, columns orthonormal, in the order of the unknowns
+    free    (N, f) sparse, columns orthonormal, in the order of the unknowns; slopes of copies come last
+    ties    what copies of nodes have in common; `free` and `fixed` obey it
     """
 
     fixed: sp.csr_array
@@ -61,6 +66,7 @@ class Constraints:
     owners: Integers
     nodes: Integers
     free: sp.csr_array
+    ties: Ties
 
 
 def support_equations(problem: Problem) -> Equations:
@@ -154,28 +160,85 @@ def _of_edges(
 
 def constraints(problem: Problem, equations: Equations) -> Constraints:
     """The equations made independent, node by node. Raises DesignError where two contradict each other."""
-    dofs = problem.dofs
+    dofs, tied = problem.dofs, ties(problem.dofs)
     there = dofs.table[equations.node, _FIRST[equations.kind]] >= 0
-    node, kind, owner = equations.node[there], equations.kind[there], equations.owner[there]
-    direction, value = equations.direction[there], equations.value[there]
+    alone = _alone(dofs, equations, there)
+    node, kind, owner = alone.node, alone.kind, alone.owner
     keys, group = np.unique(node.astype(np.int64) * 4 + kind, return_inverse=True)
     count = len(keys)
-    sums = gram(direction, group, count)
+    sums = gram(alone.direction, group, count)
     first, second, ratio = principal(sums)
     both = ratio > PARALLEL
     first[both], second[both] = (1.0, 0.0), (0.0, 1.0)
-    held = _held_values(sums, direction, value, group, first, both)
-    _check_agreement(problem, node, direction, value, owner, held[group])
+    values = _held_values(sums, alone.direction, alone.value, group, first, both)
+    _check_agreement(problem, node, alone.direction, alone.value, owner, values[group])
     rows_key = np.concatenate([np.arange(count), np.flatnonzero(both)])
     rows_direction = np.concatenate([first, second[both]])
-    rows_owner = _owners(direction, owner, group, rows_key, rows_direction)
-    rows_value = np.einsum("ki,ki->k", rows_direction, held[rows_key])
+    rows_owner = _owners(alone.direction, owner, group, rows_key, rows_direction)
+    rows_value = np.einsum("ki,ki->k", rows_direction, values[rows_key])
     row_node = (keys[rows_key] // 4).astype(np.int32)
     column = dofs.table[row_node, _FIRST[keys[rows_key] % 4]].astype(np.int64)
     fixed = _pairs(column, rows_direction, dofs.count)
+    oblique = ~both[rows_key]
+    if not tied.joints:
+        free = _free(column, rows_direction, oblique, np.ones(dofs.count, dtype=bool))
+        return Constraints(fixed, rows_value, rows_owner, row_node, free, tied)
+    wide, present = spread(dofs, tied)
+    size = np.asarray(wide.max(axis=0).todense()).ravel()[column]  # 1 over the root of the number of copies
+    free = sp.csr_array(wide @ _free(column, rows_direction, oblique, present))
+    base = Constraints(sp.csr_array(fixed @ wide.T), rows_value / size, rows_owner, row_node, free, tied)
+    return _with_joints(problem, base, equations)
+
+
+def _alone(dofs: Dofs, equations: Equations, there: Indices) -> Equations:
+    """Those that `there` says, without slopes of nodes that have copies; displacements are those of the original."""
+    several = np.bincount(dofs.origin, minlength=len(dofs.origin)) > 1
+    kept = there & ~((equations.kind == SLOPE) & several[dofs.origin[equations.node]])
+    node, kind = equations.node[kept], equations.kind[kept]
+    moves = (kind == PLANE) | (kind == ACROSS)
+    node = np.where(moves, dofs.origin[node], node).astype(np.int32)
+    return Equations(node, kind, equations.direction[kept], equations.value[kept], equations.owner[kept])
+
+
+def _with_joints(problem: Problem, base: Constraints, equations: Equations) -> Constraints:
+    """`base` and the slopes of nodes that have copies."""
+    dofs, count = problem.dofs, problem.dofs.count
+    rows, columns = [base.fixed], [base.free]
+    values, owners, nodes = [base.values], [base.owners], [base.nodes]
+    slopes = np.flatnonzero(equations.kind == SLOPE)
+    slopes = slopes[np.argsort(equations.owner[slopes], kind="stable")]
+    by_origin: dict[int, list[int]] = {}
+    for k, origin in zip(slopes.tolist(), dofs.origin[equations.node[slopes]].tolist(), strict=True):
+        by_origin.setdefault(origin, []).append(k)
+    for joint in base.ties.joints:
+        mine = np.array(by_origin.get(int(joint.nodes[0]), []), dtype=np.intp)
+        asked = np.zeros((len(mine), len(joint.nodes), 2))
+        asked[np.arange(len(mine)), np.searchsorted(joint.nodes, equations.node[mine])] = equations.direction[
+            mine
+        ]
+        found = held(joint, asked.reshape(len(mine), 2 * len(joint.nodes)), equations.value[mine])
+        if found.wrong >= 0:
+            _refuse(problem, equations, mine, int(mine[found.wrong]))
+        where = numbers(dofs, joint)
+        rows.append(_placed(found.fixed, where, count))
+        columns.append(sp.csr_array(_placed(found.free.T, where, count).T))
+        values.append(found.values)
+        owners.append(equations.owner[mine[found.first]])
+        nodes.append(np.full(len(found.first), joint.nodes[0], dtype=np.int32))
     return Constraints(
-        fixed, rows_value, rows_owner, row_node, _free(column, rows_direction, ~both[rows_key], dofs.count)
+        sp.csr_array(sp.vstack(rows)),
+        np.concatenate(values),
+        np.concatenate(owners),
+        np.concatenate(nodes),
+        sp.csr_array(sp.hstack(columns)),
+        base.ties,
     )
+
+
+def _placed(block: Array, columns: Integers, count: int) -> sp.csr_array:
+    """Dense rows (k, len(columns)) at these columns of `count`; zeros are left out."""
+    row, column = np.nonzero(block)
+    return sp.csr_array((block[row, column], (row, columns[column])), shape=(len(block), count))
 
 
 def _held_values(
@@ -200,16 +263,21 @@ def _check_agreement(
     wrong = np.flatnonzero(np.abs(got - value) > _SAME * np.maximum(np.abs(value), np.abs(held).max(axis=1)))
     if not len(wrong):
         return
-    at = node[wrong[0]]
-    here = np.flatnonzero(node == at)
-    rivals = [k for k in here if value[k] != value[wrong[0]]] or [here[0]]
-    x, y = problem.dofs.points[at]
+    here = np.flatnonzero(node == node[wrong[0]])
+    _refuse(problem, Equations(node, node, direction, value, owner), here, int(wrong[0]))
+
+
+def _refuse(problem: Problem, equations: Equations, here: Indices, wrong: int) -> None:
+    """Raises DesignError: equation `wrong` contradicts another of those `here`."""
+    owner, value = equations.owner, equations.value
+    rivals = [k for k in here if value[k] != value[wrong]] or [here[0]]
+    x, y = problem.dofs.points[equations.node[wrong]]
     texts = [
         f"{type(problem.supports[owner[k]]).__name__} (number {owner[k] + 1}) asks for {value[k]:g}"
-        for k in (rivals[0], wrong[0])
+        for k in (rivals[0], wrong)
     ]
     with about(
-        problem.supports[max(owner[rivals[0]], owner[wrong[0]])]
+        problem.supports[max(owner[rivals[0]], owner[wrong])]
     ):  # the later one was added to the other
         raise DesignError(
             f"supports contradict each other at ({x:.6g}, {y:.6g}): {texts[0]}, {texts[1]}; take one of them away, or "
@@ -244,9 +312,11 @@ def _pairs(column: Indices, direction: Array, count: int) -> sp.csr_array:
     return sp.csr_array((data[there], (rows[there], columns[there])), shape=(len(column), count))
 
 
-def _free(column: Indices, direction: Array, alone: Indices, count: int) -> sp.csr_array:
-    """Columns for what the rows leave: untouched unknowns, and the normals of rows that are oblique."""
-    touched = np.zeros(count, dtype=bool)
+def _free(column: Indices, direction: Array, alone: Indices, present: Indices) -> sp.csr_array:
+    """Columns for what the rows leave of the unknowns that are `present` (N,): untouched ones, and the normals of rows
+    that are oblique."""
+    count = len(present)
+    touched = ~present
     oblique = alone & (direction != 0.0).all(axis=1)
     for i in (0, 1):
         touched[(column + i)[direction[:, i] != 0.0]] = True

@@ -36,7 +36,7 @@ _SHARE = 1e-3  # of a line's length: what lies off the plate by less is the draw
 def idle(system: System, loads: Sequence[LoadRecord]) -> tuple[str, ...]:
     """A note on each support and load of `loads` that does nothing, or less than it seems to."""
     problem = system.problem
-    if len(_held(system)) == problem.dofs.count:
+    if not system.constraints.free.shape[1] and (system.constraints.owners >= 0).all():
         found = [
             "the supports hold every unknown of the plate, so nothing can move: hold less, or mesh finer"
         ]
@@ -83,6 +83,7 @@ def _arms(problem: Problem) -> Array:
 
 def _off_the_plate(problem: Problem, loads: Sequence[LoadRecord]) -> Iterator[str]:
     placed: list[tuple[str, Where]] = [(support_text(support), support.where) for support in problem.supports]
+    placed += [(hinge.text, hinge.where) for hinge in problem.hinges]
     placed += [
         (f"the {type(load).__name__}", load.where)
         for load in loads
@@ -96,8 +97,9 @@ def _off_the_plate(problem: Problem, loads: Sequence[LoadRecord]) -> Iterator[st
             continue
         off = shapely.difference(where, problem.places.plate)
         if dimension == 1 and off.length > _SHARE * where.length:
+            place = "" if "HingeLine" in what else f" at {where_text(where)}"
             yield (
-                f"{what} at {where_text(where)} is {where.length:.4g} m long, of which {off.length:.4g} m lie off the "
+                f"{what}{place} is {where.length:.4g} m long, of which {off.length:.4g} m lie off the "
                 f"plate: only {where.length - off.length:.4g} m count"
             )
         if dimension == 0 and not off.is_empty:

@@ -1,6 +1,6 @@
 """From the matrix of all unknowns to that of the free ones, without a product of matrices each time.
 
-In: the pattern of a symmetric matrix, and orthonormal columns with at most two entries per row. Out: columnsᵀ K columns
+In: the pattern of a symmetric matrix, and orthonormal columns with few entries per row. Out: columnsᵀ K columns
 for any values on that pattern, by a gather. Never: knows what is held, or why.
 """
 
@@ -15,49 +15,56 @@ from lamc.plate.meshing.mesh import Integers
 class Reduction:
     """columnsᵀ K columns for matrices K of one pattern.
 
-    columns  (N, f), as `Constraints.free`: rows with a single 1, and pairs of rows for oblique axes
+    columns  (N, f), as `Constraints.free`: rows with a single 1, and rows of several unknowns that move together
     pattern  a sorted (N, N) matrix in compressed columns with the pattern of every K
 
-    Entries of unknowns that are simply free keep their order, so they are picked out; those of oblique axes are summed.
+    Entries of unknowns that are simply free keep their order, so they are picked out; those of oblique axes and of nodes
+    along hinge lines are summed.
     """
 
     def __init__(self, columns: sp.csr_array, pattern: sp.csc_array) -> None:
         count, self.size = columns.shape
         entries = np.diff(columns.indptr)
-        assert entries.max(initial=0) <= 1, "a row of oblique axes has one free unknown"
-        number, weight = np.full(count, -1, dtype=np.int32), np.zeros(count)
-        rows = np.flatnonzero(entries)
-        number[rows], weight[rows] = columns.indices, columns.data
-        free = number >= 0
-        shared = np.bincount(columns.indices, minlength=self.size) > 1
-        oblique = np.append(shared, False)[number]  # -1, what is held, takes the last
+        uses = np.bincount(columns.indices, minlength=self.size)
+        free = entries > 0
+        alone = np.zeros(count, dtype=bool)
+        single = columns.indptr[:-1][entries == 1]
+        alone[entries == 1] = (uses[columns.indices[single]] == 1) & (columns.data[single] == 1.0)
+        number = np.full(count, -1, dtype=np.int32)
+        number[alone] = columns.indices[columns.indptr[:-1][alone]]
         per_column = np.diff(pattern.indptr)
-        plain = (free & ~oblique)[pattern.indices] & np.repeat(free & ~oblique, per_column)
+        plain = alone[pattern.indices] & np.repeat(alone, per_column)
         self._plain = np.flatnonzero(plain)
         self._indices: Integers = number[pattern.indices[self._plain]]
         before = np.concatenate([[0], np.cumsum(plain)])  # entries of earlier columns that are kept
-        ends = before[pattern.indptr[1:]][free & ~oblique]
-        self._indptr: Integers = np.concatenate([[0], ends]).astype(np.int32)
+        self._indptr: Integers = np.concatenate([[0], before[pattern.indptr[1:]][alone]]).astype(np.int32)
         self._place: NDArray[np.int64] | slice = slice(None)  # plain entries alone are in order already
         self._sums = sp.csr_array((0, len(pattern.indices)))
-        if oblique.any():
+        if not np.array_equal(free, alone):
             column_of = np.repeat(np.arange(count), per_column)
-            both = free[pattern.indices] & free[column_of]
-            self._add_sums(number, weight, pattern.indices, column_of, np.flatnonzero(both & ~plain))
+            summed = np.flatnonzero(free[pattern.indices] & free[column_of] & ~plain)
+            self._add_sums(columns, number, pattern.indices, column_of, summed)
 
     def _add_sums(
         self,
+        columns: sp.csr_array,
         number: Integers,
-        weight: Array,
         row_of: Integers,
         column_of: NDArray[np.int64],
         summed: NDArray[np.int64],
     ) -> None:
-        """Entries `summed` of the pattern, which concern oblique axes, merged with the plain ones."""
-        a, b = number[row_of[summed]], number[column_of[summed]].astype(np.int64)
+        """Entries `summed` of the pattern, of unknowns that move with others, merged with the plain ones."""
+        begin, entries = columns.indptr[:-1], np.diff(columns.indptr)
+        row, column = row_of[summed], column_of[summed]
+        times = entries[row] * entries[column]
+        source = np.repeat(np.arange(len(summed)), times)
+        within = np.arange(len(source)) - np.repeat(np.cumsum(times) - times, times)
+        per_row = entries[column][source]
+        first, second = begin[row][source] + within // per_row, begin[column][source] + within % per_row
+        a, b = columns.indices[first], columns.indices[second].astype(np.int64)
         own, group = np.unique(b * self.size + a, return_inverse=True)
-        factors = weight[row_of[summed]] * weight[column_of[summed]]
-        self._sums = sp.csr_array((factors, (group, summed)), shape=(len(own), len(row_of)))
+        factors = columns.data[first] * columns.data[second]
+        self._sums = sp.csr_array((factors, (group, summed[source])), shape=(len(own), len(row_of)))
         plain = number[column_of[self._plain]].astype(np.int64) * self.size + self._indices
         merged = np.concatenate([plain, own])
         order = np.argsort(merged, kind="stable")

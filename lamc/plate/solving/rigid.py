@@ -1,11 +1,11 @@
 """Rigid motion that nothing prevents: which pieces of a plate may move, and how.
 
-In: unknowns, and the directions held. Out: pieces, the motions left to each and their names; unknowns to pin where a
+In: a problem, and the directions held. Out: pieces, the motions left to each and their names; unknowns to pin where a
 balanced load acts on a free piece. Never: stiffness.
 
-A piece is what hangs together through its nodes. It has three rigid motions where it bends (it rises, it turns about x
-and about y) and three where it stretches (it slides, it turns in its plane); the supports of its nodes, applied to
-these exactly, leave a null space.
+A piece is what hangs together through its nodes, or by hinge lines: then it has several panels. A panel has three rigid
+motions where it bends (it rises, it turns about x and about y) and three where it stretches (it slides, it turns in its
+plane); the supports of its nodes, what panels have in common and springs, applied to these exactly, leave a null space.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,9 @@ from lamc.mechanism.checks import Array
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import DOFS
 from lamc.plate.meshing.mesh import Integers
+from lamc.plate.problem import Problem
 from lamc.plate.solving.constraints import Constraints, Equations, equations_of, joined
+from lamc.plate.solving.springs import Springs
 
 _HELD = 1e-8  # of the supports' lever arms over the piece's size: below it a motion is not held
 _ZERO = 1e-6  # of the components of a motion, for its name
@@ -42,7 +44,8 @@ class Piece:
     units          (dofs,): what each unknown is counted in: `size`, 1, or 1/`size`
     motions        (dofs, k): those not held, as changes of its unknowns where the piece turns by 1 rad or moves by its
                    size
-    names          (k,): "rise", "turn about x", …
+    names          (k,): "rise", "turn about x", …; "fold along the HingeLine …" where panels turn against each other
+    folds          how many of these, the first ones, are such
     """
 
     number: int
@@ -54,6 +57,7 @@ class Piece:
     units: Array
     motions: Array
     names: tuple[str, ...]
+    folds: int = 0
 
     @property
     def text(self) -> str:
@@ -62,36 +66,113 @@ class Piece:
         return f"piece {self.number} of {self.count} at ({x:.4g}, {y:.4g})"
 
 
-def pieces(dofs: Dofs, constraints: Constraints, turns: sp.csr_array | None = None) -> tuple[Piece, ...]:
+def pieces(problem: Problem, constraints: Constraints, turns: sp.csr_array, hinged: Springs) -> tuple[Piece, ...]:
     """All pieces, in the order of their first nodes, with the motions that `constraints` leave.
 
-    turns  (k, N) sparse: changes that springs oppose, each of one piece
+    turns   (k, N) sparse: changes that springs of supports oppose, each of one piece
+    hinged  rotations along hinge lines, with springs or without
     """
-    label, count = _components(dofs)
-    nodes_of = _groups(label, count)
-    held, of_rows = constraints.fixed, label[constraints.nodes]
-    if turns is not None and turns.shape[0]:
-        node_of = np.empty(dofs.count, dtype=np.int64)
-        node_of[dofs.table[dofs.table >= 0]] = np.nonzero(dofs.table >= 0)[0]
-        held = sp.csr_array(sp.vstack([held, turns]))
-        of_rows = np.concatenate([of_rows, label[node_of[turns.indices[turns.indptr[:-1]]]]])
-    rows_of = _groups(of_rows, count)
+    dofs, tied = problem.dofs, constraints.ties
+    panel, panels = _components(dofs)
+    node_of = np.empty(dofs.count, dtype=np.int64)
+    node_of[dofs.table[dofs.table >= 0]] = np.nonzero(dofs.table >= 0)[0]
+    opposed = hinged.turns[np.flatnonzero(hinged.stiffness > 0.0)]
+    held = sp.csr_array(sp.vstack([constraints.fixed, turns, tied.rows, opposed]))
+    first = [
+        constraints.nodes,
+        *(node_of[each.indices[each.indptr[:-1]]] for each in (turns, tied.rows, opposed)),
+    ]
+    links = (np.ones(len(tied.pairs), dtype=np.int8), tuple(panel[tied.pairs].T))
+    graph = sp.coo_array(links, shape=(panels, panels)).tocsr()
+    count, piece_of = connected_components(graph, directed=False)
+    label = piece_of[panel]
+    rows_of = _groups(label[np.concatenate(first)], count)
+    folds = hinged.turns[: len(dofs.hinges)]  # at one point of each edge: panels are rigid
+    folds_of = _groups(label[node_of[folds.indices[folds.indptr[:-1]]]], count)
+    texts = [problem.hinges[owner].text for owner in hinged.owners[: len(dofs.hinges)].tolist()]
     found = []
-    for k, (nodes, rows) in enumerate(zip(nodes_of, rows_of, strict=True)):
-        at, table = dofs.points[nodes], dofs.table[nodes]
-        low, high = at.min(axis=0), at.max(axis=0)
-        centre, size = 0.5 * (low + high), float(np.hypot(*(high - low)))
-        there = table >= 0
-        units = np.broadcast_to([size, size, size, 1.0, 1.0, 1.0 / size], table.shape)[there]
-        rigid, coordinates = _rigid(at - centre, size, table)
-        own = held[rows][:, table[there]]
-        weight = np.sqrt((own @ sp.diags_array(units)).power(2).sum(axis=1)) if len(rows) else np.ones(0)
-        kernel = _null((own @ rigid) / np.asarray(weight).reshape(-1, 1), rigid.shape[1])
-        kernel = _echelon(kernel, coordinates)
-        names = tuple(_name(dict(zip(coordinates, column, strict=True)), centre, size) for column in kernel.T)
-        numbers = table[there]
-        found.append(Piece(k + 1, count, centre, size, nodes, numbers, units, rigid @ kernel, names))
+    for k, (nodes, rows, fold) in enumerate(zip(_groups(label, count), rows_of, folds_of, strict=True)):
+        panels_of = _Panels(dofs, nodes, panel[nodes])
+        found.append(_piece((k + 1, count), panels_of, held[rows], folds[fold], [texts[f] for f in fold]))
     return tuple(found)
+
+
+class _Panels:
+    """Rigid motions of the panels of one piece, each about its own centre.
+
+    numbers      of the unknowns of `nodes`; `units` of each, by the size of its panel
+    rigid        (dofs, panels times motions); `coordinates` names those of one panel
+    """
+
+    def __init__(self, dofs: Dofs, nodes: Integers, panel: Integers) -> None:
+        self.nodes, at, table = nodes, dofs.points[nodes], dofs.table[nodes]
+        self.centre, self.size = _box(at)
+        there = table >= 0
+        self.numbers = table[there]
+        own = np.unique(panel, return_inverse=True)[1][np.nonzero(there)[0]]
+        self.units = np.empty(len(self.numbers))
+        self.boxes: list[tuple[Array, float]] = []
+        blocks = []
+        for p in np.unique(panel):
+            mine = panel == p
+            centre, size = _box(at[mine])
+            units = np.broadcast_to([size, size, size, 1.0, 1.0, 1.0 / size], table[mine].shape)
+            rows = own == len(blocks)
+            self.units[rows] = units[there[mine]]
+            motions, self.coordinates = _rigid(at[mine] - centre, size, table[mine])
+            block = np.zeros((len(self.numbers), motions.shape[1]))
+            block[rows] = motions
+            blocks.append(block)
+            self.boxes.append((centre, size))
+        self.rigid = np.concatenate(blocks, axis=1)
+
+    def of_first(self, kernel: Array) -> Array:
+        """Motions of the first panel, counted about the centre of the piece and in its size."""
+        (x, y), size = self.boxes[0]
+        right, up = self.centre - (x, y)
+        turn = dict(zip(self.coordinates, kernel[: len(self.coordinates)], strict=True))
+        found = dict(turn)
+        if "up" in turn:
+            found["up"] = (turn["about x"] * up - turn["about y"] * right + turn["up"] * size) / self.size
+        if "in plane" in turn:
+            found["along x"] = (turn["along x"] * size - turn["in plane"] * up) / self.size
+            found["along y"] = (turn["along y"] * size + turn["in plane"] * right) / self.size
+        return np.array([found[name] for name in self.coordinates])
+
+
+def _box(at: Array) -> tuple[Array, float]:
+    """Centre and diagonal of the box around points."""
+    low, high = at.min(axis=0), at.max(axis=0)
+    return 0.5 * (low + high), float(np.hypot(*(high - low)))
+
+
+def _piece(
+    number: tuple[int, int], panels: _Panels, held: sp.csr_array, folds: sp.csr_array, texts: list[str]
+) -> Piece:
+    """`held` (c, N) does not change, and `folds` (h, N) turn the hinge lines called `texts`."""
+    own, rigid = held[:, panels.numbers], panels.rigid
+    weight = np.sqrt((own @ sp.diags_array(panels.units)).power(2).sum(axis=1)) if own.shape[0] else np.ones(0)
+    kernel = _null((own @ rigid) / np.asarray(weight).reshape(-1, 1), rigid.shape[1])
+    turned = (folds[:, panels.numbers] @ rigid) @ kernel
+    whole = panels.of_first(kernel)
+    parts = _echelon(np.concatenate([turned, whole, kernel]), len(turned) + len(whole))
+    turned, whole, kernel = np.split(parts, [len(turned), len(turned) + len(whole)])
+    names = []
+    for fold, motion in zip(turned.T, whole.T, strict=True):
+        lines = list(dict.fromkeys(texts[k] for k in np.flatnonzero(np.abs(fold) > _ZERO)))
+        of = dict(zip(panels.coordinates, motion, strict=True))
+        names.append(f"fold along {' and '.join(lines)}" if lines else _name(of, panels.centre, panels.size))
+    return Piece(
+        *number,
+        panels.centre,
+        panels.size,
+        panels.nodes,
+        panels.numbers,
+        panels.units,
+        rigid @ kernel,
+        tuple(names),
+        sum(name.startswith("fold") for name in names),
+    )
 
 
 def _components(dofs: Dofs) -> tuple[Integers, int]:
@@ -137,11 +218,12 @@ def _null(levers: Array, count: int) -> Array:
     return np.asarray(right[int(np.count_nonzero(values > _HELD)) :].T)
 
 
-def _echelon(kernel: Array, coordinates: tuple[str, ...]) -> Array:
-    """The same space, by columns that have as few components as can be: turns first, as the rest depends on them."""
+def _echelon(kernel: Array, coordinates: int) -> Array:
+    """The same space, by columns that have as few of the first `coordinates` components as can be: turns first, as the
+    rest depends on them."""
     rows = kernel.T.copy()
     done = 0
-    for column in range(len(coordinates)):
+    for column in range(coordinates):
         if done == len(rows):
             break
         pivot = done + int(np.argmax(np.abs(rows[done:, column])))
@@ -214,6 +296,14 @@ def check_balance(found: tuple[Piece, ...], loads: Array, dofs: Dofs, case: str 
         if (np.abs(piece.motions.T @ loads[piece.dofs]) <= _BALANCED * _acting(piece, loads, dofs)).all():
             continue
         of_case = f"in case {case!r} " if case else ""
+        work = piece.motions.T @ loads[piece.dofs]
+        fold = int(np.argmax(np.abs(work)))
+        if fold < piece.folds:
+            raise DesignError(
+                f"the plate is a mechanism: {free_text(found)}; {of_case}the loads on {piece.text} do "
+                f"{abs(work[fold]):.4g} N·m of work per radian of it: add supports, give the hinge a stiffness, or "
+                "balance the loads"
+            )
         raise DesignError(
             f"the plate is not held: {free_text(found)}; {of_case}the loads on {piece.text} leave "
             f"{_left_over(piece, loads, dofs)}: add supports, or balance the loads"

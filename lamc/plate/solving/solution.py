@@ -16,6 +16,7 @@ import numpy.typing as npt
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.checks import Array, shown
 from lamc.plate.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
+from lamc.plate.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
 from lamc.plate.answers.recovery import RecoveredStrains
 from lamc.plate.laminates.plies import PlyState
 from lamc.plate.loads import LoadRecord
@@ -121,6 +122,11 @@ class Solution:
             fields=state.fields,
         )
 
+    def hinge_rotation(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
+        """How far the sides of hinge lines turn against each other at points on them, rad, positive for a valley; shape
+        of x and y. Raises DesignError for a point on none."""
+        return rotation_at(self, x, y)
+
     # --- whole -------------------------------------------------------------------------------------------------------
 
     def at_nodes(self, name: str) -> Array:
@@ -138,6 +144,20 @@ class Solution:
         """Of the supports, in their order; with the loads they are in balance."""
         return reactions(self._system, self._inner - self._outer, self._exact)
 
+    @cached_property
+    def hinges(self) -> tuple[HingeTurn, ...]:
+        """Rotation, moment and energy of the hinge lines, in the order of `problem.hinges`."""
+        return hinge_turns(self)
+
+    def hinge_energy(self, index: int) -> float:
+        """In the spring of the hinge line of that number, J."""
+        return self._system.hinge_springs.energy(self._exact, index)
+
+    @property
+    def exact(self) -> Numbers:
+        """`values` in long double."""
+        return self._exact
+
     @property
     def compliance(self) -> float:
         """Work of the loads along the displacements that they cause, J: twice the strain energy where nothing is
@@ -146,7 +166,7 @@ class Solution:
 
     @cached_property
     def strain_energy(self) -> float:
-        """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges, J, where e is the strain of the free laminate."""
+        """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges and hinge lines, J, where e is the strain of the free laminate."""
         energy = 0.5 * float(self._inner @ self._exact)
         if not self.expansion.is_none:
             forces = self.expansion.forces(self._system.kernels)

@@ -13,8 +13,11 @@ from lamc.mechanism.checks import Array
 from lamc.plate.elements.kernels import ElementKernels
 from lamc.plate.problem import Problem
 from lamc.plate.solving.edge_parts import edge_parts_on
+from lamc.plate.solving.hinge_sides import hinge_sides
 from lamc.plate.solving.load_vectors import along_edges
 from lamc.plate.supports import Hinged
+
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +40,40 @@ class Springs:
 
     def added_to(self, matrix: sp.csc_array) -> sp.csc_array:
         """`matrix` with the springs on its own pattern, which holds all unknowns of a cell with each other."""
-        if not len(self.stiffness):
-            return matrix
-        own = sp.csc_array(self.turns.T @ sp.diags_array(self.stiffness) @ self.turns)
-        count = np.int64(matrix.shape[0])
-        columns = np.flatnonzero(np.diff(own.indptr))
-        places = np.concatenate([np.arange(*matrix.indptr[c : c + 2]) for c in columns])
-        keys = np.repeat(columns, np.diff(matrix.indptr)[columns]) * count + matrix.indices[places]
-        wanted = np.repeat(columns, np.diff(own.indptr)[columns]) * count + own.indices
-        data = matrix.data.copy()
-        data[places[np.searchsorted(keys, wanted)]] += own.data
-        return sp.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+        return with_added(matrix, sp.csc_array(self.turns.T @ sp.diags_array(self.stiffness) @ self.turns))
+
+    def energy(self, d: NDArray[np.floating], owner: int) -> float:
+        """Of the springs of one owner, J."""
+        turns = self.turns @ d
+        return 0.5 * float(np.sum(np.where(self.owners == owner, self.stiffness, 0.0) * turns * turns))
+
+    def over(self, free: sp.csr_array) -> sp.csc_array:
+        """The stiffness of what is `free` (N, f), (f, f): formed from turns of these, so that motions that turn no
+        spring get none of its round-off."""
+        turns = sp.csr_array(self.turns @ free)
+        return sp.csc_array(turns.T @ sp.diags_array(self.stiffness) @ turns)
+
+
+def with_added(matrix: sp.csc_array, own: sp.csc_array) -> sp.csc_array:
+    """The sum, on a pattern that depends on those of both alone, not on values."""
+    if not own.nnz:
+        return matrix
+    own.sort_indices()
+    count = np.int64(matrix.shape[0])
+    columns = np.flatnonzero(np.diff(own.indptr))
+    places = np.concatenate([np.arange(*matrix.indptr[c : c + 2]) for c in columns])
+    keys = np.repeat(columns, np.diff(matrix.indptr)[columns]) * count + matrix.indices[places]
+    wanted = np.repeat(columns, np.diff(own.indptr)[columns]) * count + own.indices
+    at = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
+    if not len(keys) or (keys[at] != wanted).any():
+        ones = [sp.csc_array((np.ones(m.nnz), m.indices, m.indptr), shape=m.shape) for m in (matrix, own)]
+        wide = sp.csc_array(ones[0] + ones[1])
+        wide.sort_indices()
+        wide.data[:] = 0.0
+        return with_added(with_added(wide, matrix), own)
+    data = matrix.data.copy()
+    data[places[at]] += own.data
+    return sp.csc_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 def springs(problem: Problem, kernels: ElementKernels) -> Springs:
@@ -69,3 +95,24 @@ def springs(problem: Problem, kernels: ElementKernels) -> Springs:
             stiffness.append(support.stiffness * point.length)
             owners.append(np.full(len(numbers), index))
     return Springs(sp.csr_array(sp.vstack(rows)), np.concatenate(stiffness), np.concatenate(owners))
+
+
+def hinge_springs(problem: Problem) -> Springs:
+    """Of all hinge lines of `problem`, owners by its hinges; one without stiffness has springs of stiffness zero."""
+    dofs = problem.dofs
+    if not problem.hinges:
+        none = np.zeros(0)
+        return Springs(sp.csr_array((0, dofs.count)), none, none.astype(np.int64))
+    sides = hinge_sides(dofs)
+    owner = np.empty(len(dofs.hinges), dtype=np.int64)
+    for index, edges in enumerate(problem.hinge_edges):
+        owner[np.searchsorted(dofs.hinges, edges)] = index
+    stiffness = np.array([hinge.stiffness for hinge in problem.hinges])[owner]
+    every = np.arange(len(owner), dtype=np.int32)
+    rows, weights = [], []
+    for place, weight in zip(_GAUSS, _WEIGHTS, strict=True):
+        rows.append(sides.turns(every, np.full(len(owner), 0.5 * (1.0 + place))))
+        weights.append(0.5 * weight * sides.length * stiffness)
+    return Springs(
+        sp.csr_array(sp.vstack(rows)), np.concatenate(weights), np.tile(owner, len(_GAUSS))
+    )

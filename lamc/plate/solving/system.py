@@ -27,7 +27,7 @@ from lamc.plate.solving.reduction import Reduction
 from lamc.plate.solving.rigid import Piece, pieces, pins
 from lamc.plate.solving.sections import sections
 from lamc.plate.solving.solvers import Factor, SingularError, checked_solver, factor
-from lamc.plate.solving.springs import Springs, springs
+from lamc.plate.solving.springs import Springs, hinge_springs, springs, with_added
 
 _INVERSE_STEPS = 3  # of inverse iteration: enough for the order of magnitude
 Numbers = npt.NDArray[Any]  # float or long double
@@ -62,6 +62,7 @@ class System:
     constraints: Constraints
     pieces: tuple[Piece, ...]
     springs: Springs
+    hinge_springs: Springs
     pattern: "Pattern"
     before: Factor | None = None  # of a matrix of the same pattern
 
@@ -72,13 +73,14 @@ class System:
 
     @cached_property
     def stiffness(self) -> sp.csc_array:
-        """Of all unknowns, elastic hinges included, (N, N), both triangles."""
+        """Of all unknowns, elastic hinges at supports included, (N, N), both triangles; without hinge lines."""
         return self.springs.added_to(self.assembly.stiffness(self.section_rows))
 
     @cached_property
     def _reduced(self) -> tuple[sp.csc_array, Array]:
         """The scaled matrix of the free unknowns, and the scale."""
         matrix = self.pattern.reduction(self.stiffness).matrix(self.stiffness.data)
+        matrix = with_added(matrix, self.hinge_springs.over(self.constraints.free))
         diagonal = matrix.diagonal()
         if not (diagonal > 0.0).all():
             number = int(np.flatnonzero(~(diagonal > 0.0))[0])
@@ -137,7 +139,10 @@ class System:
     def inner_forces(self, d: Numbers) -> Numbers:
         """∫ Bᵀ S B d dA by way of the strains, elastic hinges included, (N,), in the precision of `d`."""
         total = self.assembly.force(self.section_rows, d)
-        return total + self.springs.forces(d) if len(self.springs.stiffness) else total
+        for each in (self.springs, self.hinge_springs):
+            if len(each.stiffness):
+                total = total + each.forces(d)
+        return total
 
     def with_problem(self, problem: Problem) -> "System":
         """Of a problem that differs by its laminates only: values are assembled anew, patterns and ordering stay."""
@@ -162,9 +167,10 @@ def system(problem: Problem, solver: str = "auto") -> System:
     equations = support_equations(problem)
     held = constraints(problem, equations)
     elastic = springs(problem, made)
-    found = pieces(problem.dofs, held, elastic.turns)
+    hinged = hinge_springs(problem)
+    found = pieces(problem, held, elastic.turns, hinged)
     free = [pins(piece, problem.dofs) for piece in found if piece.names]
     if free:
         held = constraints(problem, joined([equations, *free]))
     assembly = Assembly(made, problem.mesh, problem.dofs)
-    return System(problem, chosen, made, assembly, held, found, elastic, Pattern(held))
+    return System(problem, chosen, made, assembly, held, found, elastic, hinged, Pattern(held))

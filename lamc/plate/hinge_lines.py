@@ -59,10 +59,14 @@ class HingeLine:
             checked_name(self.name, "a HingeLine")
 
     @property
+    def title(self) -> str:
+        """Its kind, with its name."""
+        return f"the HingeLine {self.name!r}" if self.name else "the HingeLine"
+
+    @property
     def text(self) -> str:
         """As a message names it."""
-        name = f"the HingeLine {self.name!r}" if self.name else "the HingeLine"
-        return f"{name} along {where_text(self.where)}"
+        return f"{self.title} at {where_text(self.where)}"
 
 
 def hinge_edges(places: Places, hinges: Sequence[HingeLine]) -> tuple[Integers, ...]:
@@ -92,10 +96,13 @@ def hinge_edges(places: Places, hinges: Sequence[HingeLine]) -> tuple[Integers, 
 
 def _edges_of(places: Places, hinge: HingeLine) -> Integers:
     mesh = places.dofs.mesh
-    parts = edge_parts_on(places, hinge.where, hinge.text)
+    parts = edge_parts_on(places, hinge.where, hinge.title)
     cells, local = parts.edges.T
     edges = mesh.cell_edges[cells, local]
-    ends = mesh.points[mesh.cells[cells, local]], mesh.points[mesh.cells[cells, (local + 1) % mesh.corner_count]]
+    ends = (
+        mesh.points[mesh.cells[cells, local]],
+        mesh.points[mesh.cells[cells, (local + 1) % mesh.corner_count]],
+    )
     broken = np.flatnonzero((parts.ends != (0.0, 1.0)).any(axis=1))
     if len(broken):
         k = broken[0]

@@ -62,7 +62,9 @@ class Problem:
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
     places: Places = field(init=False, repr=False)
-    hinge_edges: tuple[Integers, ...] = field(init=False, repr=False)  # of each hinge, numbers of `mesh.edges`
+    hinge_edges: tuple[Integers, ...] = field(
+        init=False, repr=False
+    )  # of each hinge, numbers of `mesh.edges`
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):

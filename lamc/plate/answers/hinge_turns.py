@@ -73,7 +73,9 @@ def rotation_at(solution: "Solution", x: npt.ArrayLike, y: npt.ArrayLike) -> Arr
     at_x, at_y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
     points = np.stack([at_x.ravel(), at_y.ravel()], axis=1)
     sides = hinge_sides(problem.dofs)
-    lines = shapely.linestrings(np.stack([sides.begin, sides.begin + sides.length[:, None] * sides.along], axis=1))
+    lines = shapely.linestrings(
+        np.stack([sides.begin, sides.begin + sides.length[:, None] * sides.along], axis=1)
+    )
     places = shapely.points(points)
     nearest = shapely.STRtree(lines).nearest(places)
     distance = shapely.distance(lines[nearest], places)

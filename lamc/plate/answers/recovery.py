@@ -109,7 +109,9 @@ def monomials(place: Array, degree: int) -> Array:
     return np.stack([x ** (d - k) * y**k for d in range(degree + 1) for k in range(d + 1)], axis=-1)
 
 
-def _patches(mesh: Mesh, of_corners: Integers, per_cell: int, degree: int) -> tuple[Integers, sparse.csr_array]:
+def _patches(
+    mesh: Mesh, of_corners: Integers, per_cell: int, degree: int
+) -> tuple[Integers, sparse.csr_array]:
     """Patch of every corner of every cell, and which cells each patch takes, (p, m)."""
     regions = np.broadcast_to(mesh.regions[:, None], mesh.cells.shape)
     keys = of_corners.astype(np.int64) * len(mesh.region_names) + regions

@@ -276,9 +276,7 @@ def _refuse(problem: Problem, equations: Equations, here: Indices, wrong: int) -
         f"{type(problem.supports[owner[k]]).__name__} (number {owner[k] + 1}) asks for {value[k]:g}"
         for k in (rivals[0], wrong)
     ]
-    with about(
-        problem.supports[max(owner[rivals[0]], owner[wrong])]
-    ):  # the later one was added to the other
+    with about(problem.supports[max(owner[rivals[0]], owner[wrong])]):  # the later one was added to the other
         raise DesignError(
             f"supports contradict each other at ({x:.6g}, {y:.6g}): {texts[0]}, {texts[1]}; take one of them away, or "
             "make their values agree"

@@ -60,7 +60,9 @@ class HingeSides:
             for k, node in enumerate(slopes):
                 for axis in (0, 1):
                     add(side, int(node), 3 + axis, values[:, k] * normal[:, axis])
-            for k, node in enumerate(twists):  # along an axis: w_xx and w_yy are no part of the slope's change
+            for k, node in enumerate(
+                twists
+            ):  # along an axis: w_xx and w_yy are no part of the slope's change
                 share = normal[:, 0] * along[:, 1] + normal[:, 1] * along[:, 0]
                 add(side, int(node), 5, values[:, len(slopes) + k] * share * self.length[edges])
         entries = (np.concatenate(data), (np.concatenate(rows), np.concatenate(columns)))

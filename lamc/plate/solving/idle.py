@@ -83,7 +83,7 @@ def _arms(problem: Problem) -> Array:
 
 def _off_the_plate(problem: Problem, loads: Sequence[LoadRecord]) -> Iterator[str]:
     placed: list[tuple[str, Where]] = [(support_text(support), support.where) for support in problem.supports]
-    placed += [(hinge.text, hinge.where) for hinge in problem.hinges]
+    placed += [(hinge.title, hinge.where) for hinge in problem.hinges]
     placed += [
         (f"the {type(load).__name__}", load.where)
         for load in loads
@@ -97,9 +97,8 @@ def _off_the_plate(problem: Problem, loads: Sequence[LoadRecord]) -> Iterator[st
             continue
         off = shapely.difference(where, problem.places.plate)
         if dimension == 1 and off.length > _SHARE * where.length:
-            place = "" if "HingeLine" in what else f" at {where_text(where)}"
             yield (
-                f"{what}{place} is {where.length:.4g} m long, of which {off.length:.4g} m lie off the "
+                f"{what} at {where_text(where)} is {where.length:.4g} m long, of which {off.length:.4g} m lie off the "
                 f"plate: only {where.length - off.length:.4g} m count"
             )
         if dimension == 0 and not off.is_empty:

@@ -48,7 +48,9 @@ def held(joint: Joint, asked: Array, value: Array) -> JointRows:
         if np.linalg.norm(left) > _NEW * size:
             rows.append(left / np.linalg.norm(left))
             first.append(k)
-    amounts = np.linalg.lstsq(inside, value, rcond=_SAME)[0] if len(inside) else np.zeros(joint.columns.shape[1])
+    amounts = (
+        np.linalg.lstsq(inside, value, rcond=_SAME)[0] if len(inside) else np.zeros(joint.columns.shape[1])
+    )
     misfit = np.abs(inside @ amounts - value)
     size = np.abs(value).max(initial=0.0)
     wrong = int(np.argmax(misfit)) if len(value) and misfit.max() > _SAME * size else -1

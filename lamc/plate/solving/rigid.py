@@ -66,7 +66,9 @@ class Piece:
         return f"piece {self.number} of {self.count} at ({x:.4g}, {y:.4g})"
 
 
-def pieces(problem: Problem, constraints: Constraints, turns: sp.csr_array, hinged: Springs) -> tuple[Piece, ...]:
+def pieces(
+    problem: Problem, constraints: Constraints, turns: sp.csr_array, hinged: Springs
+) -> tuple[Piece, ...]:
     """All pieces, in the order of their first nodes, with the motions that `constraints` leave.
 
     turns   (k, N) sparse: changes that springs of supports oppose, each of one piece
@@ -151,7 +153,9 @@ def _piece(
 ) -> Piece:
     """`held` (c, N) does not change, and `folds` (h, N) turn the hinge lines called `texts`."""
     own, rigid = held[:, panels.numbers], panels.rigid
-    weight = np.sqrt((own @ sp.diags_array(panels.units)).power(2).sum(axis=1)) if own.shape[0] else np.ones(0)
+    weight = (
+        np.sqrt((own @ sp.diags_array(panels.units)).power(2).sum(axis=1)) if own.shape[0] else np.ones(0)
+    )
     kernel = _null((own @ rigid) / np.asarray(weight).reshape(-1, 1), rigid.shape[1])
     turned = (folds[:, panels.numbers] @ rigid) @ kernel
     whole = panels.of_first(kernel)

@@ -113,6 +113,4 @@ def hinge_springs(problem: Problem) -> Springs:
     for place, weight in zip(_GAUSS, _WEIGHTS, strict=True):
         rows.append(sides.turns(every, np.full(len(owner), 0.5 * (1.0 + place))))
         weights.append(0.5 * weight * sides.length * stiffness)
-    return Springs(
-        sp.csr_array(sp.vstack(rows)), np.concatenate(weights), np.tile(owner, len(_GAUSS))
-    )
+    return Springs(sp.csr_array(sp.vstack(rows)), np.concatenate(weights), np.tile(owner, len(_GAUSS)))

@@ -136,7 +136,7 @@ def test_several_free_hinges_are_each_named() -> None:
 
 
 def test_a_mechanism_under_a_load_in_balance_is_solved_as_it_floats() -> None:
-    # On the line itself a load does no work when the plate folds. With ν = 0 the line stays straight: P L³ / 3 D, L = ½.
+    # On the line itself a load does no work when the plate folds. With ν = 0 the line stays straight: P L³ / 3 D.
     found = plate.solve(
         plate.Problem(
             plate.grid(1.0, 1.0, 8, 8, "squares"),

@@ -283,7 +283,7 @@ def test_a_ring_of_hinge_in_a_round_plate(k: float) -> None:
         )
 
     inner, outer, rim = terms(a)[:, :2], terms(a), terms(1.0)
-    none2, none3 = np.zeros(2), np.zeros(3)
+    none2 = np.zeros(2)
     rows = [
         [*inner[0], *-outer[0]],  # w
         [*inner[2], *-outer[2]],  # M_r
@@ -344,7 +344,7 @@ def test_a_fold_that_closes_is_exact_at_a_vertex() -> None:
         plate.HingeLine(LineString([(0.5, 0.5), end]), k, name)
         for end, name in zip(ends, "abcd", strict=True)
     ]
-    # Held at three corners; the fourth is pushed: panels rigid beside the hinges, lines a and c fold alike, b and d too.
+    # Held at three corners; the fourth is pushed. Panels are rigid beside the hinges: opposite lines fold alike.
     problem = plate.Problem(
         mesh,
         isotropic(1e6),

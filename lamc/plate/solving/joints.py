@@ -66,7 +66,8 @@ def spread(dofs: Dofs, tied: Ties) -> tuple[sp.csr_array, Array]:
     """What makes all copies move as their original does: (N, N), columns orthonormal or zero, and whether a column is
     there, (N,); slopes of joints are none of them."""
     there, weight = np.ones(dofs.count, dtype=bool), np.ones(dofs.count)
-    rows, columns = [np.arange(dofs.count)], [np.arange(dofs.count)]
+    every: Integers = np.arange(dofs.count, dtype=np.int32)
+    rows, columns = [every], [every]
     for joint in tied.joints:
         table = dofs.table[joint.nodes]
         slopes = table[:, _SLOPE : _SLOPE + 2].ravel()

@@ -18,8 +18,8 @@ class Reduction:
     columns  (N, f), as `Constraints.free`: rows with a single 1, and rows of several unknowns that move together
     pattern  a sorted (N, N) matrix in compressed columns with the pattern of every K
 
-    Entries of unknowns that are simply free keep their order, so they are picked out; those of oblique axes and of nodes
-    along hinge lines are summed.
+    Entries of unknowns that are simply free keep their order, so they are picked out; those of oblique axes, and of
+    nodes along hinge lines, are summed.
     """
 
     def __init__(self, columns: sp.csr_array, pattern: sp.csc_array) -> None:

@@ -114,7 +114,7 @@ class _Panels:
         own = np.unique(panel, return_inverse=True)[1][np.nonzero(there)[0]]
         self.units = np.empty(len(self.numbers))
         self.boxes: list[tuple[Array, float]] = []
-        blocks = []
+        blocks: list[Array] = []
         for p in np.unique(panel):
             mine = panel == p
             centre, size = _box(at[mine])

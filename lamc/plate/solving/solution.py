@@ -166,7 +166,8 @@ class Solution:
 
     @cached_property
     def strain_energy(self) -> float:
-        """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges and hinge lines, J, where e is the strain of the free laminate."""
+        """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges and hinge lines, J, where e is the strain of the free
+        laminate."""
         energy = 0.5 * float(self._inner @ self._exact)
         if not self.expansion.is_none:
             forces = self.expansion.forces(self._system.kernels)

@@ -94,18 +94,18 @@ def _held(sides: HingeSides) -> tuple[Integers, Array]:
 def _columns(nodes: Integers, pairs: Integers, directions: Array) -> Array:
     """See `Joint`."""
     count = len(nodes)
-    means = np.tile(np.eye(2), (count, 1)) / np.sqrt(count)
+    means: Array = np.tile(np.eye(2), (count, 1)) / np.sqrt(count)
     if count == 2:  # without the round-off of a decomposition
         if len(directions) > 1:
             return means
         x, y = directions[0]
-        return np.column_stack([means, np.array([-y, x, y, -x]) / np.sqrt(2.0)])
+        return np.asarray(np.column_stack([means, np.array([-y, x, y, -x]) / np.sqrt(2.0)]))
     held = np.zeros((len(pairs), count, 2))
     place = np.searchsorted(nodes, pairs)
     held[np.arange(len(pairs)), place[:, 0]] = directions
     held[np.arange(len(pairs)), place[:, 1]] = -directions
     _, values, right = np.linalg.svd(np.vstack([means.T, held.reshape(len(pairs), -1)]))
-    return np.column_stack([means, right[int(np.count_nonzero(values > _NONE)) :].T])
+    return np.asarray(np.column_stack([means, right[int(np.count_nonzero(values > _NONE)) :].T]))
 
 
 def _rows(dofs: Dofs, copies: Integers, pairs: Integers, directions: Array) -> tuple[sp.csr_array, Integers]:

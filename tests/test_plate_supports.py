@@ -10,7 +10,8 @@ from lamc import plate
 from lamc.errors import DesignError
 from lamc.plate.dofs import Dofs, mapped
 from lamc.plate.elements.definition import SQUARE
-from lamc.plate.solving.constraints import constraints, support_equations
+from lamc.plate.solving.constraints import constraints
+from lamc.plate.solving.equations import support_equations
 from tests.plates import disk, isotropic, jittered, richardson, turned
 
 BOUNDARY = "boundary"

@@ -15,8 +15,9 @@ from lamc.mechanism.checks import Array, shown
 from lamc.plate.answers.eigen import Matrix, Solve
 from lamc.plate.dofs import Dofs
 from lamc.plate.problem import Problem
-from lamc.plate.solving.constraints import constraints, support_equations
-from lamc.plate.solving.rigid import Piece
+from lamc.plate.solving.constraints import constraints
+from lamc.plate.solving.equations import support_equations
+from lamc.plate.solving.panels import Piece
 from lamc.plate.solving.solvers import factor
 from lamc.plate.solving.system import System, places_of, system
 

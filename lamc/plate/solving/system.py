@@ -22,9 +22,11 @@ from lamc.plate.elements.assembly import Assembly
 from lamc.plate.elements.kernels import ElementKernels, kernels
 from lamc.plate.memory import check_memory
 from lamc.plate.problem import Problem
-from lamc.plate.solving.constraints import Constraints, constraints, joined, support_equations
+from lamc.plate.solving.constraints import Constraints, constraints
+from lamc.plate.solving.equations import joined, support_equations
+from lamc.plate.solving.panels import Piece
 from lamc.plate.solving.reduction import Reduction
-from lamc.plate.solving.rigid import Piece, pieces, pins
+from lamc.plate.solving.rigid import pieces, pins
 from lamc.plate.solving.sections import sections
 from lamc.plate.solving.solvers import Factor, SingularError, checked_solver, factor
 from lamc.plate.solving.springs import Springs, hinge_springs, springs, with_added

@@ -31,9 +31,8 @@ class Effect(Protocol):
 
     What scene files can name besides is a `RegisteredEffect`. Its `units` give the SI unit of each field that has one,
     and `lamc.effects.data.record` reads the fields from a file then: numbers are SI, text has its unit ("3 N*mm/deg");
-    `shorthand` names the field that may stand alone, as in `gravity: [0, 0, -9.81]`; `data_schema` is the JSON Schema of
-    data that is no such record;
-    `lamc.effects.data.quantity(value, "N*m/rad", where, "stiffness")` reads one number.
+    `shorthand` names the field that may stand alone, as in `gravity: [0, 0, -9.81]`; `data_schema` is the JSON Schema
+    of data that is no such record; `lamc.effects.data.quantity(value, "N*m/rad", where, "stiffness")` reads one number.
 
     An effect that cannot act from every start has check_start(mechanism, angles) as well: angles are those of all
     joints by name, rad, at the start; it raises DesignError for one that it refuses.

@@ -9,7 +9,7 @@ quaternion of any norm (world from drawn axes), and six rates, the velocity of t
 velocity in axes of the body.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from lamc.mechanism.tree import Cut, Tree
 
 if TYPE_CHECKING:
     from lamc.effects.base import Effect
+    from lamc.mechanics.staging import Scalar
 
 # Freedoms of a compliant hinge beyond its angle, in the order of the rows of its matrices, where the angle is third.
 FREEDOMS = ("twist_x", "twist_y", "angle", "slide_x", "slide_y", "slide_z")
@@ -54,7 +55,6 @@ class FloatingBase:
     spin      angular velocity at the start, (3,), rad/s, axes of the body
     """
 
-    effect: str
     bodies: tuple[str, ...]
     mass: float
     com: Array
@@ -63,23 +63,22 @@ class FloatingBase:
     rotation: Array
     velocity: Array
     spin: Array
+    effect: str = ""  # who asked for it; `Arranging` fills it in
 
 
 @dataclass(frozen=True, eq=False)
 class PrescribedBase:
     """The fixed bodies, moved as told: a drawn point d is at point + Rot(axis, angle) (d - point) + displacement.
 
-    displacement  (x, y, z), m, world: numbers, or expressions in t
-    angle         rad: a number, or an expression in t
-    axis, point   unit vector and a point of the axis, m; both (3,), world, drawn
+    motion       stages the displacement (x, y, z), m, world, and the angle, rad, for a staged time, s
+    axis, point  unit vector and a point of the axis, m; both (3,), world, drawn
     """
 
-    effect: str
     bodies: tuple[str, ...]
-    displacement: tuple[float | str, float | str, float | str]
-    angle: float | str
+    motion: "Callable[[Scalar], tuple[Scalar, Scalar, Scalar, Scalar]]"
     axis: Array
     point: Array
+    effect: str = ""  # who asked for it; `Arranging` fills it in
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +96,13 @@ class CompliantHinge:
     freedoms   which of the five move; the others stay rigid, and their rows are not looked at
     """
 
-    effect: str
     joint: str
     point: Array
     axes: Array
     stiffness: Array
     damping: Array
     freedoms: tuple[str, ...] = CROSS_FREEDOMS
+    effect: str = ""  # who asked for it, and stores its energy; `Arranging` fills it in
 
     def __post_init__(self) -> None:
         what = f"the compliant hinge {self.joint!r}"
@@ -225,12 +224,12 @@ class Arranging:
         """The fixed bodies move, freely or as told."""
         if self._base is not None:
             raise DesignError(
-                f"effects {self._base.effect!r} and {base.effect!r} both move the fixed bodies; leave one out"
+                f"effects {self._base.effect!r} and {self.effect!r} both move the fixed bodies; leave one out"
             )
-        self._base = base
+        self._base = replace(base, effect=self.effect)
 
     def compliant_hinge(self, hinge: CompliantHinge) -> None:
-        """A hinge yields across its axis: one of the tree gains coordinates, one that closes a loop becomes a bushing."""
+        """A hinge yields across its axis: in the tree it gains coordinates, if it closes a loop it is a bushing."""
         joints = {joint.name: joint for joint in self.tree.mechanism.joints}
         if hinge.joint not in joints:
             raise DesignError(f"no joint is named {hinge.joint!r}; the joints are {some(sorted(joints))}")
@@ -241,7 +240,7 @@ class Arranging:
             raise DesignError(
                 f"the z axis of the compliant hinge {hinge.joint!r} is not along the joint's axis"
             )
-        self._compliant[hinge.joint] = hinge
+        self._compliant[hinge.joint] = replace(hinge, effect=self.effect)
 
     def flexible_body(self, body: FlexibleBody) -> None:
         """A body of the tree bends in the modes given."""
@@ -250,7 +249,7 @@ class Arranging:
             raise DesignError(f"no moving body is named {body.body!r}; they are {some(sorted(moving))}")
         if body.body in self._flexible:
             raise DesignError(f"two effects make body {body.body!r} flexible; leave one out")
-        self._flexible[body.body] = body
+        self._flexible[body.body] = replace(body, effect=self.effect)
 
     def inverse_dynamics(self) -> None:
         """The equations are to be in the general form, which `Loads.added_inertia` needs."""

@@ -21,12 +21,16 @@ from lamc.mechanism.tree import WORLD, Cut, Side
 
 @dataclass(frozen=True)
 class CutHinge:
-    """One cut hinge. angle rad, within ±π; rate rad/s; both child relative to parent."""
+    """One cut hinge. angle rad, within ±π; rate rad/s; both child relative to parent.
+
+    gradient  ∂angle/∂q, by which its torque does work in the general form; None: it acts on the two sides
+    """
 
     cut: Cut
-    residual: tuple[Scalar, ...]  # m, five for each cut
+    residual: tuple[Scalar, ...]  # m, five for each cut; none where a bushing holds it
     angle: Scalar
     rate: Scalar
+    gradient: tuple[Scalar, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -102,8 +106,8 @@ def _seen(placement: Placement, side: Side, common: int) -> tuple[Vector3, tuple
     axes = [constants(kinematics.store, side.axes[:, k]) for k in range(3)]
     index = side.link
     if index != WORLD:
-        point = kinematics.in_carrier(index, point)
-        axes = [kinematics.in_carrier(index, a) for a in axes]
+        point = kinematics.attached(index, point, side.point)
+        axes = [kinematics.directed(index, a, side.point) for a in axes]
     while index != common:
         link = kinematics.tree.links[index]
         if link.parent == WORLD:

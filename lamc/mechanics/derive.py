@@ -17,6 +17,7 @@ from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
+from lamc.mechanics.general import derive_general
 from lamc.mechanics.guards import guard_terms
 from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
 from lamc.mechanics.kinematics import Kinematics
@@ -45,6 +46,8 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
     Raises DesignError where an effect does not fit.
     """
     arrangement = arrange(tree, effects)
+    if not arrangement.is_plain:
+        return derive_general(arrangement, effects, loops)
     store = Store()
     count = len(tree.links)
     names = tree.joint_names

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from lamc.mechanics.closure import Closure
     from lamc.mechanics.derive import Problem
     from lamc.mechanics.guards import GuardTerms
+    from lamc.mechanics.inverse_dynamics import InverseDynamics
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class Equations:
     store: Store
     parameters: tuple[Parameter, ...]
     acceleration: tuple[Scalar, ...]
-    problem: "Problem"
+    problem: "Problem | InverseDynamics"
     energies: Mapping[str, Scalar]
     poses: tuple[Scalar, ...]
     solver: str
@@ -83,12 +84,13 @@ class Equations:
 
     @cached_property
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:
-        """M by joint angles, kg·m²: entries (i, j) with j on the way from i to the world."""
+        """M by rates, kg·m² between joints: entries (i, j), i >= j; with hinges alone only those with j on the way from i
+        to the world."""
         return self.problem.mass_matrix()
 
     @cached_property
     def forces(self) -> tuple[Scalar, ...]:
-        """f of M u̇ = f, N·m."""
+        """f of M u̇ = f, N·m of joints, by rates."""
         return tuple(self.problem.forces())
 
     @property
@@ -128,7 +130,7 @@ class Equations:
 
     @cached_property
     def operations(self) -> Operations:
-        """Of one evaluation of u̇ (with loops: of M, f, J and γ), parameter-only work excluded."""
+        """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), parameter-only work excluded."""
         return count_operations(self.store, list(self._results.values()), Level.PARAMETER)
 
     @cached_property
@@ -141,23 +143,25 @@ class Equations:
 
     @cached_property
     def _results(self) -> Mapping[str, Scalar]:
-        if self.closure is None:
+        if self.closure is None and self.is_plain:
             return {f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)}
         results = {f"M_{i}_{j}": value for (i, j), value in sorted(self.inertia.items())}
         results |= {f"f_{i}": value for i, value in enumerate(self.forces)}
-        for row, (residual, bias) in enumerate(zip(self.closure.residual, self.closure.bias, strict=True)):
-            results |= {f"phi_{row}": residual, f"gamma_{row}": bias}
-            results |= {f"J_{row}_{j}": value for j, value in enumerate(self.closure.jacobian[row])}
+        closure = self.closure
+        for row in range(len(closure.residual) if closure is not None else 0):
+            assert closure is not None
+            results |= {f"phi_{row}": closure.residual[row], f"gamma_{row}": closure.bias[row]}
+            results |= {f"J_{row}_{j}": value for j, value in enumerate(closure.jacobian[row])}
         return results
 
     @cached_property
     def mass_matrix(self) -> "sp.Matrix":
-        """M, shape (n, n), entries in terms of the symbols of `mass_assignments`."""
+        """M, shape (nu, nu), entries in terms of the symbols of `mass_assignments`."""
         return self._mass[0]
 
     @cached_property
     def generalised_forces(self) -> "sp.Matrix":
-        """f of M u̇ = f, shape (n, 1), entries in terms of the symbols of `mass_assignments`."""
+        """f of M u̇ = f, shape (nu, 1), entries in terms of the symbols of `mass_assignments`."""
         return self._mass[1]
 
     @cached_property
@@ -169,7 +173,7 @@ class Equations:
     def _mass(self) -> "tuple[sp.Matrix, sp.Matrix, tuple[Assignment, ...]]":
         import sympy as sp
 
-        count = len(self.tree.links)
+        count = len(self.rates)
         entries = {f"M_{i}_{j}": v for (i, j), v in sorted(self.inertia.items())}
         forces = {f"f_{i}": v for i, v in enumerate(self.forces)}
         assignments = self.staged(entries | forces)

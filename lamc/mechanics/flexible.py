@@ -44,6 +44,7 @@ class FlexibleBody:
     damping_ratios: Array
     shape_at: Callable[[Array], Shapes]
     unit: str = "m"
+    effect: str = ""  # who asked for it, and stores its energy; `Arranging` fills it in
 
     def __post_init__(self) -> None:
         checked_name(self.body, "a flexible body")

@@ -9,8 +9,9 @@ the links of a run, which brings a planar chain down from some 300 operations pe
 outside any run is its own carrier.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, MutableMapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from lamc.mechanics.algebra import (
     ZERO,
@@ -27,7 +28,11 @@ from lamc.mechanics.algebra import (
     outward,
 )
 from lamc.mechanics.staging import Scalar, Store, cos, sin
+from lamc.mechanism.checks import Array
 from lamc.mechanism.tree import WORLD, Link, Tree
+
+if TYPE_CHECKING:
+    from lamc.mechanics.arrangement import Arrangement
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,14 @@ class Bias:
 
 
 class Kinematics:
-    """Turns and offsets of all links for one set of joint angles."""
+    """Turns and offsets of all links for one set of joint angles.
+
+    arrangement  None here: there are no coordinates but the angles of the hinges
+    flexible     indices of the links that bend: none here
+    """
+
+    arrangement: "Arrangement | None" = None
+    flexible: Collection[int] = ()
 
     def __init__(self, store: Store, tree: Tree, q: Sequence[Scalar]) -> None:
         self.store = store
@@ -127,6 +139,27 @@ class Kinematics:
         """Components in the carrier of a vector fixed in the link's own frame."""
         spin = self.spin[index]
         return inward(spin, v) if spin else v
+
+    def attached(self, index: int, local: Vector3, place: Array) -> Vector3:
+        """Components in the carrier of a point of the link; `place` is `local` as numbers. A rigid link has no more."""
+        return self.in_carrier(index, local)
+
+    def directed(self, index: int, direction: Vector3, place: Array) -> Vector3:
+        """Components in the carrier of a direction fixed to the link at a place."""
+        return self.in_carrier(index, direction)
+
+    def own_velocity(self, index: int, place: Array, u: Sequence[Scalar]) -> Vector3:
+        """Velocity, m/s, of a point of the link within its frame; a rigid link has none."""
+        return ZERO
+
+    def landed(
+        self, index: int, force: Vector3, moment: Vector3, local: Vector3, work: MutableMapping[int, Scalar]
+    ) -> tuple[Vector3, Vector3]:
+        """A wrench at a point of the link, given by numbers, about the link's origin; all in carrier components.
+
+        `work` gains what it does on the coordinates within the link; a rigid link has none.
+        """
+        return force, add(moment, cross(self.in_carrier(index, local), force))
 
     def symmetric_in_carrier(self, index: int, a: Symmetric) -> Symmetric:
         spin = self.spin[index]

@@ -11,10 +11,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+
 from lamc.codegen.program import Parameter, Space
 from lamc.errors import DesignError
 from lamc.mechanics import closure
-from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
+from lamc.mechanics.added_inertia import AddedInertia
+from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot, scale
 from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.guards import Guard
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
@@ -88,6 +91,10 @@ class Loads:
             int, tuple[Vector3, Vector3]
         ] = {}  # link → force, moment about its origin; carrier
         self.energies: dict[str, Scalar] = {}
+        self.generalised: dict[
+            int, Scalar
+        ] = {}  # coordinate → force beyond the hinge torques, work per unit of it
+        self.added: list[AddedInertia] = []
         self.guards: list[Guard] = []
         self.field_effects: list[tuple[str, Vector3]] = []
         self.claims: Mapping[
@@ -119,6 +126,11 @@ class Loads:
                 yield
         finally:
             self._effect = outer
+
+    @property
+    def effect_name(self) -> str:
+        """Name of the effect whose turn it is."""
+        return self._effect
 
     def parameter(self, name: str, default: float, unit: str, meaning: str) -> Scalar:
         """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…")."""
@@ -174,12 +186,22 @@ class Loads:
             index = self._index[name]
             self.hinge_torques[index] = self.hinge_torques[index] + value
             return
-        cut = self._cuts[name].cut
+        closing = self._cuts[name]
+        if closing.gradient is not None:
+            for k, partial in enumerate(closing.gradient):
+                self.generalised_force(k, value * partial)
+            return
+        cut = closing.cut
         for side, sign in ((cut.child, 1), (cut.parent, -1)):
             if side.link != WORLD:
                 axis = closure.constants(self._store, side.axes[:, 2])
                 moment = scale(sign * value, self.kinematics.in_carrier(side.link, axis))
                 self._book(side.link, ZERO, moment)
+
+    def generalised_force(self, coordinate: int, force: Scalar) -> None:
+        """Adds a force that does work on a coordinate, by its place in q: N·m per rad, N per m."""
+        if isinstance(force, Value) or force != 0:
+            self.generalised[coordinate] = self.generalised.get(coordinate, 0) + force
 
     def uniform_field(self, acceleration: Sequence["Scalar | sp.Expr"]) -> None:
         """Adds an acceleration, m/s², that acts on all mass alike; its potential energy is booked too."""
@@ -194,34 +216,88 @@ class Loads:
     def force(self, body: str, point: Sequence[float], force: Sequence["Scalar | sp.Expr"]) -> None:
         """Adds a force, N, world axes, at a point of the body given in the drawn configuration, m, world.
 
-        A force on a fixed body does nothing.
+        A force on a fixed body does nothing, unless that moves.
         """
-        index = self._link(body)
-        if index != WORLD:
-            local = local_point(self.tree.links[index], _drawn(point))
-            self._add_wrench(index, self._vector(force), ZERO, local)
+        index, drawn = self._link(body), _drawn(point)
+        if index != WORLD or self.placement.base is not None:
+            self._add_wrench(index, self._vector(force), ZERO, drawn)
 
     def moment(self, body: str, moment: Sequence["Scalar | sp.Expr"]) -> None:
-        """Adds a moment, N·m, world axes, on the body (eq. 17)."""
+        """Adds a moment, N·m, world axes, on the body (eq. 17); on a flexible body at its centre of mass as drawn."""
         index = self._link(body)
-        if index != WORLD:
-            self._add_wrench(index, ZERO, self._vector(moment), ZERO)
+        if index != WORLD or self.placement.base is not None:
+            bent = index in self.kinematics.flexible
+            drawn = self.tree.links[index].body.com if bent else None
+            self._add_wrench(index, ZERO, self._vector(moment), drawn)
 
     def position(self, body: str, point: Sequence[float]) -> Vector3:
         """World position, m, of a point of the body that is at `point` in the drawn configuration."""
         index, drawn = self._link(body), _drawn(point)
         if index == WORLD:
-            return (float(drawn[0]), float(drawn[1]), float(drawn[2]))
-        return self.placement.point(index, local_point(self.tree.links[index], drawn))
+            x, y, z = (float(v) for v in drawn)
+            return self.placement.base.point((x, y, z)) if self.placement.base else (x, y, z)
+        local = local_point(self.tree.links[index], drawn)
+        return self.placement.attached(index, local)
 
     def velocity(self, body: str, point: Sequence[float]) -> Vector3:
         """World velocity, m/s, of a point of the body that is at `point` in the drawn configuration."""
         index, drawn = self._link(body), _drawn(point)
+        base = self.placement.base
         if index == WORLD:
-            return ZERO
+            if base is None:
+                return ZERO
+            x, y, z = (float(v) for v in drawn)
+            turning = cross(base.velocity.angular, base.arm((x, y, z)))
+            return rotate(base.rotation, add(base.velocity.linear, turning))
         motion = self.kinematics.motions(self._u)[index]
-        arm = self.kinematics.in_carrier(index, local_point(self.tree.links[index], drawn))
-        return rotate(self.placement.carrier(index), add(motion.velocity, cross(motion.omega, arm)))
+        local = local_point(self.tree.links[index], drawn)
+        place = np.array(local)
+        arm = self.kinematics.attached(index, local, place)
+        velocity = add(motion.velocity, cross(motion.omega, arm))
+        if index in self.kinematics.flexible:
+            velocity = add(velocity, self.kinematics.own_velocity(index, place, self._u))
+        return rotate(self.placement.carrier(index), velocity)
+
+    def rotation(self, body: str) -> Matrix3:
+        """World from drawn axes of the body, by rows; of a flexible body: of its frame at the inboard hinge."""
+        index = self._link(body)
+        if index != WORLD:
+            return self.placement.body_rotation(index)
+        base = self.placement.base
+        return base.rotation if base is not None else ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+    def angular_velocity(self, body: str) -> Vector3:
+        """Angular velocity of the body, rad/s, world axes; of a flexible body: of its frame at the inboard hinge."""
+        index, base = self._link(body), self.placement.base
+        if index != WORLD:
+            return rotate(self.placement.carrier(index), self.kinematics.motions(self._u)[index].omega)
+        return rotate(base.rotation, base.velocity.angular) if base is not None else ZERO
+
+    def added_inertia(
+        self, body: str, point: Sequence[float], matrix: "Sequence[Sequence[Scalar | sp.Expr]]"
+    ) -> None:
+        """Adds a fluid's mass: kinetic energy ½ wᵀ matrix w, w = (velocity of the point, angular velocity), m/s and
+        rad/s, drawn axes of the body; matrix (6, 6), symmetric: kg, kg·m, kg·m² (Lamb 1932, ch. VI).
+
+        The effect's `arrange` has to ask for `inverse_dynamics`. The energy is booked under the effect; its forces are
+        Kirchhoff's. A fixed body that does not move has none.
+        """
+        index, drawn = self._link(body), _drawn(point)
+        if self.kinematics.arrangement is None:
+            raise DesignError(
+                f"effect {self._effect!r} adds inertia to body {body!r}, but its arrange(arranging) does not call "
+                "arranging.inverse_dynamics(); let it do so"
+            )
+        if index in self.kinematics.flexible:
+            raise DesignError(
+                f"effect {self._effect!r} adds inertia to body {body!r}, which is flexible; added inertia acts on "
+                "rigid bodies only: leave one of the two effects out"
+            )
+        rows = tuple(tuple(self._scalar(v) for v in row) for row in matrix)
+        if len(rows) != 6 or any(len(row) != 6 for row in rows):
+            raise DesignError(f"effect {self._effect!r} adds an inertia to body {body!r} that is not 6 by 6")
+        if index != WORLD or self.placement.base is not None:
+            self.added.append(AddedInertia(self._effect, index, drawn, rows))
 
     def _link(self, body: str) -> int:
         if body in self._bodies:
@@ -253,10 +329,22 @@ class Loads:
         x, y, z = (self._scalar(v) for v in values)
         return (x, y, z)
 
-    def _add_wrench(self, index: int, force: Vector3, moment: Vector3, local: Vector3) -> None:
+    def _add_wrench(self, index: int, force: Vector3, moment: Vector3, drawn: Array | None) -> None:
+        """World axes, at a drawn point; None: a moment alone, about any."""
+        base = self.placement.base
+        if index == WORLD:
+            if base is not None:
+                force, moment = rotate_back(base.rotation, force), rotate_back(base.rotation, moment)
+                if drawn is not None:
+                    x, y, z = (float(v) for v in drawn)
+                    moment = add(moment, cross(base.arm((x, y, z)), force))
+                self._book(WORLD, force, moment)
+            return
         carrier = self.placement.carrier(index)
         force, moment = rotate_back(carrier, force), rotate_back(carrier, moment)
-        moment = add(moment, cross(self.kinematics.in_carrier(index, local), force))
+        if drawn is not None:
+            local = local_point(self.tree.links[index], drawn)
+            force, moment = self.kinematics.landed(index, force, moment, local, self.generalised)
         self._book(index, force, moment)
 
     def _book(self, index: int, force: Vector3, moment: Vector3) -> None:

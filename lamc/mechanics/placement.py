@@ -1,21 +1,27 @@
-"""Where the links are in the world: rotations and positions, staged on demand.
+"""Where the links are in the world: rotations and positions, staged on demand; with a base that moves, the base too.
 
 Only what is asked for is made: a scene without forces at points and without gravity energy needs none of it.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from lamc.mechanics.algebra import Matrix3, Turn, Vector3, add, dot
+from lamc.mechanics.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import ROUND_OFF, WORLD, Link
+
+if TYPE_CHECKING:
+    from lamc.mechanics.moving_base import MovingBase
 
 
 class Placement:
     """World components of link frames. Rotation matrices are world from carrier or from the drawn body."""
 
-    def __init__(self, kinematics: Kinematics) -> None:
+    def __init__(self, kinematics: Kinematics, base: "MovingBase | None" = None) -> None:
         self.kinematics = kinematics
+        self.base = base
         self.links = kinematics.tree.links
         self._carriers: dict[int, Matrix3] = {}
         self._origins: dict[int, Vector3] = {}
@@ -25,7 +31,7 @@ class Placement:
         for i in self._path(index):
             if i not in self._carriers:
                 link = self.links[i]
-                matrix = self.drawn(link) if link.parent == WORLD else self._carriers[link.parent]
+                matrix = self._on_base(link) if link.parent == WORLD else self._carriers[link.parent]
                 for turn in self.kinematics.turns[i]:
                     matrix = _turned(matrix, turn)
                 self._carriers[i] = matrix
@@ -38,7 +44,10 @@ class Placement:
                 link = self.links[i]
                 if link.parent == WORLD:
                     x, y, z = (self.kinematics.store.constant(float(v)) for v in link.origin)
-                    self._origins[i] = (x, y, z)
+                    self._origins[i] = self.base.point((x, y, z)) if self.base else (x, y, z)
+                    step = self.kinematics.offset[i]
+                    if step != ZERO:
+                        self._origins[i] = add(self._origins[i], rotate(self._on_base(link), step))
                 else:
                     step = rotate(self.carrier(link.parent), self.kinematics.offset[i])
                     self._origins[i] = add(self._origins[link.parent], step)
@@ -47,6 +56,12 @@ class Placement:
     def point(self, index: int, local: Vector3) -> Vector3:
         """World position, m, of a point given in the link's own frame."""
         return add(self.origin(index), rotate(self.carrier(index), self.kinematics.in_carrier(index, local)))
+
+    def attached(self, index: int, local: Vector3) -> Vector3:
+        """World position, m, of a material point of the link, given by numbers as drawn in its own frame."""
+        place = np.array(local, dtype=np.float64)
+        arm = self.kinematics.attached(index, local, place)
+        return add(self.origin(index), rotate(self.carrier(index), arm))
 
     def body_rotation(self, index: int) -> Matrix3:
         """World from body axes; body axes are world axes in the drawn configuration."""
@@ -68,6 +83,11 @@ class Placement:
         a, b, c = ((constant(r[0]), constant(r[1]), constant(r[2])) for r in numeric(link.frame))
         return (a, b, c)
 
+    def _on_base(self, link: Link) -> Matrix3:
+        """World from the frame, as drawn, of a link on the base."""
+        drawn = self.drawn(link)
+        return product(self.base.rotation, drawn) if self.base else drawn
+
     def _path(self, index: int) -> list[int]:
         path = []
         while index != WORLD:
@@ -86,6 +106,13 @@ def _turned(matrix: Matrix3, turn: Turn) -> Matrix3:
         return (v[0], c * v[1] + s * v[2], c * v[2] - s * v[1])
 
     return (row(matrix[0]), row(matrix[1]), row(matrix[2]))
+
+
+def product(a: Matrix3, b: Matrix3) -> Matrix3:
+    """a b."""
+    columns = list(zip(*b, strict=True))
+    x, y, z = ((dot(row, columns[0]), dot(row, columns[1]), dot(row, columns[2])) for row in a)
+    return (x, y, z)
 
 
 def rotate(matrix: Matrix3, v: Vector3) -> Vector3:

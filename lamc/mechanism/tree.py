@@ -304,7 +304,7 @@ def _link(
     if step.parent != WORLD:
         parent = links[step.parent]
         offset = snap(parent.frame.T @ (origin - parent.origin), size)
-        twist, fold, angle, parallel = _constant_turns(parent.frame.T @ frame)
+        twist, fold, angle, parallel = constant_turns(parent.frame.T @ frame)
     body = mechanism.body(step.body)
     return Link(
         body=body,
@@ -323,7 +323,7 @@ def _link(
     )
 
 
-def _constant_turns(
+def constant_turns(
     rotation: Array,
 ) -> tuple[tuple[float, float], tuple[float, float], float, bool]:
     """(twist, fold, angle, parallel) with rotation = Rz(twist) Rx(fold) Rz(angle)."""

@@ -1,0 +1,107 @@
+"""The fixed bodies moved as told: by expressions in time, as on a shaker or a turntable."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from lamc.codegen.program import Space
+from lamc.effects.base import Effect
+from lamc.effects.data import record
+from lamc.effects.expression import stage
+from lamc.errors import DesignError, ExpressionError
+from lamc.mechanics.arrangement import Arranging, PrescribedBase
+from lamc.mechanics.loads import Loads
+from lamc.mechanics.staging import Scalar, Store
+from lamc.mechanism.checks import shown
+from lamc.mechanism.records import Mechanism, checked_array, checked_number
+
+Told = float | str
+
+
+@dataclass(frozen=True)
+class BaseMotion:
+    """A drawn point d of the fixed bodies is at point + Rot(axis, angle) (d - point) + displacement.
+
+    displacement  along world x, y and z, m: numbers, or expressions in t (s) such as "0.01*sin(2*pi*50*t)"
+    angle         rad: a number, or an expression in t
+    axis, point   the axis of that turn, world, as drawn; made a unit vector; m
+
+    Velocities and accelerations follow by differentiation, so an expression must be smooth: one with a kink, such as
+    abs(sin(t)), has an acceleration there that no integrator sees. The fixed bodies' own mass takes no part; the
+    power of what moves them is that of the wrench on the rest.
+    """
+
+    displacement: tuple[Told, Told, Told] = (0.0, 0.0, 0.0)  # m
+    angle: Told = 0.0  # rad
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m
+
+    name: ClassVar[str] = "base_motion"
+    summary: ClassVar[str] = "Fixed bodies that move as told"
+    source: ClassVar[str] = "x(t) and θ(t), differentiated"
+    units: ClassVar[Mapping[str, str]] = {"displacement": "m", "angle": "rad", "point": "m"}
+
+    def __post_init__(self) -> None:
+        given = self.displacement
+        if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 3:
+            raise DesignError(
+                f"the displacement of base_motion is {shown(given)}; give three numbers or expressions in t: (x, y, z)"
+            )
+        x, y, z = (
+            _told(v, f"the {axis} displacement of base_motion") for axis, v in zip("xyz", given, strict=True)
+        )
+        object.__setattr__(self, "displacement", (x, y, z))
+        object.__setattr__(self, "angle", _told(self.angle, "the angle of base_motion"))
+        for field in ("axis", "point"):
+            values = checked_array(getattr(self, field), (3,), f"the {field} of base_motion")
+            object.__setattr__(self, field, tuple(float(v) for v in values))
+        length = float(np.linalg.norm(self.axis))
+        if not length > 0.0:
+            raise DesignError(f"the axis of base_motion is {self.axis}; it must have a direction")
+        if not any(isinstance(v, str) for v in (*self.displacement, self.angle)):
+            raise DesignError(
+                "base_motion moves nothing: displacement and angle are plain numbers; give expressions in t, or leave "
+                "it out"
+            )
+
+    def claims(self) -> tuple[str, ...]:
+        return ("motion of the base",)
+
+    def arrange(self, arranging: Arranging) -> None:
+        """Prescribes the motion of the fixed bodies."""
+        axis = np.array(self.axis)
+        bodies = tuple(body.name for body in arranging.tree.mechanism.bodies if body.fixed)
+        unit = axis / np.linalg.norm(axis)
+        arranging.move_base(PrescribedBase(bodies, self._staged, unit, np.array(self.point)))
+
+    def contribute(self, loads: Loads) -> None:
+        """Nothing: the motion is in the kinematics."""
+
+    def _staged(self, time: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        names = {"t": time}
+        x, y, z, angle = (
+            stage(v, names) if isinstance(v, str) else v for v in (*self.displacement, self.angle)
+        )
+        return x, y, z, angle
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "the fixed bodies stay where they are"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "BaseMotion":
+        """From a scene file: a map of the fields above."""
+        return record(cls, value, where)
+
+
+def _told(value: object, what: str) -> Told:
+    if not isinstance(value, str):
+        return checked_number(value, what)
+    store = Store()
+    try:
+        stage(value, {"t": store.symbol("t", Space.TIME, 0)})
+    except ExpressionError as error:
+        raise ExpressionError(f"{what}: {error.message}") from error
+    return value

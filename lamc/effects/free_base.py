@@ -1,0 +1,125 @@
+"""The fixed bodies let go: all of them together float as one rigid body."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from lamc.effects.base import Effect
+from lamc.effects.data import record
+from lamc.errors import DesignError
+from lamc.mechanics.arrangement import Arranging, FloatingBase
+from lamc.mechanics.loads import Loads
+from lamc.mechanism.records import Array, Body, Mechanism, checked_array
+
+_FIELDS = ("position", "rotation", "velocity", "spin")
+
+
+@dataclass(frozen=True)
+class FreeBase:
+    """Six more freedoms: world position of the centre of mass of what was fixed, and its rotation, a quaternion.
+
+    position  of that centre of mass at the start, m, world; None: as drawn
+    rotation  at the start, from the drawn position, as axis times angle, rad, world axes
+    velocity  of that centre of mass at the start, m/s, world axes
+    spin      angular velocity at the start, rad/s, axes of the body
+
+    The fixed bodies need mass and inertia; several are one rigid body. A pose has no singular attitude.
+    """
+
+    position: tuple[float, float, float] | None = None  # m
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m/s
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad/s
+
+    name: ClassVar[str] = "free_base"
+    summary: ClassVar[str] = "Fixed bodies that float"
+    source: ClassVar[str] = "Newton and Euler for the base; quaternion rates ½ q ω"
+    units: ClassVar[Mapping[str, str]] = {
+        "position": "m",
+        "rotation": "rad",
+        "velocity": "m/s",
+        "spin": "rad/s",
+    }
+
+    def __post_init__(self) -> None:
+        for field in _FIELDS:
+            value = getattr(self, field)
+            if value is not None:
+                x, y, z = (float(v) for v in checked_array(value, (3,), f"the {field} of a free base"))
+                object.__setattr__(self, field, (x, y, z))
+
+    def claims(self) -> tuple[str, ...]:
+        return ("motion of the base",)
+
+    def arrange(self, arranging: Arranging) -> None:
+        """Lets the fixed bodies float. Raises DesignError where they have no mass or no inertia."""
+        bodies = [body for body in arranging.tree.mechanism.bodies if body.fixed]
+        mass, com, inertia = _together(bodies)
+        _check_mass(bodies, mass, inertia)
+        arranging.move_base(
+            FloatingBase(
+                bodies=tuple(body.name for body in bodies),
+                mass=mass,
+                com=com,
+                inertia=inertia,
+                position=np.array(com if self.position is None else self.position),
+                rotation=_quaternion(np.array(self.rotation)),
+                velocity=np.array(self.velocity),
+                spin=np.array(self.spin),
+            )
+        )
+
+    def contribute(self, loads: Loads) -> None:
+        """Nothing: its coordinates are all there is."""
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "the fixed bodies stay where they are"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "FreeBase":
+        """From a scene file: a map of the fields above; nothing for a start at rest as drawn."""
+        return record(cls, value, where)
+
+
+def _together(bodies: list[Body]) -> tuple[float, Array, Array]:
+    """Mass, kg, centre of mass, m, and inertia about it, kg·m², of bodies as one; world axes."""
+    mass = math.fsum(body.mass for body in bodies)
+    if not mass:
+        return 0.0, np.zeros(3), np.zeros((3, 3))
+    if len(bodies) == 1:
+        return mass, bodies[0].com, bodies[0].inertia
+    com = np.array(sum(body.mass * body.com for body in bodies)) / mass
+    inertia = np.zeros((3, 3))
+    for body in bodies:
+        r = body.com - com
+        inertia += body.inertia + body.mass * (float(r @ r) * np.eye(3) - np.outer(r, r))
+    return mass, com, inertia
+
+
+def _check_mass(bodies: list[Body], mass: float, inertia: Array) -> None:
+    names = ", ".join(repr(body.name) for body in bodies)
+    which = f"fixed body {names} has" if len(bodies) == 1 else f"fixed bodies {names} have"
+    if mass <= 0.0:
+        raise DesignError(
+            f"the {which} no mass, so that nothing can float: give mass, centre of mass and inertia (a drawn body has "
+            "them by its layers), or leave free_base out"
+        )
+    # Without inertia about an axis no torque would be too small to spin the base about it.
+    moments = np.linalg.eigvalsh(0.5 * (inertia + inertia.T))
+    if moments[0] <= 1e-12 * moments[-1] or moments[-1] <= 0.0:
+        raise DesignError(
+            f"the {which} a principal moment of inertia of {moments[0]:g} kg·m², and a body that floats needs three "
+            "above zero: give the inertia, or leave free_base out"
+        )
+
+
+def _quaternion(turn: Array) -> Array:
+    """(w, x, y, z) of a turn given as axis times angle."""
+    angle = float(np.linalg.norm(turn))
+    if angle == 0.0:
+        return np.array([1.0, 0.0, 0.0, 0.0])
+    return np.array([math.cos(0.5 * angle), *(math.sin(0.5 * angle) / angle * turn)])

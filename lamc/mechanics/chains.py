@@ -1,0 +1,148 @@
+"""Chains of shifts and turns from one frame to the next, staged, and what passes along them.
+
+Goes in: steps, each linear in the coordinates that move it. Comes out: velocities and accelerations outwards; forces
+inwards, and the work that they do on those coordinates. It knows no tree and no mass.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamc.mechanics.algebra import ZERO, Turn, Vector3, add, cross, dot, inward, outward, scale
+from lamc.mechanics.kinematics import acceleration_gradient
+from lamc.mechanics.staging import Scalar, Store, cos, sin
+from lamc.mechanism.checks import Array
+from lamc.mechanism.tree import constant_turns, snap
+
+Wrench = tuple[Vector3, Vector3]  # force N, moment about the frame's origin N·m
+
+
+@dataclass(frozen=True)
+class Shift:
+    """The frame's origin moves by `vector`, m, which changes by partials[k] with coordinate k."""
+
+    vector: Vector3
+    partials: Mapping[int, Vector3]
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """The frame turns about its own x or z, by an angle that changes by partials[k] with coordinate k."""
+
+    turn: Turn
+    partials: Mapping[int, Scalar]
+
+
+Step = Shift | Rotation
+
+
+@dataclass(frozen=True)
+class Going:
+    """Motion of a frame, components in that frame: rad/s, m/s of the origin, rad/s², m/s²."""
+
+    omega: Vector3
+    velocity: Vector3
+    alpha: Vector3
+    acceleration: Vector3
+
+
+def through(going: Going, step: Step, u: Sequence[Scalar], udot: Sequence[Scalar] | None) -> Going:
+    """The motion of the frame after a step; udot None: rates do not change."""
+    if isinstance(step, Shift):
+        return _through_shift(going, step, u, udot)
+    w, v, alpha, a = (
+        outward(step.turn, part) for part in (going.omega, going.velocity, going.alpha, going.acceleration)
+    )
+    rate, change = _combined(step.partials, u), _combined(step.partials, udot)
+    if step.turn.axis == "z":
+        alpha = (alpha[0] + w[1] * rate, alpha[1] - w[0] * rate, alpha[2] + change)
+        w = (w[0], w[1], w[2] + rate)
+    else:
+        alpha = (alpha[0] + change, alpha[1] + w[2] * rate, alpha[2] - w[1] * rate)
+        w = (w[0] + rate, w[1], w[2])
+    return Going(w, v, alpha, a)
+
+
+def _through_shift(going: Going, step: Shift, u: Sequence[Scalar], udot: Sequence[Scalar] | None) -> Going:
+    w, v, alpha, a = going.omega, going.velocity, going.alpha, going.acceleration
+    r = step.vector
+    if step.partials:
+        rate = total_vector([scale(u[k], p) for k, p in step.partials.items()])
+        twice = cross(w, rate)
+        v = add(v, rate)
+        a = add(a, (2 * twice[0], 2 * twice[1], 2 * twice[2]))
+        if udot is not None:
+            a = add(a, total_vector([scale(udot[k], p) for k, p in step.partials.items()]))
+    if r != ZERO:
+        v = add(v, cross(w, r))
+        rows = acceleration_gradient(w, alpha)
+        a = add(a, (dot(rows[0], r), dot(rows[1], r), dot(rows[2], r)))
+    return Going(w, v, alpha, a)
+
+
+def back(wrench: Wrench, step: Step, work: MutableMapping[int, Scalar]) -> Wrench:
+    """The wrench in the frame before a step; `work` gains what it does on the step's coordinates."""
+    force, moment = wrench
+    if isinstance(step, Shift):
+        for k, partial in step.partials.items():
+            work[k] = work.get(k, 0) + dot(partial, force)
+        return force, add(moment, cross(step.vector, force))
+    about = moment[2] if step.turn.axis == "z" else moment[0]
+    for k, p in step.partials.items():
+        work[k] = work.get(k, 0) + p * about
+    return inward(step.turn, force), inward(step.turn, moment)
+
+
+def together(first: Wrench, second: Wrench) -> Wrench:
+    """Two wrenches about one origin."""
+    return add(first[0], second[0]), add(first[1], second[1])
+
+
+def offset(chain: Sequence[Step]) -> Vector3:
+    """From the first frame's origin to the last one's, m, axes of the first."""
+    result = ZERO
+    for step in reversed(chain):
+        result = add(step.vector, result) if isinstance(step, Shift) else inward(step.turn, result)
+    return result
+
+
+def constant_rotation(store: Store, rotation: Array) -> Iterator[Rotation]:
+    """A constant rotation (columns: the new axes) as up to three elementary turns."""
+    twist, fold, angle, _ = constant_turns(snap(rotation, 1.0))
+    for axis, pair in (("z", twist), ("x", fold), ("z", (math.cos(angle), math.sin(angle)))):
+        c, s = (float(v) for v in snap(np.array(pair), 1.0))
+        if (c, s) != (1.0, 0.0):
+            yield Rotation(Turn(axis, store.constant(c), store.constant(s)), {})
+
+
+def elementary(axis: str, partials: Mapping[int, Scalar], q: Sequence[Scalar]) -> Iterator[Rotation]:
+    """A turn about x, y or z by Σ partials·q; one about y is one about x between quarter turns about z."""
+    angle = _combined(partials, q)
+    if axis == "y":
+        yield Rotation(Turn("z", 0, 1), {})
+    yield Rotation(Turn("z" if axis == "z" else "x", cos(angle), sin(angle)), dict(partials))
+    if axis == "y":
+        yield Rotation(Turn("z", 0, -1), {})
+
+
+def turns(chain: Iterable[Step]) -> tuple[Turn, ...]:
+    """The turns of a chain, in order."""
+    return tuple(step.turn for step in chain if isinstance(step, Rotation))
+
+
+def total_vector(vectors: Sequence[Vector3]) -> Vector3:
+    """Their sum."""
+    result = ZERO
+    for vector in vectors:
+        result = add(result, vector)
+    return result
+
+
+def _combined(partials: Mapping[int, Scalar], values: Sequence[Scalar] | None) -> Scalar:
+    result: Scalar = 0
+    if values is not None:
+        for k, p in partials.items():
+            result = result + p * values[k]
+    return result

@@ -1,0 +1,195 @@
+"""`derive_general`: equations of what moves by more than hinges on a fixed world.
+
+Goes in: an `Arrangement` and effects. Comes out: Equations whose M and f come from inverse dynamics, with closure,
+energies, poses and guards by all coordinates. It knows no effect by name, and nothing of it runs for plain mechanisms.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lamc.codegen.program import Space
+from lamc.loops.rank import LoopCount, count_loops
+from lamc.mechanics import compliance
+from lamc.mechanics.arrangement import Arrangement, FloatingBase, PrescribedBase
+from lamc.mechanics.chain_kinematics import ChainKinematics
+from lamc.mechanics.closure import Closure, CutHinge, close, cut_hinges
+from lamc.mechanics.derivative import derivative
+from lamc.mechanics.equations import Equations
+from lamc.mechanics.evaluate import evaluate
+from lamc.mechanics.general_outputs import energies_of, poses_of
+from lamc.mechanics.guards import Guard, GuardTerms
+from lamc.mechanics.inertia import link_inertia
+from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
+from lamc.mechanics.loads import Loads, Parameters
+from lamc.mechanics.modal import modal_inertia
+from lamc.mechanics.moving_base import MovingBase, StagedFloat, float_base, prescribe_base
+from lamc.mechanics.placement import Placement
+from lamc.mechanics.staging import Scalar, Store, Value
+
+if TYPE_CHECKING:
+    from lamc.effects.base import Effect
+
+INVERSE_DYNAMICS = "inverse dynamics"
+SPREAD = (
+    0.3  # rad and m/size: how far from the drawn position the rank of loops with yielding hinges is looked at
+)
+
+
+def derive_general(
+    arrangement: Arrangement, effects: "Sequence[Effect]", loops: LoopCount | None
+) -> Equations:
+    """Equations of motion of `arrangement` under `effects`; see `derive`."""
+    store, tree = Store(), arrangement.tree
+    parameters = Parameters(store)
+    time = store.symbol("t", Space.TIME, 0)
+    q = [store.symbol(f"q_{c.name}", Space.ANGLE, i) for i, c in enumerate(arrangement.coordinates)]
+    u = [store.symbol(f"u_{c.name}", Space.RATE, i) for i, c in enumerate(arrangement.rates)]
+    base = _staged_base(store, arrangement, parameters, time, q, u)
+    kinematics = ChainKinematics(store, arrangement, q, base)
+    masses = _masses(kinematics, parameters)
+    placement = Placement(kinematics, base)
+    plain = len(arrangement.plain_coordinates)
+    still = kinematics.on_still_base()
+    seen = Placement(still)
+    hinges = _general_hinges(seen, q[:plain], u[:plain])
+    held = [compliance.bushing_amounts(seen, b, q[:plain], u[:plain]) for b in arrangement.bushings]
+    loads = Loads(placement, parameters, time, q, u, (*hinges, *(hinge for _, hinge in held)))
+    loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
+    for effect in effects:
+        with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
+            _hold(loads, arrangement, kinematics, [h for h, _ in held], q, u)
+            effect.contribute(loads)
+    problem = InverseDynamics(kinematics, masses, u, loads)
+    closure = _widened(close(hinges, q[:plain], u[:plain]), len(u)) if hinges else None
+    count = loops or count_loops(tree)
+    if closure is not None and plain > len(tree.links):
+        count = _yielding(count, closure, store, q[:plain])
+    rates = base.coordinate_rates if isinstance(base, StagedFloat) else ()
+    speeds: dict[Value, Scalar] = dict(zip(q, [*u[:plain], *rates], strict=True)) | {time: 1}
+    return Equations(
+        tree=tree,
+        effects=tuple(effects),
+        store=store,
+        parameters=tuple(parameters.records),
+        acceleration=(),
+        problem=problem,
+        closure=closure,
+        energies=energies_of(placement, masses, u, loads),
+        poses=tuple(poses_of(placement, masses.coms, arrangement)),
+        loops=count,
+        guards=tuple(_guard_terms(guard, speeds, u) for guard in loads.guards),
+        solver=INVERSE_DYNAMICS,
+        solver_flops={},
+        arrangement=arrangement,
+        coordinate_rates=(*u[:plain], *rates) if rates else None,
+        powers=_powers(problem, arrangement, store),
+    )
+
+
+def _staged_base(
+    store: Store,
+    arrangement: Arrangement,
+    parameters: Parameters,
+    time: Value,
+    q: Sequence[Scalar],
+    u: Sequence[Scalar],
+) -> MovingBase | None:
+    match arrangement.base:
+        case FloatingBase() as base:
+            return float_base(store, base, parameters.add, q, u)
+        case PrescribedBase() as base:
+            return prescribe_base(store, base, time)
+        case _:
+            return None
+
+
+def _masses(kinematics: ChainKinematics, parameters: Parameters) -> Masses:
+    store, links = kinematics.store, kinematics.tree.links
+    with store.section("Inertia about the hinges", source="parallel axes"):
+        pairs = []
+        for i, link in enumerate(links):
+            store.link = i
+            pairs.append(link_inertia(link, parameters.add))
+        modal = {
+            i: modal_inertia(store, modes, links[i], pairs[i][1]) for i, modes in kinematics.modes.items()
+        }
+    return Masses(tuple(inertia for inertia, _ in pairs), tuple(com for _, com in pairs), modal)
+
+
+def _general_hinges(placement: Placement, q: Sequence[Value], u: Sequence[Value]) -> tuple[CutHinge, ...]:
+    """Cut hinges with rates and partials of their angles by all coordinates; placement: seen from the base."""
+    store = placement.kinematics.store
+    result: list[CutHinge] = []
+    for hinge in cut_hinges(placement, u):
+        with store.section("Closure of the loops", source="both sides of a cut hinge meet"):
+            rate = derivative(hinge.angle, dict(zip(q, u, strict=True)))
+            gradient = tuple(derivative(hinge.angle, {x: 1}) for x in q)
+        result.append(replace(hinge, rate=rate, gradient=gradient))
+    return tuple(result)
+
+
+def _hold(
+    loads: Loads,
+    arrangement: Arrangement,
+    kinematics: ChainKinematics,
+    bushings: Sequence[compliance.Held],
+    q: Sequence[Scalar],
+    u: Sequence[Scalar],
+) -> None:
+    """Stiffness and damping that the effect whose turn it is asked for."""
+    joints = {link.joint.name: i for i, link in enumerate(kinematics.tree.links)}
+    for hinge in arrangement.compliant:
+        if hinge.effect == loads.effect_name:
+            held = compliance.hinge_amounts(hinge, kinematics.index, joints[hinge.joint], q, u)
+            compliance.hold_hinge(loads, hinge, held)
+    for bushing, held in zip(arrangement.bushings, bushings, strict=True):
+        if bushing.hinge.effect == loads.effect_name:
+            compliance.hold_hinge(loads, bushing.hinge, held)
+    for modes in kinematics.modes.values():
+        if modes.body.effect == loads.effect_name:
+            compliance.hold_modes(loads, modes.body, modes.first, q, u)
+
+
+def _widened(closure: Closure, count: int) -> Closure:
+    """With columns for the rates of a floating base, which moves no loop."""
+    rows = tuple((*row, *(0,) * (count - len(row))) for row in closure.jacobian)
+    return replace(closure, jacobian=rows)
+
+
+def _yielding(count: LoopCount, closure: Closure, store: Store, q: Sequence[Value]) -> LoopCount:
+    """The count of loops some hinges of which yield: the rank of all coordinates, at closed positions near the drawn
+    one. Deterministic."""
+    rng = np.random.default_rng(0)
+    flat = [*closure.residual, *(v for row in closure.jacobian for v in row[: len(q)])]
+    m, rank = len(closure.residual), 0
+    for _ in range(4):
+        x = rng.uniform(-SPREAD, SPREAD, len(q))
+        for _ in range(30):
+            values = np.array(evaluate(store, flat, dict(zip(q, x.tolist(), strict=True))))
+            residual, jacobian = values[:m], values[m:].reshape(m, len(q))
+            x = x - np.linalg.pinv(jacobian, rcond=1e-9) @ residual
+        if np.abs(residual).max() < 1e-9:
+            rank = max(rank, int(np.linalg.matrix_rank(jacobian, tol=1e-7 * np.abs(jacobian).max())))
+    rank = rank or min(m, len(q))
+    return replace(count, rank=rank + count.loops, freedoms=len(q) - rank, misfit=None)
+
+
+def _guard_terms(guard: Guard, speeds: Mapping[Value, Scalar], u: Sequence[Value]) -> GuardTerms:
+    """As `guards.guard_terms`; impulses act along the guard's derivatives by the rates."""
+    with u[0].store.section(f"Guard {guard.name}", source="event where it passes zero"):
+        rate = derivative(guard.value, speeds)
+        impact = guard.restitution is not None
+        gradient = tuple(derivative(rate, {x: 1}) for x in u) if impact else ()
+    return GuardTerms(guard, rate, gradient)
+
+
+def _powers(problem: InverseDynamics, arrangement: Arrangement, store: Store) -> dict[str, Scalar]:
+    base = arrangement.base
+    if not isinstance(base, PrescribedBase):
+        return {}
+    udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(arrangement.rates)]
+    with store.section("Power of the base", effect=base.effect, source="its wrench on the links · its twist"):
+        return {base.effect: problem.base_power(udot)}

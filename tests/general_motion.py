@@ -36,7 +36,8 @@ def compiled(equations: Equations, outputs: Sequence[Scalar]) -> Callable[..., A
             text = {"ANGLE": f"q[{k}]", "RATE": f"u[{k}]", "TIME": "t", "ACCELERATION": f"a[{k}]"}.get(space)
             text = repr(equations.parameters[k].default) if space == "PARAMETER" else text
         elif payload is not None or operation == NUMBER:
-            assert payload is not None and not isinstance(payload, Symbol)
+            assert payload is not None
+            assert not isinstance(payload, Symbol)
             text = repr(float(payload))
         elif operation in _INFIX:
             text = f"z{at[0]} {_INFIX[operation]} z{at[1]}"
@@ -72,7 +73,8 @@ class General:
     def __init__(self, mechanism: Mechanism, effects: Sequence[Effect]) -> None:
         equations = self.equations = equations_of(mechanism, tuple(effects))
         arrangement = equations.arrangement
-        assert arrangement is not None and not arrangement.is_plain
+        assert arrangement is not None
+        assert not arrangement.is_plain
         self.arrangement = arrangement
         self.coordinates = [c.name for c in equations.coordinates]
         self.rates = [c.name for c in equations.rates]

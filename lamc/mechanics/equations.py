@@ -84,8 +84,8 @@ class Equations:
 
     @cached_property
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:
-        """M by rates, kg·m² between joints: entries (i, j), i >= j; with hinges alone only those with j on the way from i
-        to the world."""
+        """M by rates, kg·m² between joints: entries (i, j), i >= j; a plain tree's have j on the way from i to the
+        world."""
         return self.problem.mass_matrix()
 
     @cached_property

@@ -4,6 +4,8 @@ An effect is a small immutable record. `contribute` adds its symbolic loads, sto
 `Loads` collector; what it does not add leaves no trace in the equations or in the C.
 """
 
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
@@ -41,6 +43,9 @@ class Effect(Protocol):
     "stiffness of hinge 'h1'". Two effects of a scene with a claim in common are refused. One that gives way instead
     asks `loads.claims` who holds a claim, and leaves that out: HingeStiffness does, hinge by hinge.
 
+    An effect with something to show has marks(parameters): what pictures of a run show besides the bodies, given the
+    run's parameters by name; so far planes, as `PlaneMark`s.
+
     An effect that adds coordinates or moves the fixed bodies has arrange(arranging), asked before `contribute`: see
     `Arranging` in `lamc/mechanics/arrangement.py`. Its method inverse_dynamics() is for those that add fluid's mass.
     """
@@ -50,6 +55,14 @@ class Effect(Protocol):
 
     def contribute(self, loads: "Loads") -> None:
         """Adds the effect's loads. Raises DesignError if it names bodies or joints that are not there."""
+
+
+@dataclass(frozen=True)
+class PlaneMark:
+    """A plane to draw, such as the ground: a point of it, m, and its unit normal, world axes, towards what it faces."""
+
+    point: tuple[float, float, float]  # m
+    normal: tuple[float, float, float]
 
 
 class RegisteredEffect(Effect, Protocol):
@@ -66,6 +79,12 @@ class RegisteredEffect(Effect, Protocol):
         Most return `data.record(cls, value, where)`. Raises DesignError, at best a `data.DataError` with the part at
         fault, if the data does not fit.
         """
+
+
+def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tuple[PlaneMark, ...]:
+    """What the effects of a run have to show, at the run's parameters."""
+    shown = (getattr(effect, "marks", None) for effect in effects)
+    return tuple(mark for marks in shown if marks is not None for mark in marks(parameters))
 
 
 def claims_of(effect: Effect) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.effects.base import Effect, PlaneMark
 from lamc.effects.contact_points import Point, checked_points, contact_points
 from lamc.effects.data import record
 from lamc.errors import DesignError
@@ -137,6 +137,12 @@ class GroundContact:
         for each in loads.each(points):
             counts[each.body] = counts.get(each.body, 0) + 1
             ground.act(each.body, each.point, f"contact {counts[each.body]} of {each.body}")
+
+    def marks(self, parameters: Mapping[str, float]) -> tuple[PlaneMark, ...]:
+        """The ground."""
+        height = parameters.get(f"{self.name}.height", self.height)
+        x, y, z = (height * n for n in self.normal)
+        return (PlaneMark((x, y, z), self.normal),)
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

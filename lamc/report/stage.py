@@ -11,6 +11,7 @@ import shapely
 from shapely.geometry import MultiPoint
 
 from lamc.mechanism.records import Array
+from lamc.report.planes import Sheet
 from lamc.report.raster import Camera, Canvas, Pixels
 from lamc.report.solid import Lines, Solid, solid_of
 from lamc.report.style import body_colours
@@ -74,6 +75,8 @@ class Stage:
         self._hinge_length = float(np.median(spans)) if spans.size else 0.0  # m
         self._gather()
         self._colours = _rgb(result)
+        above = np.concatenate([self._outline(k) for k in range(len(times))])
+        self._sheets = [Sheet(mark, above) for mark in result.marks]
         self.camera, self.width, self.height = self._compose(longest_side)
 
     def _gather(self) -> None:
@@ -101,6 +104,10 @@ class Stage:
         parts += [self._place(instant, each).reshape(-1, 3) for each in lines]
         return np.concatenate([*parts, self.poses.centres[instant]])
 
+    def _ground(self) -> Array:
+        """Corners of the planes that the picture must hold, (n, 3), m."""
+        return np.concatenate([np.zeros((0, 3)), *(sheet.corners for sheet in self._sheets)])
+
     def _place(self, instant: int, lines: Lines) -> Array:
         return self.poses.place(instant, lines.segments, lines.bodies, self._drawn)
 
@@ -110,7 +117,7 @@ class Stage:
         chosen = sorted({int(k) for k in np.linspace(0, count - 1, min(_SAMPLES, count))})
         right, up, towards = self._best_view(chosen)
         axes = np.stack([right, up, towards], axis=1)
-        seen = [self._outline(k) @ axes for k in range(count)]
+        seen = [np.concatenate([self._outline(k), self._ground()]) @ axes for k in range(count)]
         low = np.min([s.min(axis=0) for s in seen], axis=0)
         high = np.max([s.max(axis=0) for s in seen], axis=0)
         extent = np.maximum((high - low)[:2], 0.05 * self.solid.size) * 1.08
@@ -149,7 +156,10 @@ class Stage:
         """The picture of one instant, (height, width, 3)."""
         canvas = Canvas(self.width, self.height, self._oversampling)
         camera = self.camera
-        vertices = camera.project(self.poses.place(instant, self._vertices, self._owner, self._drawn))
+        placed = self.poses.place(instant, self._vertices, self._owner, self._drawn)
+        for sheet in self._sheets:
+            sheet.draw(canvas, camera, [[placed[s] for s in rings] for rings in self._rings])
+        vertices = camera.project(placed)
         normals = self._turned_normals(instant) @ np.stack([camera.right, camera.up, camera.towards], axis=1)
         shades = 0.62 + 0.38 * np.clip(normals @ _LIGHT, 0.0, 1.0)
         for k in np.flatnonzero(normals[:, 2] > 1e-6):

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from lamc.effects.base import PlaneMark
+
 
 @dataclass(frozen=True)
 class RunStats:
@@ -74,6 +76,7 @@ class Result(Unchanging):
     message  the same for people
     stats    what it took
     events   limits reached and left, and impacts, in order
+    marks    what pictures show besides the bodies, such as the ground
 
     Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
@@ -90,6 +93,7 @@ class Result(Unchanging):
     mechanism: Mechanism
     motion: Motion = field(repr=False)
     events: tuple[Event, ...] = ()
+    marks: "tuple[PlaneMark, ...]" = ()
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
+from lamc.effects.base import marks_of
 from lamc.errors import DesignError, RequestError, about
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
@@ -180,6 +181,7 @@ class Simulator(Unchanging):
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
+        provenance = self._provenance(motion)
         return Result(
             t=trajectory.t,
             q=trajectory.q,
@@ -200,9 +202,10 @@ class Simulator(Unchanging):
                 wall_time=wall_time,
                 real_time_factor=trajectory.t_reached / wall_time if wall_time > 0.0 else float("inf"),
             ),
-            provenance=self._provenance(motion),
+            provenance=provenance,
             mechanism=self.mechanism,
             motion=motion,
+            marks=marks_of(self.effects, provenance.parameters),
         )
 
     def acceleration(

@@ -432,6 +432,73 @@ def test_deflections_and_modes_are_told_before_the_error_of_buckling(tmp_path: P
     assert result.stderr.splitlines()[-1].startswith(f"error: {file}:8:")
 
 
+HALF_HELD = (
+    "kind: plate\nlaminate: {material: steel, thickness: 1 mm}\ngeometry: {rect: [0, 0, 1, 1], grid: [4, 4]}\n"
+    "supports: [{fixed: [w], where: boundary}]\n"
+)
+
+
+def test_a_case_that_cannot_be_solved_does_not_take_the_others_with_it(tmp_path: Path) -> None:
+    """In the plane nothing holds the plate, so that a pull along x is not borne, and a pressure is."""
+    file = tmp_path / "p.yaml"
+    cases = ["cases:", "  pull: [{edge: right, force: [1, 0, 0]}]", "  up: [{pressure: 1}]"]
+    file.write_text(HALF_HELD + "\n".join(cases) + "\n", encoding="utf-8")
+    result = call(str(file), "--json", "--no-pictures", "--out", "o")
+    assert result.exit_code == 3
+    told = json.loads(result.stdout)
+    assert not told["ok"]
+    assert told["failed_cases"] == ["pull"]
+    assert list(told["cases"]) == ["up"]
+    # Timoshenko and Woinowsky-Krieger 1959, table 8: 0.00406 q a⁴ / D; four cells a side are some per cent off.
+    assert told["cases"]["up"]["extremes"]["w"]["largest"] == pytest.approx(0.00406 / STEEL, rel=0.1)
+    (error,) = told["errors"]
+    assert error["message"].startswith("case 'pull': the plate is not held")
+    assert json.loads((tmp_path / "o/summary.json").read_text(encoding="utf-8"))["failed_cases"] == ["pull"]
+    words = call(str(file), "--no-pictures", "--out", "o")
+    assert words.exit_code == 3
+    assert "case      pull\nfailed    not solved" in words.stdout
+    assert words.stderr.splitlines()[-1].startswith(f"error: {file}: case 'pull': the plate is not held")
+
+
+def test_cases_none_of_which_can_be_solved_are_all_told(tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    cases = ["cases:", "  pull: [{edge: right, force: [1, 0, 0]}]", '  up: [{pressure: "1/x"}]']
+    file.write_text(HALF_HELD + "\n".join(cases) + "\n", encoding="utf-8")
+    result = call(str(file), "--json", "--out", "o")
+    assert result.exit_code == 2
+    first, second = json.loads(result.stdout)["errors"]
+    assert first["message"].startswith("case 'pull': the plate is not held")
+    assert "case 'up': the intensity of a Pressure: expression" in second["message"]
+    assert second["line"] == 7
+    assert not (tmp_path / "o").exists()
+
+
+def test_a_plate_that_nothing_acts_on_is_told_in_a_line_and_still_vibrates(tmp_path: Path) -> None:
+    file = square(tmp_path / "s.yaml", n=4, loads="modes: 1")
+    words = call(file, "--no-pictures", "--out", "o").stdout
+    assert "loads     none, and nothing is prescribed: the plate stays as it is\n\nmodes " in words
+    assert "reactions" not in words
+
+
+def test_a_second_mesh_tells_how_far_outputs_are_off(tmp_path: Path) -> None:
+    loads = "loads: [{point: [0.1, 0.1], force: 10 N}]\noutputs: [{name: middle, at: [0.1, 0.1]}]"
+    file = square(tmp_path / "s.yaml", n=16, loads=loads)
+    told = answer(file, "--two-meshes", "--out", "o")
+    (found,) = told["cases"][""]["two_meshes"]
+    assert found["is"] == value(told, "middle")
+    assert found["finer"] == value(
+        answer(square(tmp_path / "f.yaml", n=32, loads=loads), "--out", "f"), "middle"
+    )
+    # An estimate: the error that the series shows, within a tenth, as it is of second order but for a logarithm.
+    assert found["error"] == pytest.approx(abs(found["is"] - NAVIER), rel=0.1)
+    words = call(file, "--two-meshes", "--no-pictures", "--out", "o").stdout
+    assert "halved    middle, w: " in words
+    alone = square(tmp_path / "a.yaml", n=4, loads="loads: [{pressure: 1}]")
+    (largest,) = answer(alone, "--two-meshes", "--out", "o")["cases"][""]["two_meshes"]
+    assert (largest["name"], largest["at"]) == ("largest w", [0.1, 0.1])
+    assert answer(alone, "--out", "o")["cases"][""]["two_meshes"] == []
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [

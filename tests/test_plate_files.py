@@ -18,6 +18,7 @@ from lamc.errors import DesignError, DesignErrors, ExpressionError, LamcError
 from lamc.examples import plates as plate_examples
 from lamc.plate.files.expression import Field, depends_on_place, number
 from lamc.plate.files.problem_file import load_plate, plate_of_text
+from lamc.plate.files.problem_make import problem_of
 from lamc.plate.files.problem_records import PlateFile
 from lamc.plate.files.problem_schema import PlateFileModel
 from lamc.plate.laminates.laminate import Laminate
@@ -237,6 +238,44 @@ def test_polygons_have_holes_and_regions_with_laminates_of_their_own() -> None:
     assert region.size == 5e-4
     assert region.laminate is not None
     assert region.laminate.plies[0].material.name == "Kapton HN"
+
+
+def test_a_mesh_follows_the_lines_and_points_of_the_file() -> None:
+    """So that a load along an inner line, which must be on edges, finds them."""
+    shape = "geometry: {rect: [0, 0, 200, 100], size: 20, follow: [{line: [[30, 20], [150, 70]]}, {point: [20, 60]}]}\n"
+    head = "kind: plate\nunits: mm\nlaminate: {material: steel, thickness: 1}\n"
+    more = "supports: [{clamped: left}]\nloads: [{edge: {line: [[30, 20], [150, 70]]}, force: 1}]\n"
+    problem = problem_of(plate_of_text(head + shape + more, "plate.yaml"))
+    points = problem.mesh.points
+    line = LineString([(0.03, 0.02), (0.15, 0.07)])
+    # The line's ends and its parts of a wanted edge each; round-off of coordinates.
+    assert sum(line.distance(Point(p)) < 1e-12 for p in points) >= 1 + round(line.length / 0.02)
+    assert min(np.hypot(*(points - (0.02, 0.06)).T)) < 1e-12
+    with pytest.raises(DesignError, match="lies along no edge of the mesh"):
+        problem_of(
+            plate_of_text(head + "geometry: {rect: [0, 0, 200, 100], size: 20}\n" + more, "plate.yaml")
+        )
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        (
+            "{rect: [0, 0, 2, 1], grid: [2, 2], follow: [{point: [1, 1]}]}",
+            "the lines of a grid are where they are",
+        ),
+        (
+            "{rect: [0, 0, 2, 1], follow: [{point: [1, 1], line: [[0, 0], [1, 1]]}]}",
+            "exactly one of point, line",
+        ),
+        ("{rect: [0, 0, 2, 1], follow: [{line: [[0, 0]]}]}", "a line has two points at least"),
+        ("{rect: [0, 0, 2, 1], follow: [{line: [[1, 1], [1, 1]]}]}", "the points of the line are one point"),
+    ],
+)
+def test_what_a_mesh_of_a_file_cannot_follow_is_refused(entry: str, told: str) -> None:
+    (line,) = problems(base=f"kind: plate\nlaminate: {{material: steel, thickness: 1}}\ngeometry: {entry}\n")
+    assert line.startswith("plate.yaml:3:")
+    assert told in line
 
 
 def test_well_known_text_counts_in_the_files_units() -> None:

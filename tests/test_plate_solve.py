@@ -7,7 +7,7 @@ import pytest
 from shapely.geometry import LineString, Point, box
 
 from lamc import plate
-from lamc.errors import SimulationError
+from lamc.errors import DesignError, SimulationError
 from lamc.plate.meshing.mesh import Mesh
 from tests.plates import case, cross_ply, disk, isotropic, jittered, richardson, turned
 
@@ -303,6 +303,21 @@ def test_cases_share_a_model_and_add_up() -> None:
     own = plate.solve(plate.Problem(mesh, laminate, supports=[support], loads=[weight]))
     total = solutions["snow"].values + solutions["man"].values - own.values
     assert total == pytest.approx(alone.values, abs=1e-13 * np.abs(alone.values).max())
+
+
+def test_a_case_that_cannot_be_solved_is_named_and_leaves_the_others() -> None:
+    pull = [plate.EdgeLoad(LineString([(1, 0), (1, 1)]), (1.0, 0.0, 0.0))]
+    held = [plate.Support(BOUNDARY, ("w",))]
+    problem = plate.Problem(
+        square(4), isotropic(), supports=held, cases={"pull": pull, "up": [plate.Pressure(1.0)]}
+    )
+    with pytest.raises(DesignError, match="case 'pull': the plate is not held"):
+        plate.solve(problem)
+    model = plate.Model(problem)
+    alone = plate.Problem(square(4), isotropic(), "dkt+cst", held, [plate.Pressure(1.0)])
+    assert np.array_equal(model.solve_case("up").values, plate.solve(alone).values)
+    with pytest.raises(DesignError, match="the problem has no case 'down'; it has 'pull', 'up'"):
+        model.solve_case("down")
 
 
 def test_settling_supports_move_a_plate_rigidly() -> None:

@@ -25,6 +25,7 @@ from lamc.report.plate_data import data
 from lamc.report.plate_text import summary
 
 _MOST_MODES = 1000
+_NOT_ALL = 3  # exit code where some cases were solved and others not
 
 
 @dataclass(frozen=True)
@@ -39,14 +40,15 @@ class PlateOrder:
     cases: Sequence[str]
     solver: str
     pictures: bool
+    two_meshes: bool
     out: str | None
 
 
 def plate(order: PlateOrder, terminal: Terminal) -> int:
     """Solves, writes, prints; or tells what an element is, where no plate is named.
 
-    Ctrl-C while files are written keeps those that are there. Returns 0, 130 after Ctrl-C, or the exit code of what was
-    asked for and could not be found, after all that could.
+    Ctrl-C while files are written keeps those that are there. Returns 0, 130 after Ctrl-C, 3 where some cases could not
+    be solved, or the exit code of what else was asked for and could not be found, after all that could.
     """
     if order.source.file is None and order.source.example is None and order.element is not None:
         text = describe(element_of(order.element))
@@ -60,7 +62,8 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
             file, source = load_source(order.source)
             file = _chosen(file, order)
         with output_folder(order.out, file.name) as folder:
-            report = answers(file, source, _size(order.size), order.solver, times)
+            size = _size(order.size)
+            report = answers(file, source, size, order.solver, times, two_meshes=order.two_meshes)
             older = own_files(folder)
             files, interrupted = [], False
             try:
@@ -82,7 +85,7 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
     if interrupted:
         terminal.error(f"interrupted while files were written; see {folder}")
         return INTERRUPTED
-    return max((error.exit_code for error in report.errors), default=0)
+    return max(_NOT_ALL if report.failed else 0, *(error.exit_code for error in report.errors), 0)
 
 
 def _chosen(file: PlateFile, order: PlateOrder) -> PlateFile:

@@ -16,7 +16,7 @@ from lamc.mechanism.checks import Array
 from lamc.plate.files.field_files import write_table, write_vtu
 from lamc.report.laminate_picture import draw_stack
 from lamc.report.numbers import shown_number
-from lamc.report.plate_text import CaseReport, PlateReport
+from lamc.report.plate_records import CaseReport, PlateReport
 from lamc.report.plates import Field, draw_deflection, draw_fields, draw_mesh, draw_modes
 
 _AXES = ("x", "y", "xy")

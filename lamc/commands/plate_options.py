@@ -63,6 +63,9 @@ shown = together(
     help="Of the sparse equations.",
 )
 @of_designs
+@click.option(
+    "--two-meshes", is_flag=True, help="Solve again on halved cells, and tell how far off each output is."
+)
 @click.option("--no-pictures", is_flag=True, help="Draw nothing.")
 @folder
 @speaking
@@ -83,6 +86,7 @@ def plate(
     clamps: tuple[str, ...],
     hinged: tuple[str, ...],
     loads: tuple[str, ...],
+    two_meshes: bool,
     no_pictures: bool,
     out: str | None,
     terminal: Terminal,
@@ -119,6 +123,7 @@ def plate(
             cases=cases,
             solver=solver,
             pictures=not no_pictures,
+            two_meshes=two_meshes,
             out=out,
         ),
         terminal,

@@ -3,16 +3,17 @@
 In: a `PlateFile` and how to solve it. Out: a `PlateReport`. Never: files, words.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
-from lamc.errors import LamcError, about
+from lamc.errors import DesignError, DesignErrors, LamcError, about
 from lamc.mechanism.checks import Array
 from lamc.pipeline import Times
 from lamc.plate.answers.buckling import Buckling, buckling
+from lamc.plate.answers.convergence import error_of_values, halved
 from lamc.plate.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
 from lamc.plate.answers.estimate import error_estimate
 from lamc.plate.answers.failure import first_failure
@@ -24,17 +25,21 @@ from lamc.plate.files.problem_schema import VALUES
 from lamc.plate.problem import Problem
 from lamc.plate.solving.model import Model
 from lamc.plate.solving.solution import Solution
-from lamc.report.plate_text import CaseReport, PlateReport, Printed
+from lamc.report.plate_records import CaseReport, Halved, PlateReport, Printed
 
 _XY = ("x", "y", "xy")
 _NOTHING = 1e-11  # of the largest value of a field: less is round-off
 
 
-def answers(file: PlateFile, source: str, size: float | None, solver: str, times: Times) -> PlateReport:
+def answers(
+    file: PlateFile, source: str, size: float | None, solver: str, times: Times, *, two_meshes: bool = False
+) -> PlateReport:
     """Meshes, solves every case, estimates errors; modes and buckling where the file asks for them.
 
-    Modes or buckling loads that cannot be found are no reason to keep the rest back: the report has their errors.
-    Raises LamcError as the mesher, `Problem` and `Model` do.
+    Cases, modes or buckling loads that cannot be found are no reason to keep the rest back: the report has their
+    errors. two_meshes: every case once more on halved cells, for the error of outputs.
+
+    Raises LamcError as the mesher, `Problem` and `Model` do, and where no case can be solved.
     """
     origins = file.origins
     with times.stage("mesh"):
@@ -43,11 +48,20 @@ def answers(file: PlateFile, source: str, size: float | None, solver: str, times
         kernels(problem.dofs.element)
     with times.stage("assemble"), origins.told():
         model = Model(problem, solver)
-    with times.stage("solve"), origins.told():
-        solved = model.solve_cases() if problem.cases else {"": model.solve()}
+    errors: list[LamcError] = []
+    solved: dict[str, Solution] = {}
+    for name in problem.cases or [""]:
+        with times.stage("solve"), _kept(errors), origins.told():
+            solved[name] = model.solve_case(name) if name else model.solve()
+    if not solved:
+        several = [error for error in errors if isinstance(error, DesignError)]
+        raise DesignErrors(several) if len(several) == len(errors) > 1 else errors[0]
+    failed = tuple(name for name in problem.cases if name not in solved)
     with times.stage("estimate"), origins.told():
         cases = [_case(name, solution, file) for name, solution in solved.items()]
-    errors: list[LamcError] = []
+    if two_meshes:
+        with times.stage("halved cells"), _kept(errors), origins.told():
+            cases = _with_halved(cases, problem, solver)
     found = None
     if file.modes:
         with times.stage("modes"), _kept(errors), origins.told("modes"):
@@ -56,7 +70,7 @@ def answers(file: PlateFile, source: str, size: float | None, solver: str, times
     for name in solved if file.buckling else ():
         with times.stage("buckling"), _kept(errors), origins.told("buckling"):
             buckled[name] = buckling(_of_case(problem, name), file.buckling)
-    return PlateReport(file, source, problem, cases, found, buckled, times, errors)
+    return PlateReport(file, source, problem, cases, found, buckled, times, errors, failed)
 
 
 @contextmanager
@@ -91,6 +105,30 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
     return CaseReport(
         name, solution, fields, error_estimate(solution), found, tuple(printed), notes, strength
     )
+
+
+def _with_halved(cases: Sequence[CaseReport], problem: Problem, solver: str) -> list[CaseReport]:
+    """The cases with what halved cells say of their outputs; where there are none, of the largest displacement."""
+    fine = Model(halved(problem), solver)
+    result = []
+    for case in cases:
+        solution = fine.solve_case(case.name) if case.name else fine.solve()
+        printed = case.printed or [_largest(case)]
+        told = [
+            Halved(p.output, p.unit, error_of_values(p.value, value_of(solution, p.output))) for p in printed
+        ]
+        result.append(replace(case, halved=told))
+    return result
+
+
+def _largest(case: CaseReport) -> Printed:
+    """The displacement that is the largest of its kind, where it is: w where the plate bends, else u or v."""
+    ends = [
+        (name, end) for name in ("w", "u", "v") if name in case.extremes for end in case.extremes[name][1:]
+    ]
+    across = [pair for pair in ends if pair[0] == "w"] or ends
+    name, end = max(across, key=lambda pair: abs(pair[1].value))
+    return Printed(Output(f"largest {name}", end.at, name), end.value, VALUES[name])
 
 
 def _large(solution: Solution, found: Mapping[str, tuple[str, Extreme, Extreme]]) -> tuple[str, ...]:

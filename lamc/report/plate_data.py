@@ -8,7 +8,8 @@ from typing import Any
 from lamc.plate.answers.failure import PlateFailure
 from lamc.plate.answers.modes import Modes
 from lamc.plate.laminates.laminate import Laminate
-from lamc.report.plate_text import CaseReport, PlateReport, angles, by_region
+from lamc.report.plate_records import CaseReport, PlateReport
+from lamc.report.plate_text import angles, by_region
 
 
 def data(report: PlateReport) -> dict[str, Any]:
@@ -32,6 +33,7 @@ def data(report: PlateReport) -> dict[str, Any]:
         "unknowns": report.problem.dofs.count,
         "laminates": {name: _laminate_data(stack) for name, stack in by_region(report.problem)},
         "cases": {case.name: _case_data(case) for case in report.cases},
+        "failed_cases": list(report.failed),
         "modes": None if report.modes is None else _modes_data(report.modes),
         "buckling": {name: b.factors.tolist() for name, b in report.buckling.items()},
         "seconds": dict(report.times.seconds),
@@ -72,6 +74,19 @@ def _case_data(case: CaseReport) -> dict[str, Any]:
                 "expected": p.output.expected,
             }
             for p in case.printed
+        ],
+        "two_meshes": [
+            {
+                "name": h.output.name,
+                "at": list(h.output.at),
+                "value": h.output.value,
+                "unit": h.unit,
+                "is": h.error.value,
+                "finer": h.error.finer,
+                "extrapolated": h.error.extrapolated,
+                "error": h.error.error,
+            }
+            for h in case.halved
         ],
         "first_failure": None if case.strength is None else _failure_data(case.strength),
         "strain_energy": solution.strain_energy,

@@ -3,87 +3,31 @@
 In: a `PlateReport`. Out: plain text. It measures nothing and prints nothing.
 """
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from lamc.errors import LamcError
 from lamc.pipeline import Times
-from lamc.plate.answers.buckling import Buckling
-from lamc.plate.answers.corner_fields import CornerFields, Extreme
-from lamc.plate.answers.estimate import ErrorEstimate
-from lamc.plate.answers.failure import PlateFailure
-from lamc.plate.answers.modes import Modes
-from lamc.plate.files.problem_records import Output, PlateFile
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.report import corner_angles
 from lamc.plate.problem import Problem
-from lamc.plate.solving.solution import Solution
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
-from lamc.report.failure_text import failure_text
 from lamc.report.numbers import place_text, prefixed, shown_number
 from lamc.report.plan_view import shortened
-from lamc.report.plate_marks import load_text, vector_text
+from lamc.report.plate_case_text import case_rows
+from lamc.report.plate_records import PlateReport
 from lamc.report.run_text import duration
 from lamc.report.split_text import table
 
 _NAMES = 6  # names in a list before it is cut
-_DIGITS = 5
 _NAMED = {
     Clamped: "clamped",
     SimplySupported: "simply supported",
     Hinged: "hinged",
     Symmetry: "symmetric",
 }
-
-
-@dataclass(frozen=True)
-class Printed:
-    """The value of an output in one case, SI."""
-
-    output: Output
-    value: float
-    unit: str
-
-
-@dataclass(frozen=True, eq=False)
-class CaseReport:
-    """One case and what was found in it.
-
-    extremes  least and largest value by the name of a field, with its unit
-    notes     what may make the answer worse than the reader expects
-    strength  None where the strengths of no material are known
-    """
-
-    name: str
-    solution: Solution
-    fields: CornerFields
-    estimate: ErrorEstimate
-    extremes: Mapping[str, tuple[str, Extreme, Extreme]]
-    printed: Sequence[Printed]
-    notes: Sequence[str]
-    strength: PlateFailure | None
-
-
-@dataclass(frozen=True, eq=False)
-class PlateReport:
-    """A plate and all that was asked of it.
-
-    errors  why modes or buckling loads are missing
-    """
-
-    file: PlateFile
-    source: str
-    problem: Problem
-    cases: Sequence[CaseReport]
-    modes: Modes | None
-    buckling: Mapping[str, Buckling]
-    times: Times
-    errors: Sequence[LamcError] = ()
 
 
 def summary(report: PlateReport, folder: Path, files: Sequence[str]) -> str:
@@ -95,7 +39,10 @@ def summary(report: PlateReport, folder: Path, files: Sequence[str]) -> str:
     ]
     head += [("laminate", text) for text in _laminates(report.problem)]
     end = [("times", _times(report.times)), ("files", f"{folder}: {', '.join(files)}")]
-    cases = [_block(_case(case)) for case in report.cases]
+    cases = [_block(case_rows(case)) for case in report.cases]
+    cases += [
+        _block([("case", name), ("failed", "not solved, see the error below")]) for name in report.failed
+    ]
     blocks = [_block(head), *cases, printed_table(report), _block(_modes(report)), _block(end)]
     return "\n\n".join(block for block in blocks if block)
 
@@ -218,68 +165,6 @@ def laminate_text(laminate: Laminate) -> str:
     if max(abs(D[0, 2]), abs(D[1, 2])) > 1e-9 * D[0, 0]:
         stiffness += f", D16 {shown_number(D[0, 2], 'N·m', 4)}"
     return f"{stack}{_listed(materials)}, {shown_number(laminate.thickness, 'm', 4)} thick; {stiffness}"
-
-
-def _case(case: CaseReport) -> list[tuple[str, str]]:
-    solution, accuracy = case.solution, case.solution.report.accuracy
-    energy = _kept(solution.strain_energy, case.fields.smallest_energy)
-    digits = (
-        f"{solution.report.solver}: condition {accuracy.condition:.1e}, {_count(accuracy.steps, 'step', 'steps')} of "
-        f"refinement, unknowns to {max(accuracy.forward_error, 1e-16):.0e}"
-    )
-    rows = [("case", case.name)] if case.name else []
-    rows.append(("loads", ", ".join(load_text(load) for load in solution.loads) or "none"))
-    rows += [(name, _extreme_text(*found, solution.problem.size)) for name, found in case.extremes.items()]
-    if case.strength is not None:
-        rows.append(("fails", failure_text(case.strength, solution.problem.size)))
-    rows.append(("energy", f"{shown_number(energy, 'J')} stored"))
-    rows.append(("reactions", _reactions(case)))
-    rows.append(("error", _error(case.estimate)))
-    rows.append(("digits", digits))
-    rows += [("free", solution.report.free)] if solution.report.free else []
-    rows += [("note", note) for note in case.notes]
-    return rows
-
-
-def _error(estimate: ErrorEstimate) -> str:
-    worst = estimate.worst_region or "the rest"
-    where = f", most of it in {worst!r}" if len(estimate.regions) > 1 else ""
-    return f"about {100.0 * estimate.relative:.2g} % in stress and strain on average{where}; deflections are better"
-
-
-def _count(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"
-
-
-def _extreme_text(unit: str, low: Extreme, high: Extreme, size: float) -> str:
-    """Both values in one unit, with as many decimals as the larger needs."""
-    largest = max(abs(low.value), abs(high.value))
-    if high.value - low.value <= 1e-9 * largest:
-        return f"{shown_number(high.value, unit)} everywhere"
-    scale, name = prefixed(largest, unit)
-    decimals = _DIGITS - 1 - math.floor(math.log10(largest / scale))
-    told = []
-    for each in (low, high):
-        value = f"{round(each.value / scale, decimals) + 0.0:.{_DIGITS}g} {name}".rstrip()
-        told.append(f"{value} at {place_text(each.at, size)}")
-    return " to ".join(told)
-
-
-def _reactions(case: CaseReport) -> str:
-    """Their sum, and how well they balance the loads."""
-    solution = case.solution
-    if not solution.reactions:
-        return "no supports"
-    total = np.sum([r.force for r in solution.reactions], axis=0)
-    least = max(case.fields.smallest_force, 1e-9 * float(np.abs(total).max()))
-    told = vector_text([_kept(float(part), least) for part in total], "N")
-    balance = solution.report.accuracy.backward_error
-    return f"{told} in all; out of balance by {balance:.0e} of what acts"
-
-
-def _kept(value: float, least: float) -> float:
-    """`value`, or zero where it is round-off."""
-    return value if abs(value) > least else 0.0
 
 
 def _modes(report: PlateReport) -> list[tuple[str, str]]:

@@ -129,6 +129,16 @@ def error_of(
     return QuantityError(found.rows[0].value, found.rows[1].value, found.extrapolated)
 
 
+def halved(problem: Problem) -> Problem:
+    """The same problem on halved cells: four times as many."""
+    return replace(problem, mesh=refined(problem.mesh))
+
+
+def error_of_values(value: float, finer: float) -> QuantityError:
+    """From a value on a mesh and on that of halved cells, with second order."""
+    return QuantityError(value, finer, finer + (finer - value) / (2.0**ORDER - 1.0))
+
+
 def observed_order(points: Sequence[tuple[float, float]]) -> float:
     """The p of v = v₀ + c hᵖ through three (h, v), h descending; nan where none between 0.5 and 6 fits."""
     if len(points) < 3:

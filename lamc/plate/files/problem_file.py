@@ -88,12 +88,15 @@ def read_plate(node: Node) -> PlateFile:
         problems.attempt(("outputs", index), partial(_output, entry, index, places, laminate, bare))
         for index, entry in enumerate(model.outputs)
     ]
+    follow = places.followed(model.geometry)
     problems.raise_if_any()
     records = [*actions.origins, *((o, problems.place(("outputs", k))) for k, o in enumerate(outputs))]
     drawn = model.geometry
     return PlateFile(
         name=name,
-        geometry=Geometry(places.outline, drawn.grid, drawn.pattern, drawn.size, places.regions),
+        geometry=Geometry(
+            places.outline, drawn.grid, drawn.pattern, drawn.size, places.regions, tuple(follow)
+        ),
         laminate=laminate,
         element=model.element,
         supports=supports,

@@ -23,7 +23,7 @@ def mesh_of(geometry: Geometry, size: float | None = None) -> Mesh:
         1.0 if size is None or geometry.size is None else size / geometry.size
     )  # regions stay as fine beside it
     sizes = {n: share * region.size for n, region in geometry.regions.items() if region.size is not None}
-    return mesh(geometry.outline, general, regions=shapes, sizes=sizes)
+    return mesh(geometry.outline, general, regions=shapes, sizes=sizes, follow=geometry.follow)
 
 
 def problem_of(file: PlateFile, element: str | None = None, size: float | None = None) -> Problem:

@@ -23,6 +23,7 @@ from lamc.mechanism.records import checked_name
 from lamc.plate.designs.from_design import DesignPlate, plate_of
 from lamc.plate.files.problem_records import Region
 from lamc.plate.files.problem_schema import (
+    FollowModel,
     GeometryModel,
     PlateFileModel,
     PlateOutlineModel,
@@ -84,6 +85,16 @@ class Places:
     def where(self, model: WhereModel, path: Path) -> Where | None:
         """The place as a problem takes it, or None after a problem was noted."""
         return self._problems.attempt(path, lambda: self._place(model))
+
+    def followed(self, model: GeometryModel) -> list[BaseGeometry]:
+        """Lines and points for the mesher; problems are noted."""
+        found = []
+        for index, entry in enumerate(model.follow):
+            path: Path = ("geometry", "follow", index)
+            place = self._problems.attempt(path, partial(self._line_or_point, entry))
+            if place is not None:
+                found.append(place)
+        return found
 
     def edge_length(self, where: Where) -> float:
         """Length of the plate's edge at `where`, m. Raises DesignError where it has none there."""
@@ -177,17 +188,21 @@ class Places:
             return self._side(model.named)
         if model.hinge is not None:
             return self._hinge(model.hinge)
-        if model.point is not None:
-            shapes.check_coordinates(model.point, "the point")
-            return Point(model.point)
-        if model.line is not None:
-            shapes.check_coordinates(model.line, "the line")
-            if len(set(model.line)) < 2:
-                raise DesignError("the points of the line are one point; it needs two that differ")
-            return LineString(model.line)
+        if model.point is not None or model.line is not None:
+            return self._line_or_point(model)
         if model.region is not None:
             return self.named(model.region).polygon
         return self._shape(model)
+
+    def _line_or_point(self, model: WhereModel | FollowModel) -> BaseGeometry:
+        if model.point is not None:
+            shapes.check_coordinates(model.point, "the point")
+            return Point(model.point)
+        line = model.line or []
+        shapes.check_coordinates(line, "the line")
+        if len(set(line)) < 2:
+            raise DesignError("the points of the line are one point; it needs two that differ")
+        return LineString(line)
 
     def _hinge(self, name: str) -> BaseGeometry:
         """The plate's edge along a hinge of the design."""

@@ -33,6 +33,7 @@ class Geometry:
     grid     cells along x and y of a regular mesh of a rectangle; None: a mesh that follows the outline
     size     m, of the mesh's edges without a grid; None: the longer side over CELLS_ALONG
     regions  parts by name, in the order of the file
+    follow   lines and points inside, m, on which edges and corners of a mesh without a grid shall be
     """
 
     outline: BaseGeometry  # m
@@ -40,6 +41,7 @@ class Geometry:
     pattern: str = "one-diagonal"
     size: float | None = None
     regions: Mapping[str, Region] = field(default_factory=dict)
+    follow: Sequence[BaseGeometry] = ()
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,14 @@ named exists, a force at a point or along an edge) and geometry are checked wher
 `problem_file`.
 """
 
-from collections.abc import Sequence
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from lamc.design import fields, units
+from lamc.design import units
 from lamc.design.fields import Coordinate, Length, LengthUnit, Model, Point, described, not_negative, reader
 from lamc.design.schema import CircleModel
-from lamc.design.units import Quantity, to_si
-from lamc.errors import DesignError, ExpressionError
-from lamc.plate.files import expression
+from lamc.plate.files.amounts import ElectricField, Intensity, Warming, Wetness
 from lamc.plate.files.section_schema import LaminateField, MaterialField, one_of, only_with, problem
 
 Named = Literal["boundary", "left", "right", "bottom", "top", "fixed"]
@@ -38,33 +35,6 @@ VALUES = {  # what can be asked for at a point, and its unit
 }
 
 
-def _varying(quantity: Quantity, kinds: Sequence[str] = ()) -> tuple[BeforeValidator, WithJsonSchema]:
-    """Reads a number of `quantity`, or keeps an expression in x and y as text; of a list, where `kinds` has "array",
-    each."""
-
-    def read(value: Any) -> float | str | list[float | str]:
-        if isinstance(value, list) and "array" in kinds:
-            return [one(item) for item in value]
-        return one(value)
-
-    def one(value: Any) -> float | str:
-        try:
-            if isinstance(value, str) and expression.depends_on_place(value):
-                expression.Field(value)
-                return value
-            return to_si(value, quantity)
-        except DesignError as error:
-            hint = ", or an expression in x and y" if not isinstance(error, ExpressionError) else ""
-            raise fields.custom(DesignError(error.message + hint)) from error
-
-    unit = quantity.unit or "plain"
-    told = (
-        f"{quantity.name}: a number ({unit}), text with a unit, or an expression in x and y with the value in {unit}, "
-        "where x and y count in the file's units"
-    )
-    return BeforeValidator(read), WithJsonSchema({"type": ["number", "string", *kinds], "description": told})
-
-
 HingeStiffness = Annotated[
     float,
     reader(units.LINE_STIFFNESS, not_negative),
@@ -72,14 +42,16 @@ HingeStiffness = Annotated[
 ]
 Moment = Annotated[float, reader(units.LINE_MOMENT), described(units.LINE_MOMENT)]
 Acceleration = Annotated[float, reader(units.ACCELERATION), described(units.ACCELERATION)]
-Intensity = Annotated[float | str, *_varying(units.PRESSURE)]
-Warming = Annotated[float | str, *_varying(units.WARMING)]
-Wetness = Annotated[float | str, *_varying(units.RATIO)]
-ElectricField = Annotated[float | str | list[float | str], *_varying(units.ELECTRIC_FIELD, ["array"])]
 FreeValue = Annotated[
     Any, WithJsonSchema({"type": ["number", "string"]})
 ]  # its unit depends on its neighbours
 FreeVector = Annotated[Any, WithJsonSchema({"type": ["number", "string", "array"]})]
+
+
+def check_line(line: list[Point] | None) -> None:
+    """Raises for a line of less than two points."""
+    if line is not None and len(line) < 2:
+        raise problem("a line has two points at least")
 
 
 class PlateOutlineModel(Model):
@@ -114,6 +86,19 @@ class PlateRegionModel(PlateOutlineModel):
     size: Length | None = Field(None, description="length of the mesh's edges in this region")
 
 
+class FollowModel(Model):
+    """A line or a point inside the plate, where a support, a load or an output is."""
+
+    point: Point | None = None
+    line: list[Point] | None = None
+
+    @model_validator(mode="after")
+    def _one_place(self) -> "FollowModel":
+        one_of(self, ("point", "line"), "a place to follow")
+        check_line(self.line)
+        return self
+
+
 class GeometryModel(Model):
     """The plate's outline and how it is meshed."""
 
@@ -136,6 +121,9 @@ class GeometryModel(Model):
     grid: tuple[int, int] | None = Field(None, description="cells along x and y of a regular mesh; for rect")
     pattern: Literal["one-diagonal", "criss-cross", "union-jack", "squares"] = "one-diagonal"
     size: Length | None = Field(None, description="length of the mesh's edges")
+    follow: list[FollowModel] = Field(
+        default=[], description="lines and points inside that edges and corners of the mesh shall be on"
+    )
 
     @model_validator(mode="after")
     def _one_shape(self) -> "GeometryModel":
@@ -145,6 +133,10 @@ class GeometryModel(Model):
             raise problem("a plate of a design names a body of it, and holes are drawn there")
         if self.grid is not None and (self.size is not None or self.holes):
             raise problem("a grid has neither size nor holes: give size alone for a mesh that follows them")
+        if self.grid is not None and self.follow:
+            raise problem(
+                "the lines of a grid are where they are: give size alone for a mesh that follows others"
+            )
         if self.grid is None and "pattern" in self.model_fields_set:
             raise problem("pattern belongs to a grid: give grid: [cells along x, cells along y]")
         if self.grid is not None and min(self.grid) < 1:
@@ -167,8 +159,7 @@ class WhereModel(Model):
     @model_validator(mode="after")
     def _one_place(self) -> "WhereModel":
         one_of(self, ("named", "point", "line", "rect", "polygon", "circle", "region", "hinge"), "a place")
-        if self.line is not None and len(self.line) < 2:
-            raise problem("a line has two points at least")
+        check_line(self.line)
         return self
 
 

@@ -4,12 +4,13 @@ In: a problem. Out: solutions for its loads, for other loads at the price of a r
 price of new values in the same pattern. Never: formulas; the rooms below have them.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
-from lamc.errors import SimulationError
-from lamc.mechanism.checks import Array, checked_kind
+from lamc.errors import DesignError, LamcError, SimulationError
+from lamc.mechanism.checks import Array, checked_kind, shown
 from lamc.plate.advice import notes
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, LoadRecord
@@ -43,11 +44,15 @@ class Model:
         return self.system.problem
 
     def solve(self, loads: Sequence[LoadRecord] | None = None, case: str = "") -> Solution:
-        """Under `loads`; None: those of the problem that act in every case. `case` is a name for messages.
+        """Under `loads`; None: those of the problem that act in every case. `case` is a name, which errors tell.
 
         Raises DesignError for a load that touches nothing, and where a piece is not held and the loads on it are not in
         balance; SimulationError where the matrix is too badly conditioned.
         """
+        with _told(case):
+            return self._solve(loads)
+
+    def _solve(self, loads: Sequence[LoadRecord] | None) -> Solution:
         acting = (
             tuple(self.problem.loads) if loads is None else checked_kinds(loads, LOADS, "loads of a Model")
         )
@@ -55,7 +60,7 @@ class Model:
             for load in acting:
                 check_load(self.problem, load)
         outer = load_vector(self.problem, self.system.kernels, acting)
-        check_balance(self.system.pieces, outer, self.problem.dofs, case)
+        check_balance(self.system.pieces, outer, self.problem.dofs)
         held = self.system.constraints
         try:
             deformed = refined(self.system, outer, held.fixed.T @ held.values, refine=self.refine)
@@ -76,10 +81,16 @@ class Model:
             "them in its plane: join them by an edge, or hold both"
         )
 
+    def solve_case(self, name: str) -> Solution:
+        """The case of that name, with what acts in every case. Raises as `solve` does, and names the case."""
+        if name not in self.problem.cases:
+            known = ", ".join(map(repr, self.problem.cases)) or "none"
+            raise DesignError(f"the problem has no case {shown(name)}; it has {known}")
+        return self.solve((*self.problem.loads, *self.problem.cases[name]), name)
+
     def solve_cases(self) -> ReadOnlyDict[str, Solution]:
-        """All cases of the problem by name, each with what acts in every case."""
-        own = self.problem.cases
-        return ReadOnlyDict({name: self.solve((*self.problem.loads, *own[name]), name) for name in own})
+        """All cases of the problem by name. Raises for the first that cannot be solved; `solve_case` gives others."""
+        return ReadOnlyDict({name: self.solve_case(name) for name in self.problem.cases})
 
     def with_laminates(self, laminate: Laminate | Mapping[str, Laminate]) -> "Model":
         """The same plate of other laminates: values are assembled anew, in the same pattern and ordering.
@@ -105,6 +116,19 @@ class Model:
         )
         values = np.asarray(d, dtype=float)
         return Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)
+
+
+@contextmanager
+def _told(case: str) -> Iterator[None]:
+    """LamcErrors of the block name the case."""
+    try:
+        yield
+    except LamcError as error:
+        if not case:
+            raise
+        told = type(error)(f"case {case!r}: {error.message}", error.place)
+        told.subject = error.subject
+        raise told from error
 
 
 def solve(

@@ -105,24 +105,23 @@ def free_text(found: tuple[Piece, ...]) -> str:
     return shown + (f"; and {len(free) - 4} more pieces" if len(free) > 4 else "")
 
 
-def check_balance(found: tuple[Piece, ...], loads: Array, dofs: Dofs, case: str = "") -> None:
+def check_balance(found: tuple[Piece, ...], loads: Array, dofs: Dofs) -> None:
     """Raises DesignError where `loads` (N,) push a piece along a motion that is not held."""
     for piece in found:
         if not piece.names:
             continue
         if (np.abs(piece.motions.T @ loads[piece.dofs]) <= _BALANCED * _acting(piece, loads, dofs)).all():
             continue
-        of_case = f"in case {case!r} " if case else ""
         work = piece.motions.T @ loads[piece.dofs]
         fold = int(np.argmax(np.abs(work)))
         if fold < piece.folds:
             raise DesignError(
-                f"the plate is a mechanism: {free_text(found)}; {of_case}the loads on {piece.text} do "
+                f"the plate is a mechanism: {free_text(found)}; the loads on {piece.text} do "
                 f"{abs(work[fold]):.4g} N·m of work per radian of it: add supports, give the hinge a stiffness, or "
                 "balance the loads"
             )
         raise DesignError(
-            f"the plate is not held: {free_text(found)}; {of_case}the loads on {piece.text} leave "
+            f"the plate is not held: {free_text(found)}; the loads on {piece.text} leave "
             f"{_left_over(piece, loads, dofs)}: add supports, or balance the loads"
         )
 

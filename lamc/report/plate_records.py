@@ -1,0 +1,77 @@
+"""What `lamc plate` found, as records.
+
+In: values that were computed. Out: the same, together. Never: text, files.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from lamc.errors import LamcError
+from lamc.pipeline import Times
+from lamc.plate.answers.buckling import Buckling
+from lamc.plate.answers.convergence import QuantityError
+from lamc.plate.answers.corner_fields import CornerFields, Extreme
+from lamc.plate.answers.estimate import ErrorEstimate
+from lamc.plate.answers.failure import PlateFailure
+from lamc.plate.answers.modes import Modes
+from lamc.plate.files.problem_records import Output, PlateFile
+from lamc.plate.problem import Problem
+from lamc.plate.solving.solution import Solution
+
+
+@dataclass(frozen=True)
+class Printed:
+    """The value of an output in one case, SI."""
+
+    output: Output
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Halved:
+    """The value of an output in one case, on the mesh and on one of halved cells."""
+
+    output: Output
+    unit: str
+    error: QuantityError
+
+
+@dataclass(frozen=True, eq=False)
+class CaseReport:
+    """One case and what was found in it.
+
+    extremes  least and largest value by the name of a field, with its unit
+    notes     what may make the answer worse than the reader expects
+    strength  None where the strengths of no material are known
+    halved    what a second mesh says of the outputs, or of the largest displacement; empty where it was not asked
+    """
+
+    name: str
+    solution: Solution
+    fields: CornerFields
+    estimate: ErrorEstimate
+    extremes: Mapping[str, tuple[str, Extreme, Extreme]]
+    printed: Sequence[Printed]
+    notes: Sequence[str]
+    strength: PlateFailure | None
+    halved: Sequence[Halved] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class PlateReport:
+    """A plate and all that was asked of it.
+
+    errors  why cases, modes or buckling loads are missing
+    failed  cases that could not be solved
+    """
+
+    file: PlateFile
+    source: str
+    problem: Problem
+    cases: Sequence[CaseReport]
+    modes: Modes | None
+    buckling: Mapping[str, Buckling]
+    times: Times
+    errors: Sequence[LamcError] = ()
+    failed: Sequence[str] = ()

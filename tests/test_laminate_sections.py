@@ -269,6 +269,44 @@ def test_library_holds_what_devices_are_made_of() -> None:
         assert sheet.G13 == sheet.G12
 
 
+def test_paperboard_shears_as_papers_do() -> None:
+    """Two rules for machine-made paper: G = 0.387 sqrt(E1 E2) (G. A. Baum, D. C. Brennan and C. C. Habeger, Tappi
+    64(8), 1981), within a tenth for the papers it was found on; and that of a sheet whose shear modulus hardly depends
+    on the direction, which is the sharper test of which Poisson's ratio is meant."""
+    board = plate.material("paperboard")
+    mean = math.sqrt(board.E1 * board.E2)
+    assert pytest.approx(0.387 * mean, rel=0.1) == board.G12
+    nu21 = board.nu12 * board.E2 / board.E1
+    assert nu21 == pytest.approx(0.15, rel=1e-14)
+    assert mean / (2 * (1 + math.sqrt(board.nu12 * nu21))) == pytest.approx(board.G12, rel=0.03)
+    # The other reading of their 0.15 misses it by an eighth.
+    other = mean / (2 * (1 + 0.15 * math.sqrt(board.E2 / board.E1)))
+    assert other > 1.1 * board.G12
+    assert board.G13 is not None
+    assert board.G13 < 0.1 * board.G12  # fibres lie in the sheet
+    # A card 0.4 mm thick: 312 g/m², and stiffer along than across as it feels.
+    card = Laminate([Ply(board, 0.4e-3)])
+    assert card.areal_mass == pytest.approx(0.312, rel=1e-12)
+    assert card.D[0, 0] / card.D[1, 1] == pytest.approx(board.E1 / board.E2, rel=1e-12)
+
+
+def test_film_adhesive_shears_as_its_maker_says() -> None:
+    """The data sheet has a shear modulus of 60 000 psi beside E and ν, which isotropy ties together; and weights from
+    0.045 to 0.085 lb/ft² at 7.5 to 13 mil, which are of one density but for thicknesses in half mils."""
+    film = plate.material("AF 163-2K")
+    assert pytest.approx(60_000 * 6894.757, rel=0.01) == film.G12
+    for weight, mils in ((0.045, 7.5), (0.060, 9.5), (0.085, 13.0)):
+        assert weight * 4.882428 / (mils * 25.4e-6) == pytest.approx(film.density, rel=0.06)
+
+
+def test_every_material_of_the_library_says_where_it_is_from() -> None:
+    for name, entry in plate.LIBRARY.items():
+        assert entry.name == name
+        assert len(entry.source) > 10
+        # Positive definite in plane stress, in whatever direction.
+        assert np.linalg.eigvalsh(entry.stiffness(30.0)).min() > 0.0
+
+
 # --- refusals --------------------------------------------------------------------------------------------------------
 
 BAD = {

@@ -3,8 +3,9 @@
 Out: `LIBRARY`, by name, and `material(name)`; `source` of each says where its numbers stand. Never: a number that is
 in no source: an expansion that is not given counts as zero, a strength or a modulus through the thickness as unknown.
 
-Cardboard and adhesive films are not here: their moduli differ by maker, humidity and time under load by more than a
-table could help with. Measure yours, and give it as a Material; a strip that sags under its own weight is enough.
+Boards and adhesives differ by maker, humidity and time under load by more than a table can tell; the one of each that
+is here shows the order of magnitude. Measure yours, and give it as a Material: a strip that sags under its own weight
+is enough. Acrylic tapes are not here, as they creep: under a lasting load no modulus describes them.
 """
 
 from lamc.errors import DesignError
@@ -128,6 +129,33 @@ _SHEETS = (
         source="EN 1999-1-1:2007, 3.2.5",
     ),
 )
+_BOARDS_AND_ADHESIVES = (
+    Material(
+        E1=7.44e9,
+        E2=3.47e9,
+        nu12=0.15 * 7.44 / 3.47,
+        G12=2.04e9,
+        density=780.0,
+        G13=0.137e9,
+        G23=0.099e9,
+        name="paperboard",
+        source=(
+            "R. W. Mann, G. A. Baum and C. C. Habeger, Tappi 63(2), 1980: carton stock, 1 along the machine's direction, "
+            "by ultrasound, so stiffer than under slow loads; their 0.15 is taken as nu21, with which G12 is "
+            "sqrt(E1 E2) / 2 (1 + sqrt(nu12 nu21)), as it is for other papers"
+        ),
+    ),
+    Material.isotropic(
+        E=1.11e9,
+        nu=0.34,
+        density=1214.0,  # 0.060 lb/ft² over 9.5 mil
+        name="AF 163-2K",
+        source=(
+            "3M, Scotch-Weld AF 163-2 data sheet: epoxy film adhesive on a knit carrier, cured, at 24 °C; density from "
+            "its weight of 0.060 lb/ft² and thickness of 9.5 mil before cure"
+        ),
+    ),
+)
 
 
 def _ceramic(
@@ -154,7 +182,9 @@ _PIEZO = (
     _ceramic("PZT-5H", 16.5, -4.78, 42.6, 43.5, -274.0, 7500.0),
 )
 
-LIBRARY: ReadOnlyDict[str, Material] = ReadOnlyDict({m.name: m for m in (*_FIBRES, *_SHEETS, *_PIEZO)})
+LIBRARY: ReadOnlyDict[str, Material] = ReadOnlyDict(
+    {m.name: m for m in (*_FIBRES, *_SHEETS, *_BOARDS_AND_ADHESIVES, *_PIEZO)}
+)
 
 
 def material(name: str) -> Material:

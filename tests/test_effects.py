@@ -183,6 +183,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "hinge_damping": (False, "no hinge is damped"),
         "hinge_stiffness": (False, "no hinge has a stiffness"),
         "joint_limits": (False, "no joint has limits narrower than ±180°"),
+        "linear_motor": (False, "no motor is called for"),
         "nonlinear_stiffness": (False, "no law of a hinge's torque is given"),
         "rest_angle": (False, "every hinge rests as drawn"),
         "spring": (False, "no spring is called for"),
@@ -215,7 +216,10 @@ def test_an_effect_acts_once() -> None:
 
 
 def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
-    needs = {"spring": ("a", (0, 0, 0), "b", (1, 0, 0), 1.0)}  # the only one that cannot stand alone
+    needs = {  # those that cannot stand alone
+        "spring": ("a", (0, 0, 0), "b", (1, 0, 0), 1.0),
+        "linear_motor": ("h", 1.0, None, None, None, 1.0, 1.0),
+    }
     assert len(by_name()) == len(EFFECTS)
     for name, kind in by_name().items():
         assert name == kind.name

@@ -9,6 +9,7 @@ from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
+from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
@@ -23,6 +24,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     RestAngle,
     HingeDamping,
     JointLimits,
+    LinearMotor,
     NonlinearStiffness,
     Spring,
     Torque,

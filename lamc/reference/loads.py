@@ -16,7 +16,7 @@ from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.records import Joint, Mechanism
 from lamc.reference import hinge_laws
 from lamc.reference.contact import Ground, ground
-from lamc.reference.expression import Formula, parse
+from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import Link, Motion, cross
 
 Array = npt.NDArray[np.float64]
@@ -124,6 +124,7 @@ KNOWN = (
     "ground_contact",
     "hinge_damping",
     "hinge_stiffness",
+    "linear_motor",
     "nonlinear_stiffness",
     "rest_angle",
     "spring",
@@ -180,6 +181,8 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
                 more, laws = hinge_laws.laws(effect.laws, records)
                 torques += more
                 energies.append("nonlinear_stiffness")
+            case "linear_motor":
+                torques.append(_motor(effect, records))
             case "spring":
                 springs.append(_spring(mechanism, effect))
                 energies.append("spring")
@@ -204,6 +207,27 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
         tuple(laws),
         tuple(dict.fromkeys(energies)),
     )
+
+
+def _motor(effect: Any, joints: Sequence[Joint]) -> tuple[int, Formula]:
+    """Index of the joint and torque of a motor: current times torque constant, by Ohm's law."""
+    names = [joint.name for joint in joints]
+    if effect.joint not in names:
+        raise DesignError(
+            f"the scene puts a motor on joint {effect.joint!r}, which the mechanism does not have"
+        )
+    voltage = parse(effect.voltage) if isinstance(effect.voltage, str) else lambda _: float(effect.voltage)
+    if effect.resistance is not None:
+        constant, resistance = effect.torque_constant, effect.resistance
+    else:
+        constant = effect.nominal_voltage / effect.no_load_speed
+        resistance = effect.nominal_voltage / (effect.stall_torque / constant)
+
+    def torque(values: Values) -> float:
+        induced = constant * effect.gear_ratio * values["rate"]
+        return float(effect.gear_ratio * constant * (voltage(values) - induced) / resistance)
+
+    return names.index(effect.joint), torque
 
 
 def _bent(effects: Iterable[Any]) -> set[str]:

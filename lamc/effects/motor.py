@@ -1,0 +1,215 @@
+"""A DC motor on a hinge: a torque that falls in a straight line with speed, driven by a voltage."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from lamc.codegen.program import Space
+from lamc.effects.base import Effect
+from lamc.effects.data import record
+from lamc.effects.expression import stage
+from lamc.errors import DesignError, ExpressionError
+from lamc.mechanics.loads import Hinge, Loads
+from lamc.mechanics.staging import Scalar, Store, Value
+from lamc.mechanism.checks import Array, checked_name, checked_number
+from lamc.mechanism.records import Mechanism
+
+if TYPE_CHECKING:
+    from lamc.run.result import Result
+
+_LINE = ("stall_torque", "no_load_speed", "nominal_voltage")
+_WINDING = ("torque_constant", "resistance")
+
+
+_UNITS = {
+    "stall_torque": "N·m",
+    "no_load_speed": "rad/s",
+    "nominal_voltage": "V",
+    "torque_constant": "N·m/A",
+    "resistance": "Ω",
+}
+_MEANINGS = {
+    "stall_torque": "torque of the motor at rest at the nominal voltage",
+    "no_load_speed": "speed of the motor without a load at the nominal voltage",
+    "nominal_voltage": "voltage that the motor's line is given for",
+    "torque_constant": "torque of the motor per current, and voltage per rad/s",
+    "resistance": "resistance of the motor's winding",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class MotorBooks:
+    """Where the power of a motor went, row by row, shape (m,): electrical = mechanical + heat."""
+
+    voltage: Array  # V
+    current: Array  # A
+    torque: Array  # N·m, on the child about the joint's axis
+    electrical: Array  # W, taken from the supply; negative where it is given back
+    mechanical: Array  # W, given to the mechanism
+    heat: Array  # W, in the winding; never negative
+
+
+@dataclass(frozen=True)
+class LinearMotor:
+    """Torque on a joint's child about its axis: T = n (T_stall V / V₀ - T_stall ω / ω₀), ω = n · the joint's rate.
+
+    voltage   V; a number is a parameter of the simulator, a string an expression in t (s), angle (rad) and rate (rad/s)
+              of the joint. Positive voltage opens the fold
+
+    The motor by the line of its data sheet:
+
+    stall_torque     T_stall, N·m, of the motor at rest at the nominal voltage
+    no_load_speed    ω₀, rad/s, where the torque is zero at the nominal voltage
+    nominal_voltage  V₀, V
+
+    or by its winding, which is the same line with T_stall / V₀ = k / R and V₀ / ω₀ = k:
+
+    torque_constant  k, N·m/A, which is also the voltage per rad/s that turning induces
+    resistance       R, Ω
+
+    gear_ratio       n, turns of the motor per turn of the joint; the gear has no losses, and the rotor no inertia
+
+    The inductance of the winding is left out: currents follow in microseconds where joints take milliseconds.
+    Several motors may act in one scene.
+    """
+
+    joint: str
+    voltage: float | str
+    stall_torque: float | None = None
+    no_load_speed: float | None = None
+    nominal_voltage: float | None = None
+    torque_constant: float | None = None
+    resistance: float | None = None
+    gear_ratio: float = 1.0
+
+    name: ClassVar[str] = "linear_motor"
+    summary: ClassVar[str] = "DC motors on hinges"
+    source: ClassVar[str] = "T = k (V - k w) / R, Hughes & Drury, Electric Motors and Drives, ch. 3"
+    repeatable: ClassVar[bool] = True
+    units: ClassVar[Mapping[str, str]] = {
+        "voltage": "V",
+        "stall_torque": "N*m",
+        "no_load_speed": "rad/s",
+        "nominal_voltage": "V",
+        "torque_constant": "N*m/A",
+        "resistance": "ohm",
+        "gear_ratio": "1",
+    }
+
+    def __post_init__(self) -> None:
+        checked_name(self.joint, "the joint of a motor")
+        what = f"of the motor on joint {self.joint!r}"
+        if isinstance(self.voltage, str):
+            _check(self.voltage, what)
+        else:
+            object.__setattr__(self, "voltage", checked_number(self.voltage, f"the voltage {what}"))
+        given = [name for name in (*_LINE, *_WINDING) if getattr(self, name) is not None]
+        if tuple(given) not in (_LINE, _WINDING):
+            raise DesignError(
+                f"the data {what} are {', '.join(given) or 'missing'}; give {', '.join(_LINE[:2])} and {_LINE[2]}, or "
+                f"{_WINDING[0]} and {_WINDING[1]}"
+            )
+        for name in given:
+            object.__setattr__(self, name, _above_zero(getattr(self, name), f"the {name} {what}"))
+        ratio = checked_number(self.gear_ratio, f"the gear_ratio {what}")
+        if ratio == 0.0:
+            raise DesignError(f"the gear_ratio {what} is 0; it must not be: leave the motor out")
+        object.__setattr__(self, "gear_ratio", ratio)
+
+    def contribute(self, loads: Loads) -> None:
+        hinge = loads.hinge(self.joint)
+        label = _label(self.joint, loads.parameter_names)
+        ratio = loads.parameter(
+            f"{label}.gear_ratio", self.gear_ratio, "1", "turns of the motor per turn of the joint"
+        )
+        constants = [
+            loads.parameter(f"{label}.{name}", getattr(self, name), _UNITS[name], _MEANINGS[name])
+            for name in self._given
+        ]
+        k, resistance = winding(constants)
+        gain, drag = k / resistance, k * k / resistance  # N·m/V, N·m·s/rad
+        torque = ratio * (gain * self._voltage(loads, hinge, label) - drag * (ratio * hinge.rate))
+        loads.hinge_torque(self.joint, torque)
+
+    def books(self, result: "Result", label: str = "") -> MotorBooks:
+        """What the motor took, gave and lost along a run, with the parameters of that run.
+
+        label  of the motor's parameters, e.g. "h1.motor.2" for the second motor on a joint; the first one's if empty
+        """
+        label = label or f"{self.joint}.motor"
+        known = result.provenance.parameters
+        constants = [known.get(f"{label}.{name}", getattr(self, name)) for name in self._given]
+        ratio = known.get(f"{label}.gear_ratio", self.gear_ratio)
+        angle, rate = result.angle(self.joint), result.rate(self.joint)
+        if isinstance(self.voltage, str):
+            rows = zip(result.t.tolist(), angle.tolist(), rate.tolist(), strict=True)
+            voltage = np.array(
+                [_plain(stage(self.voltage, {"t": t, "angle": q, "rate": u})) for t, q, u in rows]
+            )
+        else:
+            voltage = np.full(len(result.t), known.get(f"{label}.voltage", self.voltage))
+        k, resistance = (_plain(value) for value in winding(constants))
+        current = (voltage - k * ratio * rate) / resistance
+        torque = ratio * k * current
+        return MotorBooks(voltage, current, torque, voltage * current, torque * rate, resistance * current**2)
+
+    @property
+    def _given(self) -> tuple[str, ...]:
+        return _LINE if self.stall_torque is not None else _WINDING
+
+    def _voltage(self, loads: Loads, hinge: Hinge, label: str) -> Scalar:
+        if isinstance(self.voltage, str):
+            return stage(self.voltage, {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate})
+        return loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the motor")
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no motor is called for"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "LinearMotor":
+        """From a scene file: a mapping of the fields above."""
+        return record(cls, value, where)
+
+
+def winding(constants: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+    """k, N·m/A, and R, Ω, of the motor's own data: of the line (three numbers) or of the winding (two)."""
+    if len(constants) == len(_WINDING):
+        return constants[0], constants[1]
+    stall, speed, nominal = constants
+    k = nominal / speed
+    return k, k * nominal / stall
+
+
+def _plain(value: Scalar) -> float:
+    """What is made of plain numbers is a plain number."""
+    assert not isinstance(value, Value)
+    return float(value)
+
+
+def _label(joint: str, taken: Sequence[str]) -> str:
+    """What the motor's parameters begin with; a second motor on the same joint is number 2."""
+    label = f"{joint}.motor"
+    count = sum(name.startswith(f"{label}.") and name.endswith(".gear_ratio") for name in taken)
+    return f"{label}.{count + 1}" if count else label
+
+
+def _above_zero(value: object, what: str) -> float:
+    number = checked_number(value, what)
+    if number <= 0.0:
+        raise DesignError(
+            f"{what} is {number:g}; it must be above 0 (a negative voltage or gear_ratio turns the other way)"
+        )
+    return number
+
+
+def _check(text: str, what: str) -> None:
+    """Stages the expression on throw-away symbols, so that an error comes when the record is made."""
+    store = Store()
+    names = (("t", Space.TIME), ("angle", Space.ANGLE), ("rate", Space.RATE))
+    try:
+        stage(text, {name: store.symbol(name, space, 0) for name, space in names})
+    except ExpressionError as error:
+        raise ExpressionError(f"the voltage {what}: {error.message}") from error

@@ -140,9 +140,9 @@ _BOARDS_AND_ADHESIVES = (
         G23=0.099e9,
         name="paperboard",
         source=(
-            "R. W. Mann, G. A. Baum and C. C. Habeger, Tappi 63(2), 1980: carton stock, 1 along the machine's direction, "
-            "by ultrasound, so stiffer than under slow loads; their 0.15 is taken as nu21, with which G12 is "
-            "sqrt(E1 E2) / 2 (1 + sqrt(nu12 nu21)), as it is for other papers"
+            "R. W. Mann, G. A. Baum and C. C. Habeger, Tappi 63(2), 1980: carton stock, 1 along the machine's "
+            "direction, by ultrasound, so stiffer than under slow loads; their 0.15 is taken as nu21, with which G12 "
+            "is sqrt(E1 E2) / 2 (1 + sqrt(nu12 nu21)), as it is for other papers"
         ),
     ),
     Material.isotropic(

@@ -5,12 +5,17 @@ In: words. Out: a call of one function in `lamc.commands`, and its exit code: 0,
 quick.
 """
 
+from typing import TYPE_CHECKING
+
 import click
 
 from lamc._version import __version__
-from lamc.commands.options import SETTINGS, Cli, compiler, design, effects, folder, speaking
+from lamc.commands.options import SETTINGS, Cli, compiler, design, folder, speaking, staged
 from lamc.commands.plate_options import plate
 from lamc.commands.terminal import Terminal
+
+if TYPE_CHECKING:
+    from lamc.commands.inputs import SceneChanges
 
 
 @click.group(cls=Cli, context_settings=SETTINGS, invoke_without_command=True)
@@ -38,7 +43,9 @@ def main(context: click.Context) -> None:
 
 @main.command()
 @design
-@click.option("--t-end", type=float, default=10.0, metavar="SECONDS", help="End of the run.")
+@click.option(
+    "--t-end", type=float, metavar="SECONDS", help="End of the run.  [default: the scene's duration, else 10]"
+)
 @click.option(
     "--points",
     type=int,
@@ -57,21 +64,9 @@ def main(context: click.Context) -> None:
     "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
 )
 @click.option(
-    "--angle", "angles", metavar="HINGE=ANGLE", multiple=True, help="Initial angle: 0.3 (rad) or '20 deg'."
-)
-@click.option(
-    "--rate", "rates", metavar="HINGE=RATE", multiple=True, help="Initial rate: 1.5 (rad/s) or '90 deg/s'."
-)
-@click.option(
-    "--branch",
-    type=int,
-    metavar="N",
-    help="Way out of a singular start: 1, 2, ...; -1 the same the other way.",
-)
-@click.option(
     "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
 )
-@effects
+@staged()
 @compiler
 @click.option("--no-animation", is_flag=True, help="Make no film.")
 @folder
@@ -79,18 +74,14 @@ def main(context: click.Context) -> None:
 def run(
     file: str | None,
     example: str | None,
-    t_end: float,
+    changes: "SceneChanges",
+    t_end: float | None,
     points: int | None,
     rtol: float,
     atol: float,
     integrator: str,
     max_steps: int,
-    angles: tuple[str, ...],
-    rates: tuple[str, ...],
-    branch: int | None,
     settings: tuple[str, ...],
-    with_: tuple[str, ...],
-    without: tuple[str, ...],
     cc: str | None,
     fast: bool,
     no_animation: bool,
@@ -107,12 +98,13 @@ def run(
       lamc run pendulum.cad
       lamc run flaps.yaml --t-end 2 --angle left='20 deg' --set left.stiffness=0.002
       lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
+      lamc run pendulum.yaml --scene driven
+      lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
     """
-    from lamc.commands.inputs import SceneChanges, Source
+    from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
 
-    changes = SceneChanges(with_, without, angles, rates, branch)
     order = RunOrder(
         source=Source(file, example, cc, fast),
         changes=changes,
@@ -131,7 +123,7 @@ def run(
 
 @main.command()
 @design
-@effects
+@staged(start=False)
 @click.option("--equations", is_flag=True, help="Write the equations too: equations.txt and equations.tex.")
 @click.option(
     "--out",
@@ -143,8 +135,7 @@ def run(
 def build(
     file: str | None,
     example: str | None,
-    with_: tuple[str, ...],
-    without: tuple[str, ...],
+    changes: "SceneChanges",
     equations: bool,
     out: str | None,
     terminal: Terminal,
@@ -159,16 +150,14 @@ def build(
       lamc build pendulum.cad --equations
     """
     from lamc.commands.build import build as work
-    from lamc.commands.inputs import SceneChanges, Source
+    from lamc.commands.inputs import Source
 
-    return work(
-        Source(file, example), SceneChanges(with_, without), out, equations=equations, terminal=terminal
-    )
+    return work(Source(file, example), changes, out, equations=equations, terminal=terminal)
 
 
 @main.command()
 @design
-@effects
+@staged()
 @compiler
 @click.option("--states", type=int, default=20, metavar="N", help="Random states to compare at.")
 @click.option("--t-end", type=float, default=1.0, metavar="SECONDS", help="End of the run that is compared.")
@@ -176,8 +165,7 @@ def build(
 def check(
     file: str | None,
     example: str | None,
-    with_: tuple[str, ...],
-    without: tuple[str, ...],
+    changes: "SceneChanges",
     cc: str | None,
     fast: bool,
     states: int,
@@ -193,9 +181,9 @@ def check(
       lamc check pendulum.cad
     """
     from lamc.commands.check import check as work
-    from lamc.commands.inputs import SceneChanges, Source
+    from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast), SceneChanges(with_, without), states, t_end, terminal)
+    return work(Source(file, example, cc, fast), changes, states, t_end, terminal)
 
 
 @main.command()
@@ -242,15 +230,14 @@ def split(
 
 @main.command()
 @design
-@effects
+@staged()
 @compiler
 @folder
 @speaking
 def bench(
     file: str | None,
     example: str | None,
-    with_: tuple[str, ...],
-    without: tuple[str, ...],
+    changes: "SceneChanges",
     cc: str | None,
     fast: bool,
     out: str | None,
@@ -266,9 +253,9 @@ def bench(
       lamc bench pendulum.cad
     """
     from lamc.commands.bench import bench as work
-    from lamc.commands.inputs import SceneChanges, Source
+    from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast), SceneChanges(with_, without), out, terminal)
+    return work(Source(file, example, cc, fast), changes, out, terminal)
 
 
 main.add_command(plate)

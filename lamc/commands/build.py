@@ -16,6 +16,7 @@ from lamc.effects.registry import Choice
 from lamc.errors import LamcError
 from lamc.files import write_text
 from lamc.pipeline import Times, equations_of, sources_of
+from lamc.places import told_at
 from lamc.report.equations_text import equations_tex, equations_txt, listing
 from lamc.report.run_text import duration
 
@@ -39,6 +40,7 @@ class Built:
     equations: "Equations"
     account: tuple[Choice, ...]
     times: Times
+    scenes: tuple[str, ...]  # there are in the design
 
 
 def build(
@@ -51,7 +53,8 @@ def build(
         loaded = load_source(source, times, progress)
         mechanism = mechanism_of(loaded, times, progress)
         scene, account = changed_scene(mechanism, changes)
-        derived = equations_of(mechanism, scene.effects or (), times)
+        with told_at(scene.places):
+            derived = equations_of(mechanism, scene.effects or (), times)
         program, tree = sources_of(derived, times)
         texts = dict(sorted(tree.files.items()))
         if equations:
@@ -63,7 +66,7 @@ def build(
             for name, text in texts.items():
                 write_text(folder / name, text)
             _remove_stale(folder, set(texts))
-    made = Built(folder, tuple(texts), tree, program, derived, account, times)
+    made = Built(folder, tuple(texts), tree, program, derived, account, times, tuple(mechanism.scenes))
     terminal.say(_summary(made))
     terminal.result(_data(made))
     return 0
@@ -120,6 +123,7 @@ def _summary(made: Built) -> str:
         [
             f"folder    {made.folder}",
             *(f"{'files' if k == 0 else '':<10}{name}" for k, name in enumerate(made.files)),
+            *([f"scenes    {', '.join(made.scenes)} (--scene NAME)"] if made.scenes else []),
             f"effects   {', '.join(c.name for c in made.account if c.effect is not None) or 'none'}",
             f"solver    {made.equations.solver}" + (f" (operations: {solvers})" if solvers else ""),
             f"flops     {operations.flops} per right-hand side{per_hinge}: {_count(operations.additions, 'addition')}, "

@@ -9,25 +9,27 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lamc import examples
 from lamc.commands.terminal import Progress
 from lamc.design.inert import compose, plain
 from lamc.design.load import load, load_text
+from lamc.design.load_scene import load_scene
 from lamc.design.records import Design
 from lamc.design.scene_file import make_effect
 from lamc.design.split import split
 from lamc.design.units import ANGLE, ANGLE_RATE, Quantity, to_si
 from lamc.effects.base import Effect
-from lamc.effects.registry import Choice, by_name, choose
+from lamc.effects.registry import ADDED, Choice, by_name, choose
 from lamc.errors import DesignError, LamcError
 from lamc.mechanism.records import Mechanism
 from lamc.options import CompileOptions
 from lamc.pipeline import Times
+from lamc.places import told_at
 from lamc.run.request import did_you_mean
-from lamc.scene import Scene
+from lamc.scene import Scene, is_scene_name
 
 
 @dataclass(frozen=True)
@@ -100,32 +102,67 @@ class SceneChanges:
     angles: Sequence[str] = ()  # JOINT=ANGLE
     rates: Sequence[str] = ()  # JOINT=RATE
     branch: int | None = None
+    scene: str | None = None  # NAME of one of the design's, FILE, or FILE:NAME
+
+
+def called_scene(mechanism: Mechanism, word: str | None) -> Scene:
+    """The scene that --scene names; without it the design's own. Raises DesignError for one that is not there."""
+    if word is None:
+        return mechanism.scene or Scene()
+    if is_scene_name(word):
+        if word in mechanism.scenes:
+            return mechanism.scenes[word]
+        if Path(word).is_file():
+            way_out = f"for the file of that name write --scene ./{word}"
+        elif mechanism.scenes:
+            way_out = did_you_mean(word, list(mechanism.scenes))
+        else:
+            way_out = (
+                "the design has none with a name; name a file of scenes: --scene FILE or --scene FILE:NAME"
+            )
+        raise DesignError(f"--scene: no scene is named {word[:40]!r}; {way_out}")
+    file, _, name = word.rpartition(":")
+    if file and is_scene_name(name) and not Path(word).exists():
+        return load_scene(file, name)
+    return load_scene(word)
 
 
 def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, tuple[Choice, ...]]:
-    """The scene of the run, and the account of its effects: which act, which do not, and why."""
-    scene = mechanism.scene or Scene()
-    account: dict[str, list[Choice]] = {}
-    for choice in choose(mechanism, scene):
-        account.setdefault(choice.name, []).append(choice)
+    """The scene as the options change it, with all its effects listed, and their account: in or out, and why."""
+    scene = called_scene(mechanism, changes.scene)
     for name in changes.without_effects:
         _check_effect(name, "--without")
-        account[name] = [Choice(name, None, "left out by --without")]
-    for text in changes.with_effects:
-        effect = _named_effect(text)
-        if effect.name in changes.without_effects:
-            raise DesignError(f"effect {effect.name!r} is named by --with and by --without; keep one of them")
-        account[effect.name] = [Choice(effect.name, effect, "added by --with")]
-    choices = tuple(choice for name in sorted(account) for choice in account[name])
+    more = tuple(_named_effect(text) for text in changes.with_effects)
+    named = {effect.name for effect in more}
+    for name in sorted(named & set(changes.without_effects)):
+        raise DesignError(f"effect {name!r} is named by --with and by --without; keep one of them")
+    left_out = tuple(dict.fromkeys(changes.without_effects))
+    kept = [e for e in scene.added if e.name not in left_out and (e.name not in named or _is_repeatable(e))]
     joints = [joint.name for joint in mechanism.joints]
-    changed = Scene(
-        effects=tuple(choice.effect for choice in choices if choice.effect is not None),
+    changed = replace(
+        scene,
+        added=(*kept, *more),
+        without=(*(n for n in scene.without if n not in named and n not in left_out), *left_out),
         angles={**scene.angles, **_quantities(changes.angles, "--angle", ANGLE, joints)},
         rates={**scene.rates, **_quantities(changes.rates, "--rate", ANGLE_RATE, joints)},
         branch=scene.branch if changes.branch is None else changes.branch,
-        closure_tolerance=scene.closure_tolerance,
     )
-    return changed, choices
+    with told_at(scene.places):
+        account = tuple(_told_by_options(choice, more, left_out) for choice in choose(mechanism, changed))
+    effects = tuple(choice.effect for choice in account if choice.effect is not None)
+    return replace(changed, effects=effects, added=(), without=()), account
+
+
+def _is_repeatable(effect: Effect) -> bool:
+    return bool(getattr(effect, "repeatable", False))
+
+
+def _told_by_options(choice: Choice, more: Sequence[Effect], left_out: Sequence[str]) -> Choice:
+    """The line of the account says which option it follows from."""
+    if choice.effect is None:
+        return choice._replace(reason="left out by --without") if choice.name in left_out else choice
+    by_option = any(choice.effect is effect for effect in more)
+    return choice._replace(reason=choice.reason.replace(ADDED, "added by --with")) if by_option else choice
 
 
 def _check_effect(name: str, option: str) -> None:

@@ -79,12 +79,75 @@ compiler = together(
     click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
     click.option("--fast", is_flag=True, help="Let the compiler use this machine's own instructions."),
 )
-effects = together(
+_effects = together(
     click.option(
-        "--with", "with_", metavar="EFFECT", multiple=True, help="Add an effect: NAME or NAME=VALUE."
+        "--scene",
+        metavar="SCENE",
+        help="What to simulate: a scene of the design by its NAME, or FILE, or FILE:NAME.",
     ),
-    click.option("--without", metavar="EFFECT", multiple=True, help="Leave an effect out."),
+    click.option(
+        "--with",
+        "with_",
+        metavar="EFFECT",
+        multiple=True,
+        help="Add an effect to the scene: NAME or NAME=VALUE, as in a file of scenes.",
+    ),
+    click.option("--without", metavar="EFFECT", multiple=True, help="Leave an effect of the scene out."),
 )
+_start = together(
+    click.option(
+        "--angle",
+        "angles",
+        metavar="HINGE=ANGLE",
+        multiple=True,
+        help="Initial angle: 0.3 (rad) or '20 deg'.",
+    ),
+    click.option(
+        "--rate",
+        "rates",
+        metavar="HINGE=RATE",
+        multiple=True,
+        help="Initial rate: 1.5 (rad/s) or '90 deg/s'.",
+    ),
+    click.option(
+        "--branch",
+        type=int,
+        metavar="N",
+        help="Way out of a singular start: 1, 2, ...; -1 the same the other way.",
+    ),
+)
+
+
+def staged(*, start: bool = True) -> Callable[[Function], Function]:
+    """Adds the options that name a scene and change it, and hands the function a SceneChanges, `changes`.
+
+    start  False for verbs to which it makes no difference where the mechanism starts
+    """
+
+    def decorate(function: Function) -> Function:
+        @functools.wraps(function)
+        def wrapped(
+            *,
+            scene: str | None,
+            with_: tuple[str, ...],
+            without: tuple[str, ...],
+            angles: tuple[str, ...] = (),
+            rates: tuple[str, ...] = (),
+            branch: int | None = None,
+            **given: Any,
+        ) -> int:
+            from lamc.commands.inputs import SceneChanges  # `--help` need not wait for it
+
+            changes = SceneChanges(with_, without, angles, rates, branch, scene)
+            return int(function(changes=changes, **given))
+
+        options: list[Function] = [_effects, _start] if start else [_effects]
+        decorated: Function = together(*options)(wrapped)
+        return decorated
+
+    return decorate
+
+
 folder = click.option(
     "--out",
     metavar="DIR",

@@ -5,7 +5,7 @@ interrupted or failed.
 """
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ from lamc.report.loops_text import loops_data
 from lamc.report.plots import draw_angles_energy
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.files import write_csv, write_npz
+from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -48,6 +49,7 @@ FILES = (
     "manifest.json",
 )
 
+DEFAULT_DURATION = 10.0  # s
 _FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result, by default
 _LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
 
@@ -59,7 +61,7 @@ class RunOrder:
     source: Source
     changes: SceneChanges
     settings: tuple[str, ...]  # NAME=NUMBER of parameters
-    t_end: float  # s
+    t_end: float | None  # s; None: the scene's duration, or `DEFAULT_DURATION`
     rtol: float
     atol: float
     integrator: str
@@ -79,12 +81,14 @@ def run(order: RunOrder, terminal: Terminal) -> int:
         with output_folder(order.out, loaded.name) as folder:
             mechanism = mechanism_of(loaded, times, progress)
             scene, account = changed_scene(mechanism, order.changes)
+            if order.t_end is None:
+                order = replace(order, t_end=scene.duration or DEFAULT_DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
             _check_points(order.points, len(simulator.joints))
             parameters = parameters_of(order.settings, simulator.parameters)
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
-            report = _report(loaded, simulator, result, account, times)
+            report = _report(loaded, simulator, result, account, times, order.changes.scene)
             files, interrupted = _write_all(order, report, folder, times, progress)
     terminal.say(summary(report, folder, files))
     terminal.result(_data(report) | {"folder": str(folder), "files": files})
@@ -121,6 +125,7 @@ def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bo
 def _simulate(
     order: RunOrder, simulator: Simulator, parameters: dict[str, float], progress: Progress
 ) -> Result:
+    assert order.t_end is not None
     points = default_rows(order.t_end, len(simulator.joints)) if order.points is None else order.points
     spread = points and np.isfinite(order.t_end) and order.t_end > 0.0
     return simulator.run(
@@ -144,7 +149,12 @@ def default_rows(t_end: float, joints: int) -> int:
 
 
 def _report(
-    loaded: Loaded, simulator: Simulator, result: Result, account: tuple[Choice, ...], times: Times
+    loaded: Loaded,
+    simulator: Simulator,
+    result: Result,
+    account: tuple[Choice, ...],
+    times: Times,
+    scene: str | None,
 ) -> RunReport:
     conservative = all(c.name in result.energies for c in account if c.effect is not None)
     return RunReport(
@@ -155,6 +165,7 @@ def _report(
         account=account,
         times=times,
         drift=energy_drift(result) if conservative else None,
+        scene=scene,
     )
 
 
@@ -217,6 +228,13 @@ def _data(report: RunReport) -> dict[str, Any]:
         "joints": list(simulator.joints),
         "freedoms": simulator.loops.freedoms,
         "loops": loops_data(simulator.loops, simulator.branches),
+        "scene": report.scene,
+        "scenes": list(mechanism.scenes),
+        "outputs": [
+            {"name": each.name, "unit": each.unit, "end": float(each.values[-1])}
+            for each in outputs_of(result, simulator.scene)
+            if len(each.values)
+        ],
         "effects": [{"name": c.name, "in": c.effect is not None, "why": c.reason} for c in report.account],
         "angles": dict(simulator.scene.angles),
         "rates": dict(simulator.scene.rates),

@@ -196,6 +196,8 @@ class _Reader:
         places += [(("rates", name), path) for name, (_, path) in said.rates.items()]
         places += [(("without", name), path) for name, path in said.without.items()]
         places += [((name,), path) for name, (_, path) in said.single.items()]
+        outputs, path = said.single.get("outputs", ((), ()))
+        places += [(("outputs", name), (*path, index)) for index, name in enumerate(outputs)]
         known = tuple((key, problems.place(path)) for key, path in places)
         single = {name: value for name, (value, _) in said.single.items()}
         return problems.attempt(

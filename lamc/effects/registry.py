@@ -33,6 +33,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
 
 
 MOST_CLAIMS_TOLD = 3
+ADDED = "added by the scene"
 
 
 class Choice(NamedTuple):
@@ -85,7 +86,7 @@ def _changed(choices: list[Choice], scene: Scene) -> list[Choice]:
     for effect in scene.added:
         kept = getattr(effect, "repeatable", False)
         choices = [c for c in choices if c.name != effect.name or (kept and c.effect is not None)]
-        choices.append(Choice(effect.name, effect, "added by the scene"))
+        choices.append(Choice(effect.name, effect, ADDED))
     for name in scene.without:
         if not any(choice.name == name for choice in choices):
             known = sorted({choice.name for choice in choices})

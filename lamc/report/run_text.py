@@ -15,6 +15,7 @@ from lamc.mechanism.limits import outside_limits
 from lamc.pipeline import Times
 from lamc.report.loops_text import branch_lines, loops_line
 from lamc.report.plan_view import shortened
+from lamc.run.outputs import outputs_of
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
@@ -28,6 +29,7 @@ class RunReport:
 
     account  every effect, in or out, and why
     drift    largest change of the energy, J; None where something may dissipate or drive
+    scene    what the scene was called on the command line; None: the design's own
     """
 
     source: str
@@ -37,6 +39,7 @@ class RunReport:
     account: tuple[Choice, ...]
     times: Times
     drift: float | None
+    scene: str | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -68,6 +71,7 @@ def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     """The whole summary, a labelled line for each matter."""
     rows = [("device", _device(report))]
     rows += _loops(report)
+    rows += _scene(report)
     rows += _effects(report.account)
     rows += [("note", note) for note in report.notes]
     rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_happenings(report.result)]
@@ -103,6 +107,21 @@ def _loops(report: RunReport) -> list[tuple[str, str]]:
     """What the loops come to, and the branches of a singular start."""
     line = loops_line(report.simulator.loops)
     return [("loops", text) for text in ([line] if line else []) + branch_lines(report.simulator.branches)]
+
+
+def _scene(report: RunReport) -> list[tuple[str, str]]:
+    """Which scene it is, where the design has several; and what its outputs came to, where it names them."""
+    simulator, result = report.simulator, report.result
+    others = [name for name in simulator.mechanism.scenes if name != report.scene]
+    more = f"; also there: {names(others)} (--scene NAME)" if others else ""
+    if report.scene is None:
+        rows = [("scene", f"the design's own{more}")] if others else []
+    else:
+        rows = [("scene", f"{report.scene}{more}")]
+    if simulator.scene.outputs is not None and len(result.t):
+        ends = (f"{o.name} {o.values[-1]:.6g} {o.unit}" for o in outputs_of(result, simulator.scene))
+        rows.append(("outputs", f"at {duration(float(result.t[-1]))}: {', '.join(ends)}"))
+    return rows
 
 
 def _count(number: int, one: str, many: str) -> str:

@@ -26,6 +26,7 @@ def split_text(mechanism: Mechanism, notes: Sequence[str] = ()) -> str:
         f"{short_name(mechanism.name)}: {bodies}, {joints}",
         body_table(mechanism),
         joint_table(mechanism),
+        f"scenes: {', '.join(mechanism.scenes)}" if mechanism.scenes else "",
         *(f"note: {note}" for note in notes),
     ]
     return "\n\n".join(part for part in parts if part)
@@ -76,6 +77,7 @@ def split_data(mechanism: Mechanism, notes: Sequence[str] = ()) -> dict[str, obj
     """The same as plain data for JSON: SI units, angles in radians, full precision."""
     return {
         "name": mechanism.name,
+        "scenes": list(mechanism.scenes),
         "bodies": [
             {
                 "name": body.name,

@@ -28,6 +28,7 @@ from lamc.run import integrators
 from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
 from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
+from lamc.run.outputs import check_outputs
 from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, checked_request
 from lamc.run.result import Event, Provenance, Result, RunStats
@@ -74,6 +75,7 @@ class Simulator(Unchanging):
         self._loops = loops
         self._model = Model(module)
         check_names(scene, self.joints + self.cut_joints)
+        check_outputs(scene, self.joints + self.cut_joints, self.bodies)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
@@ -108,9 +110,10 @@ class Simulator(Unchanging):
             start = self._starter.state(self.scene)
         else:
             if self.scene.branch is not None:
-                raise DesignError(
-                    f"branch is {self.scene.branch}, and a mechanism without loops has none; leave it out"
-                )
+                with told_at(self.scene.places), about(("branch",)):
+                    raise DesignError(
+                        f"branch is {self.scene.branch}, and a mechanism without loops has none; leave it out"
+                    )
             start = drawn_start(self.scene, self.joints)
         start.flags.writeable = False
         self._check_start(start, self.mechanism)

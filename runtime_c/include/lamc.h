@@ -4,7 +4,8 @@
  * Out:   rows of states in buffers of the caller, and a lamc_status.
  * Never: allocates, prints, keeps global state, or runs without a bound on its work.
  *
- * Units are SI and radians throughout. A state is y = [q, u]: joint angles (rad), then joint rates (rad/s).
+ * Units are SI and radians throughout. A state is y = [q, u]: coordinates (nq,), then rates (nu,). Joint angles (rad) and
+ * joint rates (rad/s) come first among them, and in most mechanisms are all there is: dq/dt = u then.
  * Matrices are row-major. Arrays carry their shape in the comment beside them.
  *
  * The text between the two `lamc: declarations` lines is plain C without preprocessor (but for
@@ -41,55 +42,70 @@ const char *lamc_status_message(lamc_status status);
 /* ---- A compiled mechanism. Generated C fills it; it never changes. ---------------------------------------- */
 
 typedef struct lamc_model {
-  const char *name;                   /* of the mechanism */
-  const char *digest;                 /* of the program that the C was printed from, hexadecimal */
-  double size;                        /* m, length scale: closure is judged relative to it */
-  int joint_count;                    /* n: joints that are coordinates */
-  int cut_count;                      /* joints that close loops; 0: a tree */
-  int closure_count;                  /* m: equations that hold the loops, redundant ones included */
-  int rank;                           /* of the closure at a generic position: no more equations are taken */
-  double tolerance;                   /* m: gap that loops may keep where their equations disagree; 0: none */
-  int body_count;                     /* moving bodies */
-  int parameter_count;                /* numbers that can change without recompiling */
-  int constant_count;                 /* numbers that depend on parameters only */
-  int energy_count;                   /* kinetic first, then one for each effect that stores energy */
-  int guard_count;                    /* conditions whose passing of zero is an event */
-  const char *const *joint_names;     /* (joint_count,), UTF-8 */
-  const char *const *cut_names;       /* (cut_count,), UTF-8 */
-  const char *const *body_names;      /* (body_count,), UTF-8 */
-  const char *const *parameter_names; /* (parameter_count,), UTF-8 */
-  const char *const *parameter_units; /* (parameter_count,), UTF-8 */
-  const char *const *energy_names;    /* (energy_count,), UTF-8 */
-  const char *const *guard_names;     /* (guard_count,), UTF-8 */
-  const double *parameter_defaults;   /* (parameter_count,), in parameter_units */
+  const char *name;               /* of the mechanism */
+  const char *digest;             /* of the program that the C was printed from, hexadecimal */
+  double size;                    /* m, length scale: closure is judged relative to it */
+  int joint_count;                /* joints that are coordinates; the first ones */
+  int coordinate_count;           /* nq: joints, and what effects add, such as the pose of a free base */
+  int rate_count;                 /* nu <= nq; fewer where a quaternion is among the coordinates */
+  int cut_count;                  /* joints that close loops; 0: a tree */
+  int closure_count;              /* m: equations that hold the loops, redundant ones included */
+  int rank;                       /* of the closure at a generic position: no more equations are taken */
+  double tolerance;               /* m: gap that loops may keep where their equations disagree; 0: none */
+  int body_count;                 /* moving bodies */
+  int parameter_count;            /* numbers that can change without recompiling */
+  int constant_count;             /* numbers that depend on parameters only */
+  int energy_count;               /* kinetic first, then one for each effect that stores energy */
+  int guard_count;                /* conditions whose passing of zero is an event */
+  int power_count;                /* effects whose power is told; 0: none */
+  const char *const *joint_names; /* (joint_count,), UTF-8 */
+  const char *const *coordinate_names; /* (nq,), UTF-8 */
+  const char *const *coordinate_units; /* (nq,), UTF-8; NULL: all rad */
+  const char *const *rate_names;       /* (nu,), UTF-8 */
+  const char *const *rate_units;       /* (nu,), UTF-8; NULL: all rad/s */
+  const char *const *cut_names;        /* (cut_count,), UTF-8 */
+  const char *const *body_names;       /* (body_count,), UTF-8 */
+  const char *const *parameter_names;  /* (parameter_count,), UTF-8 */
+  const char *const *parameter_units;  /* (parameter_count,), UTF-8 */
+  const char *const *energy_names;     /* (energy_count,), UTF-8 */
+  const char *const *guard_names;      /* (guard_count,), UTF-8 */
+  const char *const *power_names;      /* (power_count,), UTF-8 */
+  const double *parameter_defaults;    /* (parameter_count,), in parameter_units */
   const int *guard_modes; /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
   double jacobian_cost;   /* operations of jacobian over those of an acceleration */
   /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
   void (*setup)(const double *parameters, double *constants);
-  /* A tree: t s, q (n,) rad, u (n,) rad/s -> udot (n,) rad/s^2. NULL with loops, which have the four after it. */
+  /* q, u -> dq/dt (nq,), linear in u. NULL: dq/dt = u */
+  void (*rates)(const double *constants, const double *q, const double *u, double *qdot);
+  /* t s, q (nq,), u (nu,) -> udot (nu,). NULL with loops, which have the four after it, and where the runtime solves
+   * M udot = f from system. */
   void (*acceleration)(const double *constants, double t, const double *q, const double *u, double *udot);
-  /* -> M lower triangle by rows (n (n + 1) / 2) kg m^2, f (n,) N m of M udot = f without the loops */
+  /* -> M lower triangle by rows (nu (nu + 1) / 2), f (nu,) of M udot = f without the loops */
   void (*system)(const double *constants, double t, const double *q, const double *u, double *system);
-  /* -> phi (m,) m, J (m, n) m/rad */
+  /* -> phi (m,) m, J (m, nu) m per unit of a rate times s: dphi/dt = J u */
   void (*closure)(const double *constants, const double *q, double *closure);
-  /* -> what system gives, then J (m, n) m/rad, gamma (m,) m/s^2 of J udot + gamma = 0: all that an acceleration needs */
+  /* -> what system gives, then J (m, nu), gamma (m,) m/s^2 of J udot + gamma = 0: all that an acceleration needs */
   void (*dynamics)(const double *constants, double t, const double *q, const double *u, double *dynamics);
   /* -> angles (cut_count,) rad within -pi .. pi, rates (cut_count,) rad/s */
   void (*cuts)(const double *constants, const double *q, const double *u, double *cuts);
   /* -> energies (energy_count,) J */
   void (*energy)(const double *constants, double t, const double *q, const double *u, double *energies);
-  /* q -> poses (body_count, 12): centre of mass (3) m, rotation (3, 3) row-major, both in world axes */
-  void (*poses)(const double *constants, const double *q, double *poses);
-  /* A tree: -> M lower triangle by rows (n (n + 1) / 2) kg m^2. NULL where nothing below needs it. */
+  /* t, q -> poses (body_count, 12): centre of mass (3) m, rotation (3, 3) row-major, both in world axes */
+  void (*poses)(const double *constants, double t, const double *q, double *poses);
+  /* With acceleration: -> M lower triangle by rows (nu (nu + 1) / 2). NULL where nothing below needs it. */
   void (*inertia)(const double *constants, const double *q, double *inertia);
-  /* At udot, and lambda (m,) N of M udot = f + J^T lambda, -> (n + m, 2 n + 1) derivatives by q, u and t of the residuals
-   * M udot - f - J^T lambda (n,) and J udot + gamma (m,). NULL: not worked out, differences are taken instead. */
+  /* At udot, and lambda (m,) N of M udot = f + J^T lambda, -> (nu + m, nq + nu + 1) derivatives by q, u and t of the residuals
+   * M udot - f - J^T lambda (nu,) and J udot + gamma (m,); then, if there is rates, (nq, nq + nu) of dq/dt by q and u.
+   * NULL: not worked out, differences are taken instead. */
   void (*jacobian)(const double *constants, double t, const double *q, const double *u, const double *udot,
                    const double *lambda, double *jacobian);
-  /* -> guards (guard_count,) rad, negative where nothing happens, then their rates (guard_count,) rad/s */
+  /* -> guards (guard_count,) rad or m, negative where nothing happens, then their rates (guard_count,) */
   void (*guards)(const double *constants, double t, const double *q, const double *u, double *guards);
-  /* -> restitutions (guard_count,), then derivatives of the guards by q (guard_count, n) */
+  /* -> restitutions (guard_count,), then derivatives of the guards' rates by u (guard_count, nu) */
   void (*impacts)(const double *constants, double t, const double *q, double *impacts);
+  /* At udot -> power (power_count,) W of all loads that each effect applies */
+  void (*power)(const double *constants, double t, const double *q, const double *u, const double *udot,
+                double *power);
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use
@@ -102,33 +118,37 @@ typedef struct lamc_motion {
       baumgarte; /* 1/s, rate at which loops that drifted close again; 0: states are brought back instead */
 } lamc_motion;
 
-/* Doubles that `work` must hold; 0 for a tree without guards. */
+/* Doubles that `work` must hold; 0 for a tree with acceleration and without guards and power. */
 long long lamc_motion_work_size(const lamc_model *model);
 
 /* Brings y = [q, u] of a motion with loops back to closure, by the smallest move in the mass metric: positions first,
- * rates then. *moved is the largest move of an angle, rad. LAMC_CLOSURE_LOST where no near position closes. */
+ * rates then. *moved is the largest move. LAMC_CLOSURE_LOST where no near position closes. */
 lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved);
 
-/* Row by row: -> phi (count, m) m and J (count, m, n) m/rad, one after the other in each row */
+/* Row by row: -> phi (count, m) m and J (count, m, nu), one after the other in each row */
 lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y,
                                  double *closures);
 /* -> angles (cut_count,) rad and rates (cut_count,) rad/s of the cut joints in each row */
 lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts);
 
-/* Row by row over states y (count, 2 n) at times t (count,); LAMC_BAD_ARGUMENT for NULL or count < 0. */
-/* -> udot (count, n), rad/s^2 */
+/* Row by row over states y (count, nq + nu) at times t (count,); LAMC_BAD_ARGUMENT for NULL or count < 0. */
+/* -> udot (count, nu) */
 lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const double *t,
                                       const double *y, double *udot);
 /* -> energies (count, energy_count), J */
 lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const double *t, const double *y,
                                  double *energies);
 /* -> poses (count, body_count, 12) */
-lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *y, double *poses);
+lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *t, const double *y,
+                              double *poses);
+/* -> powers (count, power_count), W */
+lamc_status lamc_motion_powers(const lamc_motion *motion, long long count, const double *t, const double *y,
+                               double *powers);
 
 /* Doubles of scratch for the function below */
 long long lamc_motion_jacobian_scratch(const lamc_model *model);
-/* One state y = [q, u] at t: -> d(udot)/dq (n, n) 1/s^2, d(udot)/du (n, n) 1/s, d(udot)/dt (n,) rad/s^3; analytic where the
- * model brings them, else by differences */
+/* One state y = [q, u] at t: -> d(udot)/dq (nu, nq), d(udot)/du (nu, nu), d(udot)/dt (nu,); analytic where the model
+ * brings them, else by differences */
 lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const double *y, double *by_q,
                                  double *by_u, double *by_t, double *scratch);
 
@@ -146,12 +166,16 @@ typedef struct lamc_ode {
   lamc_status (*judge)(const void *context);
   /* How many evaluations of rhs so far are not to be relied on between the ends of a step. NULL: all are. */
   long long (*doubts)(const void *context);
-  /* Implicit methods need y = [q, u] with dq/dt = u, k = n / 2, and of udot at a state: its derivatives by q (k, k), by
+  int coordinate_count; /* y = [q, u], of which q are so many; 0: half of them */
+  /* Implicit methods need one of two. Where dq/dt = u, k = n / 2: of udot at a state its derivatives by q (k, k), by
    * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size doubles. */
   void (*jacobian)(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,
                    double *scratch);
-  long long scratch_size;
-  double jacobian_cost; /* of one call, in evaluations of rhs */
+  /* Any equation: derivatives of dy/dt by y (n, n) and by t (n,); at more than twice the price */
+  void (*full_jacobian)(const void *context, double t, const double *y, double *by_y, double *by_t,
+                        double *scratch);
+  long long scratch_size; /* of the one that there is */
+  double jacobian_cost;   /* of one call, in evaluations of rhs */
   /* Events: guards (guard_count,) that pass from negative to positive, and their rates (guard_count,), 1/s */
   int guard_count;
   void (*guards)(const void *context, double t, const double *y, double *guards);
@@ -159,10 +183,18 @@ typedef struct lamc_ode {
   void (*sense)(const void *context, double t, const double *y);
   /* Guard `guard` has reached zero at (t, y): changes y, or what rhs and guards stand for from here on */
   lamc_status (*event)(const void *context, double t, double *y, int guard);
+  /* Integrals along the run, zero at its start, of integrands (integral_count,): as accurate as the states within steps,
+   * and without influence on the steps. Each step takes the integrands at 3 to 7 states. */
+  int integral_count; /* 0: none, and the two may be NULL */
+  void (*integrands)(const void *context, double t, const double *y, double *values);
+  /* Adds to the integrals what an event does that changes y from `before` to `after` */
+  void (*jump)(const void *context, double t, const double *before, const double *after, double *integrals);
 } lamc_ode;
 
-/* The motion as an equation in y = [q, u], n = 2 joint_count; `motion` must outlive it. With guards a run changes the
- * motion's constants: one run at a time. */
+/* The motion as an equation in y = [q, u], n = nq + nu; `motion` must outlive it. With guards a run changes the
+ * motion's constants: one run at a time. A model that tells powers has their integrals, the work of each effect, J, and
+ * after them what impacts added to the kinetic energy: power_count + 1. A caller who does not want them sets
+ * integral_count to 0. */
 lamc_ode lamc_motion_ode(const lamc_motion *motion);
 
 typedef struct lamc_options {
@@ -183,6 +215,7 @@ typedef struct lamc_rows {
   int *event_guard;         /* (event_capacity,): which guard */
   long long event_capacity; /* >= 0 */
   long long event_count;    /* events written so far */
+  double *integrals;        /* (capacity, integral_count); NULL: they are not written */
 } lamc_rows;
 
 typedef enum lamc_method {
@@ -241,6 +274,7 @@ typedef struct lamc_run {
   int switch_method[LAMC_SWITCHES_KEPT]; /* lamc_method switched to */
   lamc_watch watch;
   double *guards;     /* guards and their rates where the run stands, then room to find events */
+  double *integrals;  /* (integral_count,) where the run stands, then what tells them within the last step */
   double t_event;     /* s, of the last event */
   double event_gap;   /* s, between the last two events */
   int event_streak;   /* events in a row, each sooner after the last than that one before */

@@ -197,5 +197,6 @@ static double eigenvalue(const lamc_run *run) {
 /* PI control with 0.05 of the last error: a third of the refusals that the code DOP853 without it has, for the same work
  * (measured: four-bar, five-bar, origami) */
 const method lamc_method_dop853 = {
-    OWN_SLOTS, 12, 0.1, 0.05, 6.0, 0, 0, 3.0, NULL, attempt, make_dense, interpolate, eigenvalue,
+    OWN_SLOTS,     12,   0.1,     0.05,       6.0,         0,          0, 3.0,
+    &lamc_gauss_7, NULL, attempt, make_dense, interpolate, eigenvalue,
 };

@@ -7,6 +7,8 @@
  * Newton's method: the state at the event is as accurate as the method, not as its interpolation. */
 #include "events.h"
 
+#include "integrals.h"
+
 enum { MAX_HALVINGS = 80, MAX_CORRECTIONS = 4, LONG_STREAK = 10 };
 
 static const double TOO_CLOSE = 1e-10; /* of the time of the run: events nearer to each other pile up */
@@ -164,12 +166,16 @@ static lamc_status keep_count(lamc_run *run, int guard) {
 }
 
 lamc_status lamc_events_after_step(lamc_run *run) {
-  if (run->ode.guard_count == 0) return LAMC_OK;
+  if (run->ode.guard_count == 0) {
+    lamc_integrals_step(run);
+    return LAMC_OK;
+  }
   const room r = room_of(run);
   run->ode.guards(run->ode.context, run->t, y_here(run), r.there);
   const int first = find_first(run, &r);
   if (first < 0) {
     memcpy(r.here, r.there, 2 * (size_t)r.k * sizeof *r.here);
+    lamc_integrals_step(run);
     return LAMC_OK;
   }
   const double together = r.when[first] + 64.0 * DBL_EPSILON * larger(fabs(run->t), run->h_last);
@@ -180,6 +186,8 @@ lamc_status lamc_events_after_step(lamc_run *run) {
     double *y = r.y;
     (void)lamc_run_interpolate(run, 0.5 * (run->t_old + run->t), y);
   }
+  lamc_integrals_step(run);
+  lamc_integrals_before(run);
   for (int g = 0; g < r.k; g++) {
     if (g != first && !(r.when[g] >= 0.0 && r.when[g] <= together)) continue;
     status = run->ode.event(run->ode.context, run->t, y_here(run), g);
@@ -187,6 +195,7 @@ lamc_status lamc_events_after_step(lamc_run *run) {
     status = keep_count(run, g);
     if (status != LAMC_OK) return status;
   }
+  lamc_integrals_after(run);
   run->ode.guards(run->ode.context, run->t, y_here(run), r.here);
   evaluate(run, run->t, y_here(run), slope_here(run));
   run->row_due = run->t_eval == NULL;

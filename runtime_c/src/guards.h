@@ -16,7 +16,4 @@ lamc_status lamc_guards_event(const void *motion, double t, double *y, int guard
 /* Doubles of work that they need beyond the loops' */
 long long lamc_guards_work(const lamc_model *model);
 
-/* Of motion.c: the part of the work that is theirs. */
-double *lamc_motion_guard_work(const lamc_motion *motion);
-
 #endif /* LAMC_GUARDS_H */

@@ -1,19 +1,26 @@
-/* implicit.c, of lamc: (c I - J) v = r with the Jacobian J of y = [q, u], dq/dt = u.
+/* implicit.c, of lamc: (c I - J) v = r with the Jacobian J of an equation, c real or complex.
  *
- * J = [0 I; A B], so with v = [x; w] and r = [a; b] the system is (c^2 I - c B - A) x = b + (c I - B) a and w = c x - a:
- * one of half the size, an eighth of the work. */
+ * Where y = [q, u] with dq/dt = u, J = [0 I; A B], so with v = [x; w] and r = [a; b] the system is
+ * (c^2 I - c B - A) x = b + (c I - B) a and w = c x - a: one of half the size, an eighth of the work. Any other equation
+ * is taken as it is. */
 #include "implicit.h"
 
+static int has_structure(const lamc_ode *ode) {
+  return ode->full_jacobian == NULL;
+}
+
 long long lamc_implicit_size(const lamc_ode *ode) {
-  const long long k = ode->n / 2;
-  if (ode->jacobian == NULL || ode->n % 2 != 0) return 0;
+  if (ode->full_jacobian == NULL && (ode->jacobian == NULL || ode->n % 2 != 0)) return 0;
+  const long long k = has_structure(ode) ? ode->n / 2 : ode->n;
   return 1 + 2 * k * k + k + (k * k + k) + (2 * k * k + k) + 2 * k +
          ode->scratch_size; /* 1: also where nothing moves */
 }
 
 implicit lamc_implicit_parts(const lamc_run *run, int slots) {
   implicit p;
-  p.k = run->ode.n / 2;
+  p.has_structure = has_structure(&run->ode);
+  p.k = p.has_structure ? run->ode.n / 2 : run->ode.n;
+  p.late = run->ode.n - p.k;
   const size_t k = (size_t)p.k;
   p.by_q = slot(run, SLOT_OWN + slots);
   p.by_u = p.by_q + k * k;
@@ -28,26 +35,26 @@ implicit lamc_implicit_parts(const lamc_run *run, int slots) {
 }
 
 void lamc_implicit_jacobian(lamc_run *run, const implicit *parts) {
+  const lamc_ode *ode = &run->ode;
   if (run->has_jacobian) return;
-  run->ode.jacobian(run->ode.context, run->t, y_here(run), parts->by_q, parts->by_u, parts->by_t,
-                    parts->scratch);
+  if (parts->has_structure) {
+    ode->jacobian(ode->context, run->t, y_here(run), parts->by_q, parts->by_u, parts->by_t, parts->scratch);
+  } else {
+    ode->full_jacobian(ode->context, run->t, y_here(run), parts->by_q, parts->by_t, parts->scratch);
+  }
   run->has_jacobian = 1;
   run->jacobians++;
 }
 
 /* ---- Real shift -------------------------------------------------------------------------------------------- */
 
-int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c) {
-  const int k = parts->k;
-  double *w = parts->real;
-  run->factorisations++;
-  for (int i = 0; i < k * k; i++) w[i] = -c * parts->by_u[i] - parts->by_q[i];
-  for (int i = 0; i < k; i++) w[i * k + i] += c * c;
+/* Factors of w (k, k) in place, with partial pivoting. 0 if it is singular or not finite. */
+static int factorise(int k, double *w, double *from) {
   for (int j = 0; j < k; j++) {
     int best = j;
     for (int i = j + 1; i < k; i++)
       if (fabs(w[i * k + j]) > fabs(w[best * k + j])) best = i;
-    parts->real_row[j] = best;
+    from[j] = best;
     for (int i = 0; i < k && best != j; i++) {
       const double keep = w[j * k + i];
       w[j * k + i] = w[best * k + i];
@@ -63,16 +70,10 @@ int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c) {
   return 1;
 }
 
-void lamc_implicit_solve(const implicit *parts, double c, double *v) {
-  const int k = parts->k;
-  const double *w = parts->real;
-  double *x = parts->buffer, *a = v, *b = v + k;
-  for (int i = 0; i < k; i++) {
-    x[i] = b[i] + c * a[i];
-    for (int j = 0; j < k; j++) x[i] -= parts->by_u[i * k + j] * a[j];
-  }
+/* x = w^-1 x with those factors */
+static void solve(int k, const double *w, const double *from, double *x) {
   for (int j = 0; j < k; j++) {
-    const int row = (int)parts->real_row[j];
+    const int row = (int)from[j];
     const double keep = x[row];
     x[row] = x[j];
     x[j] = keep;
@@ -83,6 +84,34 @@ void lamc_implicit_solve(const implicit *parts, double c, double *v) {
     for (int j = i + 1; j < k; j++) x[i] -= w[i * k + j] * x[j];
     x[i] /= w[i * k + i];
   }
+}
+
+int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c) {
+  const int k = parts->k;
+  double *w = parts->real;
+  run->factorisations++;
+  if (parts->has_structure) {
+    for (int i = 0; i < k * k; i++) w[i] = -c * parts->by_u[i] - parts->by_q[i];
+    for (int i = 0; i < k; i++) w[i * k + i] += c * c;
+  } else {
+    for (int i = 0; i < k * k; i++) w[i] = -parts->by_q[i];
+    for (int i = 0; i < k; i++) w[i * k + i] += c;
+  }
+  return factorise(k, w, parts->real_row);
+}
+
+void lamc_implicit_solve(const implicit *parts, double c, double *v) {
+  const int k = parts->k;
+  double *x = parts->buffer, *a = v, *b = v + k;
+  if (!parts->has_structure) {
+    solve(k, parts->real, parts->real_row, v);
+    return;
+  }
+  for (int i = 0; i < k; i++) {
+    x[i] = b[i] + c * a[i];
+    for (int j = 0; j < k; j++) x[i] -= parts->by_u[i * k + j] * a[j];
+  }
+  solve(k, parts->real, parts->real_row, x);
   for (int i = 0; i < k; i++) {
     b[i] = c * x[i] - a[i];
     a[i] = x[i];
@@ -127,23 +156,12 @@ static void swap_pairs(double *a, double *b) {
   }
 }
 
-int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const double *c) {
-  const int k = parts->k;
-  double *w = parts->pair;
-  run->factorisations++;
-  for (int i = 0; i < k * k; i++) {
-    w[2 * i] = -c[0] * parts->by_u[i] - parts->by_q[i];
-    w[2 * i + 1] = -c[1] * parts->by_u[i];
-  }
-  for (int i = 0; i < k; i++) {
-    w[2 * (i * k + i)] += c[0] * c[0] - c[1] * c[1];
-    w[2 * (i * k + i) + 1] += 2.0 * c[0] * c[1];
-  }
+static int factorise_pairs(int k, double *w, double *from) {
   for (int j = 0; j < k; j++) {
     int best = j;
     for (int i = j + 1; i < k; i++)
       if (squared_size(w + 2 * (i * k + j)) > squared_size(w + 2 * (best * k + j))) best = i;
-    parts->pair_row[j] = best;
+    from[j] = best;
     for (int i = 0; i < k && best != j; i++) swap_pairs(w + 2 * (j * k + i), w + 2 * (best * k + i));
     const double *pivot = w + 2 * (j * k + j);
     const double size = squared_size(pivot);
@@ -157,29 +175,60 @@ int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const dou
   return 1;
 }
 
-void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re, double *im) {
-  const int k = parts->k;
-  const double *w = parts->pair;
-  double *x = parts->buffer;
-  for (int i = 0; i < k; i++) {
-    x[2 * i] = re[k + i] + c[0] * re[i] - c[1] * im[i];
-    x[2 * i + 1] = im[k + i] + c[0] * im[i] + c[1] * re[i];
-    for (int j = 0; j < k; j++) {
-      x[2 * i] -= parts->by_u[i * k + j] * re[j];
-      x[2 * i + 1] -= parts->by_u[i * k + j] * im[j];
-    }
-  }
-  for (int j = 0; j < k; j++) swap_pairs(x + 2 * j, x + 2 * (int)parts->pair_row[j]);
+static void solve_pairs(int k, const double *w, const double *from, double *x) {
+  for (int j = 0; j < k; j++) swap_pairs(x + 2 * j, x + 2 * (int)from[j]);
   for (int i = 0; i < k; i++)
     for (int j = 0; j < i; j++) take_off(x + 2 * i, w + 2 * (i * k + j), x + 2 * j);
   for (int i = k - 1; i >= 0; i--) {
     for (int j = i + 1; j < k; j++) take_off(x + 2 * i, w + 2 * (i * k + j), x + 2 * j);
     divide(x + 2 * i, w + 2 * (i * k + i));
   }
+}
+
+int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const double *c) {
+  const int k = parts->k;
+  double *w = parts->pair;
+  run->factorisations++;
+  if (parts->has_structure) {
+    for (int i = 0; i < k * k; i++) {
+      w[2 * i] = -c[0] * parts->by_u[i] - parts->by_q[i];
+      w[2 * i + 1] = -c[1] * parts->by_u[i];
+    }
+    for (int i = 0; i < k; i++) {
+      w[2 * (i * k + i)] += c[0] * c[0] - c[1] * c[1];
+      w[2 * (i * k + i) + 1] += 2.0 * c[0] * c[1];
+    }
+  } else {
+    for (int i = 0; i < k * k; i++) {
+      w[2 * i] = -parts->by_q[i];
+      w[2 * i + 1] = 0.0;
+    }
+    for (int i = 0; i < k; i++) {
+      w[2 * (i * k + i)] += c[0];
+      w[2 * (i * k + i) + 1] += c[1];
+    }
+  }
+  return factorise_pairs(k, w, parts->pair_row);
+}
+
+void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re, double *im) {
+  const int k = parts->k;
+  double *x = parts->buffer;
+  for (int i = 0; i < k; i++) {
+    x[2 * i] = parts->has_structure ? re[k + i] + c[0] * re[i] - c[1] * im[i] : re[i];
+    x[2 * i + 1] = parts->has_structure ? im[k + i] + c[0] * im[i] + c[1] * re[i] : im[i];
+    for (int j = 0; j < k && parts->has_structure; j++) {
+      x[2 * i] -= parts->by_u[i * k + j] * re[j];
+      x[2 * i + 1] -= parts->by_u[i * k + j] * im[j];
+    }
+  }
+  solve_pairs(k, parts->pair, parts->pair_row, x);
   for (int i = 0; i < k; i++) {
     const double *z = x + 2 * i;
-    re[k + i] = c[0] * z[0] - c[1] * z[1] - re[i];
-    im[k + i] = c[0] * z[1] + c[1] * z[0] - im[i];
+    if (parts->has_structure) {
+      re[k + i] = c[0] * z[0] - c[1] * z[1] - re[i];
+      im[k + i] = c[0] * z[1] + c[1] * z[0] - im[i];
+    }
     re[i] = z[0];
     im[i] = z[1];
   }

@@ -1,15 +1,17 @@
-/* implicit.h, of lamc: the linear algebra of implicit methods on y = [q, u] with dq/dt = u. */
+/* implicit.h, of lamc: the linear algebra of implicit methods, of half the size where y = [q, u] with dq/dt = u. */
 #ifndef LAMC_IMPLICIT_H
 #define LAMC_IMPLICIT_H
 
 #include "method.h"
 
-/* What an implicit method keeps behind its vectors; k = n / 2 */
+/* What an implicit method keeps behind its vectors; k = n / 2 where dq/dt = u, else n */
 typedef struct implicit {
+  int has_structure; /* 1: dq/dt = u */
   int k;
-  double *by_q;     /* (k, k): d(udot)/dq */
-  double *by_u;     /* (k, k): d(udot)/du */
-  double *by_t;     /* (k,): d(udot)/dt */
+  int late;         /* n - k: the first component that by_t is about */
+  double *by_q;     /* (k, k): d(udot)/dq; without structure, of dy/dt by y */
+  double *by_u;     /* (k, k): d(udot)/du; without structure nothing */
+  double *by_t;     /* (k,): of the last k components of dy/dt by t */
   double *real;     /* (k, k): factors for a real shift */
   double *real_row; /* (k,): the row that each pivot came from */
   double *pair;     /* (k, k, 2): factors for a complex shift */
@@ -18,7 +20,7 @@ typedef struct implicit {
   double *scratch;  /* of ode.jacobian */
 } implicit;
 
-/* Doubles that it takes; 0 where the equation is not of that form */
+/* Doubles that it takes; 0 where the equation has no Jacobian */
 long long lamc_implicit_size(const lamc_ode *ode);
 
 /* The parts, behind `slots` vectors of the method's own */
@@ -30,10 +32,10 @@ void lamc_implicit_jacobian(lamc_run *run, const implicit *parts);
 /* Factors of c I - J. 0 if it is singular or not finite. */
 int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c);
 
-/* v = (c I - J)^-1 v, v (2 k,) */
+/* v = (c I - J)^-1 v, v (n,) */
 void lamc_implicit_solve(const implicit *parts, double c, double *v);
 
-/* The same for a complex shift c[0] + i c[1]; v = re + i im, (2 k,) each */
+/* The same for a complex shift c[0] + i c[1]; v = re + i im, (n,) each */
 int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const double *c);
 void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re, double *im);
 

@@ -8,8 +8,12 @@
 long long lamc_linearise_scratch(const lamc_model *model);
 double lamc_linearise_cost(const lamc_motion *motion);
 
-/* d(udot)/dq (n, n), d(udot)/du (n, n), d(udot)/dt (n,) at y = [q, u]: lamc_ode.jacobian of a motion */
+/* d(udot)/dq (nu, nq), d(udot)/du (nu, nu), d(udot)/dt (nu,) at y = [q, u]: lamc_ode.jacobian of a motion with dq/dt = u */
 void lamc_linearise(const void *motion, double t, const double *y, double *by_q, double *by_u, double *by_t,
                     double *scratch);
+
+/* Derivatives of dy/dt by y and by t: lamc_ode.full_jacobian of other motions */
+void lamc_linearise_fully(const void *motion, double t, const double *y, double *by_y, double *by_t,
+                          double *scratch);
 
 #endif /* LAMC_LINEARISE_H */

@@ -11,6 +11,7 @@
 #include "loops.h"
 
 #include "cholesky.h"
+#include "motion.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -29,7 +30,8 @@ static const double LONG_SINGULAR = 3000.0; /* steps in a row: a passage takes s
 
 /* The parts of the work array */
 typedef struct parts {
-  int n, m;
+  int n, m;      /* rates, equations */
+  int nq;        /* coordinates */
   double *l;     /* (n, n): Cholesky factor, lower */
   double *f;     /* (n,) */
   double *j;     /* (m, n) */
@@ -39,9 +41,10 @@ typedef struct parts {
   double *g; /* (m,) */
   double *order; /* (m,): the equation that direction k was taken from, a whole number */
   double *x;     /* (n,) */
-  double *y;     /* (2 n,): a settled copy of a state */
+  double *qdot;  /* (nq,) */
+  double *y;     /* (nq + n,): a settled copy of a state */
   double *
-      state; /* (3,): equations taken when a state was last settled, steps in a row with too few, accelerations
+      state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations
                     with too few */
   double *raw; /* what the model writes: the largest of its functions */
 } parts;
@@ -53,17 +56,18 @@ static long long raw_size(long long n, long long m) {
 }
 
 long long lamc_loops_work(const lamc_model *model) {
-  const long long n = model->joint_count;
+  const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + 2 * n + 3 + raw_size(n, m);
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT + raw_size(n, m);
 }
 
 static parts parts_of(const lamc_motion *motion) {
   parts p;
-  p.n = motion->model->joint_count;
+  p.n = motion->model->rate_count;
+  p.nq = motion->model->coordinate_count;
   p.m = motion->model->closure_count;
-  const size_t n = (size_t)p.n;
+  const size_t n = (size_t)p.n, nq = (size_t)p.nq;
   const size_t m = (size_t)p.m;
   p.l = motion->work;
   p.f = p.l + n * n;
@@ -74,9 +78,10 @@ static parts parts_of(const lamc_motion *motion) {
   p.g = p.r + m * m;
   p.order = p.g + m;
   p.x = p.order + m;
-  p.y = p.x + n;
-  p.state = p.y + 2 * n;
-  p.raw = p.state + 3;
+  p.qdot = p.x + n;
+  p.y = p.qdot + nq;
+  p.state = p.y + nq + n;
+  p.raw = p.state + LAMC_LOOPS_KEPT;
   return p;
 }
 
@@ -227,10 +232,10 @@ int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q
     /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last
      * pivot that is an acceleration out of nothing. On closure it is none. */
     double moved = 0.0;
-    memcpy(p.y, q, (size_t)p.n * sizeof *q);
-    memcpy(p.y + p.n, u, (size_t)p.n * sizeof *u);
+    memcpy(p.y, q, (size_t)p.nq * sizeof *q);
+    memcpy(p.y + p.nq, u, (size_t)p.n * sizeof *u);
     if (lamc_motion_settle(motion, t, p.y, &moved) == LAMC_OK) {
-      count = prepare(motion, &p, t, p.y, p.y + p.n);
+      count = prepare(motion, &p, t, p.y, p.y + p.nq);
     }
   }
   if (count < motion->model->rank) p.state[2] += 1.0;
@@ -286,7 +291,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   const lamc_model *model = motion->model;
   const parts p = parts_of(motion);
   double *q = y;
-  double *u = y + p.n;
+  double *u = y + p.nq;
   *moved = 0.0;
   if (model->cut_count == 0) return LAMC_OK;
   evaluate_system(motion, &p, t, q, u);
@@ -299,7 +304,8 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
     impose(&p, count, p.extra, p.x);
     lamc_solve_upper(p.n, p.l, p.x);
-    for (int i = 0; i < p.n; i++) q[i] += p.x[i];
+    lamc_motion_rates(motion, q, p.x, p.qdot);
+    for (int i = 0; i < p.nq; i++) q[i] += p.qdot[i];
     *moved += largest(p.n, p.x);
     evaluate_closure(motion, &p, q);
     count = take_equations(motion, &p);
@@ -325,6 +331,16 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   }
   p.state[0] = count;
   return LAMC_OK;
+}
+
+void lamc_loops_keep(const lamc_motion *motion, double *kept) {
+  const parts p = parts_of(motion);
+  memcpy(kept, p.state, LAMC_LOOPS_KEPT * sizeof *kept);
+}
+
+void lamc_loops_put_back(const lamc_motion *motion, const double *kept) {
+  const parts p = parts_of(motion);
+  memcpy(p.state, kept, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_begin(const lamc_motion *motion) {

@@ -7,12 +7,17 @@
 /* Doubles of work that loops need; 0 for a tree */
 long long lamc_loops_work(const lamc_model *model);
 
-/* udot (n,) of a motion with loops, and lambda (m,) of M udot = f + J^T lambda unless NULL; how many equations count */
+/* udot (nu,) of a motion with loops, and lambda (m,) of M udot = f + J^T lambda unless NULL; how many equations count */
 int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
                             double *udot, double *lambda);
 
-/* After an acceleration, at the same place: x (n,) replaced by the solution of M x = x_before + J^T ..., J x + goal = 0 */
+/* After an acceleration, at the same place: x (nu,) replaced by the solution of M x = x_before + J^T ..., J x + goal = 0 */
 void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x);
+
+/* What loops.c counts along a run, for what is evaluated beside the run to leave no trace in it */
+enum { LAMC_LOOPS_KEPT = 3 };
+void lamc_loops_keep(const lamc_motion *motion, double *kept);
+void lamc_loops_put_back(const lamc_motion *motion, const double *kept);
 
 /* Before a run: no step was taken yet. */
 void lamc_loops_begin(const lamc_motion *motion);
@@ -23,7 +28,7 @@ lamc_status lamc_loops_judge(const void *motion);
 /* How many accelerations were worked out without all equations: lamc_ode.doubts of a motion with loops */
 long long lamc_loops_doubts(const void *motion);
 
-/* u after an impact on a guard with this gradient (n,), 1: its rate is reversed times the restitution, all loops hold */
+/* u after an impact on a guard with this gradient (nu,), 1: its rate is reversed times the restitution, all loops hold */
 void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
                        const double *gradient, double restitution);
 

@@ -30,6 +30,15 @@ enum {
   SLOT_OWN = 7    /* the first of the method's own */
 };
 
+/* A quadrature over a step: nodes as parts of the step, and weights. It is exact for polynomials of degree
+ * 2 (count - 1) at least. */
+typedef struct rule {
+  int count;
+  const double *node, *weight;
+} rule;
+
+extern const rule lamc_gauss_4, lamc_gauss_7;
+
 typedef struct method {
   int slots;            /* vectors of its own */
   int evaluations;      /* of rhs in one step, for comparisons */
@@ -38,6 +47,8 @@ typedef struct method {
   int gives_slope;      /* 1: a step leaves dy/dt at the new state */
   int keeps_dense;      /* 1: the next step starts from the continuous extension of this one */
   double stable_extent; /* h times eigenvalue up to which steps are stable, imaginary ones too; 0: any */
+  const rule
+      *quadrature; /* for integrals along the run: as many nodes as the continuous extension has orders */
   /* doubles of its own after the vectors */
   long long (*extra)(const lamc_ode *ode);
   /* Tries a step of length h from t and leaves the new state at the other side. The square of the error norm: at most 1
@@ -50,6 +61,9 @@ typedef struct method {
   /* Size of the eigenvalues that the step just accepted met, 1/s; NULL: the method does not care */
   double (*eigenvalue)(const lamc_run *run);
 } method;
+
+/* Of run.c: the method by its number */
+const method *lamc_method_of(int which);
 
 extern const method lamc_method_rk45, lamc_method_dop853, lamc_method_rodas5p, lamc_method_radau5;
 
@@ -100,6 +114,11 @@ static inline void evaluate(lamc_run *run, double t, const double *y, double *dy
   run->evaluations++;
 }
 
+/* How many of the components of y = [q, u] are q */
+static inline int coordinates_of(const lamc_ode *ode) {
+  return ode->coordinate_count > 0 ? ode->coordinate_count : ode->n / 2;
+}
+
 /* Sum over the components of (v / tolerance)^2, the tolerance by the larger end of the step */
 static inline double weighed(const lamc_run *run, const double *v) {
   const double *y = y_here(run), *y_new = y_there(run);
@@ -119,18 +138,20 @@ static inline int all_finite(const lamc_run *run, const double *v) {
   return is_finite(sum);
 }
 
-/* Size of the eigenvalues that two near states and their slopes tell of, 1/s, for y = [q, u] with dq/dt = u. In the
- * metric in which a mode of frequency w turns at a steady pace, w^2 is |change of udot| over |change of q|. Where the
- * change of q drowns in round-off, as under heavy damping, |change of udot| over |change of u| tells. */
+/* Size of the eigenvalues that two near states and their slopes tell of, 1/s, for y = [q, u] where dq/dt is u, or like it
+ * in size. In the metric in which a mode of frequency w turns at a steady pace, w^2 is |change of udot| over |change of q|.
+ * Where the change of q drowns in round-off, as under heavy damping, |change of udot| over |change of u| tells. */
 static inline double steepness(const lamc_run *run, const double *fa, const double *fb, const double *a,
                                const double *b) {
-  const int half = run->ode.n / 2;
+  const int nq = coordinates_of(&run->ode);
   double accelerations = 0.0, rates = 0.0, angles = 0.0, size = 0.0;
-  for (int i = 0; i < half; i++) {
-    accelerations += (fa[half + i] - fb[half + i]) * (fa[half + i] - fb[half + i]);
-    rates += (a[half + i] - b[half + i]) * (a[half + i] - b[half + i]);
+  for (int i = 0; i < nq; i++) {
     angles += (a[i] - b[i]) * (a[i] - b[i]);
     size += a[i] * a[i];
+  }
+  for (int i = nq; i < run->ode.n; i++) {
+    accelerations += (fa[i] - fb[i]) * (fa[i] - fb[i]);
+    rates += (a[i] - b[i]) * (a[i] - b[i]);
   }
   const double noise = 16.0 * DBL_EPSILON;
   if (angles > noise * noise * size) return sqrt(sqrt(accelerations / angles));

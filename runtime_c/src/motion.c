@@ -1,31 +1,42 @@
 /* motion.c: a compiled model as rows of states and as a differential equation.
  *
- * In: a lamc_motion and states y = [q, u]. Out: accelerations, energies, poses. Never changes the motion. */
-#include "lamc.h"
+ * In: a lamc_motion and states y = [q, u]. Out: accelerations, energies, powers, poses. Never changes the motion. */
+#include "motion.h"
 
 #include "guards.h"
 #include "linearise.h"
 #include "loops.h"
+#include "powers.h"
+#include "system.h"
 
 #include <stddef.h>
 #include <string.h>
 
-/* udot of a tree, or under the closure of loops */
-static void accelerate(const lamc_motion *motion, double t, const double *q, const double *u, double *udot) {
-  if (motion->model->cut_count == 0) {
+void lamc_motion_accelerate(const lamc_motion *motion, double t, const double *q, const double *u,
+                            double *udot) {
+  if (motion->model->acceleration != NULL) {
     motion->model->acceleration(motion->constants, t, q, u, udot);
+  } else if (lamc_is_system(motion->model)) {
+    lamc_system_acceleration(motion, t, q, u, udot);
   } else {
     (void)lamc_loops_acceleration(motion, t, q, u, udot, NULL);
   }
 }
 
-/* dy/dt of y = [q, u] is [u, udot] */
+void lamc_motion_rates(const lamc_motion *motion, const double *q, const double *u, double *qdot) {
+  if (motion->model->rates != NULL) {
+    motion->model->rates(motion->constants, q, u, qdot);
+  } else {
+    for (int i = 0; i < motion->model->rate_count; i++) qdot[i] = u[i];
+  }
+}
+
+/* dy/dt of y = [q, u] */
 static void motion_rhs(const void *context, double t, const double *y, double *dydt) {
   const lamc_motion *motion = (const lamc_motion *)context;
-  const int n = motion->model->joint_count;
-  const double *u = y + n;
-  for (int i = 0; i < n; i++) dydt[i] = u[i];
-  accelerate(motion, t, y, u, dydt + n);
+  const int nq = motion->model->coordinate_count;
+  lamc_motion_rates(motion, y, y + nq, dydt);
+  lamc_motion_accelerate(motion, t, y, y + nq, dydt + nq);
 }
 
 static lamc_status motion_settle(const void *context, double t, double *y, double *moved) {
@@ -36,7 +47,8 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   const lamc_model *model = motion->model;
   lamc_ode ode;
   memset(&ode, 0, sizeof ode);
-  ode.n = 2 * model->joint_count;
+  ode.n = model->coordinate_count + model->rate_count;
+  ode.coordinate_count = model->coordinate_count;
   ode.rhs = motion_rhs;
   ode.context = motion;
   if (model->cut_count > 0 && motion->baumgarte == 0.0) {
@@ -44,23 +56,36 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
     ode.judge = lamc_loops_judge;
     ode.doubts = lamc_loops_doubts;
   }
-  ode.jacobian = lamc_linearise;
+  if (model->rates == NULL) {
+    ode.jacobian = lamc_linearise;
+  } else {
+    ode.full_jacobian = lamc_linearise_fully;
+  }
   ode.scratch_size = lamc_linearise_scratch(model);
   ode.jacobian_cost = lamc_linearise_cost(motion);
   ode.guard_count = model->guard_count;
   ode.guards = lamc_guards_values;
   ode.sense = lamc_guards_sense;
   ode.event = lamc_guards_event;
+  if (model->power != NULL) {
+    ode.integral_count = model->power_count + 1;
+    ode.integrands = lamc_powers_integrands;
+    ode.jump = lamc_powers_jump;
+  }
   if (model->cut_count > 0) lamc_loops_begin(motion);
   return ode;
 }
 
 long long lamc_motion_work_size(const lamc_model *model) {
-  return lamc_loops_work(model) + lamc_guards_work(model);
+  return lamc_loops_work(model) + lamc_system_work(model) + lamc_guards_work(model) + lamc_powers_work(model);
 }
 
 double *lamc_motion_guard_work(const lamc_motion *motion) {
-  return motion->work + lamc_loops_work(motion->model);
+  return motion->work + lamc_loops_work(motion->model) + lamc_system_work(motion->model);
+}
+
+double *lamc_motion_power_work(const lamc_motion *motion) {
+  return lamc_motion_guard_work(motion) + lamc_guards_work(motion->model);
 }
 
 /* Before something is evaluated at a state outside a run: the modes of the guards there */
@@ -74,15 +99,18 @@ static int is_usable(const lamc_motion *motion, long long count, const double *i
          out != NULL;
 }
 
+static int state_size(const lamc_model *model) {
+  return model->coordinate_count + model->rate_count;
+}
+
 lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const double *t,
                                       const double *y, double *udot) {
   if (!is_usable(motion, count, y, udot) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
-  const int n = model->joint_count;
   for (long long row = 0; row < count; row++) {
-    const double *q = y + 2 * n * row;
+    const double *q = y + state_size(model) * row;
     sense(motion, t[row], q);
-    accelerate(motion, t[row], q, q + n, udot + n * row);
+    lamc_motion_accelerate(motion, t[row], q, q + model->coordinate_count, udot + model->rate_count * row);
   }
   return LAMC_OK;
 }
@@ -91,11 +119,23 @@ lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, con
                                  double *energies) {
   if (!is_usable(motion, count, y, energies) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
-  const int n = model->joint_count;
   for (long long row = 0; row < count; row++) {
-    const double *q = y + 2 * n * row;
+    const double *q = y + state_size(model) * row;
     sense(motion, t[row], q);
-    model->energy(motion->constants, t[row], q, q + n, energies + model->energy_count * row);
+    model->energy(motion->constants, t[row], q, q + model->coordinate_count,
+                  energies + model->energy_count * row);
+  }
+  return LAMC_OK;
+}
+
+lamc_status lamc_motion_powers(const lamc_motion *motion, long long count, const double *t, const double *y,
+                               double *powers) {
+  if (!is_usable(motion, count, y, powers) || t == NULL) return LAMC_BAD_ARGUMENT;
+  const lamc_model *model = motion->model;
+  for (long long row = 0; row < count && model->power != NULL; row++) {
+    const double *q = y + state_size(model) * row;
+    sense(motion, t[row], q);
+    lamc_powers(motion, t[row], q, powers + model->power_count * row);
   }
   return LAMC_OK;
 }
@@ -113,11 +153,13 @@ lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const doub
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *y, double *poses) {
-  if (!is_usable(motion, count, y, poses)) return LAMC_BAD_ARGUMENT;
+lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *t, const double *y,
+                              double *poses) {
+  if (!is_usable(motion, count, y, poses) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count; row++) {
-    model->poses(motion->constants, y + 2 * model->joint_count * row, poses + 12 * model->body_count * row);
+    model->poses(motion->constants, t[row], y + state_size(model) * row,
+                 poses + 12 * model->body_count * row);
   }
   return LAMC_OK;
 }
@@ -126,10 +168,9 @@ lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, con
                                  double *closures) {
   if (!is_usable(motion, count, y, closures)) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
-  const int n = model->joint_count;
-  const long long width = (long long)model->closure_count * (n + 1);
+  const long long width = (long long)model->closure_count * (model->rate_count + 1);
   for (long long row = 0; row < count && model->cut_count > 0; row++) {
-    model->closure(motion->constants, y + 2 * n * row, closures + width * row);
+    model->closure(motion->constants, y + state_size(model) * row, closures + width * row);
   }
   return LAMC_OK;
 }
@@ -137,10 +178,9 @@ lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, con
 lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts) {
   if (!is_usable(motion, count, y, cuts)) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
-  const int n = model->joint_count;
   for (long long row = 0; row < count && model->cut_count > 0; row++) {
-    const double *q = y + 2 * n * row;
-    model->cuts(motion->constants, q, q + n, cuts + 2 * model->cut_count * row);
+    const double *q = y + state_size(model) * row;
+    model->cuts(motion->constants, q, q + model->coordinate_count, cuts + 2 * model->cut_count * row);
   }
   return LAMC_OK;
 }

@@ -160,6 +160,11 @@ static void interpolate(const lamc_run *run, double a, double *y) {
   for (int i = 0; i < run->ode.n; i++) y[i] = old[i] + a * (d1[i] + a * (d2[i] + a * d3[i]));
 }
 
+/* Integrals along a step from the stages, where the polynomial is of order 5 and nowhere else: the last row of A */
+static const double WEIGHT[3] = {0.37640306270046725, 0.5124858261884216, 0.1111111111111111};
+static const rule RADAU_3 = {3, NODE, WEIGHT};
+
 const method lamc_method_radau5 = {
-    OWN_SLOTS, 14, 0.25, 0.0, 8.0, 0, 1, 0.0, lamc_implicit_size, attempt, make_dense, interpolate, NULL,
+    OWN_SLOTS,          14,      0.25,       0.0,         8.0,  0, 1, 0.0, &RADAU_3,
+    lamc_implicit_size, attempt, make_dense, interpolate, NULL,
 };

@@ -155,6 +155,6 @@ static double eigenvalue(const lamc_run *run) {
 }
 
 const method lamc_method_rk45 = {
-    OWN_SLOTS, 6,    0.2 - 0.04 * 0.75, 0.04,       10.0,        1,          0,
-    1.0,       NULL, attempt,           make_dense, interpolate, eigenvalue,
+    OWN_SLOTS,     6,    0.2 - 0.04 * 0.75, 0.04,       10.0,        1,          0, 1.0,
+    &lamc_gauss_4, NULL, attempt,           make_dense, interpolate, eigenvalue,
 };

@@ -69,7 +69,7 @@ static void combine(const lamc_run *run, const double *weights, int count, doubl
 }
 
 static double attempt(lamc_run *run, double h) {
-  const int n = run->ode.n, half = n / 2;
+  const int n = run->ode.n;
   const implicit parts = lamc_implicit_parts(run, OWN_SLOTS);
   const double shift = 1.0 / (h * GAMMA);
   const double *y = y_here(run);
@@ -92,7 +92,7 @@ static double attempt(lamc_run *run, double h) {
     }
     combine(run, C[s], s, sum);
     for (int i = 0; i < n; i++) k[i] = slope[i] + sum[i] / h;
-    for (int i = 0; i < half; i++) k[half + i] += h * SHIFT[s] * parts.by_t[i];
+    for (int i = 0; i < parts.k; i++) k[parts.late + i] += h * SHIFT[s] * parts.by_t[i];
     lamc_implicit_solve(&parts, shift, k);
   }
   const double *error = slot(run, SLOT_K + STAGES - 1);
@@ -116,5 +116,6 @@ static void interpolate(const lamc_run *run, double a, double *y) {
 }
 
 const method lamc_method_rodas5p = {
-    OWN_SLOTS, STAGES, 0.2, 0.0, 6.0, 0, 0, 0.0, lamc_implicit_size, attempt, make_dense, interpolate, NULL,
+    OWN_SLOTS,          STAGES,  0.2,        0.0,         6.0,  0, 0, 0.0, &lamc_gauss_4,
+    lamc_implicit_size, attempt, make_dense, interpolate, NULL,
 };

@@ -4,6 +4,7 @@
 #include "rows.h"
 
 #include "events.h"
+#include "integrals.h"
 #include "watch.h"
 
 /* Room for the next row: its y, with its t set; NULL when the rows are full */
@@ -76,6 +77,12 @@ static lamc_status row_between(lamc_run *run, double t, double *y) {
   return run->ode.settle == NULL ? LAMC_OK : run->ode.settle(run->ode.context, t, y, &moved);
 }
 
+/* Integrals of the row just begun, if they are wanted */
+static void write_integrals(const lamc_run *run, const lamc_rows *rows, double t) {
+  const int k = run->ode.integral_count;
+  if (k > 0 && rows->integrals != NULL) lamc_integrals_at(run, t, rows->integrals + (rows->count - 1) * k);
+}
+
 /* Writes the rows that are due at or before t. LAMC_OK, or LAMC_OUTPUT_FULL where some remain. */
 lamc_status lamc_rows_write(lamc_run *run, lamc_rows *rows) {
   const int n = run->ode.n;
@@ -85,12 +92,14 @@ lamc_status lamc_rows_write(lamc_run *run, lamc_rows *rows) {
     double *y = next_row(rows, n, run->t);
     if (y == NULL) return LAMC_OUTPUT_FULL;
     memcpy(y, lamc_run_state(run), (size_t)n * sizeof *y);
+    write_integrals(run, rows, run->t);
     run->row_due = 0;
   }
   while (run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] <= run->t) {
     const double t = run->t_eval[run->t_eval_next];
     double *y = next_row(rows, n, t);
     if (y == NULL) return LAMC_OUTPUT_FULL;
+    write_integrals(run, rows, t);
     if (t == run->t) {
       memcpy(y, lamc_run_state(run), (size_t)n * sizeof *y);
     } else {

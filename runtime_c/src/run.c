@@ -10,6 +10,7 @@
  * CVODE and solve_ivp. The largest component instead was measured on pendulum chains of 1, 3 and 6 links: 6, 14 and
  * 24 % more steps for half the energy drift, which a smaller tolerance buys at the same price. */
 #include "events.h"
+#include "integrals.h"
 #include "rows.h"
 #include "watch.h"
 
@@ -41,8 +42,8 @@ static long long size_for(const lamc_ode *ode, const method *m) {
   return (long long)(SLOT_OWN + m->slots) * padded(ode->n) + extra;
 }
 
-/* Doubles before the guards */
-static long long size_before_guards(const lamc_ode *ode, lamc_method which) {
+/* Doubles before those of events and integrals */
+static long long size_of_methods(const lamc_ode *ode, lamc_method which) {
   if (which != LAMC_AUTO) return size_for(ode, METHODS[which]);
   long long most = 0;
   for (int i = LAMC_RK45; i <= LAMC_RADAU5; i++) {
@@ -55,8 +56,9 @@ static long long size_before_guards(const lamc_ode *ode, lamc_method which) {
 long long lamc_run_work_size(const lamc_ode *ode, lamc_method which) {
   if (ode == NULL || (int)which < LAMC_AUTO || (int)which > LAMC_RADAU5) return 0;
   if (ode->n < 0 || ode->n > INT_MAX / 64 - LANES || ode->guard_count < 0 || ode->scratch_size < 0) return 0;
-  const long long size = size_before_guards(ode, which);
-  return size == 0 ? 0 : size + lamc_events_size(ode);
+  if (ode->coordinate_count < 0 || ode->coordinate_count > ode->n || ode->integral_count < 0) return 0;
+  const long long size = size_of_methods(ode, which);
+  return size == 0 ? 0 : size + lamc_events_size(ode) + lamc_integrals_size(ode);
 }
 
 const double *lamc_run_state(const lamc_run *run) {
@@ -165,8 +167,8 @@ static lamc_status try_step(lamc_run *run) {
   }
   if (taken != LAMC_OK) return taken;
   accept(run, m, h, log_error);
-  lamc_status status = lamc_events_after_step(run);
-  if (status == LAMC_OK && run->ode.judge != NULL) status = run->ode.judge(run->ode.context);
+  lamc_status status = run->ode.judge == NULL ? LAMC_OK : run->ode.judge(run->ode.context);
+  if (status == LAMC_OK) status = lamc_events_after_step(run);
   if (status == LAMC_OK && run->watch.is_auto) lamc_watch_step(run);
   return status;
 }
@@ -210,8 +212,9 @@ static double largest(int n, const double *v) {
  * be stepped over but not grown out of: at steps near their period they are resolved and keep the step there. Where it is
  * too long, a few refusals shorten it. The motion within the step stays small: 0.1 rad by rates, 0.01 by accelerations. */
 static double long_step(const lamc_run *run, double longest) {
-  const int half = run->ode.n / 2;
-  const double rate = largest(half, slope_here(run)), acceleration = largest(half, slope_here(run) + half);
+  const int nq = coordinates_of(&run->ode);
+  const double rate = largest(nq, slope_here(run));
+  const double acceleration = largest(run->ode.n - nq, slope_here(run) + nq);
   double h = 0.01 * longest;
   if (rate > 0.0) h = smaller(h, 0.1 / rate);
   if (acceleration > 0.0) h = smaller(h, sqrt(0.02 / acceleration));
@@ -275,6 +278,7 @@ lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method which
   if (ode == NULL || ode->rhs == NULL || options == NULL || y0 == NULL || work == NULL) return run->status;
   const long long size = lamc_run_work_size(ode, which);
   if (size == 0 || (ode->guard_count > 0 && (ode->guards == NULL || ode->event == NULL))) return run->status;
+  if (ode->integral_count > 0 && ode->integrands == NULL) return run->status;
   if (!is_valid(options) || !is_finite(t0) || !is_finite(t_end) || t_end < t0) return run->status;
   if (t_eval_count < 0 || (t_eval != NULL && !ascends(t_eval, t_eval_count, t0, t_end))) return run->status;
 
@@ -297,7 +301,9 @@ lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method which
 
   run->status = LAMC_NOT_FINITE;
   if (!all_finite(run, y0)) return run->status;
-  lamc_events_start(run, work + size - lamc_events_size(ode));
+  double *ends = work + size - lamc_integrals_size(ode);
+  lamc_integrals_start(run, ends);
+  lamc_events_start(run, ends - lamc_events_size(ode));
   evaluate(run, t0, y_here(run), slope_here(run));
   if (!all_finite(run, slope_here(run))) return run->status;
   const double longest = smaller(t_end - t0, run->options.max_step);

@@ -10,6 +10,7 @@
 #include "watch.h"
 
 #include "events.h"
+#include "implicit.h"
 
 enum {
   ENOUGH_SUSPICION = 20,
@@ -34,7 +35,7 @@ static int explicit_choice(const lamc_run *run) {
 }
 
 static int can_be_implicit(const lamc_run *run) {
-  return run->ode.jacobian != NULL && run->ode.n > 0 && run->ode.n % 2 == 0;
+  return run->ode.n > 0 && lamc_implicit_size(&run->ode) > 0;
 }
 
 /* Everything done so far, in evaluations */
@@ -128,21 +129,30 @@ static void watch_trial(lamc_run *run) {
   w->next_method = explicit_choice(run);
 }
 
-/* Largest row sum of d(udot)/dq and d(udot)/du: an upper bound of the eigenvalues' sizes */
-static double eigenvalue_bound(const lamc_run *run) {
-  const int half = run->ode.n / 2;
-  const double *by_q = slot(run, SLOT_OWN + lamc_method_of(run->method)->slots), *by_u = by_q + half * half;
-  double most_q = 0.0, most_u = 0.0;
-  for (int i = 0; i < half; i++) {
-    double sum_q = 0.0, sum_u = 0.0;
-    for (int j = 0; j < half; j++) {
-      sum_q += fabs(by_q[i * half + j]);
-      sum_u += fabs(by_u[i * half + j]);
-    }
-    most_q = larger(most_q, sum_q);
-    most_u = larger(most_u, sum_u);
+/* Largest sum of sizes in a row, over the entries of a block (rows, columns) of a matrix `width` wide */
+static double largest_row_sum(const double *block, int rows, int columns, int width) {
+  double most = 0.0;
+  for (int i = 0; i < rows; i++) {
+    double sum = 0.0;
+    for (int j = 0; j < columns; j++) sum += fabs(block[(ptrdiff_t)i * width + j]);
+    most = larger(most, sum);
   }
-  return larger(sqrt(most_q), most_u);
+  return most;
+}
+
+/* An upper bound of the sizes of the eigenvalues of [0 I; A B] by row sums of A and B; where dq/dt is not u, of
+ * [F G; A B], with what F and G bring by the way */
+static double eigenvalue_bound(const lamc_run *run) {
+  const implicit parts = lamc_implicit_parts(run, lamc_method_of(run->method)->slots);
+  const int k = parts.k, nq = coordinates_of(&run->ode), nu = run->ode.n - nq;
+  if (parts.has_structure)
+    return larger(sqrt(largest_row_sum(parts.by_q, k, k, k)), largest_row_sum(parts.by_u, k, k, k));
+  const double *below = parts.by_q + (ptrdiff_t)nq * k;
+  const double flow = largest_row_sum(parts.by_q, nq, nq, k);
+  const double gear = largest_row_sum(parts.by_q + nq, nq, nu, k);
+  const double stiffness = largest_row_sum(below, nu, nq, k),
+               damping = largest_row_sum(below + nq, nu, nu, k);
+  return larger(sqrt(stiffness * gear), larger(damping, flow));
 }
 
 static void watch_implicit(lamc_run *run, const method *m) {

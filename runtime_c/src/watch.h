@@ -13,7 +13,4 @@ void lamc_watch_step(lamc_run *run);
 /* Before a step: the method that was asked for becomes the present one. */
 void lamc_watch_switch(lamc_run *run);
 
-/* Of run.c: the method by its number. */
-const method *lamc_method_of(int which);
-
 #endif /* LAMC_WATCH_H */

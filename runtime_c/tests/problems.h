@@ -68,7 +68,7 @@ static inline lamc_ode make_ode(int n, void (*rhs)(const void *, double, const d
 }
 
 static inline lamc_rows make_rows(double *t, double *y, long long capacity) {
-  lamc_rows rows = {t, y, capacity, 0, NULL, NULL, 0, 0};
+  lamc_rows rows = {t, y, capacity, 0, NULL, NULL, 0, 0, NULL};
   return rows;
 }
 

@@ -28,7 +28,8 @@ static void energy(const double *c, double t, const double *q, const double *u, 
   energies[1] = -c[2] * cos(q[0]);
 }
 
-static void poses(const double *c, const double *q, double *out) {
+static void poses(const double *c, double t, const double *q, double *out) {
+  (void)t;
   const double cosine = cos(q[0]), sine = sin(q[0]);
   const double pose[12] = {-c[3] * sine, 0.0, -c[3] * cosine, cosine, 0.0,   sine, 0.0,
                            1.0,          0.0, -sine,          0.0,    cosine};
@@ -39,11 +40,28 @@ static const char *const JOINTS[] = {"pivot"}, *const BODIES[] = {"bob"};
 static const char *const PARAMETERS[] = {"length", "gravity", "mass"}, *const UNITS[] = {"m", "m/s^2", "kg"};
 static const char *const ENERGIES[] = {"kinetic", "gravity"};
 static const double DEFAULTS[] = {0.5, 9.81, 2.0};
-static const lamc_model PENDULUM = {
-    "pendulum", "0",   0.5,          1,    0,      0,          0,     0.0,      1,     3,        4,
-    2,          0,     JOINTS,       NULL, BODIES, PARAMETERS, UNITS, ENERGIES, NULL,  DEFAULTS, NULL,
-    0.0,        setup, acceleration, NULL, NULL,   NULL,       NULL,  energy,   poses, NULL,     NULL,
-    NULL,       NULL};
+static const lamc_model PENDULUM = {.name = "pendulum",
+                                    .digest = "0",
+                                    .size = 0.5,
+                                    .joint_count = 1,
+                                    .coordinate_count = 1,
+                                    .rate_count = 1,
+                                    .body_count = 1,
+                                    .parameter_count = 3,
+                                    .constant_count = 4,
+                                    .energy_count = 2,
+                                    .joint_names = JOINTS,
+                                    .coordinate_names = JOINTS,
+                                    .rate_names = JOINTS,
+                                    .body_names = BODIES,
+                                    .parameter_names = PARAMETERS,
+                                    .parameter_units = UNITS,
+                                    .energy_names = ENERGIES,
+                                    .parameter_defaults = DEFAULTS,
+                                    .setup = setup,
+                                    .acceleration = acceleration,
+                                    .energy = energy,
+                                    .poses = poses};
 
 static void rows_are_evaluated_one_by_one(check_counts *counts) {
   double constants[4], udot[ROWS], energies[2 * ROWS], pose_rows[12 * ROWS];
@@ -52,7 +70,7 @@ static void rows_are_evaluated_one_by_one(check_counts *counts) {
   const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0};
   CHECK(counts, lamc_motion_accelerations(&motion, ROWS, t, y, udot) == LAMC_OK);
   CHECK(counts, lamc_motion_energies(&motion, ROWS, t, y, energies) == LAMC_OK);
-  CHECK(counts, lamc_motion_poses(&motion, ROWS, y, pose_rows) == LAMC_OK);
+  CHECK(counts, lamc_motion_poses(&motion, ROWS, t, y, pose_rows) == LAMC_OK);
   for (int row = 0; row < ROWS; row++) {
     const double q = y[2 * row], u = y[2 * row + 1];
     CHECK(counts, fabs(udot[row] + 9.81 / 0.5 * sin(q)) < 1e-14 * 20.0); /* round-off of numbers up to 20 */
@@ -96,8 +114,8 @@ static void missing_rows_are_refused(check_counts *counts) {
   CHECK(counts, lamc_motion_accelerations(NULL, 1, t, y, out) == LAMC_BAD_ARGUMENT);
   CHECK(counts, lamc_motion_energies(&no_constants, 1, t, y, out) == LAMC_BAD_ARGUMENT);
   CHECK(counts, lamc_motion_energies(&motion, -1, t, y, out) == LAMC_BAD_ARGUMENT);
-  CHECK(counts, lamc_motion_poses(&no_model, 1, y, out) == LAMC_BAD_ARGUMENT);
-  CHECK(counts, lamc_motion_poses(&motion, 0, y, out) == LAMC_OK);
+  CHECK(counts, lamc_motion_poses(&no_model, 1, t, y, out) == LAMC_BAD_ARGUMENT);
+  CHECK(counts, lamc_motion_poses(&motion, 0, t, y, out) == LAMC_OK);
 }
 
 int main(void) {

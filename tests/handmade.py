@@ -38,7 +38,8 @@ static void energy(const double *c, double t, const double *q, const double *u, 
   e[0] = c[1] * u[0] * u[0];
   e[1] = -c[2] * cos(q[0]);
 }
-static void poses(const double *c, const double *q, double *p) {
+static void poses(const double *c, double t, const double *q, double *p) {
+  (void)t;
   const double k = cos(q[0]), s = sin(q[0]);
   p[0] = -c[3] * s; p[1] = 0.0; p[2] = -c[3] * k;
   p[3] = k; p[4] = 0.0; p[5] = s; p[6] = 0.0; p[7] = 1.0; p[8] = 0.0; p[9] = -s; p[10] = 0.0; p[11] = k;
@@ -49,9 +50,11 @@ static const char *const names[] = {"length", "gravity", "rod.mass", "growth", "
 static const char *const units[] = {"m", "m/s\\xc2\\xb2", "kg", "1", "s"};
 static const double defaults[] = {@DEFAULTS@, 0.0, 1e300};
 static const lamc_model model = {
-  "rod", "00ff", 0.3, @JOINTS@, 0, 0, 0, 0.0, @JOINTS@, 5, 6, @ENERGIES@, 0,
-  joints, 0, bodies, names, units, energies, 0, defaults, 0, 0.0,
-  setup, acceleration, 0, 0, 0, 0, energy, poses, 0, 0, 0, 0
+  .name = "rod", .digest = "00ff", .size = 0.3, .joint_count = @JOINTS@, .coordinate_count = @JOINTS@,
+  .rate_count = @JOINTS@, .body_count = @JOINTS@, .parameter_count = 5, .constant_count = 6,
+  .energy_count = @ENERGIES@, .joint_names = joints, .coordinate_names = joints, .rate_names = joints,
+  .body_names = bodies, .parameter_names = names, .parameter_units = units, .energy_names = energies,
+  .parameter_defaults = defaults, .setup = setup, .acceleration = acceleration, .energy = energy, .poses = poses
 };
 static const lamc_model *lamc_this_model(void) { return &model; }
 """

@@ -12,7 +12,7 @@ from scipy.linalg import null_space
 
 import lamc
 from lamc import Body, Gravity, HingeDamping, HingeStiffness, Joint, Mechanism, Scene
-from lamc.mechanics.linearise import MAX_JOINTS
+from lamc.mechanics.linearise import MAX_RATES
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.run.simulator import Simulator
 from tests.mechanisms import chain, from_reference, random_state
@@ -128,8 +128,8 @@ def test_derivatives_hold_the_loops(cases: dict[str, Any], name: str) -> None:
 
 
 def test_long_chains_take_differences() -> None:
-    sim = lamc.compile(chain(MAX_JOINTS + 1, "parallel", seed=1))
-    q, u = random_state(MAX_JOINTS + 1, seed=2)
+    sim = lamc.compile(chain(MAX_RATES + 1, "parallel", seed=1))
+    q, u = random_state(MAX_RATES + 1, seed=2)
     assert "jacobian" not in sim.program.functions
     expected = central(lambda a, b: sim.acceleration(a, b), q, u)
     found = sim.jacobian(q, u)

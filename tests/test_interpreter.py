@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from lamc.codegen.lower import lower
 from lamc.codegen.program import (
+    Coordinate,
     Function,
     Operand,
     Operations,
@@ -52,6 +53,8 @@ def one_shape(shape: Shape) -> Program:
     return Program(
         name="by hand",
         joints=("a", "b"),
+        coordinates=(Coordinate("a", "rad"), Coordinate("b", "rad")),
+        rates=(Coordinate("a", "rad/s"), Coordinate("b", "rad/s")),
         bodies=(),
         parameters=(Parameter("k", 1.5, "", "", ""),),
         constant_count=1,
@@ -128,7 +131,7 @@ def test_an_unknown_operation_is_refused() -> None:
 
 def test_states_of_the_wrong_size_are_refused() -> None:
     interpreter = Interpreter(one_shape(("+", 0, 1)))
-    with pytest.raises(DesignError, match="must both be"):
+    with pytest.raises(DesignError, match=r"must be \(…, 2\)"):
         interpreter.acceleration(0.0, np.zeros(3), np.zeros(3), interpreter.constants())
 
 

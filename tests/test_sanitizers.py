@@ -43,31 +43,32 @@ static double *vector(int count) {
 
 int main(void) {
   const lamc_model *m = @_model();
-  const int n = m->joint_count;
+  const int n = m->rate_count, nq = m->coordinate_count, size = nq + n;
   @_parameters *p = malloc(sizeof *p);
-  double *c = vector(m->constant_count), *q = vector(n), *u = vector(n), *udot = vector(n);
+  double *c = vector(m->constant_count), *q = vector(nq), *u = vector(n), *udot = vector(n);
   double *energies = vector(m->energy_count), *poses = vector(12 * m->body_count);
   double sum = 0.0;
   if (p == NULL) return 9;
   @_default_parameters(p);
   @_setup(p, c);
   for (int k = 0; k < 20; ++k) {
-    for (int i = 0; i < n; ++i) q[i] += 0.37;
+    for (int i = 0; i < nq; ++i) q[i] += 0.37;
     if (m->acceleration != NULL) m->acceleration(c, 0.1 * k, q, u, udot);
     @_energy(c, 0.1 * k, q, u, energies);
-    @_poses(c, q, poses);
+    @_poses(c, 0.1 * k, q, poses);
     for (int i = 0; i < n; ++i) sum += udot[i];
     for (int i = 0; i < m->energy_count; ++i) sum += energies[i];
     for (int i = 0; i < 12 * m->body_count; ++i) sum += poses[i];
   }
   m->setup(m->parameter_defaults, c);
   const lamc_motion motion = {m, c, vector((int)lamc_motion_work_size(m)), 0.0};
-  double *y = vector(2 * n), t = 0.0;
-  for (int i = 0; i < 2 * n; ++i) y[i] = 0.0;
+  double *y = vector(size), t = 0.0;
+  for (int i = 0; i < size; ++i) y[i] = 0.0;
   lamc_motion_accelerations(&motion, 1, &t, y, udot);
   lamc_motion_energies(&motion, 1, &t, y, energies);
-  lamc_motion_poses(&motion, 1, y, poses);
-  for (int i = 0; i < n; ++i) puts(m->joint_names[i]);
+  lamc_motion_poses(&motion, 1, &t, y, poses);
+  for (int i = 0; i < nq; ++i) puts(m->coordinate_names[i]);
+  for (int i = 0; i < n; ++i) puts(m->rate_names[i]);
   for (int i = 0; i < m->body_count; ++i) puts(m->body_names[i]);
   for (int i = 0; i < m->energy_count; ++i) puts(m->energy_names[i]);
   for (int i = 0; i < m->parameter_count; ++i) printf("%s %s %g\\n", m->parameter_names[i], m->parameter_units[i],
@@ -76,8 +77,8 @@ int main(void) {
   const lamc_options options = {1e-6, 1e-8, 0.0, 0.0, 300};
   const double ends[2] = {0.01, 0.02};
   for (int method = LAMC_AUTO; method <= LAMC_RADAU5; ++method) {
-    double *work = vector((int)lamc_run_work_size(&ode, (lamc_method)method)), *out = vector(4 * n), times[2];
-    lamc_rows rows = {times, out, 2, 0, NULL, NULL, 0, 0};
+    double *work = vector((int)lamc_run_work_size(&ode, (lamc_method)method)), *out = vector(2 * size), times[2];
+    lamc_rows rows = {times, out, 2, 0, NULL, NULL, 0, 0, NULL};
     lamc_run run;
     if (lamc_run_start(&run, &ode, (lamc_method)method, &options, 0.0, y, 0.02, ends, 2, work) != LAMC_OK) return 4;
     const lamc_status status = lamc_run_advance(&run, &rows, 0, NULL);

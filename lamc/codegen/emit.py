@@ -128,8 +128,12 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "digest": program.digest,
         "notes": [comment(n) for n in program.notes],
         "joints": [comment(j) for j in program.joints],
+        "coordinates": [(comment(c.name), comment(c.unit)) for c in program.coordinates],
+        "rates": [(comment(c.name), comment(c.unit)) for c in program.rates],
+        "powers": [comment(p) for p in program.powers],
         "cuts": [comment(j) for j in program.cuts],
         "size": literal(program.size),
+        "start": [literal(x) for x in program.drawn],
         "tolerance": literal(program.tolerance),
         "bodies": [comment(b) for b in program.bodies],
         "energies": [comment(e) for e in program.energies],
@@ -138,11 +142,13 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "strings": {
             # C has no empty arrays: where there is nothing to name, one empty name stands.
             "joint_names": [string_literal(j) for j in program.joints] or ['""'],
+            **_coordinate_strings(program),
             "cut_names": [string_literal(j) for j in program.cuts] or ['""'],
             "body_names": [string_literal(b) for b in program.bodies] or ['""'],
             "parameter_names": [p.literal for p in parameters] or ['""'],
             "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
             **({"guard_names": [string_literal(g.name) for g in program.guards]} if program.guards else {}),
+            **({"power_names": [string_literal(p) for p in program.powers]} if program.powers else {}),
             "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
         "counts": _counts(program),
@@ -159,9 +165,23 @@ def _look_up(number: int, table: Piecewise) -> CLookUp:
     return CLookUp(number, len(table.breaks), table.degree + 1, tuple(map(repr, table.breaks)), rows)
 
 
+def _coordinate_strings(program: Program) -> dict[str, list[str]]:
+    """Tables of names and units where there are more coordinates than joints; else those of joints serve."""
+    if len(program.coordinates) == len(program.joints):
+        return {}
+    return {
+        f"{what}_{part}s": [string_literal(getattr(entry, part)) for entry in entries]
+        for what, entries in (("coordinate", program.coordinates), ("rate", program.rates))
+        for part in ("name", "unit")
+    }
+
+
 def _counts(program: Program) -> dict[str, int]:
     return {
         "joints": len(program.joints),
+        "coordinates": len(program.coordinates),
+        "rates": len(program.rates),
+        "powers": len(program.powers),
         "cuts": len(program.cuts),
         "closure": program.closure_count,
         "rank": program.rank,

@@ -21,10 +21,10 @@ class Space(Enum):
     LOCAL = "z"  # intermediate values of one function
     CONSTANT = "c"  # parameter-only values, made by `setup`, kept for a run
     PARAMETER = "p"  # what a user can change without recompiling
-    ANGLE = "q"  # joint angles, rad
-    RATE = "u"  # joint rates, rad/s
+    ANGLE = "q"  # coordinates: joint angles, rad, then others
+    RATE = "u"  # rates: of joints, rad/s, then others
     TIME = "t"  # s
-    ACCELERATION = "a"  # joint accelerations, rad/s²
+    ACCELERATION = "a"  # derivatives of the rates
     MULTIPLIER = "l"  # forces of the closure equations
     # of a finite element; units in `lamc/plate/elements/`
     CORNER = "xy"  # coordinates of the corners, x and y of one after the other, m
@@ -113,6 +113,14 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Coordinate:
+    """A coordinate or a rate: its name and unit."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
 class Guard:
     """A condition whose passing of zero is an event."""
 
@@ -126,24 +134,29 @@ class Program:
 
     functions, by name:
       "setup"         parameters → constants, shape (constant_count,)
-      "acceleration"  t, q, u → du/dt, shape (n,), rad/s²
-                      a mechanism with loops has instead of it:
-      "system"        t, q, u → M, lower triangle by rows, kg·m², then f, N·m, of M u̇ = f without the loops
-      "dynamics"      t, q, u → what "system" gives, then J (m, n) and bias γ (m), m/s², of J u̇ + γ = 0
-      "closure"       q → residuals φ (m), m, then Jacobian J (m, n), m/rad
+      "rates"         where q̇ is not u: q, u → q̇, shape (nq,)
+      "acceleration"  t, q, u → u̇, shape (nu,); joints on a fixed world, without loops
+                      other mechanisms have instead of it:
+      "system"        t, q, u → M, lower triangle by rows, then f of M u̇ = f without the loops
+                      and with loops:
+      "dynamics"      t, q, u → what "system" gives, then J (m, nu) and bias γ (m), m/s², of J u̇ + γ = 0
+      "closure"       q → residuals φ (m), m, then J (m, nu), by which φ̇ = J u
       "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s
       "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
-      "inertia"       a tree, where impacts or the Jacobian need it: q → M, lower triangle by rows, kg·m²
-      "jacobian"      t, q, u, u̇, λ → derivatives (n + m, 2n + 1) by q, u and t of the residuals M u̇ - f - Jᵀλ and
-                      J u̇ + γ; absent where it would be too long
+      "inertia"       beside "acceleration", where impacts or the Jacobian need it: q → M, lower triangle by rows
+      "jacobian"      t, q, u, u̇, λ → derivatives (nu + m, nq + nu + 1) by q, u and t of the residuals M u̇ - f - Jᵀλ
+                      and J u̇ + γ, then, where there is "rates", (nq, nq + nu) of q̇; absent where it would be too long
       "guards"        where there are any: t, q, u → guards, then their rates
-      "impacts"       where there are any: t, q → restitutions of the guards, then their derivatives by q
-      "poses"         q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
+      "impacts"       where there are any: t, q → restitutions of the guards, then derivatives (nu,) of their rates by u
+      "power"         where it is asked for: t, q, u, u̇ → power of each of `powers`, W
+      "poses"         t, q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
                       equal to world axes in the drawn configuration), shape (12 len(bodies),)
     """
 
     name: str
-    joints: tuple[str, ...]  # names, in the order of q and u
+    joints: tuple[str, ...]  # names of the first coordinates
+    coordinates: tuple[Coordinate, ...]  # of q, (nq,): the joints, then what effects add
+    rates: tuple[Coordinate, ...]  # of u, (nu,)
     bodies: tuple[str, ...]  # names of the moving bodies, in the order of `poses`
     parameters: tuple[Parameter, ...]
     constant_count: int
@@ -154,6 +167,8 @@ class Program:
     closure_count: int = 0  # m, equations that hold the loops
     rank: int = 0  # of the closure at a generic position; the other equations are redundant
     guards: "tuple[Guard, ...]" = ()
+    drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
+    powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
     jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
     tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
     size: float = 1.0  # m, the mechanism's length scale

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lamc.codegen.program import Coordinate
 from lamc.errors import DesignError
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.checks import Array, checked_array
@@ -33,14 +34,6 @@ BASE_COORDINATES = (
     *((f"base.q{part}", "1") for part in "wxyz"),
 )
 BASE_RATES = (*((f"base.v{axis}", "m/s") for axis in "xyz"), *((f"base.w{axis}", "rad/s") for axis in "xyz"))
-
-
-@dataclass(frozen=True)
-class Coordinate:
-    """A coordinate or a rate: its name and unit."""
-
-    name: str
-    unit: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +187,18 @@ class Arrangement:
         """Names in the order of the poses: the tree's links, then the fixed bodies where the base moves."""
         links = tuple(link.body.name for link in self.tree.links)
         return (*links, *(self.base.bodies if self.base is not None else ()))
+
+    @property
+    def drawn(self) -> Array:
+        """State (nq + nu,) at rest in the drawn configuration."""
+        base = self.base
+        if isinstance(base, FloatingBase):
+            still = np.zeros(3)
+            identity = np.array([1.0, 0.0, 0.0, 0.0])
+            placed = replace(base, position=base.com, rotation=identity, velocity=still, spin=still)
+            still_joints = [0.0] * len(self.tree.links)
+            return np.concatenate(replace(self, base=placed).start(still_joints, still_joints))
+        return np.zeros(len(self.coordinates) + len(self.rates))
 
     def start(self, q_joints: Sequence[float], u_joints: Sequence[float]) -> tuple[Array, Array]:
         """q (nq,) and u (nu,) from the tree's angles, rad, and rates, rad/s; hinges and bodies start undeformed."""

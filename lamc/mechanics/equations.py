@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from lamc.codegen.program import Operations, Parameter
+from lamc.codegen.program import Coordinate, Operations, Parameter
 from lamc.loops.rank import NO_LOOPS, LoopCount
-from lamc.mechanics.arrangement import Coordinate
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree

@@ -3,6 +3,7 @@
 Goes in: Equations. Comes out: derivatives by q, u and t of the residuals r = M u̇ - f - Jᵀλ and c = J u̇ + γ at given u̇
 and λ; the runtime solves M du̇ = Jᵀdλ - dr, J du̇ = -dc with the factors that it has. No inverse is differentiated, and r
 comes from inverse dynamics, without a mass matrix: at few joints all derivatives together cost one to four evaluations.
+Where q̇ is not u, its derivatives come too.
 """
 
 from collections.abc import Sequence
@@ -14,9 +15,9 @@ from lamc.mechanics.equations import Equations
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations
 
-# Beyond these the code grows with the square of the joints and the C compiler's time with it; the runtime then takes
+# Beyond these the code grows with the square of the rates and the C compiler's time with it; the runtime then takes
 # differences, 2n + 2 evaluations (measured: 12 000 operations for 10 laminate hinges, 50 000 for 20).
-MAX_JOINTS = 12
+MAX_RATES = 12
 MAX_FLOPS = 4000
 
 
@@ -24,22 +25,24 @@ MAX_FLOPS = 4000
 class Linearisation:
     """Rows for r, then c; columns for q, u and t. Entries are scalars of the equations' store."""
 
-    entries: tuple[tuple[Scalar, ...], ...]  # (n + m, 2 n + 1)
+    entries: tuple[tuple[Scalar, ...], ...]  # (nu + m, nq + nu + 1)
+    flow: tuple[tuple[Scalar, ...], ...] = ()  # (nq, nq + nu): of q̇ by q and u, where q̇ is not u
 
 
 def linearise(equations: Equations) -> Linearisation | None:
     """The derivatives, or None where they would be too long."""
-    count = len(equations.joints)
-    if not 0 < count <= MAX_JOINTS or equations.problem is None:  # accelerations written by hand have none
+    count = len(equations.rates)
+    if not 0 < count <= MAX_RATES or equations.problem is None:  # accelerations written by hand have none
         return None
     store = equations.store
-    names = equations.joints
-    q = [_symbol(store, f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
+    names = [rate.name for rate in equations.rates]
+    q = [_symbol(store, f"q_{c.name}", Space.ANGLE, i) for i, c in enumerate(equations.coordinates)]
     u = [_symbol(store, f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
     udot = [_symbol(store, f"udot_{name}", Space.ACCELERATION, i) for i, name in enumerate(names)]
     residuals = equations.problem.residual(udot)
     if equations.closure is not None:
-        residuals = [*_with_multipliers(equations, q, residuals), *_second_derivative(equations, q, u, udot)]
+        residuals = [*_with_multipliers(equations, residuals), *_second_derivative(equations, udot)]
+    flow = equations.coordinate_rates or ()
     with store.section("Derivatives of the residuals", source="for implicit integrators"):
         columns: list[list[Scalar]] = []
         before = len(store)
@@ -47,16 +50,17 @@ def linearise(equations: Equations) -> Linearisation | None:
             columns.append(derivatives(residuals, {x: 1}))
             if len(store) - before > 2 * MAX_FLOPS:  # it will be too long: no need to write the rest
                 return None
-    entries = tuple(zip(*columns, strict=True))
-    flops = count_operations(store, [x for row in entries for x in row], Level.PARAMETER).flops
-    return Linearisation(entries) if flops <= MAX_FLOPS else None
+        flow_columns = [derivatives(flow, {x: 1}) for x in (*q, *u)] if flow else []
+    entries, flows = tuple(zip(*columns, strict=True)), tuple(zip(*flow_columns, strict=True))
+    flops = count_operations(store, [x for row in (*entries, *flows) for x in row], Level.PARAMETER).flops
+    return Linearisation(entries, flows) if flops <= MAX_FLOPS else None
 
 
 def _symbol(store: Store, name: str, space: Space, index: int) -> Value:
     return store.symbol(name, space, index)
 
 
-def _with_multipliers(equations: Equations, q: Sequence[Value], residuals: Sequence[Scalar]) -> list[Scalar]:
+def _with_multipliers(equations: Equations, residuals: Sequence[Scalar]) -> list[Scalar]:
     """r less Jᵀλ."""
     assert equations.closure is not None
     store = equations.store
@@ -64,17 +68,15 @@ def _with_multipliers(equations: Equations, q: Sequence[Value], residuals: Seque
     multipliers = [store.symbol(f"lambda_{k}", Space.MULTIPLIER, k) for k in range(len(rows))]
     result: list[Scalar] = []
     with store.section("Forces of the closure", source="Jᵀλ"):
-        for j in range(len(q)):
+        for j, residual in enumerate(residuals):
             force: Scalar = 0
             for row, multiplier in zip(rows, multipliers, strict=True):
                 force = force + row[j] * multiplier
-            result.append(residuals[j] - force)
+            result.append(residual - force)
     return result
 
 
-def _second_derivative(
-    equations: Equations, q: Sequence[Value], u: Sequence[Value], udot: Sequence[Value]
-) -> list[Scalar]:
+def _second_derivative(equations: Equations, udot: Sequence[Value]) -> list[Scalar]:
     """c = J u̇ + γ."""
     assert equations.closure is not None
     result: list[Scalar] = []

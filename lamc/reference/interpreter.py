@@ -21,8 +21,8 @@ Array = npt.NDArray[np.float64]
 class Interpreter:
     """A `Program` as Python functions; constants come from `constants(parameters)`.
 
-    Angles and rates are arrays of shape (n,), or (k, n) for k states at once; results then carry a leading
-    axis of length k. Raises EmitError for an operation without a meaning here.
+    Coordinates q are arrays of shape (nq,), or (k, nq) for k states at once, and rates u likewise; results then carry
+    a leading axis of length k. Raises EmitError for an operation without a meaning here.
     """
 
     def __init__(self, program: Program) -> None:
@@ -55,23 +55,29 @@ class Interpreter:
         return constants
 
     def acceleration(self, t: float, q: Array, u: Array, constants: Array) -> Array:
-        """du/dt, rad/s², shape of q. t in s, q in rad, u in rad/s. With loops, those of closed states."""
+        """du/dt, shape of u. t in s; of joints, q in rad, u in rad/s. With loops, those of closed states."""
         if self.program.guards and np.ndim(q) == 2:
             rows = zip(q, u, strict=True)
-            return np.array([self.acceleration(t, *row, constants) for row in rows]).reshape(np.shape(q))
+            return np.array([self.acceleration(t, *row, constants) for row in rows]).reshape(np.shape(u))
         constants = self._sensed(t, q, u, constants)
-        if not self.program.cuts:
+        if "acceleration" in self.program.functions:
             return self._evaluate("acceleration", t, q, u, constants)
-        values = self._evaluate("dynamics", t, q, u, constants)
+        values = self._evaluate("dynamics" if self.program.cuts else "system", t, q, u, constants)
         if values.ndim == 1:
             return self._solve(values)
-        return np.array([self._solve(row) for row in values]).reshape(np.shape(q))
+        return np.array([self._solve(row) for row in values]).reshape(np.shape(u))
+
+    def rates(self, q: Array, u: Array, constants: Array) -> Array:
+        """dq/dt, shape of q."""
+        if "rates" not in self.program.functions:
+            return np.array(u, dtype=np.float64)
+        return self._evaluate("rates", 0.0, q, u, constants)
 
     def gaps(self, q: Array, constants: Array) -> tuple[Array, Array]:
-        """Residuals φ (m,), m, of the loops and their Jacobian (m, n), m/rad, at angles q (n,)."""
-        m = self.program.closure_count
-        flat = self._evaluate("closure", 0.0, q, np.zeros_like(q), constants)
-        return flat[:m], flat[m:].reshape(m, len(self.joints))
+        """Residuals φ (m,), m, of the loops and their Jacobian by rates (m, nu), at coordinates q (nq,)."""
+        m, n = self.program.closure_count, len(self.program.rates)
+        flat = self._evaluate("closure", 0.0, q, np.zeros(n), constants)
+        return flat[:m], flat[m:].reshape(m, n)
 
     def cut_states(self, q: Array, u: Array, constants: Array) -> tuple[Array, Array]:
         """Angles, rad, within ±π, and rates, rad/s, of the joints that close loops; both (c,)."""
@@ -84,9 +90,11 @@ class Interpreter:
             return np.array([self.energy(t, *row, constants) for row in zip(q, u, strict=True)])
         return self._evaluate("energy", t, q, u, self._sensed(t, q, u, constants))
 
-    def poses(self, q: Array, constants: Array) -> tuple[Array, Array]:
+    def poses(self, q: Array, constants: Array, t: float = 0.0) -> tuple[Array, Array]:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
-        flat = self._evaluate("poses", 0.0, q, np.zeros_like(q), constants)
+        flat = self._evaluate(
+            "poses", t, q, np.zeros((*np.shape(q)[:-1], len(self.program.rates))), constants
+        )
         rows = flat.reshape(*flat.shape[:-1], len(self.bodies), 12)
         return rows[..., :3], rows[..., 3:].reshape(*rows.shape[:-1], 3, 3)
 
@@ -102,8 +110,8 @@ class Interpreter:
         return sensed
 
     def _solve(self, values: Array) -> Array:
-        """u̇ from the values of the function "dynamics" at one state."""
-        n, m = len(self.joints), self.program.closure_count
+        """u̇ from the values of the function "dynamics", or "system", at one state."""
+        n, m = len(self.program.rates), self.program.closure_count
         system, held = np.split(values, [n * (n + 1) // 2 + n])
         mass = np.zeros((n, n))
         mass[np.tril_indices(n)] = system[: n * (n + 1) // 2]
@@ -112,8 +120,10 @@ class Interpreter:
 
     def _evaluate(self, name: str, t: float, q: Array, u: Array, constants: Array) -> Array:
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
-        if q.shape != u.shape or q.ndim not in (1, 2) or q.shape[-1] != len(self.joints):
-            raise DesignError(f"angles {q.shape} and rates {u.shape} must both be (…, {len(self.joints)})")
+        program, alike = self.program, q.ndim in (1, 2) and q.shape[:-1] == u.shape[:-1]
+        nq, nu = len(program.coordinates), len(program.rates)
+        if not alike or (q.shape[-1], u.shape[-1]) != (nq, nu):
+            raise DesignError(f"angles {q.shape} and rates {u.shape} must be (…, {nq}) and (…, {nu})")
         fixed = {Space.CONSTANT: np.asarray(constants).tolist(), Space.TIME: [float(t)]}
         if q.ndim == 1:
             listing = self._scalar[name]

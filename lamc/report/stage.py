@@ -47,13 +47,12 @@ class Poses:
 
 
 def poses_at(result: Result, times: Array) -> Poses:
-    """Poses at the given times, s, by linear interpolation of the joint angles."""
+    """Poses at the given times, s, by linear interpolation of the coordinates."""
     bodies, moving = result.mechanism.bodies, result.motion.model.bodies
-    n = len(result.joints)
-    rows = np.zeros((len(times), 2 * n))
-    for k in range(n):
-        rows[:, k] = np.interp(times, result.t, result.q[:, k])
-    found = result.motion.poses(rows)
+    rows = np.zeros((len(times), result.motion.model.state_size))
+    for k, values in enumerate(result.q.T):
+        rows[:, k] = np.interp(times, result.t, values)
+    found = result.motion.poses(times, rows)
     centres = np.tile(np.array([b.com for b in bodies]), (len(times), 1, 1))
     rotations = np.tile(np.eye(3), (len(times), len(bodies), 1, 1))
     for index, body in enumerate(bodies):

@@ -11,26 +11,33 @@ import numpy.typing as npt
 
 from lamc.errors import RequestError, about
 from lamc.mechanism.checks import shown
+from lamc.run.model import Model
 from lamc.run.request import Array, did_you_mean, finite
 from lamc.scene import Scene
 
 
 def states(
-    q: npt.ArrayLike, u: npt.ArrayLike, t: npt.ArrayLike, n: int
+    q: npt.ArrayLike, u: npt.ArrayLike, t: npt.ArrayLike, model: Model
 ) -> tuple[Array, Array, tuple[int, ...]]:
-    """Times (m,), rows (m, 2n) and the leading shape, of angles (…, n), rates (…, n) and times (…)."""
+    """Times (m,), rows (m, nq + nu) and the leading shape, of coordinates (…, nq), rates (…, nu) and times (…)."""
     angles, rates, times = (numbers(a, name) for a, name in ((q, "q"), (u, "u"), (t, "t")))
-    for array, name in ((angles, "q"), (rates, "u")):
-        if array.ndim == 0 or array.shape[-1] != n:
-            raise RequestError(f"{name} has shape {array.shape}; its last length must be {n}, the joints")
+    plain = len(model.coordinates) == len(model.joints)
+    for array, name, entries in ((angles, "q", model.coordinates), (rates, "u", model.rates)):
+        if array.ndim == 0 or array.shape[-1] != len(entries):
+            what = (
+                "the joints" if plain else f"{'coordinates' if name == 'q' else 'rates'} as in result.{name}"
+            )
+            raise RequestError(
+                f"{name} has shape {array.shape}; its last length must be {len(entries)}, {what}"
+            )
     try:
         shape = np.broadcast_shapes(angles.shape[:-1], rates.shape[:-1], times.shape)
     except ValueError as error:
         raise RequestError(
             f"q {angles.shape}, u {rates.shape} and t {times.shape} do not broadcast to one shape"
         ) from error
-    halves = [np.broadcast_to(half, (*shape, n)) for half in (angles, rates)]
-    rows = np.concatenate(halves, axis=-1).reshape(math.prod(shape), 2 * n)
+    halves = [np.broadcast_to(half, (*shape, half.shape[-1])) for half in (angles, rates)]
+    rows = np.concatenate(halves, axis=-1).reshape(math.prod(shape), model.state_size)
     return np.ascontiguousarray(np.broadcast_to(times, shape)).reshape(-1), rows, shape
 
 
@@ -55,7 +62,7 @@ def check_names(scene: Scene, joints: tuple[str, ...]) -> None:
 
 
 def drawn_start(scene: Scene, joints: tuple[str, ...]) -> Array:
-    """Initial state (2n,) of a tree: the scene's angles and rates, zero where it gives none."""
+    """Angles and rates (2n,) of the joints of a tree at the start: the scene's, zero where it gives none."""
     angles = [scene.angles.get(name, 0.0) for name in joints]
     rates = [scene.rates.get(name, 0.0) for name in joints]
     return np.array([*angles, *rates], dtype=np.float64)

@@ -38,10 +38,12 @@ def _concerned(trajectory: Trajectory, motion: Motion) -> str:
     """The joint or loop that the end is about; empty where there is none."""
     model = motion.model
     match trajectory.status:
-        case Status.STEP_UNDERFLOW | Status.NOT_FINITE if len(trajectory.u) and len(model.joints):
+        case Status.STEP_UNDERFLOW | Status.NOT_FINITE if len(trajectory.u) and len(model.rates):
             rates = np.abs(trajectory.u[-1])
             fastest = int(np.argmax(rates))
-            return f"the fastest joint is {model.joints[fastest]!r}, at {rates[fastest]:.3g} rad/s"
+            what = "joint" if fastest < len(model.joints) else "coordinate"
+            rate = model.rates[fastest]
+            return f"the fastest {what} is {rate.name!r}, at {rates[fastest]:.3g} {rate.unit}"
         case Status.CLOSURE_LOST | Status.RANK_LOST:
             loops = ", ".join(repr(name) for name in model.cuts[:4])
             more = f" and {len(model.cuts) - 4} more" if len(model.cuts) > 4 else ""

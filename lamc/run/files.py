@@ -27,9 +27,23 @@ def columns(result: "Result") -> dict[str, Array]:
     table = {"t (s)": result.t}
     table |= {f"{joint} angle (rad)": result.angle(joint) for joint in result.joints}
     table |= {f"{joint} rate (rad/s)": result.rate(joint) for joint in result.joints}
+    table |= {f"{title} ({unit})": values for title, unit, values in others(result)}
     table |= {f"{name} energy (J)": values for name, values in result.energies.items()}
     table["energy (J)"] = result.energy
     return table
+
+
+def others(result: "Result") -> list[tuple[str, str, Array]]:
+    """Title, unit and values (m,) of each coordinate and rate that is no joint's. A rate named as its coordinate is
+    told apart by the word."""
+    count, known = len(result.joints), {c.name for c in result.coordinates}
+    q = [(c.name, c.unit, result.q[:, k]) for k, c in enumerate(result.coordinates) if k >= count]
+    u = [
+        (f"{r.name} rate" if r.name in known else r.name, r.unit, result.u[:, k])
+        for k, r in enumerate(result.rates)
+        if k >= count
+    ]
+    return [*q, *u]
 
 
 def write_csv(result: "Result", path: Path, *, manifest: bool = True) -> Path:
@@ -57,6 +71,10 @@ def write_npz(result: "Result", path: Path, *, manifest: bool = True) -> Path:
         "energy": result.energy,
         "constraint_error": result.constraint_error,
         "joints": np.array(result.joints, dtype=np.str_),
+        "coordinates": np.array([c.name for c in result.coordinates], dtype=np.str_),
+        "coordinate_units": np.array([c.unit for c in result.coordinates], dtype=np.str_),
+        "rates": np.array([c.name for c in result.rates], dtype=np.str_),
+        "rate_units": np.array([c.unit for c in result.rates], dtype=np.str_),
         "energy_names": np.array(list(result.energies), dtype=np.str_),
     }
     if manifest:

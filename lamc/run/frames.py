@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.errors import LamcError
-from lamc.run.files import columns
+from lamc.run.files import columns, others
 
 if TYPE_CHECKING:
     import pandas
@@ -27,18 +27,22 @@ def to_pandas(result: "Result") -> "pandas.DataFrame":
 
 
 def to_xarray(result: "Result") -> "xarray.Dataset":
-    """A Dataset with `angle` and `rate` over (t, joint), `energies` over (t, energy_name), and `energy` and
-    `constraint_error` over t, each with its unit in `attrs`. Raises LamcError without xarray."""
+    """A Dataset with `angle` and `rate` over (t, joint), other coordinates and rates by name over t, `energies`
+    over (t, energy_name), and `energy` and `constraint_error` over t, each with its unit in `attrs`.
+
+    Raises LamcError without xarray."""
     try:
         import xarray  # optional, and slow to load
     except ImportError as error:
         raise LamcError("to_xarray needs xarray: pip install lamc[frames]") from error
     energies = np.column_stack([np.zeros((len(result.t), 0)), *result.energies.values()])
     provenance = result.provenance
+    count = len(result.joints)
     return xarray.Dataset(
         {
-            "angle": (("t", "joint"), result.q.copy(), {"units": "rad"}),
-            "rate": (("t", "joint"), result.u.copy(), {"units": "rad/s"}),
+            "angle": (("t", "joint"), result.q[:, :count].copy(), {"units": "rad"}),
+            "rate": (("t", "joint"), result.u[:, :count].copy(), {"units": "rad/s"}),
+            **{title: (("t",), values.copy(), {"units": unit}) for title, unit, values in others(result)},
             "energies": (("t", "energy_name"), energies, {"units": "J"}),
             "energy": (("t",), result.energy.copy(), {"units": "J"}),
             "constraint_error": (("t",), result.constraint_error.copy(), {"units": "m"}),

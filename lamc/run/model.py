@@ -10,6 +10,7 @@ from typing import Any, NoReturn, Protocol, Self
 
 import numpy as np
 
+from lamc.codegen.program import Coordinate
 from lamc.errors import UnsupportedError
 from lamc.run.parameters import checked_parameters
 from lamc.run.request import Array
@@ -49,7 +50,7 @@ class Unchanging:
 class Motion(Unchanging):
     """A model with one set of parameters: what an integrator evaluates and a `Result` asks for more.
 
-    States are rows y = [q, u], shape (m, 2n), rad and rad/s.
+    States are rows y = [q, u], shape (m, nq + nu): coordinates, then rates; of joints first, rad and rad/s.
     """
 
     def __init__(self, model: "Model", parameters: Array, baumgarte: float = 0.0) -> None:
@@ -66,15 +67,15 @@ class Motion(Unchanging):
             self.handle.work = model.write(self._work)
 
     def closures(self, y: Array) -> Array:
-        """Rows of residuals φ (m) and Jacobian J (m·n, by rows) of the loops at states y (k, 2n)."""
+        """Rows of residuals φ (m) and Jacobian J (m·nu, by rows) of the loops at states y (k, nq + nu)."""
         model = self.model
-        out = np.zeros((len(y), model.closure_count * (len(model.joints) + 1)))
+        out = np.zeros((len(y), model.closure_count * (len(model.rates) + 1)))
         status = model.lib.lamc_motion_closures(self.handle, len(y), model.read(y), model.write(out))
         assert status == model.lib.LAMC_OK
         return out
 
     def cut_states(self, y: Array) -> Array:
-        """Rows of angles (rad, within ±π) and then rates (rad/s) of the cut joints at states y (k, 2n)."""
+        """Rows of angles (rad, within ±π) and then rates (rad/s) of the cut joints at states y (k, nq + nu)."""
         model = self.model
         out = np.zeros((len(y), 2 * len(model.cuts)))
         status = model.lib.lamc_motion_cuts(self.handle, len(y), model.read(y), model.write(out))
@@ -82,16 +83,16 @@ class Motion(Unchanging):
         return out
 
     def accelerations(self, t: Array, y: Array) -> Array:
-        """Joint accelerations, shape (m, n), rad/s², at times t (m,) s and states y (m, 2n)."""
-        out = np.zeros((len(y), len(self.model.joints)))
+        """Derivatives of the rates, shape (m, nu), at times t (m,) s and states y (m, nq + nu)."""
+        out = np.zeros((len(y), len(self.model.rates)))
         self._call(self.model.lib.lamc_motion_accelerations, len(y), self.model.read(t), y, out)
         return out
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
-        """Derivatives of the accelerations by angles (n, n), 1/s², and by rates (n, n), 1/s, at one state y (2n,)."""
+        """Derivatives of the accelerations by coordinates (nu, nq) and by rates (nu, nu), at one state y (nq + nu,)."""
         model = self.model
-        n = len(model.joints)
-        by_q, by_u, by_t = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
+        nq, n = len(model.coordinates), len(model.rates)
+        by_q, by_u, by_t = np.zeros((n, nq)), np.zeros((n, n)), np.zeros(n)
         scratch = np.zeros(model.lib.lamc_motion_jacobian_scratch(model.handle))
         write = [model.write(a) for a in (by_q, by_u, by_t, scratch)]
         status = model.lib.lamc_motion_jacobian(self.handle, t, model.read(y), *write)
@@ -105,20 +106,29 @@ class Motion(Unchanging):
         self._call(self.model.lib.lamc_motion_energies, len(y), self.model.read(t), y, out)
         return out
 
-    def poses(self, y: Array) -> Array:
+    def powers(self, t: Array, y: Array) -> Array:
+        """Power of the loads of each effect, shape (m, len(model.powers)), W."""
+        out = np.zeros((len(y), len(self.model.powers)))
+        self._call(self.model.lib.lamc_motion_powers, len(y), self.model.read(t), y, out)
+        return out
+
+    def poses(self, t: Array, y: Array) -> Array:
         """Poses of the moving bodies, shape (m, len(model.bodies), 12): com (3) m, rotation (9), row by
         row."""
         out = np.zeros((len(y), len(self.model.bodies), 12))
-        model = self.model
-        status = model.lib.lamc_motion_poses(self.handle, len(y), model.read(y), model.write(out))
-        assert status == model.lib.LAMC_OK
+        self._call(self.model.lib.lamc_motion_poses, len(y), self.model.read(t), y, out)
         return out
 
     def rhs(self, t: float, y: Array) -> Array:
-        """dy/dt at one state y (2n,): the rates, then the accelerations."""
-        n = len(self.model.joints)
-        row = np.ascontiguousarray(y).reshape(1, 2 * n)
-        return np.concatenate([row[0, n:], self.accelerations(np.array([t]), row)[0]])
+        """dy/dt at one state y (nq + nu,): of the coordinates, then of the rates."""
+        model = self.model
+        row, nq = np.ascontiguousarray(y).reshape(1, -1), len(model.coordinates)
+        accelerations = self.accelerations(np.array([t]), row)[0]
+        if model.handle.rates == model.ffi.NULL:
+            return np.concatenate([row[0, nq:], accelerations])
+        q, u, qdot = row[0, :nq].copy(), row[0, nq:].copy(), np.zeros(nq)
+        model.handle.rates(self.handle.constants, model.read(q), model.read(u), model.write(qdot))
+        return np.concatenate([qdot, accelerations])
 
     def _call(self, function: Any, count: int, t: Any, y: Array, out: Array) -> None:
         status = function(self.handle, count, t, self.model.read(y), self.model.write(out))
@@ -136,6 +146,11 @@ class Model(Unchanging):
         self.name = self._text(handle.name)
         self.digest = self._text(handle.digest)
         self.joints = self._names(handle.joint_names, handle.joint_count)
+        self.coordinates = self._named(
+            handle.coordinate_names, handle.coordinate_units, handle.coordinate_count, "rad"
+        )
+        self.rates = self._named(handle.rate_names, handle.rate_units, handle.rate_count, "rad/s")
+        self.powers = self._names(handle.power_names, handle.power_count)
         self.cuts = self._names(handle.cut_names, handle.cut_count)
         self.closure_count = int(handle.closure_count)
         self.size = float(handle.size)
@@ -148,6 +163,16 @@ class Model(Unchanging):
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
         self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
+
+    @property
+    def needs_work(self) -> bool:
+        """Whether a motion has working memory, which two threads cannot share."""
+        return bool(self.lib.lamc_motion_work_size(self.handle))
+
+    @property
+    def state_size(self) -> int:
+        """nq + nu."""
+        return len(self.coordinates) + len(self.rates)
 
     def motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.
@@ -175,6 +200,11 @@ class Model(Unchanging):
     def _text(self, pointer: Any) -> str:
         text: bytes = self.ffi.string(pointer)
         return text.decode("utf-8")
+
+    def _named(self, names: Any, units: Any, count: int, usual: str) -> tuple[Coordinate, ...]:
+        """Names with units; `usual` where there is no table of units."""
+        known = [usual] * count if units == self.ffi.NULL else self._names(units, count)
+        return tuple(map(Coordinate, self._names(names, count), known))
 
     def _names(self, pointers: Any, count: int) -> tuple[str, ...]:
         return tuple(self._text(pointers[i]) for i in range(count))

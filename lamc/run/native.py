@@ -29,7 +29,7 @@ class _Chunk:
     """Room for rows, and the C record that counts them."""
 
     def __init__(self, model: Model, capacity: int) -> None:
-        self._t, self._y = np.empty(capacity), np.empty((capacity, 2 * len(model.joints)))
+        self._t, self._y = np.empty(capacity), np.empty((capacity, model.state_size))
         self.handle: Any = model.ffi.new("lamc_rows *")
         self.handle.t, self.handle.y = model.write(self._t), model.write(self._y)
         self.handle.capacity = capacity
@@ -40,7 +40,7 @@ class _Chunk:
 
     @property
     def rows(self) -> tuple[Array, Array]:
-        """Times (m,) and states (m, 2n) written so far."""
+        """Times (m,) and states (m, nq + nu) written so far."""
         count = int(self.handle.count)
         return self._t[:count], self._y[:count]
 
@@ -56,7 +56,7 @@ class _Rows:
 
     def __init__(self, model: Model, times: Array | None) -> None:
         self._model = model
-        known = max(CHUNK // (2 * len(model.joints) + 1), 1) if times is None else max(len(times), 1)
+        known = max(CHUNK // (model.state_size + 1), 1) if times is None else max(len(times), 1)
         self._capacity = known
         self._chunks = [_Chunk(model, known)]
 
@@ -72,11 +72,11 @@ class _Rows:
         return tuple(event for chunk in self._chunks for event in chunk.events)
 
     def taken(self, t_last: float, y_last: Array) -> tuple[Array, Array, Array]:
-        """Times, angles and rates, with the state at t_last put behind them if it lies beyond."""
+        """Times, coordinates and rates, with the state at t_last put behind them if it lies beyond."""
         parts = [chunk.rows for chunk in self._chunks]
         if t_last > max((float(t[-1]) for t, _ in parts if len(t)), default=-math.inf):
             parts.append((np.array([t_last]), y_last.reshape(1, -1)))
-        n = len(self._model.joints)
+        n = len(self._model.coordinates)
         t = np.concatenate([t for t, _ in parts])
         return t, np.concatenate([y[:, :n] for _, y in parts]), np.concatenate([y[:, n:] for _, y in parts])
 

@@ -41,7 +41,7 @@ class Status(IntEnum):
 class Request:
     """What to integrate to and how well. Made by `checked_request`."""
 
-    y0: Array  # (2n,), rad and rad/s: joint angles, then rates
+    y0: Array  # (nq + nu,): coordinates, then rates
     t_end: float  # s; a run starts at t = 0
     rtol: float
     atol: float  # rad and rad/s
@@ -59,8 +59,8 @@ class Trajectory:
     """
 
     t: Array  # (m,), s
-    q: Array  # (m, n), rad
-    u: Array  # (m, n), rad/s
+    q: Array  # (m, nq)
+    u: Array  # (m, nu)
     t_reached: float  # s
     status: Status
     note: str  # the integrator's own words on a failure; may be empty

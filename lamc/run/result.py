@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamc.codegen.program import Coordinate
 from lamc.files import checked_path
 from lamc.mechanism.records import Mechanism
 from lamc.run import files, frames
@@ -69,9 +70,10 @@ class Provenance:
 
 @dataclass(frozen=True, eq=False)
 class Result(Unchanging):
-    """A run, complete or not. m rows at times t, n joints.
+    """A run, complete or not. m rows at times t.
 
-    t, q, u  times (m,), s; joint angles (m, n), rad; joint rates (m, n), rad/s, in the order of `joints`
+    t, q, u  times (m,), s; coordinates (m, nq) and rates (m, nu), in the order of `coordinates` and `rates`: first
+             joint angles, rad, and joint rates, rad/s, in the order of `joints`, and for most scenes nothing else
     status   how it ended: 0 (`Status.REACHED_END`) or a negative `Status`; every row is good in any case
     message  the same for people
     stats    what it took
@@ -80,12 +82,12 @@ class Result(Unchanging):
 
     Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
-    As `solve_ivp` has it: `t`, `y` (2n, m), `status`, `message`, `success`, `nfev`.
+    As `solve_ivp` has it: `t`, `y` (nq + nu, m), `status`, `message`, `success`, `nfev`.
     """
 
     t: Array  # (m,), s
-    q: Array  # (m, n), rad
-    u: Array  # (m, n), rad/s
+    q: Array  # (m, nq)
+    u: Array  # (m, nu)
     status: Status
     message: str
     stats: RunStats
@@ -115,13 +117,28 @@ class Result(Unchanging):
 
     @property
     def y(self) -> Array:
-        """State, shape (2n, m): angles (rad), then rates (rad/s); the layout of `solve_ivp`."""
+        """State, shape (nq + nu, m): coordinates, then rates; the layout of `solve_ivp`."""
         return self._rows.T
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of the columns of q and u."""
+        """Names of the joints, in the order of the first columns of q and u."""
         return self.motion.model.joints
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Names and units of the columns of q: the joints, then what effects add."""
+        return self.motion.model.coordinates
+
+    @property
+    def rates(self) -> tuple[Coordinate, ...]:
+        """Names and units of the columns of u."""
+        return self.motion.model.rates
+
+    def coordinate(self, name: str) -> Array:
+        """One coordinate by name, as "base.z", shape (m,), in the unit that `coordinates` tells. Raises KeyError with
+        the names there are."""
+        return self.q[:, _place(name, self.coordinates, "coordinate")]
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -135,7 +152,10 @@ class Result(Unchanging):
         return self._of(joint, self.q, 0)
 
     def rate(self, joint: str) -> Array:
-        """Rate of a joint, shape (m,), rad/s. Raises KeyError with the names there are."""
+        """Rate of a joint, shape (m,), rad/s, or another of `rates`, as "base.vz", in the unit told there. Raises
+        KeyError with the names there are."""
+        if any(rate.name == joint for rate in self.rates[len(self.joints) :]):
+            return self.u[:, _place(joint, self.rates, "rate")]
         return self._of(joint, self.u, len(self.motion.model.cuts))
 
     @cached_property
@@ -176,7 +196,7 @@ class Result(Unchanging):
         """Centre of mass, shape (m, 3), m, and rotation, shape (m, 3, 3), of a body in world axes.
 
         The rotation takes body axes to world axes and is the identity as drawn. A fixed body keeps its
-        drawn pose. Raises KeyError with the names there are.
+        drawn pose, unless an effect moves it. Raises KeyError with the names there are.
         """
         record = self.mechanism.body(body)
         moving = self.motion.model.bodies
@@ -193,8 +213,9 @@ class Result(Unchanging):
         return files.write_csv(self, checked_path(path))
 
     def to_npz(self, path: str | Path) -> Path:
-        """Writes arrays t, q, u, energies, energy, constraint_error, joints, energy_names (no pickles), and
-        a JSON manifest beside it. Both appear whole or not at all. Raises LamcError if it cannot."""
+        """Writes arrays t, q, u, energies, energy, constraint_error, joints, coordinates and rates (names), their units
+        coordinate_units and rate_units, energy_names (no pickles), and a JSON manifest beside it. Both appear whole or
+        not at all. Raises LamcError if it cannot."""
         return files.write_npz(self, checked_path(path))
 
     def to_pandas(self) -> "pandas.DataFrame":
@@ -213,7 +234,7 @@ class Result(Unchanging):
 
     @cached_property
     def _poses(self) -> Array:
-        poses = self.motion.poses(self._rows)
+        poses = self.motion.poses(self.t, self._rows)
         poses.flags.writeable = False
         return poses
 
@@ -230,3 +251,11 @@ class Result(Unchanging):
             names = ", ".join((*self.joints, *cuts)) or "none"
             raise KeyError(f"no joint is named {joint!r}; there are {names}")
         return values[:, self.joints.index(joint)]
+
+
+def _place(name: str, entries: tuple[Coordinate, ...], what: str) -> int:
+    """The column of a name, or KeyError."""
+    names = [entry.name for entry in entries]
+    if name not in names:
+        raise KeyError(f"no {what} is named {name!r}; there are {', '.join(names) or 'none'}")
+    return names.index(name)

@@ -51,10 +51,11 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
     last_step = 0.0
     reached = (0.0, request.y0)  # one assignment, so that an interrupt cannot part time and state
     note = ""
+    nq = len(motion.model.coordinates)
     if not np.isfinite(motion.rhs(0.0, request.y0)).all():
-        return _trajectory(output, reached, Status.NOT_FINITE, note, 1, 0, 0.0)
+        return _trajectory(nq, output, reached, Status.NOT_FINITE, note, 1, 0, 0.0)
     if request.t_end == 0.0 or not len(request.y0):  # scipy cannot treat an empty state
-        return _nothing_moves(request, output)
+        return _nothing_moves(nq, request)
     solver = METHODS[method](
         motion.rhs,
         0.0,
@@ -85,7 +86,7 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
     except ValueError as error:  # the linear algebra of implicit methods refuses NaN
         status, note = Status.NOT_FINITE, str(error)
     evaluations = int(solver.nfev)
-    return _trajectory(output, reached, status, note, evaluations, accepted, last_step)
+    return _trajectory(nq, output, reached, status, note, evaluations, accepted, last_step)
 
 
 def _failure(motion: Motion, solver: RK45) -> Status:
@@ -97,16 +98,17 @@ def _failure(motion: Motion, solver: RK45) -> Status:
     return Status.FAILED if isinstance(solver, LSODA) else Status.STEP_UNDERFLOW
 
 
-def _nothing_moves(request: Request, output: _Output) -> Trajectory:
+def _nothing_moves(nq: int, request: Request) -> Trajectory:
     times = np.array([0.0, request.t_end]) if request.t_eval is None else request.t_eval
     if request.t_end == 0.0:
         times = times[:1]
     y = np.tile(request.y0, (len(times), 1))
-    q, u = _halves(y)
+    q, u = y[:, :nq].copy(), y[:, nq:].copy()
     return Trajectory(times, q, u, request.t_end, Status.REACHED_END, "", 1, 0, None, 0.0)
 
 
 def _trajectory(
+    nq: int,
     output: _Output,
     reached: tuple[float, Array],
     status: Status,
@@ -120,11 +122,5 @@ def _trajectory(
     y = np.concatenate([np.zeros((0, len(y_reached))), *output.y])[: len(t)]
     if status < 0 and (not len(t) or t_reached > t[-1]):
         t, y = np.append(t, t_reached), np.vstack([y, y_reached])
-    q, u = _halves(y)
+    q, u = y[:, :nq].copy(), y[:, nq:].copy()
     return Trajectory(t, q, u, t_reached, status, note, evaluations, accepted, None, last_step)
-
-
-def _halves(y: Array) -> tuple[Array, Array]:
-    """Angles and rates (m, n) of states (m, 2n)."""
-    n = y.shape[1] // 2
-    return y[:, :n].copy(), y[:, n:].copy()

@@ -15,12 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
+from lamc.codegen.program import Coordinate
 from lamc.effects.base import marks_of
 from lamc.errors import DesignError, RequestError, about
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
+from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.places import told_at
@@ -49,6 +51,7 @@ class Simulator(Unchanging):
     parameters        name → default of every number that can change without recompiling, read-only
     parameter_units   name → unit
     joints, bodies    names: joints in the order of q and u; all bodies, fixed ones too
+    coordinates, rates  names and units of all of q and u: the joints, then what effects add
     """
 
     def __init__(
@@ -85,6 +88,16 @@ class Simulator(Unchanging):
         return self._model.joints
 
     @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Names and units of q: the joints, then what effects add."""
+        return self._model.coordinates
+
+    @property
+    def rates(self) -> tuple[Coordinate, ...]:
+        """Names and units of u."""
+        return self._model.rates
+
+    @property
     def cut_joints(self) -> tuple[str, ...]:
         """Names of the joints that close loops; their angles follow from the others."""
         return self._model.cuts
@@ -102,7 +115,8 @@ class Simulator(Unchanging):
 
     @cached_property
     def start(self) -> Array:
-        """Initial state (2n,): the scene's angles and rates; those left out follow from closure, or are zero.
+        """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.
+        What effects add to the coordinates starts as they say.
 
         Raises DesignError where they cannot be had.
         """
@@ -115,6 +129,9 @@ class Simulator(Unchanging):
                         f"branch is {self.scene.branch}, and a mechanism without loops has none; leave it out"
                     )
             start = drawn_start(self.scene, self.joints)
+        if len(self.coordinates) > len(self.joints):
+            count = len(self.joints)
+            start = np.concatenate(self._arrangement.start(start[:count].tolist(), start[count:].tolist()))
         start.flags.writeable = False
         self._check_start(start, self.mechanism)
         return start
@@ -218,10 +235,10 @@ class Simulator(Unchanging):
         t: npt.ArrayLike = 0.0,
         parameters: Mapping[str, float] = NO_PARAMETERS,
     ) -> Array:
-        """Joint accelerations, shape (…, n), rad/s², at angles q (…, n), rad, rates u (…, n), rad/s, and
-        times t (…), s. The leading shapes broadcast. Raises RequestError for other shapes."""
-        times, rows, shape = states(q, u, t, len(self.joints))
-        return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.joints))
+        """Derivatives of the rates, shape (…, nu), of joints rad/s², at coordinates q (…, nq), of joints rad, rates
+        u (…, nu) and times t (…), s. The leading shapes broadcast. Raises RequestError for other shapes."""
+        times, rows, shape = states(q, u, t, self._model)
+        return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.rates))
 
     def jacobian(
         self,
@@ -230,12 +247,12 @@ class Simulator(Unchanging):
         t: float = 0.0,
         parameters: Mapping[str, float] = NO_PARAMETERS,
     ) -> tuple[Array, Array]:
-        """Derivatives of the accelerations by the angles, shape (n, n), 1/s², and by the rates, shape (n, n), 1/s,
-        at angles q (n,), rad, rates u (n,), rad/s, and time t, s: [i, j] is that of joint i by joint j.
+        """Derivatives of the accelerations by the coordinates, shape (nu, nq), of joints 1/s², and by the rates, shape
+        (nu, nu), of joints 1/s, at coordinates q (nq,), rates u (nu,) and time t, s: [i, j] is that of i by j.
 
         Loops hold: the derivatives are those of the accelerations under closure. Raises RequestError for other
         shapes."""
-        times, rows, shape = states(q, u, t, len(self.joints))
+        times, rows, shape = states(q, u, t, self._model)
         if shape:
             raise RequestError(f"jacobian takes one state; these are {shape} of them")
         return self._motion(parameters).jacobian(float(times[0]), rows[0])
@@ -247,21 +264,22 @@ class Simulator(Unchanging):
         t: npt.ArrayLike = 0.0,
         parameters: Mapping[str, float] = NO_PARAMETERS,
     ) -> Array:
-        """Kinetic plus stored energy, shape (…), J, at angles q (…, n), rates u (…, n) and times t (…)."""
-        times, rows, shape = states(q, u, t, len(self.joints))
+        """Kinetic plus stored energy, shape (…), J, at coordinates q (…, nq), rates u (…, nu) and times t (…)."""
+        times, rows, shape = states(q, u, t, self._model)
         total: Array = self._motion(parameters).energies(times, rows).sum(axis=1).reshape(shape)
         return total
 
     def closure(self, q: npt.ArrayLike) -> tuple[Array, Array]:
-        """Residuals φ, shape (m,), m, of the loops' equations and their Jacobian, shape (m, n), m/rad, at angles q
-        (n,), rad; m is 0 for a tree. Raises RequestError for another shape."""
+        """Residuals φ, shape (m,), m, of the loops' equations and their Jacobian J, shape (m, nu), of joints m/rad, by
+        which φ̇ = J u, at coordinates q (nq,); m is 0 for a tree. Raises RequestError for another shape."""
         angles = numbers(q, "q")
-        n, m = len(self.joints), self._model.closure_count
-        if angles.shape != (n,):
-            raise RequestError(f"q has shape {angles.shape}; it must be ({n},), one angle per joint")
-        row = np.concatenate([angles, np.zeros(n)]).reshape(1, -1)
+        nq, nu, m = len(self.coordinates), len(self.rates), self._model.closure_count
+        if angles.shape != (nq,):
+            what = "one angle per joint" if nq == len(self.joints) else "one number per coordinate"
+            raise RequestError(f"q has shape {angles.shape}; it must be ({nq},), {what}")
+        row = np.concatenate([angles, np.zeros(nu)]).reshape(1, -1)
         flat = self._motion(NO_PARAMETERS).closures(row)[0]
-        return flat[:m], flat[m:].reshape(m, n)
+        return flat[:m], flat[m:].reshape(m, nu)
 
     def _check_start(self, start: Array, mechanism: Mechanism) -> None:
         """Shows the start and the mechanism with the limits of the run to the effects that ask for it. Raises
@@ -282,12 +300,15 @@ class Simulator(Unchanging):
         return Starter(LoopGeometry(plan(self.mechanism)), self.loops)
 
     @cached_property
+    def _arrangement(self) -> Arrangement:
+        return arrange(plan(self.mechanism), self.effects)
+
+    @cached_property
     def _default_motion(self) -> Motion:
         return self._model.motion(NO_PARAMETERS)
 
     def _motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
-        # With loops or guards a motion has working memory, which two threads cannot share.
-        if parameters is not NO_PARAMETERS or self._model.cuts or self._model.guards:
+        if parameters is not NO_PARAMETERS or self._model.needs_work:
             return self._model.motion(parameters, baumgarte)
         return self._default_motion
 

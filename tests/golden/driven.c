@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 8adc4eccf2c3cea71a81710625f1f01574fe8b7fc82c00aceb034fc998fb2a39
+ * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -50,7 +50,8 @@ void driven_energy(const double *c, double t, const double *q, const double *u, 
 }
 
 /* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
-void driven_poses(const double *c, const double *q, double *out) {
+void driven_poses(const double *c, double t, const double *q, double *out) {
+  (void)t;
   /* Rotation about the hinges (eq. 1-4) */
   const double z0 = cos(q[0]);
   const double z1 = sin(q[0]);
@@ -71,7 +72,7 @@ void driven_poses(const double *c, const double *q, double *out) {
   out[11] = 1.0;
 }
 
-/* mass matrix, lower triangle by rows, kg m^2 */
+/* mass matrix, lower triangle by rows */
 void driven_inertia(const double *c, const double *q, double *out) {
   (void)q;
   out[0] = c[1];
@@ -153,8 +154,10 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "8adc4eccf2c3cea71a81710625f1f01574fe8b7fc82c00aceb034fc998fb2a39",
+      "86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825",
       0.5,
+      1,
+      1,
       1,
       0,
       0,
@@ -165,17 +168,24 @@ const lamc_model *driven_model(void) {
       3,
       1,
       0,
+      0,
       joint_names,
+      joint_names,
+      NULL,
+      joint_names,
+      NULL,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
       NULL,
+      NULL,
       parameter_defaults,
       NULL,
       1.64,
       setup_from_array,
+      NULL,
       driven_acceleration,
       NULL,
       NULL,
@@ -185,6 +195,7 @@ const lamc_model *driven_model(void) {
       driven_poses,
       driven_inertia,
       driven_jacobian,
+      NULL,
       NULL,
       NULL,
   };

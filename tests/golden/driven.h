@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 8adc4eccf2c3cea71a81710625f1f01574fe8b7fc82c00aceb034fc998fb2a39
+ * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -26,6 +26,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   driven_joint_count = 1,
+  driven_coordinate_count = 1,
+  driven_rate_count = 1,
   driven_cut_count = 0,
   driven_closure_count = 0,
   driven_body_count = 1,
@@ -56,13 +58,13 @@ void driven_acceleration(const double *constants, double t, const double *q, con
 /* -> energies (1,) J: kinetic */
 void driven_energy(const double *constants, double t, const double *q, const double *u, double *energies);
 
-/* -> poses (1, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
-void driven_poses(const double *constants, const double *q, double *poses);
+/* t, q -> poses (1, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
+void driven_poses(const double *constants, double t, const double *q, double *poses);
 
-/* q -> M, lower triangle by rows, kg m^2 */
+/* q -> M, lower triangle by rows */
 void driven_inertia(const double *constants, const double *q, double *inertia);
 
-/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+/* t, q, u, accelerations a, forces l of the loops -> derivatives by q, u and t (3 columns) of
  * M a - f, for implicit integrators */
 void driven_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
                            const double *l, double *jacobian);

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 44e03db6f49cccf327d5d88436fa7dd1cba81c0ac11e7e008c8893adbf4689f3
+ * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -171,7 +171,8 @@ void pendulum_energy(const double *c, double t, const double *q, const double *u
 }
 
 /* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
-void pendulum_poses(const double *c, const double *q, double *out) {
+void pendulum_poses(const double *c, double t, const double *q, double *out) {
+  (void)t;
   /* Rotation about the hinges (eq. 1-4) */
   const double z0 = cos(q[0]);
   const double z1 = sin(q[0]);
@@ -227,7 +228,7 @@ void pendulum_poses(const double *c, const double *q, double *out) {
   out[35] = z6;
 }
 
-/* mass matrix, lower triangle by rows, kg m^2 */
+/* mass matrix, lower triangle by rows */
 void pendulum_inertia(const double *c, const double *q, double *out) {
   /* Rotation about the hinges (eq. 1-4) */
   const double z0 = cos(q[0]);
@@ -483,8 +484,10 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "44e03db6f49cccf327d5d88436fa7dd1cba81c0ac11e7e008c8893adbf4689f3",
+      "8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163",
       2.5000040999935202,
+      3,
+      3,
       3,
       0,
       0,
@@ -495,17 +498,24 @@ const lamc_model *pendulum_model(void) {
       24,
       3,
       0,
+      0,
       joint_names,
+      joint_names,
+      NULL,
+      joint_names,
+      NULL,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
       NULL,
+      NULL,
       parameter_defaults,
       NULL,
       1.64,
       setup_from_array,
+      NULL,
       pendulum_acceleration,
       NULL,
       NULL,
@@ -515,6 +525,7 @@ const lamc_model *pendulum_model(void) {
       pendulum_poses,
       pendulum_inertia,
       pendulum_jacobian,
+      NULL,
       NULL,
       NULL,
   };

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 44e03db6f49cccf327d5d88436fa7dd1cba81c0ac11e7e008c8893adbf4689f3
+ * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -30,6 +30,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   pendulum_joint_count = 3,
+  pendulum_coordinate_count = 3,
+  pendulum_rate_count = 3,
   pendulum_cut_count = 0,
   pendulum_closure_count = 0,
   pendulum_body_count = 3,
@@ -78,13 +80,13 @@ void pendulum_acceleration(const double *constants, double t, const double *q, c
 /* -> energies (3,) J: kinetic, hinge_stiffness, gravity */
 void pendulum_energy(const double *constants, double t, const double *q, const double *u, double *energies);
 
-/* -> poses (3, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
-void pendulum_poses(const double *constants, const double *q, double *poses);
+/* t, q -> poses (3, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
+void pendulum_poses(const double *constants, double t, const double *q, double *poses);
 
-/* q -> M, lower triangle by rows, kg m^2 */
+/* q -> M, lower triangle by rows */
 void pendulum_inertia(const double *constants, const double *q, double *inertia);
 
-/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+/* t, q, u, accelerations a, forces l of the loops -> derivatives by q, u and t (7 columns) of
  * M a - f, for implicit integrators */
 void pendulum_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
                            const double *l, double *jacobian);

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 9512a2c2438415b08276e735b7b54612589532decc13debeb9b3b66dbc3ecc16
+ * Program digest c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -170,7 +170,8 @@ void two_links_in_space_energy(const double *c, double t, const double *q, const
 }
 
 /* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
-void two_links_in_space_poses(const double *c, const double *q, double *out) {
+void two_links_in_space_poses(const double *c, double t, const double *q, double *out) {
+  (void)t;
   /* Rotation about the hinges (eq. 1-4) */
   const double z0 = cos(q[0]);
   const double z1 = sin(q[0]);
@@ -225,7 +226,7 @@ void two_links_in_space_poses(const double *c, const double *q, double *out) {
   out[23] = -z24;
 }
 
-/* mass matrix, lower triangle by rows, kg m^2 */
+/* mass matrix, lower triangle by rows */
 void two_links_in_space_inertia(const double *c, const double *q, double *out) {
   /* Rotation about the hinges (eq. 1-4) */
   const double z0 = cos(q[1]);
@@ -429,8 +430,10 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "9512a2c2438415b08276e735b7b54612589532decc13debeb9b3b66dbc3ecc16",
+      "c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea",
       1.0307764064044151,
+      2,
+      2,
       2,
       0,
       0,
@@ -441,17 +444,24 @@ const lamc_model *two_links_in_space_model(void) {
       31,
       3,
       0,
+      0,
       joint_names,
+      joint_names,
+      NULL,
+      joint_names,
+      NULL,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
       NULL,
+      NULL,
       parameter_defaults,
       NULL,
       1.86,
       setup_from_array,
+      NULL,
       two_links_in_space_acceleration,
       NULL,
       NULL,
@@ -461,6 +471,7 @@ const lamc_model *two_links_in_space_model(void) {
       two_links_in_space_poses,
       two_links_in_space_inertia,
       two_links_in_space_jacobian,
+      NULL,
       NULL,
       NULL,
   };

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 9512a2c2438415b08276e735b7b54612589532decc13debeb9b3b66dbc3ecc16
+ * Program digest c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -28,6 +28,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   two_links_in_space_joint_count = 2,
+  two_links_in_space_coordinate_count = 2,
+  two_links_in_space_rate_count = 2,
   two_links_in_space_cut_count = 0,
   two_links_in_space_closure_count = 0,
   two_links_in_space_body_count = 2,
@@ -71,13 +73,13 @@ void two_links_in_space_acceleration(const double *constants, double t, const do
 /* -> energies (3,) J: kinetic, hinge_stiffness, gravity */
 void two_links_in_space_energy(const double *constants, double t, const double *q, const double *u, double *energies);
 
-/* -> poses (2, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
-void two_links_in_space_poses(const double *constants, const double *q, double *poses);
+/* t, q -> poses (2, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
+void two_links_in_space_poses(const double *constants, double t, const double *q, double *poses);
 
-/* q -> M, lower triangle by rows, kg m^2 */
+/* q -> M, lower triangle by rows */
 void two_links_in_space_inertia(const double *constants, const double *q, double *inertia);
 
-/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+/* t, q, u, accelerations a, forces l of the loops -> derivatives by q, u and t (5 columns) of
  * M a - f, for implicit integrators */
 void two_links_in_space_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
                            const double *l, double *jacobian);

@@ -282,7 +282,7 @@ int main(void) {{
   for (int i = 0; i < m->joint_count; ++i) printf("%a\\n", out[i]);
   {prefix}_energy(c, t, q, u, out);
   for (int i = 0; i < m->energy_count; ++i) printf("%a\\n", out[i]);
-  {prefix}_poses(c, q, out);
+  {prefix}_poses(c, 0.0, q, out);
   for (int i = 0; i < 12 * m->body_count; ++i) printf("%a\\n", out[i]);
   return 0;
 }}

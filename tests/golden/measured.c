@@ -1,7 +1,7 @@
 /* measured: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 1e43783e6c0787b086356b32dcf8650d719135625643a9f7aec6cf6153354b15
+ * Program digest d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859
  * Accelerations by elimination (operations: elimination 3, mass matrix 3).
  *
  * Operations per call (+ - *, reciprocals, library calls):
@@ -103,7 +103,8 @@ void measured_energy(const double *c, double t, const double *q, const double *u
 }
 
 /* per moving body: centre of mass (3), m, and rotation (9, by rows), world axes */
-void measured_poses(const double *c, const double *q, double *out) {
+void measured_poses(const double *c, double t, const double *q, double *out) {
+  (void)t;
   /* Rotation about the hinges (eq. 1-4) */
   const double z0 = cos(q[0]);
   const double z1 = sin(q[0]);
@@ -124,7 +125,7 @@ void measured_poses(const double *c, const double *q, double *out) {
   out[11] = 1.0;
 }
 
-/* mass matrix, lower triangle by rows, kg m^2 */
+/* mass matrix, lower triangle by rows */
 void measured_inertia(const double *c, const double *q, double *out) {
   (void)q;
   out[0] = c[3];
@@ -207,8 +208,10 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *measured_model(void) {
   static const lamc_model model = {
       "measured",
-      "1e43783e6c0787b086356b32dcf8650d719135625643a9f7aec6cf6153354b15",
+      "d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859",
       0.5,
+      1,
+      1,
       1,
       0,
       0,
@@ -219,17 +222,24 @@ const lamc_model *measured_model(void) {
       5,
       2,
       0,
+      0,
       joint_names,
+      joint_names,
+      NULL,
+      joint_names,
+      NULL,
       cut_names,
       body_names,
       parameter_names,
       parameter_units,
       energy_names,
       NULL,
+      NULL,
       parameter_defaults,
       NULL,
       0.92,
       setup_from_array,
+      NULL,
       measured_acceleration,
       NULL,
       NULL,
@@ -239,6 +249,7 @@ const lamc_model *measured_model(void) {
       measured_poses,
       measured_inertia,
       measured_jacobian,
+      NULL,
       NULL,
       NULL,
   };

@@ -1,7 +1,7 @@
 /* measured: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 1e43783e6c0787b086356b32dcf8650d719135625643a9f7aec6cf6153354b15
+ * Program digest d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -26,6 +26,8 @@ extern "C" {
 /* Sizes of the arrays below. */
 enum {
   measured_joint_count = 1,
+  measured_coordinate_count = 1,
+  measured_rate_count = 1,
   measured_cut_count = 0,
   measured_closure_count = 0,
   measured_body_count = 1,
@@ -58,13 +60,13 @@ void measured_acceleration(const double *constants, double t, const double *q, c
 /* -> energies (2,) J: kinetic, nonlinear_stiffness */
 void measured_energy(const double *constants, double t, const double *q, const double *u, double *energies);
 
-/* -> poses (1, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
-void measured_poses(const double *constants, const double *q, double *poses);
+/* t, q -> poses (1, 12): centre of mass (3) m, rotation (3, 3) by rows, world from drawn axes */
+void measured_poses(const double *constants, double t, const double *q, double *poses);
 
-/* q -> M, lower triangle by rows, kg m^2 */
+/* q -> M, lower triangle by rows */
 void measured_inertia(const double *constants, const double *q, double *inertia);
 
-/* t, q, u, accelerations a (rad/s^2), forces l of the loops -> derivatives by q, u and t (2 n + 1 columns) of
+/* t, q, u, accelerations a, forces l of the loops -> derivatives by q, u and t (3 columns) of
  * M a - f, for implicit integrators */
 void measured_jacobian(const double *constants, double t, const double *q, const double *u, const double *a,
                            const double *l, double *jacobian);

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lamc._version import __version__
+from lamc.commands.ledger_options import ledger
 from lamc.commands.options import SETTINGS, Cli, compiler, design, folder, speaking, staged
 from lamc.commands.plate_options import plate
 from lamc.commands.terminal import Terminal
@@ -31,6 +32,7 @@ def main(context: click.Context) -> None:
     Try:
       lamc run --example pendulum      simulate, and write results, pictures and a film
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
+      lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc plate --example strip       bend a laminate: deflection, moments, stress, modes
       lamc examples                    list the designs that ship with lamc
       lamc doctor                      see whether this machine has what lamc needs
@@ -258,6 +260,7 @@ def bench(
     return work(Source(file, example, cc, fast), changes, out, terminal)
 
 
+main.add_command(ledger)
 main.add_command(plate)
 
 

@@ -97,8 +97,11 @@ def compile(  # noqa: A001  the public name is lamc.compile
     scene: Scene | None = None,
     options: CompileOptions | None = None,
     times: Times | None = None,
+    cache: Cache | None = None,
 ) -> Simulator:
     """A simulator of `design` in `scene` (None: the design's own, else what the design asks for).
+
+    cache: where compiled modules are kept; None: the user's own.
 
     Raises DesignError and its leaves for what cannot be simulated, BuildError without a working compiler or cache.
     """
@@ -112,17 +115,18 @@ def compile(  # noqa: A001  the public name is lamc.compile
         mechanism = design
     scene = scene or mechanism.scene or Scene()
     with told_at(scene.places):
-        return _compiled(mechanism, scene, options, times)
+        return _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
 
 
-def _compiled(mechanism: Mechanism, scene: Scene, options: CompileOptions, times: Times) -> Simulator:
+def _compiled(
+    mechanism: Mechanism, scene: Scene, options: CompileOptions, times: Times, cache: Cache
+) -> Simulator:
     effects = effects_of(mechanism, scene)
     loops = None
     if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
             loops = loops_of(plan(mechanism), scene)
     compiler = find_compiler(options.compiler)
-    cache = Cache(cache_root())
     alias = _input_digest(mechanism, effects, loops, compiler, options)
     with times.stage("load from cache"):
         key = cache.recall(alias) if alias else None

@@ -20,7 +20,7 @@ from lamc.commands.inputs import folder_name
 from lamc.commands.run import default_rows
 
 ROOT = Path(__file__).resolve().parent.parent
-VERBS = ("run", "build", "check", "split", "bench", "plate", "schema", "doctor")
+VERBS = ("run", "build", "check", "split", "bench", "ledger", "plate", "schema", "doctor")
 HOSTILE = '"; int main'
 
 # One link of 1 m and 1 kg on a hinge along y: a pendulum whose small parts compile in a third of a second.

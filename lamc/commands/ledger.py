@@ -1,0 +1,129 @@
+"""`lamc ledger`: what accuracy costs on a design, and which effects matter. Out: tables, ledger.json and ledger.png."""
+
+import json
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of, output_folder
+from lamc.commands.run import DEFAULT_DURATION
+from lamc.commands.terminal import Terminal, plain
+from lamc.errors import LamcError
+from lamc.files import write_text
+from lamc.ledger.measure import measure
+from lamc.ledger.peers import PEERS
+from lamc.ledger.records import DECADES, Ledger, Sweep
+from lamc.ledger.schema import ledger_schema
+from lamc.pipeline import Times
+from lamc.report.ledger import draw_ledger
+from lamc.report.ledger_text import ledger_text
+from lamc.run.integrators import NAMES
+from lamc.run.request import MIN_RTOL, did_you_mean
+
+FILES = ("ledger.json", "ledger.png")
+_SECONDS = {"s": 1.0, "ms": 1e-3, "min": 60.0}
+
+
+@dataclass(frozen=True)
+class LedgerOrder:
+    """What `lamc ledger` was asked for, in words as typed."""
+
+    source: Source
+    changes: SceneChanges
+    t_end: float | None  # s; None: the scene's duration, or `DEFAULT_DURATION`
+    accuracy: str  # 1e-3 or "0.1 %"
+    budget: str  # 30 or "30 s" or "2 min"
+    tightest: float  # rtol
+    integrators: tuple[str, ...]  # empty: all
+    account: bool
+    full: bool
+    out: str | None
+
+
+def ledger(order: LedgerOrder, terminal: Terminal) -> int:
+    """Measures, writes, prints."""
+    sweep = _sweep(order)
+    times = Times()
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        loaded = load_source(order.source, times, progress)
+        with output_folder(order.out, loaded.name) as folder:
+            mechanism = mechanism_of(loaded, times, progress)
+            scene, _ = changed_scene(mechanism, order.changes)
+            if order.t_end is None and scene.duration is not None:
+                sweep = replace(sweep, t_end=scene.duration)
+            measured = measure(
+                mechanism, scene, order.source.options, sweep, progress, with_account=order.account
+            )
+            data = ledger_data(measured)
+            write_text(folder / "ledger.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+            draw_ledger(measured, folder / "ledger.png")
+    terminal.say(f"{ledger_text(measured, full=order.full)}\n\nfiles   {folder}: {', '.join(FILES)}")
+    terminal.result({"ok": True, **data, "folder": str(folder), "files": list(FILES)})
+    return 0
+
+
+def schema() -> int:
+    """The JSON Schema of ledger.json on stdout."""
+    print(json.dumps(ledger_schema(), indent=1))
+    return 0
+
+
+def ledger_data(measured: Ledger) -> dict[str, Any]:
+    """The record in JSON's own types."""
+    data: dict[str, Any] = plain(asdict(measured))
+    return data
+
+
+def _sweep(order: LedgerOrder) -> Sweep:
+    """Raises LamcError for what makes no sweep."""
+    if order.t_end is not None and not (math.isfinite(order.t_end) and order.t_end > 0.0):
+        raise LamcError(f"--t-end is {order.t_end:g} s; it must be above zero: nothing else can be measured")
+    if not MIN_RTOL <= order.tightest <= DECADES[0]:
+        raise LamcError(
+            f"--tightest is {order.tightest:g}; it must lie between {MIN_RTOL:g} (round-off) and {DECADES[0]:g}"
+        )
+    known = (*NAMES, *PEERS)
+    for name in order.integrators:
+        if name not in known:
+            raise LamcError(f"--integrator: none is named {name[:40]!r}; {did_you_mean(name, known)}")
+    tolerances = tuple(rtol for rtol in DECADES if rtol >= 0.999 * order.tightest)
+    return Sweep(
+        t_end=order.t_end or DEFAULT_DURATION,
+        accuracy=_accuracy(order.accuracy),
+        tolerances=tolerances,
+        integrators=order.integrators or Sweep.integrators,
+        budget=_budget(order.budget),
+    )
+
+
+def _accuracy(text: str) -> float:
+    """A share of the range: "1e-3" or "0.1 %"."""
+    number, sign = text.strip(), 1.0
+    if number.endswith("%"):
+        number, sign = number[:-1].strip(), 1e-2
+    value = _number(number, f"--accuracy {text!r}", "a share such as 1e-3 or '0.1 %'") * sign
+    if not 0.0 < value <= 1.0:
+        raise LamcError(f"--accuracy is {text!r}; it must lie above 0 and be at most 1, or 100 %")
+    return value
+
+
+def _budget(text: str) -> float:
+    """Seconds of "30", "30s", "30 s" or "2 min"."""
+    words = text.strip()
+    unit = next((u for u in ("min", "ms", "s") if words.endswith(u)), "")
+    number = words.removesuffix(unit).strip()
+    value = _number(number, f"--budget {text!r}", "a time such as 30s or '2 min'") * _SECONDS[unit or "s"]
+    if value <= 0.0:
+        raise LamcError(f"--budget is {text!r}; it must be above zero")
+    return value
+
+
+def _number(text: str, what: str, rule: str) -> float:
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise LamcError(f"{what} is no number; write {rule}") from error
+    if not math.isfinite(value):
+        raise LamcError(f"{what} is not finite; write {rule}")
+    return value

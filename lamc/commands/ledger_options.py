@@ -1,0 +1,93 @@
+"""The words of `lamc ledger`: its options and their help. What measures is imported when the verb runs."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from lamc.commands.options import compiler, design, folder, speaking, staged
+from lamc.commands.terminal import Terminal
+
+if TYPE_CHECKING:
+    from lamc.commands.inputs import SceneChanges
+
+
+@click.command()
+@design
+@staged()
+@compiler
+@click.option(
+    "--t-end",
+    type=float,
+    metavar="SECONDS",
+    help="End of the runs.  [default: the scene's duration, else 10]",
+)
+@click.option(
+    "--accuracy",
+    default="1 %",
+    metavar="SHARE",
+    help="What matters to you, of the outputs' range: 1e-3 or '0.1 %'; effects below it are told.",
+)
+@click.option(
+    "--budget", default="30s", metavar="TIME", help="Time for the whole; what does not fit is told."
+)
+@click.option(
+    "--tightest", type=float, default=1e-12, metavar="RTOL", help="Tightest tolerance of the sweep."
+)
+@click.option(
+    "--integrator",
+    "integrators",
+    metavar="NAME",
+    multiple=True,
+    help="Only this one, of lamc, scipy:LSODA, ..., cvode, mujoco; again for more.  [default: all]",
+)
+@click.option("--no-effects", is_flag=True, help="Leave out the account of effects and of arithmetic.")
+@click.option("--full", is_flag=True, help="Print a line for every setting.")
+@click.option("--schema", "only_schema", is_flag=True, help="Print the JSON Schema of ledger.json, and end.")
+@folder
+@speaking
+def ledger(
+    file: str | None,
+    example: str | None,
+    changes: "SceneChanges",
+    cc: str | None,
+    fast: bool,
+    t_end: float | None,
+    accuracy: str,
+    budget: str,
+    tightest: float,
+    integrators: tuple[str, ...],
+    no_effects: bool,
+    full: bool,
+    only_schema: bool,
+    out: str | None,
+    terminal: Terminal,
+) -> int:
+    """Measure what accuracy costs on a design, and which effects matter.
+
+    Runs the scene with every integrator at tolerances from 1e-3 to 1e-12 against a reference of its own, beside scipy,
+    CVODE and MuJoCo where they are installed; then without each effect in turn. Writes ledger.json and ledger.png.
+
+    \b
+    Examples:
+      lamc ledger pendulum.cad
+      lamc ledger --example four_bar --t-end 2 --accuracy '0.1 %' --budget '1 min'
+    """
+    from lamc.commands.inputs import Source
+    from lamc.commands.ledger import LedgerOrder, schema
+    from lamc.commands.ledger import ledger as work
+
+    if only_schema:
+        return schema()
+    order = LedgerOrder(
+        source=Source(file, example, cc, fast),
+        changes=changes,
+        t_end=t_end,
+        accuracy=accuracy,
+        budget=budget,
+        tightest=tightest,
+        integrators=integrators,
+        account=not no_effects,
+        full=full,
+        out=out,
+    )
+    return work(order, terminal)

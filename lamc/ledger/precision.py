@@ -1,0 +1,177 @@
+"""Work against precision: every integrator at every tolerance, each with its errors and its time.
+
+In: runners and the reference. Out: a `Point` per setting, failures and what was left out among them, and the observed
+orders. Each runner may use an equal part of the time that is left, so that a slow one does not starve the others.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from lamc.ledger.clock import Clock, processor_seconds, shortest
+from lamc.ledger.outputs import errors
+from lamc.ledger.records import ObservedOrder, Point
+from lamc.ledger.reference import Truth
+from lamc.ledger.runners import ORDERS, Runner, Trace
+from lamc.run.result import Result
+
+Told = Callable[[float, float], None]
+Job = Callable[[], object]
+
+_GROWTH = 2.2  # of a run's cost from one tolerance to the next: order 3; higher ones cost less
+_HEAD, _TAIL = 0.02, 30.0  # slopes are fitted to errors below this, and above the floor times this
+_FLOOR = 1e-13  # relative: below, round-off hides the method
+_MORE_STEPS = (
+    1.15  # from a tolerance to the next: order 8 has 1.33, and steps that stability dictates do not change
+)
+
+
+@dataclass
+class _Queue:
+    """What a runner has still to do, and what its last run cost, s of wall time."""
+
+    runner: Runner
+    waiting: list[float]
+    cost: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Points with the jobs that time them; None for those that failed."""
+
+    points: list[Point]
+    jobs: list[Job | None]
+
+
+def measure_points(
+    runners: Sequence[Runner], truth: Truth, conservative: bool, clock: Clock, share: float, tell: Told
+) -> Measured:
+    """Runs everything that fits until `share` of the clock's budget is spent."""
+    queues = [_Queue(runner, list(runner.settings)) for runner in runners]
+    total = sum(len(queue.waiting) for queue in queues)
+    measured = Measured([], [])
+    moving = True
+    while moving:
+        moving = False
+        for queue in queues:
+            if not queue.waiting:
+                continue
+            allowed = clock.left(share) / sum(bool(q.waiting) for q in queues)
+            if allowed <= 0.0 or queue.cost * _GROWTH > allowed:
+                continue
+            moving = True
+            before = clock.spent
+            _measure_one(queue.runner, queue.waiting.pop(0), truth, conservative, clock, allowed, measured)
+            queue.cost = clock.spent - before
+            tell(float(total - sum(len(q.waiting) for q in queues)), float(total))
+    for queue in queues:
+        for setting in queue.waiting:
+            note = (
+                f"left out: it would take more than its part of the budget (the last took {queue.cost:.2g} s)"
+            )
+            measured.points.append(_empty(queue.runner, setting, note))
+            measured.jobs.append(None)
+    return measured
+
+
+def repeat(measured: Measured, seconds: float) -> tuple[Point, ...]:
+    """The points with the shortest time of further turns, within `seconds` of wall time."""
+    able = [k for k, job in enumerate(measured.jobs) if job is not None]
+    jobs = [job for job in measured.jobs if job is not None]
+    first = [measured.points[k].seconds or 0.0 for k in able]
+    points = list(measured.points)
+    for k, (best, turns) in zip(able, shortest(jobs, first, seconds), strict=True):
+        points[k] = replace(points[k], seconds=best, repeats=turns)
+    names = list(dict.fromkeys(p.integrator for p in points))
+    return tuple(sorted(points, key=lambda p: (p.is_peer, names.index(p.integrator), -p.setting)))
+
+
+def _measure_one(
+    runner: Runner,
+    setting: float,
+    truth: Truth,
+    conservative: bool,
+    clock: Clock,
+    seconds: float,
+    measured: Measured,
+) -> None:
+    trace = runner.trace(setting, clock, seconds)
+    point = _empty(runner, setting, trace.note)
+    job = None
+    if trace.result is not None:
+        job = runner.job(setting)
+        point = _filled(point, trace, trace.result, truth, conservative)
+        point = replace(point, seconds=processor_seconds(job), repeats=1)
+    measured.points.append(point)
+    measured.jobs.append(job)
+
+
+def _empty(runner: Runner, setting: float, note: str) -> Point:
+    return Point(runner.name, runner.is_peer, setting, runner.is_step, succeeded=False, note=note)
+
+
+def _filled(point: Point, trace: Trace, result: Result, truth: Truth, conservative: bool) -> Point:
+    off = errors(result, truth.result, truth.scales)
+    if not math.isfinite(off.path + off.rates):
+        return replace(point, note="the result is not finite")
+    drift = None
+    if conservative:
+        kinetic = float(truth.result.energies["kinetic"].max(initial=0.0))
+        energy = result.energy
+        drift = float(np.abs(energy - energy[0]).max()) / kinetic if kinetic > 0.0 else None
+    loops = result.motion.model.cuts
+    return replace(
+        point,
+        succeeded=True,
+        used=trace.used,
+        steps=trace.steps,
+        rejected=trace.rejected,
+        evaluations=trace.evaluations,
+        end=off.end,
+        path=off.path,
+        rates=off.rates,
+        closure=float(result.constraint_error.max()) / result.mechanism.size if loops else None,
+        drift=drift,
+        is_floor=off.path <= truth.facts.uncertainty,
+    )
+
+
+def observed_orders(points: Sequence[Point], truth: Truth) -> tuple[ObservedOrder, ...]:
+    """The order of each integrator as this scene shows it: errors fall as steps^-order.
+
+    Fitted where errors are small enough for the leading term and well above the reference's uncertainty, and where the
+    tolerance decides on the steps: at loose ones stability may.
+    """
+    least = _TAIL * max(truth.facts.uncertainty, _FLOOR)
+    found = []
+    for name in dict.fromkeys(p.integrator for p in points):
+        own = sorted((p for p in points if p.integrator == name and p.steps), key=lambda p: -p.setting)
+        kept = [
+            p
+            for before, p in pairwise(own)
+            if p.succeeded and (p.steps or 0) >= _MORE_STEPS * (before.steps or 0)
+        ]
+        kept += [p for p in own[:1] if p.succeeded and p.is_step]
+        theory = ORDERS.get(name)
+        ends = [(p.steps or 0, p.end) for p in kept if p.end is not None and least < p.end < _HEAD]
+        paths = [(p.steps or 0, p.path) for p in kept if p.path is not None and least < p.path < _HEAD]
+        found.append(
+            ObservedOrder(
+                integrator=name,
+                end=slope(ends) if theory and len(ends) > 2 else None,
+                path=slope(paths) if theory and len(paths) > 2 else None,
+                theory=theory[0] if theory else None,
+                path_theory=theory[1] if theory else None,
+                points=len(paths),
+            )
+        )
+    return tuple(found)
+
+
+def slope(pairs: Sequence[tuple[float, float]]) -> float:
+    """The order that (steps, error) show: the slope of least squares on logarithms, positive."""
+    logarithms = np.log(np.asarray(pairs, dtype=float))
+    return float(-np.polyfit(logarithms[:, 0], logarithms[:, 1], 1)[0])

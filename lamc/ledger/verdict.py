@@ -1,0 +1,85 @@
+"""The verdict of a ledger: the cheapest settings, and the effects that do not matter, a line each.
+
+In: points and the account. Out: a `Verdict`. It measures nothing.
+"""
+
+from collections.abc import Sequence
+
+from lamc.ledger.records import TARGETS, Account, Cheapest, EffectRow, Point, Reference, Sweep, Verdict
+from lamc.report.run_text import duration
+
+
+def cheapest_of(points: Sequence[Point], target: float, uncertainty: float) -> Point | None:
+    """The quickest point whose path error, with what the reference leaves open, is at most `target`."""
+    good = [
+        p for p in points if p.seconds is not None and p.path is not None and p.path + uncertainty <= target
+    ]
+    return min(good, key=lambda p: p.seconds or 0.0, default=None)
+
+
+def cheapest(points: Sequence[Point], target: float, uncertainty: float) -> Point | None:
+    """The same among lamc's own integrators."""
+    return cheapest_of([p for p in points if not p.is_peer], target, uncertainty)
+
+
+def make_verdict(
+    points: Sequence[Point], account: Account | None, reference: Reference, sweep: Sweep
+) -> Verdict:
+    """What a user does with it."""
+    found = tuple(Cheapest(t, cheapest(points, t, reference.uncertainty)) for t in TARGETS)
+    lines = [_cheapest_line(each, points, reference) for each in found]
+    idle: tuple[str, ...] = ()
+    saved = None
+    if account is not None:
+        together = account.together
+        if together is not None:
+            idle, saved = together.effects, _saved(account.scene, together)
+        lines.append(_effects_line(account, idle, saved, sweep))
+    return Verdict(found, idle, saved, tuple(lines))
+
+
+def percent(value: float) -> str:
+    """A relative error in words: 1 %, 0.1 %, 1e-6."""
+    return f"{100 * value:.2g} %" if value >= 1e-4 else f"{value:.0e}"
+
+
+def setting_text(point: Point) -> str:
+    """Integrator and setting of a point, in the words of `Simulator.run`."""
+    used = f" ({point.used})" if point.used and point.used != point.integrator else ""
+    amount = f"{duration(point.setting)} steps" if point.is_step else f"rtol {point.setting:.0e}"
+    return f"{point.integrator}{used}, {amount}"
+
+
+def _cheapest_line(each: Cheapest, points: Sequence[Point], reference: Reference) -> str:
+    head = f"{percent(each.target)} of the range:"
+    point = each.point
+    if point is None:
+        return f"{head} no setting that was measured is known to reach it"
+    assert point.seconds is not None
+    assert point.path is not None
+    line = f"{head} {setting_text(point)}: {duration(point.seconds)}, {point.steps} steps, error {point.path:.1e}"
+    rival = cheapest_of([p for p in points if p.is_peer], each.target, reference.uncertainty)
+    if rival is not None and rival.seconds is not None:
+        line += f"; the quickest peer, {setting_text(rival)}, takes {rival.seconds / point.seconds:.3g} times as long"
+    return line
+
+
+def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sweep: Sweep) -> str:
+    limit = percent(sweep.accuracy)
+    if not idle:
+        return f"every effect changes the outputs by {limit} or more: none can be left out"
+    names = ", ".join(idle)
+    together = account.together
+    change = (
+        f" ({together.change:.1e} together)" if together is not None and together.change is not None else ""
+    )
+    saves = (
+        f"saves {100 * saved:.0f} % of the time" if saved is not None and saved >= 0.01 else "saves no time"
+    )
+    return f"{names}: changes the outputs by less than {limit}{change}; leaving it out {saves}"
+
+
+def _saved(scene: EffectRow, without: EffectRow) -> float | None:
+    if not scene.seconds or without.seconds is None:
+        return None
+    return 1.0 - without.seconds / scene.seconds

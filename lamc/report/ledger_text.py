@@ -1,0 +1,199 @@
+"""A ledger as tables of text.
+
+In: a `Ledger`. Out: plain text. It measures nothing.
+"""
+
+from collections.abc import Sequence
+
+from lamc.ledger.records import Account, ArithmeticRow, EffectRow, Ledger, Point
+from lamc.ledger.verdict import cheapest_of, percent, setting_text
+from lamc.report.numbers import shown_number
+from lamc.report.plan_view import shortened
+from lamc.report.run_text import duration
+
+_REACHED = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)  # errors whose price is tabled
+NAMES = {"cvode:Adams": "CVODE, Adams", "cvode:BDF": "CVODE, BDF", "mujoco": "MuJoCo, RK4"}
+
+
+def shown_name(integrator: str) -> str:
+    """An integrator's name for people: "scipy DOP853", "CVODE, BDF"."""
+    return NAMES.get(integrator, integrator.replace("scipy:", "scipy "))
+
+
+def ledger_text(ledger: Ledger, *, full: bool = False) -> str:
+    """All tables, the verdict first. full: a line for every setting too."""
+    parts = [_head(ledger), _verdict(ledger), _prices(ledger)]
+    if full:
+        parts.append(_all_points(ledger))
+    parts.append(_failures(ledger))
+    if ledger.account is not None:
+        parts.append(_account(ledger.account))
+    if ledger.arithmetic:
+        parts.append(_arithmetic(ledger.arithmetic))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _head(ledger: Ledger) -> str:
+    facts = ledger.reference
+    lines = [
+        f"{shortened(ledger.design, 40)}: {ledger.sweep.t_end:g} s, effects: {', '.join(ledger.effects) or 'none'}",
+        f"errors  {_relative_to(ledger)}, at {ledger.sweep.rows} times",
+        f"truth   {facts.integrator} and {facts.second} at rtol {facts.rtol:.0e} agree within {facts.uncertainty:.1e}; "
+        f"a small change of the start grows {facts.growth:.3g}-fold",
+    ]
+    return "\n".join([*lines, *(f"note    {note}" for note in ledger.notes)])
+
+
+def _relative_to(ledger: Ledger) -> str:
+    """What errors are relative to."""
+    scales = {(output.scale, output.unit) for output in ledger.outputs}
+    if len(scales) == 1:
+        ((scale, unit),) = scales
+        return (
+            f"of {', '.join(o.name for o in ledger.outputs[:6])} relative to {shown_number(scale, unit, 3)}"
+        )
+    told = ", ".join(f"{o.name} {shown_number(o.scale, o.unit, 3)}" for o in ledger.outputs[:6])
+    return f"relative to the range of each output ({told})"
+
+
+def _verdict(ledger: Ledger) -> str:
+    return "\n".join(f"{'verdict' if k == 0 else '':<8}{line}" for k, line in enumerate(ledger.verdict.lines))
+
+
+def _prices(ledger: Ledger) -> str:
+    """A line per integrator: the time of the cheapest setting that reaches each error."""
+    orders = {each.integrator: each for each in ledger.orders}
+    head = ["time to reach", *(percent(t) for t in _REACHED), "least error", "order", "closure", "drift"]
+    rows = []
+    for name in dict.fromkeys(p.integrator for p in ledger.points):
+        own = [p for p in ledger.points if p.integrator == name]
+        good = [p for p in own if p.path is not None]
+        cells = [shown_name(name)]
+        for target in _REACHED:
+            best = cheapest_of(own, target, ledger.reference.uncertainty)
+            cells.append(duration(best.seconds) if best is not None and best.seconds is not None else "–")
+        tightest = min(good, key=lambda p: p.setting, default=None)
+        order = orders.get(name)
+        cells += [
+            _scientific(min((p.path for p in good if p.path is not None), default=None)),
+            f"{order.path:.1f}" if order is not None and order.path is not None else "–",
+            _scientific(tightest.closure if tightest else None),
+            _scientific(tightest.drift if tightest else None),
+        ]
+        rows.append(cells)
+    shown = [k for k in range(len(head)) if k < 9 or any(row[k] != "–" for row in rows)]
+    body = aligned([[row[k] for k in shown] for row in [head, *rows]])
+    return (
+        f"{body}\n"
+        "Processor time of one warm run that keeps its end; all peers but MuJoCo call lamc's equations from Python.\n"
+        "Order: of the error over steps. Closure over the size, drift over the largest kinetic energy: tightest runs."
+    )
+
+
+def _all_points(ledger: Ledger) -> str:
+    head = ["setting", "end", "path", "rates", "time", "steps", "rejected", "evaluations", "closure", "drift"]
+    rows = [
+        [
+            setting_text(p),
+            *(_scientific(v) for v in (p.end, p.path, p.rates)),
+            duration(p.seconds) if p.seconds is not None else "–",
+            *("–" if v is None else str(v) for v in (p.steps, p.rejected, p.evaluations)),
+            _scientific(p.closure),
+            _scientific(p.drift),
+        ]
+        for p in ledger.points
+        if p.succeeded
+    ]
+    return aligned([head, *rows])
+
+
+def _failures(ledger: Ledger) -> str:
+    """A line for each setting that gave no point, those with one reason together."""
+    grouped: dict[tuple[str, str], list[Point]] = {}
+    for p in ledger.points:
+        if not p.succeeded:
+            grouped.setdefault((p.integrator, p.note), []).append(p)
+    lines: list[str] = []
+    for (name, note), points in grouped.items():
+        few = points if len(points) < 4 else [points[0], points[-1]]
+        settings = (", " if few is points else " … ").join(_amount(p) for p in few)
+        lines.append(f"{'without' if not lines else '':<8}{shown_name(name)}, {settings}: {note}")
+    return "\n".join(lines)
+
+
+def _amount(p: Point) -> str:
+    return duration(p.setting) if p.is_step else f"{p.setting:.0e}"
+
+
+def _account(account: Account) -> str:
+    """A line per effect: what leaving it out changes, and what having it costs."""
+    head = ["effect", "changes", "± integrator", "operations", "evaluation", "steps", "time", "compile"]
+    rows = [_effect_cells("the scene", account.scene, account.scene)]
+    failed = []
+    together = account.together
+    last = (together,) if together is not None and len(together.effects) > 1 else ()
+    for row in (*account.rows, *last):
+        name = f"{'with' if row.is_added else 'without'} {', '.join(row.effects)}"
+        if row.succeeded:
+            rows.append(_effect_cells(name, row, account.scene))
+        else:
+            failed.append(f"{name}: {row.note}")
+    lines = [aligned([head, *rows])]
+    lines.append(f"Costs at {account.integrator}, rtol {account.rtol:.0e}; changes at a tight tolerance.")
+    return "\n".join([*lines, *failed])
+
+
+def _effect_cells(name: str, row: EffectRow, scene: EffectRow) -> list[str]:
+    is_scene = row is scene
+
+    def against(value: float | None, base: float | None, text: str) -> str:
+        if value is None:
+            return "–"
+        if is_scene or not base:
+            return text
+        return f"{text} ({100 * (value / base - 1):+.0f} %)"
+
+    return [
+        shortened(name, 40),
+        "–" if is_scene or row.change is None else _change(row.change),
+        _scientific(row.discretisation),
+        against(row.operations, scene.operations, str(row.operations)),
+        against(row.evaluation, scene.evaluation, f"{row.evaluation:.3g} ns" if row.evaluation else "–"),
+        against(row.steps, scene.steps, str(row.steps)),
+        against(row.seconds, scene.seconds, duration(row.seconds) if row.seconds else "–"),
+        "–" if row.compiling is None else duration(row.compiling),
+    ]
+
+
+def _change(value: float) -> str:
+    return f"{100 * value:.3g} %" if value >= 1e-4 else f"{value:.1e}"
+
+
+def _arithmetic(rows: Sequence[ArithmeticRow]) -> str:
+    head = ["arithmetic", "evaluation", "time", "least error"]
+    cells = [
+        [
+            row.name,
+            f"{row.evaluation:.3g} ns" if row.evaluation else "–",
+            duration(row.seconds) if row.seconds else "–",
+            _scientific(row.floor) if row.succeeded else row.note,
+        ]
+        for row in rows
+    ]
+    return aligned([head, *cells])
+
+
+def _scientific(value: float | None) -> str:
+    return "–" if value is None else f"{value:.1e}"
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> str:
+    """Columns under a head, the first to the left, the others to the right."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    ruled = [rows[0], ["-" * w for w in widths], *rows[1:]]
+    return "\n".join(
+        "  ".join(
+            c.ljust(w) if k == 0 else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in ruled
+    )

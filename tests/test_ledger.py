@@ -1,0 +1,323 @@
+"""The ledger: its errors against closed forms, the orders it observes, the account of effects, its verdict."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk
+
+import lamc
+from lamc.errors import SimulationError
+from lamc.ledger import Ledger, Sweep, measure
+from lamc.ledger.clock import Clock
+from lamc.ledger.precision import observed_orders, slope
+from lamc.ledger.records import Point
+from lamc.ledger.reference import make_reference
+from lamc.ledger.schema import ledger_schema, read_ledger
+from lamc.ledger.verdict import cheapest
+from lamc.options import CompileOptions
+from lamc.report.ledger import draw_ledger, spread
+from lamc.report.ledger_text import ledger_text
+from tests.mechanisms import chain, unit_plate_pendulum
+
+OWN = ("rk45", "dop853", "rodas5p", "radau5")
+
+
+class Quiet:
+    """Progress that nobody watches."""
+
+    def stage(self, name: str) -> None: ...
+    def part(self, done: float, total: float) -> None: ...
+
+
+def rod(length: float = 1.0) -> lamc.Mechanism:
+    """A rod without thickness that hangs along -z from a hinge along y, with a hinge that is faintly damped."""
+    body = lamc.Body("rod", 1.0, (0.0, 0.0, -length / 2), np.diag([length**2, length**2, 0.0]) / 12)
+    hinge = lamc.Joint("h", "ground", "rod", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), damping=1e-5)
+    return lamc.Mechanism((lamc.Body("ground", fixed=True), body), (hinge,), name="rod")
+
+
+def swing(t: np.ndarray, amplitude: float) -> np.ndarray:
+    """Angle of the undamped rod let go at `amplitude`, rad: θ'' = -(3 g / 2 L) sin θ, by elliptic functions."""
+    omega, k = math.sqrt(1.5 * 9.81), math.sin(amplitude / 2)
+    sn, _, _, _ = ellipj(ellipk(k * k) - omega * t, k * k)
+    return 2 * np.arcsin(k * np.asarray(sn))
+
+
+FREE = lamc.Scene(effects=(lamc.Gravity(),), angles={"h": 1.5})
+BOTH = lamc.Scene(effects=(lamc.Gravity(), lamc.HingeDamping()), angles={"h": 1.5})
+
+
+def sweep_of(t_end: float, *integrators: str, **more: Any) -> Sweep:
+    return Sweep(t_end=t_end, integrators=integrators, **{"budget": 20.0, **more})
+
+
+def points_alone(mechanism: lamc.Mechanism, scene: lamc.Scene, sweep: Sweep) -> Ledger:
+    """Without the account of effects."""
+    return measure(mechanism, scene, CompileOptions(), sweep, Quiet(), with_account=False)
+
+
+@pytest.fixture(scope="module")
+def swinging() -> Ledger:
+    """4 s of the rod, faintly damped, by every integrator that is installed."""
+    return measure(
+        rod(),
+        BOTH,
+        CompileOptions(),
+        Sweep(t_end=4.0, tolerances=(1e-3, 1e-5, 1e-8, 1e-12), budget=20.0, rows=101),
+        Quiet(),
+    )
+
+
+@pytest.fixture(scope="module")
+def free() -> Ledger:
+    """4 s of the rod without damping, by lamc's own integrators."""
+    return points_alone(rod(), FREE, sweep_of(4.0, *OWN))
+
+
+@pytest.fixture(scope="module")
+def plates() -> Ledger:
+    """5 s of three plates without damping."""
+    mechanism, _ = unit_plate_pendulum()
+    return points_alone(
+        mechanism, lamc.Scene(effects=(lamc.Gravity(), lamc.HingeStiffness())), sweep_of(5.0, "dop853")
+    )
+
+
+def points_of(ledger: Ledger, integrator: str) -> list[Point]:
+    return [p for p in ledger.points if p.integrator == integrator and p.succeeded]
+
+
+# ---- errors and the reference ---------------------------------------------------------------------------------
+
+
+def test_reference_is_as_exact_as_it_says() -> None:
+    simulator = lamc.compile(rod(), FREE)
+    truth = make_reference(simulator, Sweep(t_end=4.0), Clock(10.0), 5.0)
+    exact = swing(truth.result.t, 1.5)
+    found = np.abs(truth.result.angle("h") - exact).max() / np.ptp(exact)
+    # 1e-13: 200 units of round-off, of some 1000 steps and of the elliptic functions
+    assert found < truth.facts.uncertainty + 1e-13
+    assert truth.facts.uncertainty < 1e-12  # what tolerances of 1e-13 lead one to expect of a swing
+
+
+def test_errors_of_the_points_are_those_against_the_closed_form(free: Ledger) -> None:
+    simulator, times = lamc.compile(rod(), FREE), np.linspace(0.0, 4.0, free.sweep.rows)
+    exact = swing(times, 1.5)
+    for point in points_of(free, "rk45")[:5]:
+        result = simulator.run(4.0, point.setting, 1e-2 * point.setting, times, "rk45")
+        off = np.abs(result.angle("h") - exact) / np.ptp(exact)
+        assert point.path == pytest.approx(
+            off.max(), rel=1e-4
+        )  # errors above 1e-7, the reference's below 1e-12
+        assert point.end == pytest.approx(off[-1], rel=1e-4)
+        assert point.steps == result.stats.accepted
+
+
+def test_energy_of_a_free_swing_drifts_less_at_tighter_tolerances(free: Ledger) -> None:
+    drifts = [p.drift for p in points_of(free, "rk45") if p.drift is not None]
+    assert len(drifts) == 10
+    assert drifts[0] > 1e3 * drifts[-1]  # nine decades of tolerance, at least three of drift
+
+
+def test_damped_scene_has_no_drift_to_tell(swinging: Ledger) -> None:
+    assert all(p.drift is None for p in swinging.points)
+
+
+def test_two_peers_that_share_no_integrator_code_agree_with_the_reference(swinging: Ledger) -> None:
+    for name in ("scipy:DOP853", "scipy:LSODA"):
+        tightest = points_of(swinging, name)[-1]
+        assert tightest.path is not None
+        assert tightest.path < 1e-9  # rtol 1e-12 over some hundred steps; LSODA loses two digits and more
+
+
+def test_chaos_is_told_and_the_horizon_is_not_shortened_in_silence() -> None:
+    mechanism = chain(
+        3, "parallel", seed=4
+    )  # three bodies on parallel hinges, let go high: a triple pendulum
+    gravity = lamc.Gravity((0.0, -9.81, 0.0))
+    scene = lamc.Scene(effects=(gravity,), angles={j.name: 2.0 for j in mechanism.joints})
+    ledger = points_alone(mechanism, scene, sweep_of(30.0, "rk45", tolerances=(1e-4, 1e-6)))
+    assert ledger.sweep.t_end == 30.0
+    assert ledger.reference.growth > 1e3
+    assert any("--t-end" in note for note in ledger.notes)
+    assert ledger.reference.uncertainty > 1e-12  # round-off, grown as well
+
+
+def test_without_two_runs_that_arrive_there_is_no_ledger() -> None:
+    with pytest.raises(SimulationError, match="--t-end"):
+        make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1e5), Clock(0.2), 0.05)
+
+
+# ---- orders ---------------------------------------------------------------------------------------------------
+
+
+# Step control lets steps, and with them the error's constant, vary over a swing, which bends the lines a little.
+@pytest.mark.parametrize(
+    ("integrator", "low", "high"), [("rk45", 4.7, 5.5), ("rodas5p", 4.4, 5.5), ("radau5", 4.6, 5.5)]
+)
+def test_observed_order_is_that_of_the_method(free: Ledger, integrator: str, low: float, high: float) -> None:
+    (order,) = (each for each in free.orders if each.integrator == integrator)
+    assert order.end is not None
+    assert low < order.end < high
+
+
+def test_observed_order_of_dop853_is_eight(plates: Ledger) -> None:
+    """On plates: in a lone swing its steps are so long that terms beyond the leading one count."""
+    (order,) = plates.orders
+    assert order.end is not None
+    assert 7.3 < order.end < 8.8
+
+
+def test_radau5_is_of_order_four_between_its_steps(free: Ledger) -> None:
+    (order,) = (each for each in free.orders if each.integrator == "radau5")
+    assert order.path is not None
+    assert 3.6 < order.path < 4.4  # the polynomial through three stages and the start has degree 3
+
+
+def test_slope_of_a_power_law_is_its_exponent() -> None:
+    assert slope([(10 * 2**k, 3.0 / 2 ** (5 * k)) for k in range(5)]) == pytest.approx(5.0, abs=1e-12)
+
+
+def test_steps_that_stability_dictates_do_not_pass_for_an_order(swinging: Ledger) -> None:
+    truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1.0, tolerances=(1e-6,)), Clock(5.0), 5.0)
+    base = points_of(swinging, "rk45")[0]
+    flat = [replace(base, setting=10.0**-k, steps=100 + k, end=10.0**-k, path=10.0**-k) for k in range(3, 9)]
+    (order,) = observed_orders(flat, truth)
+    assert order.end is None
+
+
+# ---- effects --------------------------------------------------------------------------------------------------
+
+
+def test_leaving_out_a_faint_damping_changes_what_it_takes_from_the_swing(swinging: Ledger) -> None:
+    assert swinging.account is not None
+    (row,) = (row for row in swinging.account.rows if row.effects == ("hinge_damping",))
+    exact = swing(np.linspace(0.0, 4.0, swinging.sweep.rows), 1.5)
+    assert row.change is not None
+    assert row.discretisation is not None
+    # c / (2 I) · t · amplitude is an upper bound of what a linear damper takes, and no less than a fifth stays of it
+    # as a lag of phase or of amplitude: c = 1e-5 N·m·s/rad, I = 1/3 kg·m², 4 s.
+    most = 1e-5 / (2 / 3) * 4.0 * 1.5 * 3.9 / np.ptp(exact)  # rates reach 3.9 rad/s per rad of angle
+    assert row.discretisation < 0.1 * row.change
+    assert 1e-6 < row.change < most
+
+
+def test_effect_without_weight_is_told_and_one_with_weight_is_not(swinging: Ledger) -> None:
+    assert swinging.verdict.idle == ("hinge_damping",)
+    assert "hinge_damping" in swinging.verdict.lines[-1]
+    assert swinging.account is not None
+    (gravity,) = (row for row in swinging.account.rows if row.effects == ("gravity",))
+    assert gravity.change is not None
+    assert gravity.change > 0.9  # at rest for ever: off by the whole range
+
+
+def test_operations_of_an_effect_are_those_that_leave_with_it(swinging: Ledger) -> None:
+    assert swinging.account is not None
+    for row in swinging.account.rows:
+        effects = tuple(e for e in BOTH.effects or () if e.name not in row.effects)
+        alone = lamc.compile(rod(), replace(BOTH, effects=effects))
+        assert row.operations == alone.program.functions["acceleration"].operations.flops
+
+
+def test_effect_that_the_design_asks_for_and_the_scene_lacks_is_tried() -> None:
+    sweep = sweep_of(1.0, "rk45", tolerances=(1e-4, 1e-6))
+    ledger = measure(rod(), FREE, CompileOptions(), sweep, Quiet())
+    assert ledger.account is not None
+    (added,) = (row for row in ledger.account.rows if row.is_added)
+    assert added.effects == ("hinge_damping",)
+    assert added.succeeded
+    assert added.change is not None
+    assert 1e-7 < added.change < 1e-4  # 1e-5 N·m·s/rad for a second
+
+
+def test_scene_that_cannot_be_simulated_is_a_row_with_the_reason(tmp_path: Path) -> None:
+    class Needy:
+        """An effect that another one has to come with."""
+
+        name, summary = "needy", "needs gravity"
+
+        def contribute(self, loads: object) -> None:
+            raise lamc.DesignError("needy needs gravity")
+
+    from lamc.ledger.effects_account import Accounting, Setting
+    from lamc.ledger.making import Workshop
+
+    truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1.0), Clock(5.0), 5.0)
+    workshop = Workshop(rod(), CompileOptions(), tmp_path)
+    accounting = Accounting(workshop, FREE, (lamc.Gravity(), Needy()), truth, Sweep(t_end=1.0), Clock(20.0))
+    account = accounting.account(Setting("rk45", 1e-6), 1.0, lambda _done, _total: None)
+    (without_gravity,) = (row for row in account.rows if row.effects == ("gravity",))
+    (without_needy,) = (row for row in account.rows if row.effects == ("needy",))
+    assert not without_gravity.succeeded
+    assert "needy needs gravity" in without_gravity.note
+    assert without_needy.succeeded
+    assert without_needy.change is not None
+    assert without_needy.change < 1e-9  # nothing but the integrator at 1e-10
+
+
+# ---- verdict, budget, forms -----------------------------------------------------------------------------------
+
+
+def test_cheapest_setting_reaches_its_target_and_none_that_reaches_it_is_quicker(swinging: Ledger) -> None:
+    for each in swinging.verdict.cheapest:
+        assert each.point is not None
+        assert each.point.path is not None
+        assert each.point.seconds is not None
+        assert each.point.path <= each.target
+        good = [
+            p for p in swinging.points if not p.is_peer and p.path is not None and p.path < 0.99 * each.target
+        ]
+        assert all(p.seconds is None or p.seconds >= each.point.seconds for p in good)
+
+
+def test_what_the_reference_leaves_open_counts_against_a_setting(swinging: Ledger) -> None:
+    assert cheapest(swinging.points, 1e-6, uncertainty=1e-5) is None
+
+
+def test_budget_that_is_spent_leaves_rows_with_the_reason() -> None:
+    sweep = Sweep(t_end=400.0, budget=0.4)
+    ledger = points_alone(rod(), FREE, sweep)
+    left = [p for p in ledger.points if not p.succeeded]
+    assert left
+    assert all("left out" in p.note or "stopped" in p.note for p in left if not p.is_peer)
+    names = [p.integrator for p in ledger.points]
+    assert names.count("rk45") == len(sweep.tolerances)  # every setting has a row, measured or not
+
+
+def test_ledger_reads_back_from_its_json_and_its_schema_names_every_part(swinging: Ledger) -> None:
+    from lamc.commands.ledger import ledger_data
+
+    text = json.dumps(ledger_data(swinging), allow_nan=False)
+    assert read_ledger(text) == swinging
+    schema = ledger_schema()
+    assert set(schema["properties"]) == set(json.loads(text))
+    with pytest.raises(lamc.LamcError, match="no ledger"):
+        read_ledger("{}")
+
+
+def test_tables_and_picture_have_every_integrator_and_every_effect(swinging: Ledger, tmp_path: Path) -> None:
+    text = ledger_text(swinging, full=True)
+    for name in (
+        *OWN,
+        "auto",
+        "scipy DOP853",
+        "scipy LSODA",
+        "without gravity",
+        "without hinge_damping",
+        "verdict",
+    ):
+        assert name in text
+    picture = draw_ledger(swinging, tmp_path / "ledger.png")
+    assert picture.stat().st_size > 20_000  # an empty figure of this size has some 10 kB
+
+
+def test_labels_that_are_spread_keep_their_order_and_their_distance() -> None:
+    placed = spread([0.1, 0.11, 0.12, 0.9, 0.99, 0.995], 0.05)
+    assert placed == sorted(placed)
+    assert min(np.diff(placed)) > 0.0499
+    assert max(placed) <= 1.0

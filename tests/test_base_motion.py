@@ -1,4 +1,4 @@
-"""Bases moved as told: textbook equations of shaken and turned pendulums, equivalence, and the power of what moves them."""
+"""Bases moved as told: textbook pendulums shaken and turned, equivalence, and the power of what moves them."""
 
 import numpy as np
 import numpy.typing as npt

@@ -1,14 +1,18 @@
 """Which points of a mechanism can touch: corners of outlines, listed points, and what is refused."""
 
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from shapely.geometry import MultiPoint, Point, Polygon, box
 
 import lamc
+import lamc.mechanism.yaml_file
 from lamc import Body, DesignError, GroundContact, Joint, Mechanism, Plate, Scene
 from lamc.effects.contact_points import contact_points, corners_of, hull_corners
 
+EXAMPLES = Path(lamc.__file__).parent / "examples"
 WALL = Body("wall", fixed=True)
 DIAGONAL = [[1e-5, 0, 0], [0, 1e-5, 0], [0, 0, 1e-5]]
 
@@ -20,6 +24,10 @@ def plated(*plates: Plate, name: str = "leaf") -> Body:
 def mechanism(*bodies: Body) -> Mechanism:
     joints = tuple(Joint(f"h_{b.name}", "wall", b.name, axis=(0.0, 1.0, 0.0)) for b in bodies)
     return Mechanism((WALL, *bodies), joints)
+
+
+def moving(mechanism: Mechanism) -> list[str]:
+    return [body.name for body in mechanism.bodies if not body.fixed]
 
 
 def test_corners_are_those_of_both_faces() -> None:
@@ -63,16 +71,16 @@ def test_all_bodies_with_an_outline_touch_unless_some_are_named() -> None:
     leaf, twig = (plated(Plate(box(0, 0, 1, 1), 0, 0), name=name) for name in ("leaf", "twig"))
     stone = Body("stone", 0.01, (0.0, 0.0, 0.0), DIAGONAL)
     three = mechanism(leaf, twig, stone)
-    assert [p.body for p in contact_points(three, None, None, 8)] == ["leaf"] * 4 + ["twig"] * 4
-    assert {p.body for p in contact_points(three, ["twig"], None, 8)} == {"twig"}
+    assert [p.body for p in contact_points(three, moving(three), None, None, 8)] == ["leaf"] * 4 + ["twig"] * 4
+    assert {p.body for p in contact_points(three, moving(three), ["twig"], None, 8)} == {"twig"}
     listed = {"stone": [(0.5, 0.5, 0.0)]}
-    assert [p.body for p in contact_points(three, None, listed, 8)] == ["stone"]
-    assert len(contact_points(three, ["leaf"], listed, 8)) == 5
+    assert [p.body for p in contact_points(three, moving(three), None, listed, 8)] == ["stone"]
+    assert len(contact_points(three, moving(three), ["leaf"], listed, 8)) == 5
 
 
 def test_a_point_that_is_a_corner_too_is_one_point() -> None:
     leaf = mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0)))
-    assert len(contact_points(leaf, ["leaf"], {"leaf": [(1.0, 1.0, 0.0), (0.5, 0.0, 0.0)]}, 8)) == 5
+    assert len(contact_points(leaf, moving(leaf), ["leaf"], {"leaf": [(1.0, 1.0, 0.0), (0.5, 0.0, 0.0)]}, 8)) == 5
 
 
 @pytest.mark.parametrize(
@@ -80,7 +88,7 @@ def test_a_point_that_is_a_corner_too_is_one_point() -> None:
     [
         (GroundContact(bodies=("leag",)), "no body is named 'leag'; the bodies are leaf, stone, wall"),
         (GroundContact(points={"leag": [(0, 0, 0)]}), "no body is named 'leag'"),
-        (GroundContact(bodies=("wall",)), "body 'wall' is fixed"),
+        (GroundContact(bodies=("wall",)), "body 'wall' does not move"),
         (GroundContact(bodies=("stone",)), "body 'stone' has no outline and so no corners; list its points"),
     ],
 )
@@ -110,3 +118,44 @@ def test_a_scene_file_gives_lengths_with_units() -> None:
     assert GroundContact.from_data(None, "scene") == GroundContact()
     with pytest.raises(DesignError, match=r"ground_contact has no field 'frction'; .*friction"):
         GroundContact.from_data({"frction": 0.5}, "scene")
+
+
+def test_popupcad_contact_sketch_is_read_and_taken_where_a_scene_asks_for_it() -> None:
+    """The pendulum of popupCAD has one contact point, at (0.7495…, 0.6114…) mm: on a corner of its first link."""
+    design = lamc.load(EXAMPLES / "pendulum.cad")
+    ((x, y),) = design.contact_points
+    assert (x, y) == pytest.approx((0.7495069033530571e-3, 0.611439842209073e-3), rel=1e-15)
+    pendulum = lamc.split(design)
+    assert pendulum.contact_points == design.contact_points
+    found = contact_points(pendulum, moving(pendulum), None, "drawn", 8)
+    link = pendulum.body("link_1")
+    heights = (link.outline[0].z_bottom, link.outline[-1].z_top)
+    assert [(p.body, p.point) for p in found] == [("link_1", (x, y, z)) for z in heights]
+
+
+def test_contact_points_of_a_mechanism_file_come_back(tmp_path: Path) -> None:
+    leaf = replace(
+        mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0.1))), contact_points=((0.25, 0.5), (1.0, 1.0))
+    )
+    file = tmp_path / "leaf.yaml"
+    lamc.mechanism.yaml_file.write_mechanism(leaf, file)
+    assert lamc.load(file).contact_points == leaf.contact_points
+    assert len(contact_points(leaf, moving(leaf), None, "drawn", 8)) == 4
+
+
+def test_contact_points_of_a_design_are_in_its_units(tmp_path: Path) -> None:
+    text = (EXAMPLES / "limit_stop.yaml").read_text(encoding="utf-8")
+    file = tmp_path / "stop.yaml"
+    file.write_text(text + "contact_points: [[70, 0], [70, 15]]\n", encoding="utf-8")
+    assert lamc.load(file).contact_points == ((0.07, 0.0), (0.07, 0.015))
+
+
+def test_drawn_points_that_are_none_or_lie_beside_are_refused() -> None:
+    leaf = mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0.1)))
+    with pytest.raises(DesignError, match="the drawing of 'mechanism' has no contact points: draw some"):
+        contact_points(leaf, moving(leaf), None, "drawn", 8)
+    beside = replace(leaf, contact_points=((1.5, 0.5),))
+    with pytest.raises(DesignError, match=r"contact point \(1500, 500\) mm lies on no moving body"):
+        contact_points(beside, moving(beside), None, "drawn", 8)
+    with pytest.raises(DesignError, match="or be 'drawn'"):
+        GroundContact(points="darwn")

@@ -93,6 +93,7 @@ class _Reader:
             model.story.strip(),
             self._places(),
             scenes,
+            tuple(model.contact_points),
         )
 
     def _places(self) -> Places:

@@ -1,14 +1,16 @@
 """popupCAD designs (`.cad`): from inert nodes to the `Design` record.
 
 In: nodes of a design file, lengths in mm, angles in degrees. Out: the Design that its joint operation
-describes: the laminate before splitting, the fixed region, hinge sets. Only operations on the path to the
-joint operation are carried out; one that lamc does not know is refused by name. Stored code is refused
-wherever it stands.
+describes: the laminate before splitting, the fixed region, hinge sets, contact points. Only operations on the
+path to the joint operation are carried out; one that lamc does not know is refused by name. Stored code is
+refused wherever it stands.
 """
 
 from collections.abc import Mapping
 from functools import reduce
 from pathlib import PurePath
+
+import shapely
 
 from lamc.design import sheets
 from lamc.design.inert import MapNode, Node, ScalarNode
@@ -73,7 +75,15 @@ class _Reader:
         file = PurePath(self.node.place.file).name
         name = PurePath(file).stem or "design"
         world = tuple(sheet.areas for sheet in fixed)
-        return Design(name, layers, hinges, world, source=file, places=Places((((), self.node.place),)))
+        return Design(
+            name,
+            layers,
+            hinges,
+            world,
+            source=file,
+            places=Places((((), self.node.place),)),
+            contact_points=self._contact_points(joint),
+        )
 
     def _joint_operation(self) -> Node:
         found = [op for op in self.operations if op.class_name in JOINT_OPERATIONS]
@@ -83,6 +93,16 @@ class _Reader:
                 "which says where the hinges are"
             )
         return found[0]
+
+    def _contact_points(self, joint: Node) -> tuple[tuple[float, float], ...]:
+        """Points of the joint operation's contact sketch, and corners of what else is drawn there, m; none without."""
+        links = optional(joint, "sketch_links", "the joint operation")
+        sketches = optional(links, "contact_points", "the joint operation's sketches") if links else None
+        found: dict[tuple[float, float], None] = {}
+        for link in items(sketches, "the contact sketches") if sketches is not None else ():
+            for _, geometry in sketch_shapes(self._sketch(link)):
+                found |= dict.fromkeys((float(x), float(y)) for x, y in shapely.get_coordinates(geometry))
+        return tuple(found)
 
     def _linked(self, operation: Node, role: str) -> list[int]:
         """Indices of the operations that `operation` refers to in a role. Raises DesignError."""

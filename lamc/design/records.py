@@ -87,6 +87,7 @@ class Design:
     scene         what runs call for if nothing else is said; None: what the design itself asks for
     scenes        other scenes by name
     story         what the design is for, a paragraph of plain text; nothing is computed from it
+    contact_points  points of the drawing, m, at which bodies may touch something, for scenes that ask for them
     """
 
     name: str
@@ -99,6 +100,7 @@ class Design:
     story: str = ""
     places: Places = field(default=Places(), compare=False, repr=False)
     scenes: Mapping[str, Scene] = field(default_factory=dict, hash=False)
+    contact_points: tuple[tuple[float, float], ...] = ()  # m, world x and y
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))

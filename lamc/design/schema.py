@@ -164,6 +164,9 @@ class DesignModel(Model):
     bodies: dict[str, BodyPoint] = Field(
         default={}, description="names of bodies, each with a point inside it"
     )
+    contact_points: list[Point] = Field(
+        default=[], description="points of the drawing at which bodies may touch something"
+    )
     scene: SceneModel | None = None
     scenes: ScenesModel = Field(default={})
 
@@ -210,6 +213,9 @@ class MechanismModel(Model):
     units: LengthUnit = "m"
     bodies: list[BodyModel]
     joints: list[JointModel] = Field(default=[])
+    contact_points: list[Point] = Field(
+        default=[], description="points of the drawing at which bodies may touch something"
+    )
     scene: SceneModel | None = None
     scenes: ScenesModel = Field(default={})
 

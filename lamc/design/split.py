@@ -82,7 +82,9 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
     connections = link(hinges, contacts, sites, [layer.name for layer in design.layers])
     joints = tuple(_joint(connection) for connection in connections)
-    mechanism = Mechanism(bodies, joints, design.name, design.scene, design.story, design.scenes)
+    mechanism = Mechanism(
+        bodies, joints, design.name, design.scene, design.story, design.scenes, design.contact_points
+    )
     tell("done", 1.0)
     return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism)
 

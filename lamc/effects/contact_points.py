@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from lamc.errors import DesignError
@@ -15,6 +16,7 @@ from lamc.mechanism.records import Body, Mechanism, checked_array, checked_name
 from lamc.readonly import ReadOnlyDict
 
 Point = tuple[float, float, float]  # m, drawn configuration, world axes
+DRAWN = "drawn"
 SAME_HEIGHT = 1e-9  # of the body's extent: faces nearer to each other than this are one
 
 
@@ -26,11 +28,14 @@ class ContactPoint:
     point: Point
 
 
-def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]]:
-    """Points by body, in the order of the bodies' names. Raises DesignError for what is no such mapping."""
+def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]] | str:
+    """Points by body, in the order of the bodies' names, or DRAWN. Raises DesignError for anything else."""
+    if value == DRAWN:
+        return DRAWN
     if not isinstance(value, Mapping) or not value:
         raise DesignError(
-            f"{what} is {shown(value)}; it must map bodies to lists of points, as in {{foot: [[0, 0, 0]]}}"
+            f"{what} is {shown(value)}; it must map bodies to lists of points, as in {{foot: [[0, 0, 0]]}}, or be "
+            f"{DRAWN!r}"
         )
     points: dict[str, tuple[Point, ...]] = {}
     for body, given in sorted(value.items(), key=lambda item: str(item[0])):
@@ -50,27 +55,29 @@ def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]]:
 
 def contact_points(
     mechanism: Mechanism,
+    moving: Sequence[str],
     bodies: Sequence[str] | None,
-    points: Mapping[str, Sequence[Point]] | None,
+    points: Mapping[str, Sequence[Point]] | str | None,
     corners: int,
 ) -> tuple[ContactPoint, ...]:
     """The points that can touch, body by body in the mechanism's order, each once.
 
+    moving   names of the bodies that move
     bodies   whose corners count; None: all moving bodies with an outline, or no corners where points are listed
-    points   further points by body, or None
+    points   further points by body; DRAWN: the contact points of the drawing; or None
     corners  how many a body has at most on each of its faces
 
     Raises DesignError for a body that is not there, that is fixed or has no outline, and where nothing can touch.
     """
     known = {body.name: body for body in mechanism.bodies}
-    listed = points or {}
+    listed = drawn_points(mechanism, moving) if isinstance(points, str) else points or {}
     for name in (*(bodies or ()), *listed):
         if name not in known:
             raise DesignError(f"no body is named {name!r}; the bodies are {', '.join(sorted(known))}")
-        if known[name].fixed:
-            raise DesignError(f"body {name!r} is fixed and touches nothing by moving; name bodies that move")
+        if name not in moving:
+            raise DesignError(f"body {name!r} does not move and so touches nothing; name bodies that move")
     if bodies is None:
-        drawn = () if points else tuple(b.name for b in mechanism.bodies if not b.fixed and b.outline)
+        drawn = () if points else tuple(b.name for b in mechanism.bodies if b.name in moving and b.outline)
     else:
         drawn = tuple(bodies)
     found: dict[ContactPoint, None] = {}
@@ -83,6 +90,35 @@ def contact_points(
             "no moving body has an outline, so none has corners that could touch: list points by body"
         )
     return tuple(found)
+
+
+def drawn_points(mechanism: Mechanism, moving: Sequence[str]) -> Mapping[str, tuple[Point, ...]]:
+    """The contact points of the drawing by body: where each goes in and out of the moving bodies that it lies on.
+
+    Raises DesignError where the drawing has none, and for one that lies on no moving body.
+    """
+    if not mechanism.contact_points:
+        raise DesignError(
+            f"the drawing of {mechanism.name!r} has no contact points: draw some, list points by body, or name bodies "
+            "whose corners touch"
+        )
+    found: dict[str, tuple[Point, ...]] = {}
+    for x, y in mechanism.contact_points:
+        at = shapely.Point(x, y)
+        hit = False
+        for body in mechanism.bodies:
+            reach = SAME_HEIGHT * mechanism.size
+            plates = [p for p in body.outline if body.name in moving and p.polygon.distance(at) <= reach]
+            if plates:
+                hit = True
+                heights = {min(p.z_bottom for p in plates), max(p.z_top for p in plates)}
+                found[body.name] = (*found.get(body.name, ()), *((x, y, z) for z in sorted(heights)))
+        if not hit:
+            raise DesignError(
+                f"the drawing's contact point ({x * 1e3:.6g}, {y * 1e3:.6g}) mm lies on no moving body; move it, or "
+                "list points by body"
+            )
+    return found
 
 
 def corners_of(body: Body, most: int) -> tuple[Point, ...]:

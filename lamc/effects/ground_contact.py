@@ -50,7 +50,7 @@ class GroundContact:
     normal           out of the ground, world axes; made a unit vector
     bodies           names of those whose corners can touch; None: all that move and have an outline, or where points
                      are listed, none. Corners are those of the hull of the lowest and of the highest face
-    points           further points by body, m, as drawn
+    points           further points by body, m, as drawn; or "drawn": the contact points of the drawing
     corners          at most that many on each face of a body, at least 3; those go whose loss takes the least area
     """
 
@@ -63,7 +63,7 @@ class GroundContact:
     height: float = 0.0  # m
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     bodies: tuple[str, ...] | None = None
-    points: Mapping[str, tuple[Point, ...]] | None = None
+    points: Mapping[str, tuple[Point, ...]] | str | None = None
     corners: int = MAX_CORNERS
 
     name: ClassVar[str] = "ground_contact"
@@ -127,11 +127,11 @@ class GroundContact:
             raise DesignError(f"corners of ground contact is {shown(self.corners)}; it must be 3 or more")
 
     def __hash__(self) -> int:
-        points = None if self.points is None else tuple(self.points.items())
+        points = tuple(self.points.items()) if isinstance(self.points, Mapping) else self.points
         return hash((self.friction, self.stiffness, self.height, self.normal, self.bodies, points))
 
     def contribute(self, loads: Loads) -> None:
-        points = contact_points(loads.mechanism, self.bodies, self.points, self.corners)
+        points = contact_points(loads.mechanism, loads.moving_bodies, self.bodies, self.points, self.corners)
         ground = _Ground(self, loads, np.array([each.point for each in points]))
         counts: dict[str, int] = {}
         for each in loads.each(points):
@@ -162,7 +162,7 @@ class _Ground:
         self.normal: Vector3 = effect.normal
         self.exponent = effect.exponent
         size = float(np.linalg.norm(np.ptp(points, axis=0))) or loads.mechanism.size
-        mass = math.fsum(body.mass for body in loads.mechanism.bodies if not body.fixed)
+        mass = math.fsum(body.mass for body in loads.mechanism.bodies if body.name in loads.moving_bodies)
         weight, speed = mass * STANDARD_GRAVITY, math.sqrt(STANDARD_GRAVITY * size)
         stiffness = weight / (SINKING * size) ** effect.exponent
 

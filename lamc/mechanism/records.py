@@ -154,6 +154,8 @@ class Mechanism:
     scenes  other scenes by name
     story   what the mechanism is for, a paragraph of plain text; nothing is computed from it; without
             white space at its ends
+    contact_points  points of the drawing, m, world x and y, at which bodies may touch something; effects of contact
+            take them where a scene says so
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -165,6 +167,7 @@ class Mechanism:
     scene: Scene | None = None
     story: str = ""
     scenes: Mapping[str, Scene] = field(default_factory=dict)
+    contact_points: tuple[tuple[float, float], ...] = ()  # m
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -178,6 +181,14 @@ class Mechanism:
         if not isinstance(self.story, str):
             raise DesignError(f"story of {what} is {shown(self.story)}; it must be text")
         put("story", self.story.strip())
+        drawn = checked_array(
+            np.reshape(self.contact_points, (-1, 2))
+            if len(self.contact_points) == 0
+            else self.contact_points,
+            (len(self.contact_points), 2),
+            f"contact_points of {what}",
+        )
+        put("contact_points", tuple((float(x), float(y)) for x, y in drawn))
         fault = next(faults(self.bodies, self.joints), None)
         if fault is not None:
             raise fault.error

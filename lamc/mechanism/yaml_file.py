@@ -45,7 +45,10 @@ def read_mechanism(node: Node) -> Mechanism:
     problems.raise_if_any()
     name = model.name or PurePath(node.place.file).stem or "mechanism"
     mechanism = problems.attempt(
-        (), lambda: Mechanism(tuple(bodies), tuple(joints), name, scene, model.story, scenes)
+        (),
+        lambda: Mechanism(
+            tuple(bodies), tuple(joints), name, scene, model.story, scenes, tuple(model.contact_points)
+        ),
     )
     problems.raise_if_any()
     assert mechanism is not None
@@ -67,6 +70,8 @@ def mechanism_text(mechanism: Mechanism) -> str:
         data["story"] = mechanism.story
     data["bodies"] = [_body_data(body) for body in mechanism.bodies]
     data["joints"] = [_joint_data(joint) for joint in mechanism.joints]
+    if mechanism.contact_points:
+        data["contact_points"] = [list(point) for point in mechanism.contact_points]
     return dump(data | scenes_data(mechanism.scene, mechanism.scenes))
 
 

@@ -72,7 +72,8 @@ class Ground:
 
 def ground(mechanism: Mechanism, effect: Any) -> Ground:
     """The ground of an effect `ground_contact`, with what it leaves open filled in from mass and size."""
-    touching = contact_points(mechanism, effect.bodies, effect.points, effect.corners)
+    moving = [body.name for body in mechanism.bodies if not body.fixed]
+    touching = contact_points(mechanism, moving, effect.bodies, effect.points, effect.corners)
     points = np.array([each.point for each in touching])
     size = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or mechanism.size
     weight = 9.81 * sum(body.mass for body in mechanism.bodies if not body.fixed)

@@ -71,7 +71,9 @@ def test_all_bodies_with_an_outline_touch_unless_some_are_named() -> None:
     leaf, twig = (plated(Plate(box(0, 0, 1, 1), 0, 0), name=name) for name in ("leaf", "twig"))
     stone = Body("stone", 0.01, (0.0, 0.0, 0.0), DIAGONAL)
     three = mechanism(leaf, twig, stone)
-    assert [p.body for p in contact_points(three, moving(three), None, None, 8)] == ["leaf"] * 4 + ["twig"] * 4
+    assert [p.body for p in contact_points(three, moving(three), None, None, 8)] == ["leaf"] * 4 + [
+        "twig"
+    ] * 4
     assert {p.body for p in contact_points(three, moving(three), ["twig"], None, 8)} == {"twig"}
     listed = {"stone": [(0.5, 0.5, 0.0)]}
     assert [p.body for p in contact_points(three, moving(three), None, listed, 8)] == ["stone"]
@@ -80,7 +82,10 @@ def test_all_bodies_with_an_outline_touch_unless_some_are_named() -> None:
 
 def test_a_point_that_is_a_corner_too_is_one_point() -> None:
     leaf = mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0)))
-    assert len(contact_points(leaf, moving(leaf), ["leaf"], {"leaf": [(1.0, 1.0, 0.0), (0.5, 0.0, 0.0)]}, 8)) == 5
+    assert (
+        len(contact_points(leaf, moving(leaf), ["leaf"], {"leaf": [(1.0, 1.0, 0.0), (0.5, 0.0, 0.0)]}, 8))
+        == 5
+    )
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,12 @@ class Loads:
         return self.tree.mechanism
 
     @property
+    def moving_bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that move: those that are not fixed, and the fixed ones where the base moves."""
+        base_moves = self.placement.base is not None
+        return tuple(body.name for body in self.mechanism.bodies if base_moves or not body.fixed)
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints: those of q in their order, then those that close loops."""
         return (*self.tree.joint_names, *self._cuts)

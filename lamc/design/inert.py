@@ -188,8 +188,9 @@ def _events(text: str, file: str) -> Iterator[Any]:
         raise DesignError(f"this is not YAML: {problem}", place) from error
     except YAMLError as error:
         raise DesignError(f"this is not YAML: {str(error)[:200]}", Place(file)) from error
-    except (ValueError, AssertionError, IndexError, TypeError, AttributeError, NotImplementedError) as error:
-        # The scanner meets some malformed directives and escapes with these instead of its own errors.
+    except (AssertionError, OverflowError, ValueError) as error:
+        # Not the parser's own errors: it asserts that %YAML names 1.1 or 1.2, and int() and chr() raise the others for a
+        # version of thousands of digits and an escape \U beyond Unicode.
         raise DesignError(
             f"this is not YAML: {str(error)[:200] or type(error).__name__}", Place(file)
         ) from error

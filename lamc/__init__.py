@@ -16,7 +16,9 @@ from lamc.design.load_scene import load_scene
 from lamc.design.records import Design
 from lamc.design.split import split
 from lamc.effects import (
+    BaseMotion,
     Effect,
+    FreeBase,
     Gravity,
     GroundContact,
     HingeDamping,
@@ -47,6 +49,7 @@ from lamc.run.simulator import Simulator
 from lamc.scene import Scene
 
 __all__ = [
+    "BaseMotion",
     "Body",
     "BuildError",
     "CompileOptions",
@@ -55,6 +58,7 @@ __all__ = [
     "Effect",
     "EmitError",
     "ExpressionError",
+    "FreeBase",
     "Gravity",
     "GroundContact",
     "HingeDamping",

@@ -178,6 +178,8 @@ def account(mechanism: Mechanism, scene: Scene) -> dict[str, tuple[bool, str]]:
 def test_a_design_calls_for_what_is_not_zero() -> None:
     bare = account(pendulum(), Scene())
     assert bare == {
+        "base_motion": (False, "the fixed bodies stay where they are"),
+        "free_base": (False, "the fixed bodies stay where they are"),
         "gravity": (True, "-9.81 m/s² along z unless a scene says otherwise"),
         "ground_contact": (False, "no ground is called for"),
         "hinge_damping": (False, "no hinge is damped"),
@@ -218,6 +220,7 @@ def test_an_effect_acts_once() -> None:
 def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
     needs = {  # those that cannot stand alone
         "spring": ("a", (0, 0, 0), "b", (1, 0, 0), 1.0),
+        "base_motion": ((0, 0, "0.01*sin(t)"),),
         "linear_motor": ("h", 1.0, None, None, None, 1.0, 1.0),
     }
     assert len(by_name()) == len(EFFECTS)

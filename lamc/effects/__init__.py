@@ -1,6 +1,8 @@
 """Effects: one module each, known to the rest of lamc through `base.py` and `registry.py` only."""
 
 from lamc.effects.base import Effect
+from lamc.effects.base_motion import BaseMotion
+from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
@@ -11,7 +13,9 @@ from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 
 __all__ = [
+    "BaseMotion",
     "Effect",
+    "FreeBase",
     "Gravity",
     "GroundContact",
     "HingeDamping",

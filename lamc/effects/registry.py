@@ -5,6 +5,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from lamc.effects.base import Effect, RegisteredEffect, claims_of
+from lamc.effects.base_motion import BaseMotion
+from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
 from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
@@ -29,6 +31,8 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     Spring,
     Torque,
     GroundContact,
+    FreeBase,
+    BaseMotion,
 )
 
 

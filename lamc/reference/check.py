@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.codegen.program import Program
+from lamc.errors import UnsupportedError
 from lamc.mechanism.records import Mechanism
 from lamc.reference.check_loops import closures, cut_hinges
 from lamc.reference.check_motion import Budget, Progress, motions
@@ -65,7 +66,15 @@ def check(
     Random states of loops are closed. `progress` is told the stage and how far it is. The runs of the other voices
     end after a few seconds each, and the report says how far they came. Effects that the independent voices do not
     know are named in its notes, and only the C and the interpreter are then compared in what they act on.
+
+    Raises UnsupportedError, with its name, for an effect that adds coordinates or moves the fixed bodies.
     """
+    moving = [repr(effect.name) for effect in simulator.effects if hasattr(effect, "arrange")]
+    if moving:
+        raise UnsupportedError(
+            f"the independent voices know hinges on a fixed world only, and {', '.join(moving)} goes beyond them; "
+            "leave it out of the scene to check the rest"
+        )
     program = simulator.program
     tell = progress or (lambda _stage, _fraction: None)
     joints = program.joints

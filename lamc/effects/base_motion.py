@@ -6,14 +6,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from lamc.codegen.program import Space
 from lamc.effects.base import Effect
 from lamc.effects.data import record
+from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
-from lamc.errors import DesignError, ExpressionError
+from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging, PrescribedBase
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Scalar, Store
+from lamc.mechanics.staging import Scalar
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism, checked_array, checked_number
 
@@ -86,6 +86,11 @@ class BaseMotion:
         )
         return x, y, z, angle
 
+    def drives(self) -> tuple[Drive, ...]:
+        """The displacements and the angle that are expressions."""
+        told = (*zip("xyz", self.displacement, strict=True), ("angle", self.angle))
+        return tuple(Drive(f"{name} of base_motion", value) for name, value in told if isinstance(value, str))
+
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         return None, "the fixed bodies stay where they are"
@@ -97,11 +102,4 @@ class BaseMotion:
 
 
 def _told(value: object, what: str) -> Told:
-    if not isinstance(value, str):
-        return checked_number(value, what)
-    store = Store()
-    try:
-        stage(value, {"t": store.symbol("t", Space.TIME, 0)})
-    except ExpressionError as error:
-        raise ExpressionError(f"{what}: {error.message}") from error
-    return value
+    return checked_drive(Drive(what, value)).text if isinstance(value, str) else checked_number(value, what)

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from lamc.codegen.program import Space
 from lamc.effects.base import Effect
 from lamc.effects.data import record
+from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
-from lamc.errors import DesignError, ExpressionError
+from lamc.errors import DesignError
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.mechanics.staging import Scalar, Store, Value
+from lamc.mechanics.staging import Scalar, Value
 from lamc.mechanism.checks import Array, checked_name, checked_number
 from lamc.mechanism.records import Mechanism
 
@@ -102,7 +102,7 @@ class LinearMotor:
         checked_name(self.joint, "the joint of a motor")
         what = f"of the motor on joint {self.joint!r}"
         if isinstance(self.voltage, str):
-            _check(self.voltage, what)
+            checked_drive(Drive(f"the voltage {what}", self.voltage, self.joint))
         else:
             object.__setattr__(self, "voltage", checked_number(self.voltage, f"the voltage {what}"))
         given = [name for name in (*_LINE, *_WINDING) if getattr(self, name) is not None]
@@ -164,6 +164,11 @@ class LinearMotor:
             return stage(self.voltage, {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate})
         return loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the motor")
 
+    def drives(self) -> tuple[Drive, ...]:
+        """The voltage, if it is an expression."""
+        what = f"the voltage of the motor on joint {self.joint!r}"
+        return (Drive(what, self.voltage, self.joint),) if isinstance(self.voltage, str) else ()
+
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         return None, "no motor is called for"
@@ -203,13 +208,3 @@ def _above_zero(value: object, what: str) -> float:
             f"{what} is {number:g}; it must be above 0 (a negative voltage or gear_ratio turns the other way)"
         )
     return number
-
-
-def _check(text: str, what: str) -> None:
-    """Stages the expression on throw-away symbols, so that an error comes when the record is made."""
-    store = Store()
-    names = (("t", Space.TIME), ("angle", Space.ANGLE), ("rate", Space.RATE))
-    try:
-        stage(text, {name: store.symbol(name, space, 0) for name, space in names})
-    except ExpressionError as error:
-        raise ExpressionError(f"the voltage {what}: {error.message}") from error

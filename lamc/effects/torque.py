@@ -4,13 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from lamc.codegen.program import Space
 from lamc.effects.base import Effect
 from lamc.effects.data import is_measured, quantity, refusal
+from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
-from lamc.errors import DesignError, ExpressionError
+from lamc.errors import DesignError
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Store
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism, checked_name, checked_number
 from lamc.readonly import ReadOnlyDict
@@ -39,8 +38,7 @@ class Torque:
         for joint, torque in sorted(self.torques.items(), key=lambda item: str(item[0])):
             checked_name(joint, "the joint of a torque")
             if isinstance(torque, str):
-                _check(joint, torque)
-                checked[joint] = torque
+                checked[joint] = checked_drive(_drive(joint, torque)).text
             else:
                 checked[joint] = checked_number(torque, f"the torque of joint {joint!r}")
         object.__setattr__(self, "torques", ReadOnlyDict(checked))
@@ -57,6 +55,10 @@ class Torque:
             else:
                 loads.hinge(joint)
                 loads.hinge_torque(joint, loads.parameter(f"{joint}.torque", torque, "N·m", "applied torque"))
+
+    def drives(self) -> tuple[Drive, ...]:
+        """The torques that are expressions."""
+        return tuple(_drive(joint, text) for joint, text in self.torques.items() if isinstance(text, str))
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
@@ -76,15 +78,5 @@ class Torque:
         return cls(torques)
 
 
-def _check(joint: str, text: str) -> None:
-    """Stages the expression on throw-away symbols, so that an error comes when the record is made."""
-    store = Store()
-    symbols = {
-        "t": store.symbol("t", Space.TIME, 0),
-        "angle": store.symbol("angle", Space.ANGLE, 0),
-        "rate": store.symbol("rate", Space.RATE, 0),
-    }
-    try:
-        stage(text, symbols)
-    except ExpressionError as error:
-        raise ExpressionError(f"the torque of joint {joint!r}: {error.message}") from error
+def _drive(joint: str, text: str) -> Drive:
+    return Drive(f"the torque of joint {joint!r}", text, joint)

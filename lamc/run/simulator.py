@@ -17,6 +17,7 @@ import numpy.typing as npt
 from lamc._version import __version__
 from lamc.codegen.program import Coordinate
 from lamc.effects.base import marks_of
+from lamc.effects.drives import check_drives
 from lamc.errors import DesignError, RequestError, about
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
@@ -198,6 +199,8 @@ class Simulator(Unchanging):
         limited = with_limits(self.mechanism, parameters)
         if limited is not self.mechanism:
             self._check_start(self.start, limited)
+        with told_at(self.scene.places):
+            check_drives(self.effects, *self._start_by_joint(self.start), request.t_end)
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
@@ -286,14 +289,21 @@ class Simulator(Unchanging):
         DesignError if one of them refuses it."""
         checks = [effect for effect in self.effects if hasattr(effect, "check_start")]
         if checks:
-            count, cuts = len(self.joints), len(self.cut_joints)
-            angles = dict(zip(self.joints, start[:count].tolist(), strict=True))
-            if cuts:
-                state = self._default_motion.cut_states(start.reshape(1, -1))[0]
-                angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
+            angles, _ = self._start_by_joint(start)
             for effect in checks:
                 with told_at(self.scene.places), about(effect):
                     effect.check_start(mechanism, angles)
+
+    def _start_by_joint(self, start: Array) -> tuple[dict[str, float], dict[str, float]]:
+        """Angles, rad, and rates, rad/s, of all joints in the state `start`, those that close loops too."""
+        count, cuts, nq = len(self.joints), len(self.cut_joints), len(self.coordinates)
+        angles = dict(zip(self.joints, start[:count].tolist(), strict=True))
+        rates = dict(zip(self.joints, start[nq : nq + count].tolist(), strict=True))
+        if cuts:
+            state = self._default_motion.cut_states(start.reshape(1, -1))[0]
+            angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
+            rates |= dict(zip(self.cut_joints, state[cuts:].tolist(), strict=True))
+        return angles, rates
 
     @cached_property
     def _starter(self) -> Starter:

@@ -11,6 +11,7 @@ import sympy
 from scipy.special import ellipk
 
 import lamc
+import lamc.plate
 from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
 from lamc.effects.registry import EFFECTS, by_name, choose
 from lamc.errors import DesignError, ExpressionError
@@ -187,6 +188,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "joint_limits": (False, "no joint has limits narrower than ±180°"),
         "linear_motor": (False, "no motor is called for"),
         "nonlinear_stiffness": (False, "no law of a hinge's torque is given"),
+        "piezo_bender": (False, "no bender is called for"),
         "rest_angle": (False, "every hinge rests as drawn"),
         "spring": (False, "no spring is called for"),
         "torque": (False, "no torque is called for"),
@@ -217,10 +219,17 @@ def test_an_effect_acts_once() -> None:
         Scene(effects=(Gravity(), HingeDamping(), Gravity((0, 0, -1.62))))
 
 
+def piezo_bender_fields() -> tuple[object, ...]:
+    material = lamc.plate.Material(60e9, 60e9, 0.3, 23e9, 7800.0, d31=-2e-10, d32=-2e-10)
+    laminate = lamc.plate.Laminate([lamc.plate.Ply(material, 1e-4)] * 2)
+    return ("a", (0, 0, 0), "b", (1e-2, 0, 0), (0, 0, 1), 1e-3, laminate, (1, -1), 10.0)
+
+
 def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
     needs = {  # those that cannot stand alone
         "spring": ("a", (0, 0, 0), "b", (1, 0, 0), 1.0),
         "base_motion": ((0, 0, "0.01*sin(t)"),),
+        "piezo_bender": piezo_bender_fields(),
         "linear_motor": ("h", 1.0, None, None, None, 1.0, 1.0),
     }
     assert len(by_name()) == len(EFFECTS)

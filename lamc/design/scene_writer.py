@@ -4,7 +4,7 @@ In: `Scene` records. Out: dicts that `scene_file` reads back to equal records. N
 """
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -72,4 +72,7 @@ def _plain(value: object) -> object:
         return value.tolist()
     if isinstance(value, tuple | list):
         return [_plain(v) for v in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        said = {f.name: (getattr(value, f.name), f.default) for f in fields(value) if f.init}
+        return {name: _plain(v) for name, (v, default) in said.items() if default is MISSING or v != default}
     return value

@@ -2,6 +2,7 @@
 
 from lamc.effects.base import Effect
 from lamc.effects.base_motion import BaseMotion
+from lamc.effects.bender import PiezoBender
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
@@ -23,6 +24,7 @@ __all__ = [
     "JointLimits",
     "LinearMotor",
     "NonlinearStiffness",
+    "PiezoBender",
     "RestAngle",
     "Spring",
     "Torque",

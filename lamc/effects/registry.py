@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from lamc.effects.base import Effect, RegisteredEffect, claims_of
 from lamc.effects.base_motion import BaseMotion
+from lamc.effects.bender import PiezoBender
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
@@ -23,6 +24,7 @@ from lamc.scene import Scene
 EFFECTS: tuple[type[RegisteredEffect], ...] = (
     Gravity,
     HingeStiffness,
+    PiezoBender,
     RestAngle,
     HingeDamping,
     JointLimits,

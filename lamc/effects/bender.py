@@ -1,0 +1,205 @@
+"""A piezoelectric bender between two bodies: clamped to one, it pushes a point of the other."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lamc.codegen.program import Space
+from lamc.effects.base import Effect
+from lamc.effects.bender_plies import laminate_of
+from lamc.effects.data import record
+from lamc.effects.expression import stage
+from lamc.errors import DesignError, ExpressionError
+from lamc.mechanics.algebra import cross, dot
+from lamc.mechanics.loads import Loads
+from lamc.mechanics.staging import Scalar, Store
+from lamc.mechanism.checks import checked_array, checked_name, checked_number
+from lamc.mechanism.records import Mechanism
+
+_SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
+_ROUND_OFF = 1e-9  # of the free strains, below which a bending strain is none
+
+
+@dataclass(frozen=True)
+class BenderLine:
+    """Force at the tip, N, along the normal: force_per_volt · V - stiffness · deflection."""
+
+    stiffness: float  # N/m
+    force_per_volt: float  # N/V, held at deflection 0
+    deflection_per_volt: float  # m/V, of the free tip
+
+
+@dataclass(frozen=True)
+class PiezoBender:
+    """A straight strip of laminate, clamped on body_a at `root`, whose tip pushes body_b at `tip` along the normal.
+
+    root, tip  ends of the strip in the drawn configuration, m, world axes; the strip is straight there
+    normal     direction from the lowest ply to the highest, and of positive deflection; at right angles to the strip
+    width      m, the same from root to tip
+    laminate   a lamc.plate.Laminate with piezoelectric plies, bottom to top; fibres at 0° run along the strip
+    polarity   per ply: field along the normal times the ply's thickness, over the voltage. (1, -1) is a bimorph of two
+               plies, poled alike, with an electrode between them; 0 stands for plies without electrodes
+    voltage    V; a number is a parameter of the simulator, a string an expression in t (s)
+    extension  m, the stiff end of the strip next to the tip, without laminate
+
+    The strip is a slender beam, free to bend across: with the laminate's stiffness about its neutral surface
+    D* = D - B A⁻¹ B, free curvature κ = D*⁻¹ (M_p - B A⁻¹ N_p) and EI = width / (D*⁻¹)_xx. Its tip bends by
+    -κ_x L (L/2 + extension) along the normal, and gives way to a force by (L³/3 + L² e + L e²) / EI. Deflection is
+    counted along the normal, which moves with body_a, so slides along the strip cost nothing; it is taken to be small
+    beside the length. The strip has no mass: give it to the bodies.
+
+    Stored is ½ k (deflection - free deflection)²; what the drive supplies is the force times the rate of the free
+    deflection. Sources: J. G. Smits, W. Choi, IEEE Trans. UFFC 38 (1991) 256-270 (bimorphs); R. J. Wood, E. Steltz,
+    R. S. Fearing, Sensors and Actuators A 119 (2005) 476-488 (laminates). Several may act in one scene.
+
+    Raises DesignError for a normal along the strip, ends that meet, and polarities that move nothing.
+    """
+
+    body_a: str
+    root: tuple[float, float, float]
+    body_b: str
+    tip: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    width: float
+    laminate: Any  # lamc.plate.Laminate, which takes a while to import
+    polarity: tuple[float, ...]
+    voltage: float | str
+    extension: float = 0.0
+
+    name: ClassVar[str] = "piezo_bender"
+    summary: ClassVar[str] = "Piezoelectric benders"
+    source: ClassVar[str] = "F = f V - k d, Smits & Choi 1991; Wood, Steltz & Fearing 2005"
+    repeatable: ClassVar[bool] = True
+    units: ClassVar[Mapping[str, str]] = {
+        "root": "m",
+        "tip": "m",
+        "normal": "1",
+        "width": "m",
+        "polarity": "1",
+        "voltage": "V",
+        "extension": "m",
+    }
+
+    def __post_init__(self) -> None:
+        for field in ("body_a", "body_b"):
+            checked_name(getattr(self, field), "the body of a piezo bender")
+        if self.body_a == self.body_b:
+            raise DesignError(
+                f"a piezo bender has both ends on body {self.body_a!r}; it must join two bodies"
+            )
+        for field in ("root", "tip", "normal"):
+            values = checked_array(getattr(self, field), (3,), f"{field} of a piezo bender")
+            object.__setattr__(self, field, tuple(float(v) + 0.0 for v in values))
+        for field in ("width", "extension"):
+            value = checked_number(getattr(self, field), f"the {field} of a piezo bender", minimum=0.0)
+            object.__setattr__(self, field, value)
+        if self.width == 0.0:
+            raise DesignError("the width of a piezo bender is 0 m; it must be above 0")
+        if isinstance(self.voltage, str):
+            _check(self.voltage)
+        else:
+            object.__setattr__(self, "voltage", checked_number(self.voltage, "the voltage of a piezo bender"))
+        laminate = laminate_of(self.laminate, "the laminate of a piezo bender")
+        object.__setattr__(self, "laminate", laminate)
+        polarity = checked_array(
+            self.polarity, (len(laminate.plies),), "polarity of a piezo bender, per ply,"
+        )
+        object.__setattr__(self, "polarity", tuple(float(p) + 0.0 for p in polarity))
+        self._check_shape()
+
+    def _check_shape(self) -> None:
+        along, normal = np.subtract(self.tip, self.root), np.array(self.normal)
+        length, size = float(np.linalg.norm(along)), float(np.linalg.norm(normal))
+        if not length > self.extension:
+            raise DesignError(
+                f"a piezo bender is {length:g} m from root to tip, and its stiff end {self.extension:g} m; there must "
+                "be a bending length between them"
+            )
+        if size == 0.0 or abs(float(along @ normal)) > _SQUARE * length * size:
+            raise DesignError(
+                f"the normal {self.normal} of a piezo bender is not at right angles to the strip, which runs along "
+                f"{tuple((along / length).round(6).tolist())}; give the direction in which its tip deflects"
+            )
+        line = self.line
+        if not (math.isfinite(line.force_per_volt) and 0.0 < line.stiffness < math.inf):
+            raise DesignError("a piezo bender's stiffness is out of range; lengths are in m and moduli in Pa")
+        plies = zip(self.polarity, self.laminate.plies, strict=True)
+        strain = max(abs(p / y.thickness) * max(abs(y.material.d31), abs(y.material.d32)) for p, y in plies)
+        bent = abs(line.deflection_per_volt) * self.laminate.thickness / (0.5 * length * length)
+        if bent <= _ROUND_OFF * strain:
+            raise DesignError(
+                "a piezo bender does not bend under voltage: give its laminate plies with d31 and d32, and polarity "
+                "such as (1, -1), by which they do not cancel"
+            )
+
+    @property
+    def line(self) -> BenderLine:
+        """Stiffness, blocked force and free deflection, from the laminate and the shape."""
+        laminate = self.laminate
+        per_volt = [p / ply.thickness for p, ply in zip(self.polarity, laminate.plies, strict=True)]
+        pushed = laminate.expansion(fields=per_volt)
+        neutral = np.linalg.solve(laminate.A, laminate.B).T  # B A⁻¹
+        flexibility = np.linalg.inv(laminate.D - neutral @ laminate.B)
+        curvature = float((flexibility @ (pushed.moment - neutral @ pushed.force))[0])  # 1/(m·V)
+        rigidity = self.width / float(flexibility[0, 0])  # N·m²
+        stiff = self.extension
+        length = float(np.linalg.norm(np.subtract(self.tip, self.root))) - stiff
+        deflection = -curvature * length * (0.5 * length + stiff)
+        stiffness = rigidity / (length * (length * length / 3.0 + length * stiff + stiff * stiff))
+        return BenderLine(stiffness, stiffness * deflection, deflection)
+
+    def contribute(self, loads: Loads) -> None:
+        line = self.line
+        size = float(np.linalg.norm(self.normal))
+        drawn = [x / size for x in self.normal]
+        rows = loads.rotation(self.body_a)
+        normal = (dot(rows[0], drawn), dot(rows[1], drawn), dot(rows[2], drawn))
+        ends = [loads.position(body, self.tip) for body in (self.body_a, self.body_b)]
+        apart = (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], ends[1][2] - ends[0][2])
+        label = self._label(loads.parameter_names)
+        k = loads.parameter(f"{label}.stiffness", line.stiffness, "N/m", "stiffness of the bender's tip")
+        gain = loads.parameter(
+            f"{label}.force_per_volt", line.force_per_volt, "N/V", "blocked force of the bender per volt"
+        )
+        voltage: Scalar
+        if isinstance(self.voltage, str):
+            voltage = stage(self.voltage, {"t": loads.time})
+        else:
+            voltage = loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the bender")
+        beyond = dot(normal, apart) - gain / k * voltage  # deflection less the free one
+        loads.stored_energy(0.5 * (k * (beyond * beyond)))
+        push = -(k * beyond)
+        force = (push * normal[0], push * normal[1], push * normal[2])
+        back = (-force[0], -force[1], -force[2])
+        loads.force(self.body_b, self.tip, force)
+        loads.force(self.body_a, self.tip, back)
+        loads.moment(self.body_a, cross(apart, back))  # both forces act where the tip of body_b is
+
+    def _label(self, taken: Sequence[str]) -> str:
+        """What the bender's parameters begin with; a second one between the same bodies is number 2."""
+        label = f"piezo_bender.{self.body_a}.{self.body_b}"
+        count = sum(name.startswith(f"{label}.") and name.endswith(".force_per_volt") for name in taken)
+        return f"{label}.{count + 1}" if count else label
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no bender is called for"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "PiezoBender":
+        """From a scene file: a mapping of the fields above; the laminate is a list of plies, bottom to top, each with
+        material (a name of lamc's library, or a map), thickness, and angle if wished."""
+        if isinstance(value, Mapping) and "laminate" in value:
+            value = {**value, "laminate": laminate_of(value["laminate"], "the laminate", where)}
+        return record(cls, value, where)
+
+
+def _check(text: str) -> None:
+    """Stages the expression on a throw-away symbol, so that an error comes when the record is made."""
+    try:
+        stage(text, {"t": Store().symbol("t", Space.TIME, 0)})
+    except ExpressionError as error:
+        raise ExpressionError(f"the voltage of a piezo bender: {error.message}") from error

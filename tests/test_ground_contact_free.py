@@ -1,0 +1,200 @@
+"""Free bodies on the ground, six freedoms and more: a dropped plate rests, the books balance, a crawler walks."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+from shapely.geometry import Point, box
+
+import lamc
+from lamc import Body, Gravity, GroundContact, Mechanism, Plate, Scene
+from lamc.effects.free_base import FreeBase
+from lamc.run.simulator import Simulator
+from tests.ctools import needs_cc
+
+pytestmark = needs_cc
+
+G = 9.81  # m/s²
+LENGTH, WIDTH, THICKNESS, MASS = 0.1, 0.06, 0.004, 0.05  # m, kg
+SIZE = math.hypot(LENGTH, WIDTH, THICKNESS)
+SLIP = 1e-3 * math.sqrt(G * SIZE)  # m/s
+
+
+def plate(length: float = LENGTH, width: float = WIDTH, thickness: float = THICKNESS) -> Mechanism:
+    """One plate that nothing holds; its lower face is drawn at z = 0."""
+    moments = [width**2 + thickness**2, length**2 + thickness**2, length**2 + width**2]
+    outline = (Plate(box(-length / 2, -width / 2, length / 2, width / 2), 0.0, thickness),)
+    centre = (0.0, 0.0, thickness / 2)
+    return Mechanism(
+        (Body("plate", MASS, centre, MASS / 12 * np.diag(moments), fixed=True, outline=outline),), ()
+    )
+
+
+def tossed(ground: GroundContact) -> Simulator:
+    toss = FreeBase(
+        (0.0, 0.0, 0.08), rotation=(0.3, 0.5, 0.2), velocity=(0.2, 0.1, 0.0), spin=(2.0, -3.0, 1.0)
+    )
+    return lamc.compile(plate(), Scene((Gravity(), ground, toss)))
+
+
+@pytest.mark.parametrize(
+    ("integrator", "rtol", "rises"),
+    [
+        ("auto", 1e-4, 1e-6),
+        ("auto", 1e-6, 1e-7),
+        ("auto", 1e-9, 1e-9),
+        ("rodas5p", 1e-6, 1e-7),
+        ("radau5", 1e-4, 1e-6),
+    ],
+)
+def test_a_tossed_plate_rests_for_100_s_without_drift(integrator: str, rtol: float, rises: float) -> None:
+    """It rattles on its eight corners for half a second, with a hundred touches, and then lies; rest costs nothing."""
+    sim = tossed(GroundContact())
+    result = sim.run(100.0, rtol=rtol, atol=1e-2 * rtol, integrator=integrator)
+    assert result.success, result.message
+    assert len(result.events) > 100
+    assert result.events[-1].t < 1.0
+    lost = float(result.energy[0] - result.energy[-1])
+    assert np.diff(result.energy).max() <= rises * lost  # never rises, but for the tolerance of a step
+    assert (result.t > 5.0).sum() < 60  # steps of what is left to fade away, and then of seconds
+    rows = sim.run(
+        100.0, rtol=rtol, atol=1e-2 * rtol, integrator=integrator, t_eval=np.linspace(10.0, 100.0, 10)
+    )
+    centre, rotation = rows.pose("plate")
+    assert np.ptp(centre, axis=0).max() < 1e-9 * SIZE
+    assert np.ptp(rotation, axis=0).max() < 1e-9
+    assert np.abs(rotation[-1, 2, 2]) == pytest.approx(1.0, abs=1e-9)  # flat
+    # Four corners share the weight, each as deep as a quarter of it goes
+    depth = 1e-3 * SIZE * 0.25 ** (2.0 / 3.0)
+    assert centre[-1, 2] == pytest.approx(THICKNESS / 2 - depth, abs=1e-8 * SIZE)
+
+
+def test_where_it_comes_to_rest_does_not_depend_on_the_method() -> None:
+    found = [
+        tossed(GroundContact())
+        .run(3.0, rtol=rtol, atol=1e-2 * rtol, integrator=integrator)
+        .pose("plate")[0][-1]
+        for integrator, rtol in (("dop853", 1e-9), ("radau5", 1e-7), ("auto", 1e-6))
+    ]
+    # 156 touches each carry on the error of the one before
+    assert found[1] == pytest.approx(found[0], abs=1e-5 * SIZE)
+    assert found[2] == pytest.approx(found[0], abs=1e-4 * SIZE)
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.7])  # rad, of the slope in the plane
+def test_a_free_plate_sticks_and_slides_on_a_slope(direction: float) -> None:
+    """The plane slants by 30° towards any side, and the plate lies on it; tan 30° = 0.577."""
+    slope = math.radians(30.0)
+    across = np.array([-math.sin(direction), math.cos(direction), 0.0])
+    normal = np.array(
+        [math.sin(slope) * math.cos(direction), math.sin(slope) * math.sin(direction), math.cos(slope)]
+    )
+    down = np.cross(across, normal)
+    start = FreeBase(position=tuple(0.5 * THICKNESS * normal), rotation=tuple(slope * across))
+    ground = GroundContact(normal=tuple(normal))
+    sim = lamc.compile(plate(), Scene((Gravity(), ground, start)))
+    times = np.linspace(0.0, 2.0, 201)
+    speeds = {}
+    for friction in (0.3, 0.7):
+        result = sim.run(2.0, rtol=1e-8, t_eval=times, parameters={"ground_contact.friction": friction})
+        assert result.success
+        speeds[friction] = np.gradient(result.pose("plate")[0] @ down, times)
+    expected = G * (math.sin(slope) - 0.3 * math.cos(slope))
+    assert (speeds[0.3][-2] - speeds[0.3][50]) / (times[-2] - times[50]) == pytest.approx(expected, rel=1e-3)
+    part = math.tan(slope) / 0.7
+    creep = SLIP * part / math.sqrt(1.0 - part**2)
+    assert speeds[0.7][-2] == pytest.approx(creep, rel=1e-3)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    turn=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+    height=st.floats(-0.04, 0.06),
+    velocity=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+    spin=st.tuples(*[st.floats(-30.0, 30.0)] * 3),
+)
+def test_the_ground_takes_energy_at_any_state(
+    turn: tuple[float, float, float],
+    height: float,
+    velocity: tuple[float, float, float],
+    spin: tuple[float, float, float],
+) -> None:
+    """Power of the contact forces plus the rate of what the ground stores is never positive.
+
+    The forces' power is the rate of kinetic energy; what is stored changes by central differences along the motion.
+    """
+    angle = float(np.linalg.norm(turn))
+    axis = np.array(turn) / angle if angle else np.zeros(3)
+    q = np.array([0.0, 0.0, height, math.cos(angle / 2), *(math.sin(angle / 2) * axis)])
+    u = np.array([*velocity, *spin])
+    sim = floating()
+    step = 1e-7  # s
+    energies = []
+    for side in (-0.5, 0.5):
+        moved = q + side * step * coordinate_rates(q, u)
+        rates = u + side * step * sim.acceleration(q, u)
+        energies.append(float(sim.energy(moved, rates)))
+    power = (energies[1] - energies[0]) / step
+    # Round-off of two energies, 1e-16, over the step, 1e-7 s; the energy's third derivative matters less
+    assert power <= 1e-7 * max(abs(energies[0]), 1e-3) * 10.0
+
+
+@cache
+def floating() -> Simulator:
+    """A plate and the ground, without gravity: all energy is kinetic or in the ground."""
+    return lamc.compile(plate(), Scene((GroundContact(friction=0.8), FreeBase())))
+
+
+def coordinate_rates(q: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """The position moves by the velocity, the quaternion by ½ q ω, ω in axes of the body."""
+    w, (x, y, z) = q[3], q[4:]
+    a, b, c = u[3:]
+    quaternion = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]
+    return np.array([*u[:3], *(0.5 * np.array(quaternion))])
+
+
+def test_a_ball_of_one_point_bounces_as_high_as_its_restitution_says() -> None:
+    """Dropped from h, the speed of each bounce is e times the last, with e of Marhefka and Orin at that speed."""
+    stone = Body("stone", 0.02, (0.0, 0.0, 0.0), 1e-6 * np.eye(3), fixed=True)
+    ground = GroundContact(points={"stone": [(0.0, 0.0, 0.0)]}, stiffness=1e11, damping=0.2)
+    scene = Scene((Gravity(), ground, FreeBase(position=(0.0, 0.0, 0.5))))
+    result = lamc.compile(Mechanism((stone,), ()), scene).run(2.0, rtol=1e-10, atol=1e-13)
+    leaving = [event.t for event in result.events][1::2]
+    touching = [event.t for event in result.events][::2]
+    speed = math.sqrt(2.0 * G * 0.5)
+    for left, next_touch in zip(leaving[:3], touching[1:4], strict=True):
+        a = 1.5 * 0.2 * speed
+
+        def balance(e: float, a: float = a) -> float:
+            return a * (1 + e) - math.log((1 + a) / (1 - a * e))
+
+        speed *= float(brentq(balance, 1e-6, min(1.0, 1.0 / a) - 1e-9))
+        # A blow lasts 20 us at first, in which gravity brings 1e-4 of the momentum, and more as speeds fall
+        assert 0.5 * G * (next_touch - left) == pytest.approx(speed, rel=3e-4)
+
+
+def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
+    """A wheel on its rim, 64 corners, on a slope of 5°: 2/3 g sin, less what the corners' blows take."""
+    radius, slope = 0.05, math.radians(5.0)
+    outline = (Plate(Point(0, 0).buffer(radius, quad_segs=16), -0.005, 0.005),)
+    inertia = 0.1 * np.diag([radius**2 / 4, radius**2 / 4, radius**2 / 2])
+    wheel = Body("wheel", 0.1, (0.0, 0.0, 0.0), inertia, fixed=True, outline=outline)
+    field = Gravity((G * math.sin(slope), 0.0, -G * math.cos(slope)))
+    start = FreeBase(
+        position=(0.0, 0.0, radius),
+        rotation=(math.pi / 2, 0.0, 0.0),
+        velocity=(0.5, 0.0, 0.0),
+        spin=(0.0, 0.0, -10.0),
+    )
+    ground = GroundContact(corners=64, friction=0.8, damping=0.05)
+    sim = lamc.compile(Mechanism((wheel,), ()), Scene((field, ground, start)))
+    result = sim.run(1.0, rtol=1e-6, t_eval=np.linspace(0.0, 1.0, 51))
+    assert result.success, result.message
+    centre, _ = result.pose("wheel")
+    gained = 2.0 * (centre[-1, 0] - 0.5)
+    assert gained == pytest.approx(2.0 / 3.0 * G * math.sin(slope), rel=0.1)
+    assert np.abs(centre[:, 1]).max() < 1e-3 * radius  # straight on

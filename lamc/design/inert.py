@@ -189,8 +189,8 @@ def _events(text: str, file: str) -> Iterator[Any]:
     except YAMLError as error:
         raise DesignError(f"this is not YAML: {str(error)[:200]}", Place(file)) from error
     except (AssertionError, OverflowError, ValueError) as error:
-        # Not the parser's own errors: it asserts that %YAML names 1.1 or 1.2, and int() and chr() raise the others for a
-        # version of thousands of digits and an escape \U beyond Unicode.
+        # Not the parser's own errors: it asserts that %YAML names 1.1 or 1.2, and int() and chr() raise the others for
+        # a version of thousands of digits and for an escape \U beyond Unicode.
         raise DesignError(
             f"this is not YAML: {str(error)[:200] or type(error).__name__}", Place(file)
         ) from error

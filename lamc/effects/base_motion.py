@@ -1,5 +1,6 @@
 """The fixed bodies moved as told: by expressions in time, as on a shaker or a turntable."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
@@ -57,9 +58,10 @@ class BaseMotion:
         for field in ("axis", "point"):
             values = checked_array(getattr(self, field), (3,), f"the {field} of base_motion")
             object.__setattr__(self, field, tuple(float(v) for v in values))
-        length = float(np.linalg.norm(self.axis))
-        if not length > 0.0:
-            raise DesignError(f"the axis of base_motion is {self.axis}; it must have a direction")
+        if not 0.0 < math.hypot(*self.axis) < math.inf:
+            raise DesignError(
+                f"the axis of base_motion is {self.axis}; it must have a direction and a length"
+            )
         if not any(isinstance(v, str) for v in (*self.displacement, self.angle)):
             raise DesignError(
                 "base_motion moves nothing: displacement and angle are plain numbers; give expressions in t, or leave "
@@ -73,7 +75,7 @@ class BaseMotion:
         """Prescribes the motion of the fixed bodies."""
         axis = np.array(self.axis)
         bodies = tuple(body.name for body in arranging.tree.mechanism.bodies if body.fixed)
-        unit = axis / np.linalg.norm(axis)
+        unit = axis / math.hypot(*self.axis)
         arranging.move_base(PrescribedBase(bodies, self._staged, unit, np.array(self.point)))
 
     def contribute(self, loads: Loads) -> None:

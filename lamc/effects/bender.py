@@ -7,19 +7,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lamc.codegen.program import Space
 from lamc.effects.base import Effect
 from lamc.effects.bender_plies import laminate_of
 from lamc.effects.data import record
+from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
-from lamc.errors import DesignError, ExpressionError
+from lamc.errors import DesignError
 from lamc.mechanics.algebra import cross, dot
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Scalar, Store
+from lamc.mechanics.staging import Scalar
 from lamc.mechanism.checks import checked_array, checked_name, checked_number
 from lamc.mechanism.records import Mechanism
 
 _SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
+_VOLTAGE = "the voltage of a piezo bender"
 _ROUND_OFF = 1e-9  # of the free strains, below which a bending strain is none
 
 
@@ -99,9 +100,9 @@ class PiezoBender:
         if self.width == 0.0:
             raise DesignError("the width of a piezo bender is 0 m; it must be above 0")
         if isinstance(self.voltage, str):
-            _check(self.voltage)
+            checked_drive(Drive(_VOLTAGE, self.voltage))
         else:
-            object.__setattr__(self, "voltage", checked_number(self.voltage, "the voltage of a piezo bender"))
+            object.__setattr__(self, "voltage", checked_number(self.voltage, _VOLTAGE))
         laminate = laminate_of(self.laminate, "the laminate of a piezo bender")
         object.__setattr__(self, "laminate", laminate)
         polarity = checked_array(
@@ -112,13 +113,13 @@ class PiezoBender:
 
     def _check_shape(self) -> None:
         along, normal = np.subtract(self.tip, self.root), np.array(self.normal)
-        length, size = float(np.linalg.norm(along)), float(np.linalg.norm(normal))
+        length, size = math.hypot(*along), math.hypot(*self.normal)
         if not length > self.extension:
             raise DesignError(
                 f"a piezo bender is {length:g} m from root to tip, and its stiff end {self.extension:g} m; there must "
                 "be a bending length between them"
             )
-        if size == 0.0 or abs(float(along @ normal)) > _SQUARE * length * size:
+        if not 0.0 < size < math.inf or abs(float(along @ (normal / size))) > _SQUARE * length:
             raise DesignError(
                 f"the normal {self.normal} of a piezo bender is not at right angles to the strip, which runs along "
                 f"{tuple((along / length).round(6).tolist())}; give the direction in which its tip deflects"
@@ -146,14 +147,14 @@ class PiezoBender:
         curvature = float((flexibility @ (pushed.moment - neutral @ pushed.force))[0])  # 1/(m·V)
         rigidity = self.width / float(flexibility[0, 0])  # N·m²
         stiff = self.extension
-        length = float(np.linalg.norm(np.subtract(self.tip, self.root))) - stiff
+        length = math.dist(self.tip, self.root) - stiff
         deflection = -curvature * length * (0.5 * length + stiff)
         stiffness = rigidity / (length * (length * length / 3.0 + length * stiff + stiff * stiff))
         return BenderLine(stiffness, stiffness * deflection, deflection)
 
     def contribute(self, loads: Loads) -> None:
         line = self.line
-        size = float(np.linalg.norm(self.normal))
+        size = math.hypot(*self.normal)
         drawn = [x / size for x in self.normal]
         rows = loads.rotation(self.body_a)
         normal = (dot(rows[0], drawn), dot(rows[1], drawn), dot(rows[2], drawn))
@@ -178,6 +179,10 @@ class PiezoBender:
         loads.force(self.body_a, self.tip, back)
         loads.moment(self.body_a, cross(apart, back))  # both forces act where the tip of body_b is
 
+    def drives(self) -> tuple[Drive, ...]:
+        """The voltage where it is an expression."""
+        return (Drive(_VOLTAGE, self.voltage),) if isinstance(self.voltage, str) else ()
+
     def _label(self, taken: Sequence[str]) -> str:
         """What the bender's parameters begin with; a second one between the same bodies is number 2."""
         label = f"piezo_bender.{self.body_a}.{self.body_b}"
@@ -195,11 +200,3 @@ class PiezoBender:
         if isinstance(value, Mapping) and "laminate" in value:
             value = {**value, "laminate": laminate_of(value["laminate"], "the laminate", where)}
         return record(cls, value, where)
-
-
-def _check(text: str) -> None:
-    """Stages the expression on a throw-away symbol, so that an error comes when the record is made."""
-    try:
-        stage(text, {"t": Store().symbol("t", Space.TIME, 0)})
-    except ExpressionError as error:
-        raise ExpressionError(f"the voltage of a piezo bender: {error.message}") from error

@@ -84,7 +84,7 @@ def quantity(value: object, unit: str, where: str, *path: str | int) -> float:
     """
     plain = unit.replace("·", "*").replace("²", "^2").replace("³", "^3")
     plain = "" if plain == "1" else plain
-    words = [step for step in path if isinstance(step, str)]
+    words = [step for step in path if isinstance(step, str) and step.strip()]
     name = words[-1].replace("_", " ") if words else "value"
     kind = Quantity(name, plain, _KNOWN.get(plain) or f"0.5 {plain}".rstrip())
     bare = getattr(where, "length_unit", None) if plain == "m" else None

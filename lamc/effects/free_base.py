@@ -47,7 +47,7 @@ class FreeBase:
     def __post_init__(self) -> None:
         for field in _FIELDS:
             value = getattr(self, field)
-            if value is not None:
+            if value is not None or field != "position":
                 x, y, z = (float(v) for v in checked_array(value, (3,), f"the {field} of a free base"))
                 object.__setattr__(self, field, (x, y, z))
 
@@ -119,7 +119,7 @@ def _check_mass(bodies: list[Body], mass: float, inertia: Array) -> None:
 
 def _quaternion(turn: Array) -> Array:
     """(w, x, y, z) of a turn given as axis times angle."""
-    angle = float(np.linalg.norm(turn))
+    angle = math.hypot(*turn)
     if angle == 0.0:
         return np.array([1.0, 0.0, 0.0, 0.0])
     return np.array([math.cos(0.5 * angle), *(math.sin(0.5 * angle) / angle * turn)])

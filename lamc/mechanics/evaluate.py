@@ -17,7 +17,11 @@ def evaluate(store: Store, values: Sequence[Scalar], inputs: Mapping[Value, floa
             payload = store.payloads[index]
             memory[index] = known.get(index, 0.0) if isinstance(payload, Symbol) else float(payload)
         else:
-            memory[index] = _applied(operation, [memory[i] for i in store.arguments[index]])
+            arguments = [memory[i] for i in store.arguments[index]]
+            found = store.table_of(operation)
+            memory[index] = (
+                _applied(operation, arguments) if found is None else found[0].value(arguments[0], found[1])
+            )
     return [v.sign * memory[v.index] if isinstance(v, Value) else float(v) for v in values]
 
 

@@ -83,7 +83,7 @@ class CompliantHinge:
     (Where the tree enters the hinge by its child they ride on the child: the same but for products of deflections.)
 
     point      on the hinge line, (3,), m, world, drawn: where the strip's middle is
-    axes       (3, 3), columns x, y, z, world, drawn; z along the joint's axis
+    axes       (3, 3), columns x, y, z, world, drawn; z the joint's axis
     stiffness  (6, 6): N·m/rad, N/rad, N/m; symmetric. Its angle-angle entry adds to what HingeStiffness gives
     damping    (6, 6), the same by rates
     freedoms   which of the five move; the others stay rigid, and their rows are not looked at
@@ -240,10 +240,9 @@ class Arranging:
             raise DesignError(f"no joint is named {hinge.joint!r}; the joints are {some(sorted(joints))}")
         if hinge.joint in self._compliant:
             raise DesignError(f"two effects make joint {hinge.joint!r} compliant; leave one out")
-        askew = float(np.linalg.norm(np.cross(hinge.axes[:, 2], joints[hinge.joint].axis)))
-        if askew > 1e-9:
+        if not np.allclose(hinge.axes[:, 2], joints[hinge.joint].axis, rtol=0.0, atol=1e-9):
             raise DesignError(
-                f"the z axis of the compliant hinge {hinge.joint!r} is not along the joint's axis"
+                f"the z axis of the compliant hinge {hinge.joint!r} is not the joint's axis; turn the axes"
             )
         self._compliant[hinge.joint] = replace(hinge, effect=self.effect)
 

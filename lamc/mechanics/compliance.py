@@ -18,6 +18,7 @@ from lamc.mechanics.staging import Scalar, Value, call
 from lamc.mechanism.checks import Array
 from lamc.mechanism.tree import WORLD, Side, snap
 
+_PER = {("rad", "rad"): "N·m/rad", ("m", "rad"): "N/rad", ("m", "m"): "N/m"}
 _UNITS = {"twist": "rad", "angle": "rad", "slide": "m"}
 
 
@@ -114,7 +115,8 @@ def _hold(
                 plain = not isinstance(held.amounts[j], Value) or not isinstance(held.amounts[i], Value)
                 if plain or abs(matrix[i, j]) <= 1e-15 * size:
                     continue
-                unit = f"J{per}/({units[i]}·{units[j]})"
+                low, high = sorted((units[i], units[j]))
+                unit = _PER.get((low, high), f"J/({low}·{high})").replace("/", f"{per}/", 1)
                 lower = float(matrix[max(i, j), min(i, j)])
                 name = f"{label}_{kind}.{names[i][j]}"
                 terms.append(loads.parameter(name, lower, unit, f"entry of the {kind} matrix") * amount)

@@ -21,8 +21,9 @@ from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS, choose
 from lamc.errors import BuildError, DesignError
-from lamc.loops.rank import LoopCount
+from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.starts import loops_of
+from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
@@ -125,7 +126,7 @@ def _compiled(
     loops = None
     if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
-            loops = loops_of(plan(mechanism), scene)
+            loops = _loops_of(mechanism, effects, scene)
     compiler = find_compiler(options.compiler)
     alias = _input_digest(mechanism, effects, loops, compiler, options)
     with times.stage("load from cache"):
@@ -152,6 +153,14 @@ def _compiled(
         if alias:
             cache.remember(alias, key)
     return Simulator(mechanism, scene, effects, equations, lambda: sources()[0], module, loops)
+
+
+def _loops_of(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene) -> LoopCount:
+    """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
+    arrangement = arrange(plan(mechanism), effects)
+    if arrangement.compliant or arrangement.flexible:
+        return count_loops(arrangement.tree, scene.closure_tolerance)
+    return loops_of(arrangement.tree, scene)
 
 
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:

@@ -10,6 +10,7 @@ import pytest
 from scipy.linalg import eig
 from scipy.optimize import linear_sum_assignment
 
+import lamc
 from lamc.effects import Gravity, HingeStiffness
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.free_base import FreeBase
@@ -18,6 +19,8 @@ from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
 from lamc.pipeline import equations_of
+from lamc.scene import Scene
+from tests.ctools import needs_cc
 from tests.floating import with_base
 from tests.general_motion import General
 from tests.mechanisms import chain, random_tree
@@ -125,7 +128,9 @@ def ring() -> Mechanism:
     rng = np.random.default_rng(5)
     base = chain(2, "space", seed=11)
     last = base.bodies[-1]
-    closing = Joint("h9", last.name, "ground", point=last.com + [0.3, 0.1, -0.2], axis=rng.normal(size=3))
+    closing = Joint(
+        "h9", last.name, "ground", point=last.com + np.array([0.3, 0.1, -0.2]), axis=rng.normal(size=3)
+    )
     return replace(base, joints=(*base.joints, closing), name="ring")
 
 
@@ -208,6 +213,19 @@ def test_misaligned_ring_moves_on_its_bushing_and_keeps_its_energy(floats: bool)
     total = [sum(e.values()) for e in energies]
     assert max(e["compliance"] for e in energies) > 0.1 * total[0]  # much of it goes through the springs
     assert np.abs(np.array(total) / total[0] - 1.0).max() <= 1e-9  # a run at rtol 1e-11
+
+
+@needs_cc
+def test_ring_on_its_bushing_compiles_and_runs_as_its_equations_say() -> None:
+    mechanism = with_base(ring())
+    effects = (all_compliant(mechanism, 200.0), FreeBase(velocity=(0.1, 0.0, 0.0)))
+    joints = plan(mechanism).joint_names
+    sim = lamc.compile(mechanism, Scene(effects=effects, rates={joints[0]: 0.5}))
+    result = sim.run(0.5, rtol=1e-9, atol=1e-11, t_eval=[0.0, 0.25, 0.5])
+    general = General(mechanism, effects)
+    run = general.run(*general.start([0.0] * len(joints), [0.5, 0.0]), np.array([0.0, 0.25, 0.5]))
+    assert sim.cut_joints == ()
+    assert np.abs(result.q - run.q).max() <= 1e-8  # runs at rtol 1e-9 and 1e-11
 
 
 def test_very_stiff_hinge_is_a_plain_one() -> None:

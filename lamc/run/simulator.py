@@ -106,7 +106,7 @@ class Simulator(Unchanging):
     @cached_property
     def loops(self) -> LoopCount:
         """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
-        return self._loops or loops_of(plan(self.mechanism), self.scene)
+        return self._loops or loops_of(self._arrangement.tree, self.scene)
 
     @cached_property
     def branches(self) -> tuple[Branch, ...]:
@@ -307,7 +307,7 @@ class Simulator(Unchanging):
 
     @cached_property
     def _starter(self) -> Starter:
-        return Starter(LoopGeometry(plan(self.mechanism)), self.loops)
+        return Starter(LoopGeometry(self._arrangement.tree), self.loops)
 
     @cached_property
     def _arrangement(self) -> Arrangement:

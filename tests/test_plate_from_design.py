@@ -400,10 +400,6 @@ def test_orthotropic_material_needs_its_shear_modulus() -> None:
         ({"body": "lefd"}, "has no body 'lefd'; did you mean 'left'"),
         ({"body": ()}, "no body of design 'two links' is named; known are"),
         ({"body": "left", "hinges": "soft"}, "hinges is 'soft'; it must be one of none, lines, strips"),
-        (
-            {"body": ("left", "right"), "hinges": "lines"},
-            "hinge 'h' lies between 'left' and 'right', both",
-        ),
         ({"body": "left", "tolerance": 0.0}, "the tolerance of a plate is 0 m"),
         ({"body": "left", "tolerance": math.nan}, "the tolerance of a plate is nan"),
         (

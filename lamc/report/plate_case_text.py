@@ -9,6 +9,7 @@ import numpy as np
 
 from lamc.plate.answers.corner_fields import Extreme
 from lamc.plate.answers.estimate import ErrorEstimate
+from lamc.plate.answers.hinge_turns import HingeTurn
 from lamc.report.failure_text import failure_text
 from lamc.report.numbers import place_text, prefixed, shown_number
 from lamc.report.plan_view import shortened
@@ -16,6 +17,7 @@ from lamc.report.plate_marks import load_text, vector_text
 from lamc.report.plate_records import CaseReport, Halved
 
 _DIGITS = 5
+_HINGES = 12  # lines that are told
 
 
 def case_rows(case: CaseReport) -> list[tuple[str, str]]:
@@ -34,6 +36,9 @@ def case_rows(case: CaseReport) -> list[tuple[str, str]]:
     if case.strength is not None:
         rows.append(("fails", failure_text(case.strength, solution.problem.size)))
     rows.append(("energy", f"{shown_number(energy, 'J')} stored"))
+    rows += [("hinge", _hinge(turn, number)) for number, turn in enumerate(solution.hinges[:_HINGES], start=1)]
+    if len(solution.hinges) > _HINGES:
+        rows.append(("hinge", f"… {len(solution.hinges)} in all"))
     rows.append(("reactions", _reactions(case)))
     rows.append(("error", _error(case.estimate)))
     rows += [("halved", _halved_text(each)) for each in case.halved]
@@ -92,6 +97,19 @@ def _reactions(case: CaseReport) -> str:
     told = vector_text([_kept(float(part), least) for part in total], "N")
     balance = solution.report.accuracy.backward_error
     return f"{told} in all; out of balance by {balance:.0e} of what acts"
+
+
+def _hinge(turn: HingeTurn, number: int) -> str:
+    """How far a hinge line turns, and what its spring holds."""
+    name = shortened(turn.hinge.name, 24) or f"line {number}"
+    rotation = turn.largest
+    fold = "" if rotation == 0.0 else ", valley" if rotation > 0.0 else ", mountain"
+    spring = (
+        f"{shown_number(turn.hinge.stiffness, 'N/rad')}, {shown_number(turn.energy, 'J')} stored"
+        if turn.hinge.stiffness > 0.0
+        else "turns freely"
+    )
+    return f"{name}: turns by {shown_number(rotation, 'rad')} at most{fold}; {spring}"
 
 
 def _kept(value: float, least: float) -> float:

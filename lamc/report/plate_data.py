@@ -90,6 +90,16 @@ def _case_data(case: CaseReport) -> dict[str, Any]:
         ],
         "first_failure": None if case.strength is None else _failure_data(case.strength),
         "strain_energy": solution.strain_energy,
+        "hinges": [
+            {
+                "name": turn.hinge.name,
+                "stiffness": turn.hinge.stiffness,
+                "length": turn.length,
+                "rotation": turn.largest,
+                "energy": turn.energy,
+            }
+            for turn in solution.hinges
+        ],
         "reactions": [{"force": r.force.tolist(), "moment": r.moment.tolist()} for r in solution.reactions],
         "relative_error": case.estimate.relative,
         "solver": solution.report.solver,

@@ -1,4 +1,4 @@
-"""Outline, regions, supports and loads of a plate, drawn on axes.
+"""Outline, regions, hinge lines, supports and loads of a plate, drawn on axes.
 
 In: a `Problem`, matplotlib axes in a unit of length. Out: artists with labels for a legend. Never: fields, files.
 """
@@ -35,6 +35,7 @@ from lamc.report.numbers import shown_number
 INK = "#202020"
 LOAD = "#D55E00"  # vermilion of Okabe and Ito
 _HELD = "#0072B2"  # their blue
+_FOLD = "#009E73"  # their green
 _STYLES: tuple[tuple[type, str, Any, float], ...] = (
     (Clamped, "clamped", "solid", 4.0),
     (SimplySupported, "simply supported", (0, (2.0, 1.0)), 3.0),
@@ -88,8 +89,13 @@ def _borders(mesh: Mesh) -> Array:
 
 
 def draw_supports(axis: Axes, problem: Problem, scale: Scale) -> list[Line2D]:
-    """Lines and points where the plate is held; handles for a legend, one per kind."""
+    """Lines and points where the plate is held, and lines where it folds; handles for a legend, one per kind."""
     handles: dict[str, Line2D] = {}
+    for hinge in problem.hinges:
+        fold = "hinge line, free" if hinge.stiffness == 0.0 else "hinge line"
+        dashes = (0, (1.5, 1.5)) if hinge.stiffness == 0.0 else (0, (4.0, 2.0))
+        _place(axis, problem, hinge.where, scale, _FOLD, dashes, 1.8, "", order=4.5)
+        handles.setdefault(fold, _line(fold, _FOLD, dashes, 1.8))
     for support in problem.supports:
         kinds = [(name, style, width) for kind, name, style, width in _STYLES if isinstance(support, kind)]
         default = (f"held: {', '.join(getattr(support, 'dofs', ()))}", "solid", 2.0)

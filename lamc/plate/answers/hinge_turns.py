@@ -42,6 +42,11 @@ class HingeTurn:
         return np.asarray(self.hinge.stiffness * self.rotation)
 
     @property
+    def length(self) -> float:
+        """Of the line on the plate, m."""
+        return float(np.linalg.norm(self.points[:, 1] - self.points[:, 0], axis=1).sum())
+
+    @property
     def largest(self) -> float:
         """The rotation of the largest size, rad, with its sign."""
         return float(self.rotation.flat[np.argmax(np.abs(self.rotation))])

@@ -94,6 +94,7 @@ def recover(
     place = at[cell] - centre[patch, None, :]
     size = np.zeros(count)
     np.maximum.at(size, patch, np.abs(place).max(axis=(1, 2)))
+    size[size == 0.0] = 1.0  # a cell on its own with one sample: its strains are all that is known
     terms = monomials(place / size[patch, None, None], degree)  # (pairs, q, terms)
     width = terms.shape[2]
     moments = gather @ np.einsum("pqs,pqt->pst", terms, terms).reshape(pairs, -1)

@@ -7,7 +7,8 @@ Splitting cuts a slit along every hinge line, which no one cuts in a device; wha
 
     "none"    the body as it was cut, its edges half a slit from the hinge lines
     "lines"   without what bends: its edges are where its stiff layers end, a hinge width from the line at most, to be
-              supported there, and a rotational spring has the stiffness of the strip
+              supported there, and a rotational spring has the stiffness of the strip; between two bodies of the plate
+              both reach up to the line, which is a `HingeLine` with that spring
     "strips"  with the whole strip of the flexible layer, one hinge width to both sides of the line, as a soft region of
               its own; its far edge is where the neighbour begins. Several bodies hang together by their strips.
 """
@@ -27,14 +28,17 @@ from lamc.design.steps import Connection, SplitBody, SplitSteps
 from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_number, shown
 from lamc.plate.designs.hinge_edges import HingeEdge, PlateHinge
+from lamc.plate.designs.inner_lines import line_of, strip_name, without_strips
 from lamc.plate.designs.materials import plate_materials, ply_angle
 from lamc.plate.designs.overlay import Overlay, Stack, default_tolerance, overlay, polygons_of, stack_name
+from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import Material
 from lamc.plate.laminates.plies import Ply
 from lamc.readonly import ReadOnlyDict
 
 HINGES = ("none", "lines", "strips")
+EVERY = "all"  # instead of names: every body
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +47,8 @@ class DesignPlate:
 
     regions    disjoint polygons by name, m; the name says the layers, or "hinge h1" for a strip
     laminates  for each region, all about the same reference surface
-    hinges     by joint
+    hinges     those to bodies outside, by joint
+    lines      those between bodies of the plate, by joint, where they are taken as lines; for `Problem(…, hinges=…)`
     fixed      what the world holds, m; empty for a body that moves
     height     m, of the reference surface above the bottom of the design
     notes      one line for each thing that was done and that the drawing did not ask for
@@ -53,6 +58,7 @@ class DesignPlate:
     regions: Mapping[str, Polygon | MultiPolygon]
     laminates: Mapping[str, Laminate]
     hinges: Mapping[str, HingeEdge]
+    lines: Mapping[str, HingeLine]
     fixed: BaseGeometry
     height: float
     notes: tuple[str, ...]
@@ -72,7 +78,7 @@ def plate_of(
     height: float | None = None,
     tolerance: float | None = None,
 ) -> DesignPlate:
-    """The plate that a body of a design is, or several bodies together.
+    """The plate that a body of a design is, or several bodies together; "all" of them.
 
     hinges     "none", "lines" or "strips", as above
     materials  replace the design's own of the same name: better known, with strengths, or in place of placeholders
@@ -93,14 +99,14 @@ def plate_of(
     elif checked_number(tolerance, "the tolerance of a plate") <= 0.0:
         raise DesignError(f"the tolerance of a plate is {tolerance:g} m; it must be positive")
     joined = [PlateHinge(steps, c, bodies) for c in steps.connections if _inside(c, bodies)]
-    if hinges == "lines":
-        _refuse_inner_lines(joined)
+    inner = [each for each in joined if not each.neighbour] if hinges == "lines" else []
     areas = [MultiPolygon([p for part in bodies for p in part.polygons[k]]) for k in range(len(layers))]
     for each in joined:
         areas[each.layer] = each.changed(areas[each.layer], hinges)
-    strips = [each.strip() for each in joined] if hinges == "strips" else []
-    found = overlay([*areas, *strips], tolerance)
-    stacks = _named(found, joined, [layer.name for layer in layers])
+    bending = joined if hinges == "strips" else inner
+    found = overlay([*areas, *(each.strip() for each in bending)], tolerance)
+    stacks = _named(found, bending, [layer.name for layer in layers])
+    stacks = without_strips(stacks, inner)
     if not stacks:
         raise DesignError(
             f"nothing is left of {', '.join(repr(part.name) for part in bodies)} with hinges={hinges!r} that is wider "
@@ -112,6 +118,16 @@ def plate_of(
     if height is None:
         height = _middle_of_largest(steps.design, stacks)
     outline = shapely.union_all(list(regions.values()))
+    lines = {
+        each.name: line_of(
+            each,
+            regions,
+            steps.design,
+            lambda used: plate_materials(steps.design, used, materials),
+            tolerance,
+        )
+        for each in inner
+    }
     held = shapely.union_all(
         [
             shapely.intersection(steps.design.fixed[k], areas[k])
@@ -128,15 +144,21 @@ def plate_of(
         hinges=ReadOnlyDict(
             {e.name: e.edge(hinges, areas[e.layer], tolerance) for e in joined if e.neighbour}
         ),
+        lines=ReadOnlyDict({name: line for name, (line, _) in lines.items()}),
         fixed=shapely.intersection(held, outline) if any(part.fixed for part in bodies) else MultiPolygon(),
         height=height,
-        notes=_notes(found, stacks, steps.design, tolerance),
+        notes=(
+            *_notes(found, stacks, steps.design, tolerance),
+            *(note for _, note in lines.values() if note),
+        ),
     )
 
 
 def _chosen(steps: SplitSteps, body: str | Sequence[str]) -> tuple[SplitBody, ...]:
     names = (body,) if isinstance(body, str) else tuple(body)
     known = [part.name for part in steps.bodies]
+    if names == (EVERY,) and EVERY not in known:
+        return steps.bodies
     for name in names:
         if name not in known:
             raise DesignError(
@@ -151,16 +173,6 @@ def _inside(connection: Connection, bodies: Sequence[SplitBody]) -> bool:
     return any(part.name in (connection.parent, connection.child) for part in bodies)
 
 
-def _refuse_inner_lines(joined: Sequence[PlateHinge]) -> None:
-    for each in joined:
-        if not each.neighbour:
-            one, other = (part.name for part in each.inner)
-            raise DesignError(
-                f"hinge {each.name!r} lies between {one!r} and {other!r}, both of this plate, and a line between them "
-                'would not bend; take the hinges as strips: hinges="strips"'
-            )
-
-
 def _named(
     found: Overlay, joined: Sequence[PlateHinge], names: Sequence[str]
 ) -> dict[str, tuple[Stack, MultiPolygon]]:
@@ -170,7 +182,7 @@ def _named(
     for stack, region in found.regions.items():
         layers = tuple(k for k in stack if k < count)
         strip = [joined[k - count] for k in stack if k >= count]
-        title = f"hinge {strip[0].name}" if strip and layers == (strip[0].layer,) else ""
+        title = strip_name(strip[0].name) if strip and layers == (strip[0].layer,) else ""
         parts.setdefault((layers, title), []).extend(region.geoms)
     present = sorted({k for layers, _ in parts for k in layers})
     return {

@@ -38,6 +38,7 @@ class HingeEdge:
 class PlateHinge:
     """A hinge of the chosen bodies.
 
+    properties  of its hinge set
     free       the stretches of its line that no hole has taken
     inner      those of its two bodies that belong to the plate, and on which side of the line each lies (`sides`)
     neighbour  the other body; "" where both belong to the plate
@@ -45,7 +46,8 @@ class PlateHinge:
 
     def __init__(self, steps: SplitSteps, connection: Connection, bodies: Sequence[SplitBody]) -> None:
         hinge = connection.hinge
-        self.name, self.width, self.layer = hinge.name, hinge.properties.width, hinge.properties.layer
+        self.name, self.properties = hinge.name, hinge.properties
+        self.width, self.layer = hinge.properties.width, hinge.properties.layer
         self.free = [part for part in free_parts(hinge, steps.holes[self.layer]) if part.length > 0.0]
         ends = (connection.parent, connection.child)
         self.inner = [part for part in bodies if part.name in ends]
@@ -81,7 +83,7 @@ class PlateHinge:
         """The plate's part of the flexible layer, from what the bodies have of it."""
         if hinges == "none":
             return areas_of(area)
-        if hinges == "strips":
+        if hinges == "strips" or not self.neighbour:  # between bodies of this plate its strip is part of it
             return areas_of(shapely.union(area, self.strip()))
         bending = shapely.difference(self.band(0.0, float(self.sides[0])), self.own)
         return areas_of(shapely.difference(area, bending))

@@ -83,6 +83,7 @@ def read_plate(node: Node) -> PlateFile:
         problems.add((), "the plate has no laminate; give laminate: {material: …, thickness: …}, or plies")
     actions = Actions(places, problems, bare)
     supports = actions.supports(model.supports)
+    hinges = actions.hinges(model.hinges)
     cases = actions.cases(model.loads, model.cases)
     outputs = [
         problems.attempt(("outputs", index), partial(_output, entry, index, places, laminate, bare))
@@ -106,6 +107,7 @@ def read_plate(node: Node) -> PlateFile:
         buckling=model.buckling,
         story=model.story.strip(),
         origins=Origins(Place(node.file), _keys(node), records),
+        hinges=hinges,
     )
 
 

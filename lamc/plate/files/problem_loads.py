@@ -14,7 +14,8 @@ from lamc.errors import DesignError, Place
 from lamc.mechanism.records import checked_name
 from lamc.plate.files.expression import Field, depends_on_place
 from lamc.plate.files.problem_places import Places
-from lamc.plate.files.problem_schema import LoadModel, SupportModel
+from lamc.plate.files.problem_schema import HingeLineModel, LoadModel, SupportModel
+from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.loads import (
     EdgeLoad,
     EdgeMoment,
@@ -48,6 +49,30 @@ class Actions:
             self.origins += [(support, self._problems.place(path)) for support in found]
             made += found
         return tuple(made)
+
+    def hinges(self, models: Sequence[HingeLineModel]) -> tuple[HingeLine, ...]:
+        """Those of the design, where it has hinges between bodies of the plate, then those of the file. An entry of the
+        file along a hinge of the design replaces it."""
+        body = self._places.body
+        found = dict(body.lines) if body is not None else {}
+        for index, model in enumerate(models):
+            path: Path = ("hinges", index)
+            made = self._problems.attempt(path, partial(self._hinge_line, model, path))
+            if made is not None:
+                self.origins.append((made, self._problems.place(path)))
+                found[model.along.hinge or f"{index} of the file"] = made
+        return tuple(found.values())
+
+    def _hinge_line(self, model: HingeLineModel, path: Path) -> HingeLine | None:
+        name, body = model.along.hinge, self._places.body
+        if name is not None and body is not None and name in body.hinges:
+            raise DesignError(
+                f"hinge {name!r} joins the plate to a body outside; hold it by supports: {{hinged: {{hinge: {name}}}}}"
+            )
+        where = self._places.where(model.along, (*path, "along"))
+        if where is None or isinstance(where, str):
+            return None
+        return HingeLine(where, model.stiffness, model.name or name or "")
 
     def cases(
         self, common: Sequence[LoadModel], cases: Mapping[str, Sequence[LoadModel]]

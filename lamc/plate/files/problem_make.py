@@ -3,15 +3,21 @@
 In: a `PlateFile`, and another element or length of edges if one is wanted. Out: a `Mesh`, a `Problem`. Never: files.
 """
 
+from collections.abc import Sequence
+
+import shapely
+
 from lamc.plate.files.problem_records import CELLS_ALONG, Geometry, PlateFile
+from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.meshing.grid import grid
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.mesher import mesh
 from lamc.plate.problem import Problem
 
 
-def mesh_of(geometry: Geometry, size: float | None = None) -> Mesh:
-    """The mesh; `size`, m, in place of the grid's and the file's. Raises DesignError as the mesher does."""
+def mesh_of(geometry: Geometry, size: float | None = None, hinges: Sequence[HingeLine] = ()) -> Mesh:
+    """The mesh, which follows `hinges` too; `size`, m, in place of the grid's and the file's. Raises DesignError as the
+    mesher does."""
     x0, y0, x1, y1 = geometry.outline.bounds
     shapes = {name: region.polygon for name, region in geometry.regions.items()}
     if geometry.grid is not None:
@@ -23,13 +29,15 @@ def mesh_of(geometry: Geometry, size: float | None = None) -> Mesh:
         1.0 if size is None or geometry.size is None else size / geometry.size
     )  # regions stay as fine beside it
     sizes = {n: share * region.size for n, region in geometry.regions.items() if region.size is not None}
-    return mesh(geometry.outline, general, regions=shapes, sizes=sizes, follow=geometry.follow)
+    within = [shapely.intersection(hinge.where, geometry.outline) for hinge in hinges]
+    lines = [line for part in within for line in shapely.get_parts(part) if line.length > 0.0]
+    return mesh(geometry.outline, general, regions=shapes, sizes=sizes, follow=[*geometry.follow, *lines])
 
 
 def problem_of(file: PlateFile, element: str | None = None, size: float | None = None) -> Problem:
     """Meshed, and ready to be solved. Raises DesignError as the mesher and `Problem` do, with the place in the file."""
     with file.origins.told("geometry" if size is None else ""):
-        made = mesh_of(file.geometry, size)
+        made = mesh_of(file.geometry, size, file.hinges)
     with file.origins.told():
         return _problem(file, made, element)
 
@@ -46,6 +54,7 @@ def _problem(file: PlateFile, made: Mesh, element: str | None) -> Problem:
         supports=file.supports,
         loads=single,
         cases=cases,
+        hinges=file.hinges,
     )
 
 

@@ -205,14 +205,17 @@ class Places:
         return LineString(line)
 
     def _hinge(self, name: str) -> BaseGeometry:
-        """The plate's edge along a hinge of the design."""
+        """The plate's edge along a hinge of the design, or the line of a hinge between its bodies."""
         if self.outline.is_empty:
             return _ANYWHERE
         if self.body is None:
             raise DesignError("only a plate of a design has hinges; name the place another way")
+        if name in self.body.lines:
+            return self.body.lines[name].where
         if name not in self.body.hinges:
+            known = sorted([*self.body.hinges, *self.body.lines])
             raise DesignError(
-                f"no hinge {name[:40]!r} joins the body to another; {did_you_mean(name, sorted(self.body.hinges))}"
+                f"no hinge {name[:40]!r} joins the body to another; {did_you_mean(name, known)}"
             )
         line = self.body.hinges[name].line
         if line.is_empty:

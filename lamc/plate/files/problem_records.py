@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from shapely.geometry.base import BaseGeometry
 
 from lamc.plate.files.origins import Origins
+from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LoadRecord
 from lamc.plate.supports import SupportRecord
@@ -62,6 +63,7 @@ class PlateFile:
     cases      loads by the name of the case; one of the name "" where the file has no cases
     story      what the problem is about, a paragraph; nothing is computed from it
     origins    where the file says what
+    hinges     lines inside the plate that fold, those of a design's joints first
     """
 
     name: str
@@ -75,3 +77,4 @@ class PlateFile:
     buckling: int = 0
     story: str = ""
     origins: Origins = field(default_factory=Origins)
+    hinges: Sequence[HingeLine] = ()

@@ -115,7 +115,8 @@ class GeometryModel(Model):
     hinges: Literal["none", "lines", "strips"] = Field(
         "none",
         description="the strip that bends: none: it ends where it was cut; lines: it is left out, and the "
-        "stiff edge beside the hinge line can be held; strips: it is part of the plate",
+        "stiff edge beside the hinge line can be held, and between two bodies of the plate the line itself folds; "
+        "strips: it is part of the plate",
     )
     holes: list[OutlineField] = Field(default=[])
     grid: tuple[int, int] | None = Field(None, description="cells along x and y of a regular mesh; for rect")
@@ -207,6 +208,23 @@ class SupportModel(Model):
         return self
 
 
+class HingeLineModel(Model):
+    """A line inside the plate along which its sides may turn: {along: {line: [[5, 0], [5, 2]]}, stiffness: 3 N/rad}."""
+
+    along: Where = Field(description="a line, or a hinge between bodies of the design: {hinge: name}")
+    stiffness: HingeStiffness = Field(0.0, description="per length of the line; 0: turns freely")
+    name: str | None = None
+
+    @model_validator(mode="after")
+    def _a_line(self) -> "HingeLineModel":
+        if self.along.line is None and self.along.hinge is None:
+            raise problem(
+                "a hinge inside the plate is along a line: {along: {line: [[0, 0], [0, 1]]}}; an edge of the plate is "
+                "held by supports: hinged"
+            )
+        return self
+
+
 class LoadModel(Model):
     """What acts: at a point, along an edge, on the face, or in the material."""
 
@@ -263,6 +281,7 @@ class PlateFileModel(Model):
     geometry: GeometryModel
     regions: dict[str, PlateRegionModel] = Field(default={})
     element: str = "dkt"
+    hinges: list[HingeLineModel] = Field(default=[], description="lines inside the plate that fold")
     supports: list[SupportModel] = Field(default=[])
     loads: list[LoadModel] = Field(default=[], description="what acts, in every case if there are cases")
     cases: dict[str, list[LoadModel]] = Field(default={}, description="loads by the name of the case")

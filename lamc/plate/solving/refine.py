@@ -83,11 +83,12 @@ def solve(system: System, forces: Array, prescribed: Array, *, refine: bool = Tr
 
 
 def _change(system: System, residual: Numbers) -> Numbers:
-    """Of the unknowns, by the factor; the residual is brought to size 1 first, as it may be tiny."""
-    size = np.max(np.abs(residual))
+    """Of the unknowns, by the factor; the residual on them is brought to size 1 first, as it may be tiny."""
+    right = system.on_free(residual)
+    size = np.max(np.abs(right), initial=0.0)
     if size == 0.0:
         return np.zeros_like(residual)
-    change = system.solved(np.asarray(residual / size, dtype=float)[:, None])[:, 0]
+    change = system.solved_free(np.asarray(right / size, dtype=float)[:, None])[:, 0]
     return np.asarray(change.astype(residual.dtype) * size)
 
 

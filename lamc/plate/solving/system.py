@@ -123,10 +123,18 @@ class System:
 
     def solved(self, forces: Array) -> Array:
         """Changes of all unknowns (N, k) that answer `forces` (N, k), nothing prescribed."""
+        return self.solved_free(self.constraints.free.T @ forces)
+
+    def solved_free(self, right: Array) -> Array:
+        """The same for forces on what is free, (f, k)."""
         _, scale = self._reduced
-        right = self.constraints.free.T @ forces
         free = self.factor.solve(scale[:, None] * right) if len(scale) else right
         return np.asarray(self.constraints.free @ (scale[:, None] * free))
+
+    def on_free(self, forces: Numbers) -> Numbers:
+        """Forces (N,) on what is free, (f,), in their precision: what the sides of a hinge line hand to each other
+        cancels before anything is rounded."""
+        return np.asarray(self.constraints.free.T @ forces)
 
     def size_of(self, changes: Array) -> float:
         """Norm of changes of the unknowns (N,), each counted in units of its own stiffness."""
@@ -136,7 +144,7 @@ class System:
     def force_size(self, forces: Numbers) -> float:
         """Norm of forces (N,) on what is free, each in units of its unknown's own stiffness."""
         _, scale = self._reduced
-        return float(np.linalg.norm((self.constraints.free.T @ np.asarray(forces, dtype=float)) * scale))
+        return float(np.linalg.norm(np.asarray(self.on_free(forces), dtype=float) * scale))
 
     def inner_forces(self, d: Numbers) -> Numbers:
         """∫ Bᵀ S B d dA by way of the strains, elastic hinges included, (N,), in the precision of `d`."""

@@ -36,7 +36,9 @@ def case_rows(case: CaseReport) -> list[tuple[str, str]]:
     if case.strength is not None:
         rows.append(("fails", failure_text(case.strength, solution.problem.size)))
     rows.append(("energy", f"{shown_number(energy, 'J')} stored"))
-    rows += [("hinge", _hinge(turn, number)) for number, turn in enumerate(solution.hinges[:_HINGES], start=1)]
+    rows += [
+        ("hinge", _hinge(turn, number)) for number, turn in enumerate(solution.hinges[:_HINGES], start=1)
+    ]
     if len(solution.hinges) > _HINGES:
         rows.append(("hinge", f"… {len(solution.hinges)} in all"))
     rows.append(("reactions", _reactions(case)))

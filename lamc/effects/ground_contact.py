@@ -90,7 +90,9 @@ class GroundContact:
         normal = checked_array(self.normal, (3,), "the normal of the ground")
         length = math.hypot(*normal)
         if not 0.0 < length < math.inf:
-            raise DesignError(f"the normal of the ground is {normal.tolist()}; it must have a direction and a length")
+            raise DesignError(
+                f"the normal of the ground is {normal.tolist()}; it must have a direction and a length"
+            )
         put("normal", tuple(float(x) for x in (normal if abs(length - 1.0) < 1e-15 else normal / length)))
         if self.bodies is not None:
             if (

@@ -69,7 +69,8 @@ class FlexibleBody:
                 raise DesignError(
                     f"the modal {name} of {what} is not symmetric; give the integrals as they are"
                 )
-            if count and float(np.linalg.eigvalsh(matrix)[0]) < least * size:
+            lowest = float(np.linalg.eigvalsh(matrix)[0]) if count else 1.0
+            if lowest < least * size or (least > 0 and lowest <= 0.0):
                 rule = "positive definite" if least > 0 else "positive semi-definite"
                 raise DesignError(
                     f"the modal {name} of {what} is not {rule}; leave out modes that depend on others"

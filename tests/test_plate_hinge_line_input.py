@@ -62,6 +62,35 @@ def test_a_membrane_does_not_fold() -> None:
         problem(plate.HingeLine(MIDDLE), element="cst")
 
 
+def test_a_spring_to_the_ground_along_a_hinge_line_is_ambiguous() -> None:
+    line = plate.HingeLine(MIDDLE, 1.0)
+    assert_refused(
+        lambda: problem(line, supports=[plate.Hinged(MIDDLE, 2.0)]),
+        "lies along a HingeLine, whose sides turn apart",
+    )
+    problem(line, supports=[plate.Hinged(MIDDLE)])
+
+
+def test_a_held_line_parts_the_plate_in_two() -> None:
+    """A free hinge line that is held, w = 0, is a simply supported edge of either half: each is a plate of its own."""
+    y = np.linspace(0.1, 0.9, 5)
+    both = plate.solve(
+        problem(
+            plate.HingeLine(MIDDLE),
+            supports=[plate.SimplySupported("boundary"), plate.Hinged(MIDDLE)],
+            loads=[plate.PointLoad((0.25, 0.4), 1.0)],
+        )
+    )
+    half = plate.Problem(
+        plate.grid(0.5, 1.0, 4, 8, "union-jack"),
+        isotropic(),
+        supports=[plate.SimplySupported("boundary")],
+        loads=[plate.PointLoad((0.25, 0.4), 1.0)],
+    )
+    assert both.deflection(0.25, y) == pytest.approx(plate.solve(half).deflection(0.25, y), rel=1e-10)
+    assert np.abs(both.deflection(0.75, y)).max() < 1e-15
+
+
 def test_a_line_over_a_hole_hinges_what_is_left_and_says_so() -> None:
     holed = SQUARE.difference(box(0.4, 0.4, 0.6, 0.6))
     line = MIDDLE.intersection(holed)

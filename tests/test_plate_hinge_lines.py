@@ -65,6 +65,19 @@ def test_triangles_tend_to_the_beam_with_a_hinge(element: str) -> None:
     assert off(32) < 0.3 * off(16)
 
 
+@pytest.mark.parametrize("element", ["bfs+q4", "bfs+q8", "bfs+q9", "bfs+q12"])
+def test_rectangles_with_membranes_fold_as_exactly(element: str) -> None:
+    P, a, k = 0.3, 0.375, 0.7
+    mesh = plate.grid(L, B, 8, 2, "squares")
+    made = {"supports": [plate.Clamped(LEFT)], "loads": [plate.EdgeLoad(RIGHT, (2.0, 0.0, P))]}
+    line = plate.HingeLine(across(a), k)
+    solution = plate.solve(plate.Problem(mesh, isotropic(D, nu=0.0), element, hinges=[line], **made))  # type: ignore[arg-type]
+    expected = P * L**3 / (3 * D) + P * (L - a) ** 2 / k
+    assert solution.deflection(L, 0.5 * B) == pytest.approx(expected, rel=ROUND_OFF)
+    # In the plane nothing is hinged: N L / (E h), with D = E h³ / 12 and h = 1 mm.
+    assert solution.displacement(L, 0.1)[0] == pytest.approx(2.0 * L / (12 * D / 1e-6), rel=ROUND_OFF)
+
+
 def test_a_supported_strip_sags_in_its_middle_hinge() -> None:
     # P at the middle: P L³ / 48 D of the beam, and the rotation M / k = P L / 4 k times L / 4.
     P, k = -1.0, 3.0

@@ -154,7 +154,12 @@ class Problem:
             self.places.some_edges_on(support.where, what)
             check_mirror(self.places, self.laminates, support.where)
         if isinstance(support, Hinged) and support.stiffness > 0.0:
-            edge_parts_on(self.places, support.where, what)
+            cells, local = edge_parts_on(self.places, support.where, what).edges.T
+            if np.isin(self.mesh.cell_edges[cells, local], self.dofs.hinges).any():
+                raise DesignError(
+                    f"{what} at {where_text(support.where)} has a stiffness and lies along a HingeLine, whose sides "
+                    "turn apart; give the stiffness to the HingeLine, and hold the line by a Hinged support without one"
+                )
         if isinstance(support, Support):
             missing = [name for name in support.dofs if name not in self.dofs.names]
             if missing:

@@ -14,6 +14,7 @@ from lamc.errors import DesignError, ExpressionError
 from lamc.reference.check import check
 from lamc.scene import Scene
 from tests.ctools import needs_cc
+from tests.every_effect import SAMPLES, mechanism
 from tests.mechanisms import chain
 from tests.test_effects import ABOUT_HINGE, pendulum, simulator
 
@@ -42,6 +43,32 @@ def test_a_motor_without_load_spins_up_exponentially(voltage: float | str, ratio
     # rtol times some hundred steps, of rates up to 30 rad/s and angles up to 90 rad
     assert result.rate("hip") == pytest.approx(final * (1 - np.exp(-t / tau)), abs=1e-7)
     assert result.angle("hip") == pytest.approx(final * (t - tau * (1 - np.exp(-t / tau))), abs=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [1.0, -20.0])
+def test_the_rotor_turns_with_the_joint_times_the_gear_ratio_squared(ratio: float) -> None:
+    """(I + n² J) u̇ = n (T₀ - (T₀/ω₀) n u): spin-up with a longer time, and ½ n² J u² in the books."""
+    rotor = 3e-4
+    sim = simulator(pendulum(), motor(NOMINAL, **LINE, gear_ratio=ratio, rotor_inertia=rotor))
+    tau = (ABOUT_HINGE + ratio**2 * rotor) * SPEED / (ratio**2 * STALL)
+    t = np.linspace(0.0, 3 * tau, 13)
+    result = sim.run(t_end=3 * tau, t_eval=t, rtol=1e-11, atol=1e-12)
+    rate = SPEED / ratio * (1 - np.exp(-t / tau))
+    assert result.rate("hip") == pytest.approx(rate, abs=1e-7)  # rtol times some hundred steps
+    assert result.energies["linear_motor"] == pytest.approx(0.5 * ratio**2 * rotor * rate**2, abs=1e-6)
+    lighter = sim.acceleration([0.0], [0.0], 0.0, {"hip.motor.rotor_inertia": 0.0})[0]
+    assert lighter == pytest.approx(ratio * STALL / ABOUT_HINGE, rel=1e-13)
+
+
+def test_a_rotor_between_moving_bodies_is_refused() -> None:
+    scene = Scene(effects=(LinearMotor("h1", 1.0, **LINE, rotor_inertia=1e-6),))
+    with pytest.raises(
+        DesignError, match=r"rotor_inertia of the motor on joint 'h1' .* both move.*set it to 0"
+    ):
+        lamc.compile(chain(2), scene)
+    floating = Scene(effects=(LinearMotor("h1", 1.0, **LINE, rotor_inertia=1e-6), SAMPLES["free_base"]))
+    with pytest.raises(DesignError, match=r"stay where they are, and the scene moves them"):
+        lamc.compile(mechanism(), floating)
 
 
 def test_the_line_ends_at_stall_torque_and_no_load_speed() -> None:
@@ -144,6 +171,7 @@ def test_scene_files_give_motors_with_units() -> None:
         ({**LINE, "stall_torque": 0.0}, "stall_torque of the motor on joint 'hip' is 0; it must be above 0"),
         ({**LINE, "no_load_speed": -1.0}, "no_load_speed.*above 0"),
         ({**LINE, "nominal_voltage": math.nan}, "nominal_voltage.*finite"),
+        ({**LINE, "rotor_inertia": -1e-6}, "rotor_inertia of the motor.*at least 0"),
         ({**LINE, "gear_ratio": 0.0}, "gear_ratio of the motor on joint 'hip' is 0"),
         ({"torque_constant": "much", "resistance": 1.0}, "must be a number"),
     ],

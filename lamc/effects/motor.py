@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -11,17 +12,17 @@ from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
 from lamc.errors import DesignError
+from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanics.staging import Scalar, Value
 from lamc.mechanism.checks import Array, checked_name, checked_number
-from lamc.mechanism.records import Mechanism
+from lamc.mechanism.records import Joint, Mechanism
 
 if TYPE_CHECKING:
     from lamc.run.result import Result
 
 _LINE = ("stall_torque", "no_load_speed", "nominal_voltage")
 _WINDING = ("torque_constant", "resistance")
-
 
 _UNITS = {
     "stall_torque": "N·m",
@@ -69,7 +70,9 @@ class LinearMotor:
     torque_constant  k, N·m/A, which is also the voltage per rad/s that turning induces
     resistance       R, Ω
 
-    gear_ratio       n, turns of the motor per turn of the joint; the gear has no losses, and the rotor no inertia
+    gear_ratio       n, turns of the motor per turn of the joint; the gear has no losses
+    rotor_inertia    J, kg·m², of the rotor about its own axis, which the joint feels as n² J; for joints of a body that
+                     is fixed and stays so, since on a moving one the rotor is a gyroscope
 
     The inductance of the winding is left out: currents follow in microseconds where joints take milliseconds.
     Several motors may act in one scene.
@@ -83,6 +86,7 @@ class LinearMotor:
     torque_constant: float | None = None
     resistance: float | None = None
     gear_ratio: float = 1.0
+    rotor_inertia: float = 0.0
 
     name: ClassVar[str] = "linear_motor"
     summary: ClassVar[str] = "DC motors on hinges"
@@ -96,6 +100,7 @@ class LinearMotor:
         "torque_constant": "N*m/A",
         "resistance": "ohm",
         "gear_ratio": "1",
+        "rotor_inertia": "kg*m^2",
     }
 
     def __post_init__(self) -> None:
@@ -117,6 +122,13 @@ class LinearMotor:
         if ratio == 0.0:
             raise DesignError(f"the gear_ratio {what} is 0; it must not be: leave the motor out")
         object.__setattr__(self, "gear_ratio", ratio)
+        inertia = checked_number(self.rotor_inertia, f"the rotor_inertia {what}", minimum=0.0)
+        object.__setattr__(self, "rotor_inertia", inertia)
+
+    def arrange(self, arranging: Arranging) -> None:
+        """A rotor's inertia asks for the general form of the equations."""
+        if self.rotor_inertia:
+            arranging.inverse_dynamics()
 
     def contribute(self, loads: Loads) -> None:
         hinge = loads.hinge(self.joint)
@@ -132,6 +144,30 @@ class LinearMotor:
         gain, drag = k / resistance, k * k / resistance  # N·m/V, N·m·s/rad
         torque = ratio * (gain * self._voltage(loads, hinge, label) - drag * (ratio * hinge.rate))
         loads.hinge_torque(self.joint, torque)
+        if self.rotor_inertia:
+            rotor = loads.parameter(
+                f"{label}.rotor_inertia", self.rotor_inertia, "kg·m²", "inertia of the motor's rotor"
+            )
+            self._turn_rotor(loads, hinge.joint, ratio * ratio * rotor)
+
+    def _turn_rotor(self, loads: Loads, joint: Joint, inertia: Scalar) -> None:
+        """The body that turns has the inertia about the joint's axis besides its own."""
+        parent, child = (loads.mechanism.body(name) for name in (joint.parent, joint.child))
+        what = f"the rotor_inertia of the motor on joint {self.joint!r}"
+        if not parent.fixed and not child.fixed:
+            raise DesignError(
+                f"{what} turns between {parent.name!r} and {child.name!r}, which both move; it can act on joints of a "
+                "fixed body: set it to 0, and give the rotor to the bodies' inertia"
+            )
+        if loads.placement.base is not None:
+            raise DesignError(
+                f"{what} needs fixed bodies that stay where they are, and the scene moves them: set it to 0"
+            )
+        axis = [float(x) for x in joint.axis]
+        rows: list[list[Scalar]] = [[0] * 6 for _ in range(6)]
+        for i, j in product(range(3), repeat=2):
+            rows[3 + i][3 + j] = inertia * (axis[i] * axis[j])
+        loads.added_inertia(child.name if parent.fixed else parent.name, tuple(joint.point), rows)
 
     def books(self, result: "Result", label: str = "") -> MotorBooks:
         """What the motor took, gave and lost along a run, with the parameters of that run.

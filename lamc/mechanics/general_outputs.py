@@ -39,7 +39,7 @@ def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads
             potential = _potential(placement, masses, acceleration)
             energies[effect] = energies.get(effect, 0) + potential
     for added in loads.added:
-        with store.section("Kinetic energy of the fluid", effect=added.effect, source="½ wᵀ A w"):
+        with store.section("Kinetic energy of added inertia", effect=added.effect, source="½ wᵀ A w"):
             energies[added.effect] = energies.get(added.effect, 0) + added.energy(
                 *_point_motion(placement, added.link, added.point, motions)
             )

@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from lamc.codegen.program import Program
 from lamc.errors import UnsupportedError
+from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import plan
 from lamc.reference.check_loops import closures, cut_hinges
 from lamc.reference.check_motion import Budget, Progress, motions
 from lamc.reference.check_report import Comparison, Largest, Report
@@ -69,7 +71,8 @@ def check(
 
     Raises UnsupportedError, with its name, for an effect that adds coordinates or moves the fixed bodies.
     """
-    moving = [repr(effect.name) for effect in simulator.effects if hasattr(effect, "arrange")]
+    tree = plan(simulator.mechanism)
+    moving = [repr(effect.name) for effect in simulator.effects if not arrange(tree, (effect,)).is_plain]
     if moving:
         raise UnsupportedError(
             f"the independent voices know hinges on a fixed world only, and {', '.join(moving)} goes beyond them; "

@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
 
-.PHONY: demo test test-all lint types format bench pictures clean check-tools
+.PHONY: demo test test-all lint types format bench ledgers pictures clean check-tools
 
 demo: $(STAMP)
 	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
@@ -43,6 +43,11 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.spine
 	$(BIN)/python -m benchmarks.hard_cases
 	$(BIN)/python -m benchmarks.plates
+	$(BIN)/python -m benchmarks.precision
+
+ledgers: $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
+	$(BIN)/python -m benchmarks.ledgers
 
 pictures: $(STAMP)
 	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --no-animation --out out/pictures

@@ -20,6 +20,8 @@ PACKAGES = (
     "cython",
     "cffi",
     "mujoco",
+    "casadi",
+    "scikit-sundae",
     "scikit-fem",
     "scikit-sparse",
 )

@@ -11,7 +11,7 @@ import pytest
 import lamc
 from benchmarks.devices import CROSSED, SCENE, plates
 from benchmarks.hard_cases import undamped
-from benchmarks.peers import ccx_peer, hand, kane_lambdify
+from benchmarks.peers import ccx_peer, closed_triple, hand, kane_lambdify
 from lamc import plate
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.reference.sympy_kane import kane
@@ -44,6 +44,29 @@ def test_hand_written_integrator_folds_the_papers_plates_as_published(library: c
     angles, _ = peer.run(np.zeros(3), np.zeros(3), 0.5, 1e-11, 1e-13)
     # 1e-9: the limit the published values are given for
     assert np.abs(angles - [0.3479767274690896, 0.1416890662362707, 0.03314863340808915]).max() < 1e-9
+
+
+@pytest.mark.parametrize("textbook", [False, True])
+def test_closed_form_of_the_triple_pendulum_agrees_with_newton_euler(tmp_path: Path, textbook: bool) -> None:
+    peer = closed_triple.ClosedTriple(tmp_path, textbook=textbook)
+    voice = NewtonEuler(plates(3), SCENE.effects or (), ("h0", "h1", "h2"))
+    q, u = random_state(3, seed=5)
+    expected = voice.acceleration(q, u)
+    # 1e-12: round-off of some 50 operations, times the condition of M, below 100
+    assert np.abs(peer.accelerations(q[None], u[None])[0] - expected).max() < 1e-12 * np.abs(expected).max()
+    angles, steps = peer.run(0.5, 1e-11, 1e-13)
+    # 1e-9: the limit the published values are given for
+    assert np.abs(angles[:3] - [0.3479767274690896, 0.1416890662362707, 0.03314863340808915]).max() < 1e-9
+    assert steps > 100
+
+
+def test_casadi_and_cvodes_fold_the_papers_plates_as_published() -> None:
+    pytest.importorskip("casadi")
+    from benchmarks.peers import casadi_peer
+
+    angles = casadi_peer.CasadiTriple(casadi_peer.BDF).angles(np.array([0.5]), 1e-11, 1e-13)[0]
+    # 1e-8: what CVODES' BDF makes of a tolerance of 1e-11 in some thousand steps
+    assert np.abs(angles - [0.3479767274690896, 0.1416890662362707, 0.03314863340808915]).max() < 1e-8
 
 
 def test_lambdified_forms_agree_with_newton_euler() -> None:

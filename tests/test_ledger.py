@@ -280,7 +280,7 @@ def test_what_the_reference_leaves_open_counts_against_a_setting(swinging: Ledge
 
 
 def test_budget_that_is_spent_leaves_rows_with_the_reason() -> None:
-    sweep = Sweep(t_end=400.0, budget=0.4)
+    sweep = Sweep(t_end=100.0, budget=0.1)
     ledger = points_alone(rod(), FREE, sweep)
     left = [p for p in ledger.points if not p.succeeded]
     assert left

@@ -28,7 +28,10 @@ from lamc.scene import Scene
 
 # Shares of the budget, up to the end of each part.
 _SWEEP, _EFFECTS = 0.6, 0.9
-_ONE_REFERENCE = 0.1  # of the budget, that one run of it may take
+_ONE_REFERENCE, _LEAST_REFERENCE = (
+    0.1,
+    0.5,
+)  # of the budget, and s, that one run of it may take: nothing goes without
 
 
 class Progress(Protocol):
@@ -59,7 +62,7 @@ def measure(
         simulator = workshop.make(scene).simulator
         progress.stage("reference")
         clock = Clock(sweep.budget)
-        truth = make_reference(simulator, sweep, clock, _ONE_REFERENCE * sweep.budget)
+        truth = make_reference(simulator, sweep, clock, max(_ONE_REFERENCE * sweep.budget, _LEAST_REFERENCE))
         progress.stage("work and precision")
         runners, notes = peers.make_runners(simulator, truth.result, sweep)
         conservative = all(effect.name in truth.result.energies for effect in effects)

@@ -39,7 +39,11 @@ def _head(ledger: Ledger) -> str:
         f"{shortened(ledger.design, 40)}: {ledger.sweep.t_end:g} s, effects: {', '.join(ledger.effects) or 'none'}",
         f"errors  {_relative_to(ledger)}, at {ledger.sweep.rows} times",
         f"truth   {facts.integrator} and {facts.second} at rtol {facts.rtol:.0e} agree within {facts.uncertainty:.1e}; "
-        f"a small change of the start grows {facts.growth:.3g}-fold",
+        + (
+            f"a small change of the start grows {facts.growth:.3g}-fold"
+            if facts.growth > 1.05
+            else "a small change of the start does not grow"
+        ),
     ]
     return "\n".join([*lines, *(f"note    {note}" for note in ledger.notes)])
 

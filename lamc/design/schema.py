@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from lamc.design import fields
+from lamc.design.effects_schema import with_effects
 from lamc.design.fields import (
     ALL_LAYERS,
     Angle,
@@ -31,7 +32,7 @@ from lamc.design.fields import (
     SpacePoint,
     Stiffness,
 )
-from lamc.design.scene_schema import SceneFileModel, SceneModel, ScenesModel, with_effects
+from lamc.design.scene_schema import LoneSceneModel, SceneFileModel, SceneModel, ScenesModel
 from lamc.errors import DesignError
 
 
@@ -220,7 +221,12 @@ class MechanismModel(Model):
     scenes: ScenesModel = Field(default={})
 
 
-FILES: dict[str, type[Model]] = {"Design": DesignModel, "Mechanism": MechanismModel, "Scenes": SceneFileModel}
+FILES: dict[str, type[Model]] = {
+    "Design": DesignModel,
+    "Mechanism": MechanismModel,
+    "Scene": LoneSceneModel,
+    "Scenes": SceneFileModel,
+}
 
 
 def json_schema(files: Mapping[str, type[Model]] = FILES) -> dict[str, Any]:
@@ -229,11 +235,10 @@ def json_schema(files: Mapping[str, type[Model]] = FILES) -> dict[str, Any]:
     shared: dict[str, Any] = {}
     for part in parts:
         shared |= part.pop("$defs", {})
-    shared = with_effects(shared)
     named = dict(zip(files, parts, strict=True))
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": f"lamc {' or '.join(name.lower() for name in files)}",
         "anyOf": [{"$ref": f"#/$defs/{name}"} for name in sorted(named)],
-        "$defs": dict(sorted((shared | named).items())),
+        "$defs": dict(sorted(with_effects(shared | named).items())),
     }

@@ -51,6 +51,12 @@ class Problems:
         """The place of what stands at `path`, or of the nearest thing around it."""
         return node_at(self._root, path).place
 
+    def places(self, path: Path) -> Mapping[str, Place]:
+        """The places of the values of the map at `path`, by key; empty where no map is."""
+        node = node_at(self._root, path)
+        pairs = node.pairs if isinstance(node, MapNode) else ()
+        return {key.text: value.place for key, value in pairs if isinstance(key, ScalarNode)}
+
     def add(self, path: Path, message: str, place: Place | None = None) -> None:
         self._found.append(DesignError(f"{shown(path)}: {message}", place or self.place(path)))
 

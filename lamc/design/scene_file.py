@@ -13,11 +13,12 @@ from lamc.design.scene_schema import SceneModel
 from lamc.effects.base import Effect
 from lamc.effects.data import DataError, Where, refusal
 from lamc.effects.registry import by_name
-from lamc.errors import DesignError
+from lamc.errors import DesignError, Place
 from lamc.places import Places
 from lamc.scene import Scene, is_scene_name
 
 MOST_SCENES = 1000  # in one file
+MOST_VALUES = 100_000  # that its scenes come to, with all that they are like
 
 SINGLE = ("branch", "closure_tolerance", "duration", "outputs")
 
@@ -96,6 +97,10 @@ class _Reader:
         self.at = at
         self.said: dict[str, _Said | None] = {}
         self.effects: dict[Path, Effect | None] = {}  # each is made once, however many scenes have it
+        self.places: dict[
+            Path, Mapping[str, Place]
+        ] = {}  # of the values of a map; each map is looked at once
+        self.values = 0
 
     def scenes(self) -> Scenes:
         if len(self.models) > MOST_SCENES:
@@ -111,6 +116,8 @@ class _Reader:
         named: dict[str, Scene] = {}
         for name in self.models:
             said = self._resolved(name)
+            if said is not None and self._is_too_much(said):
+                return Scenes(None, {})
             made = self._scene(said) if said is not None else None
             if made is not None:
                 named[name] = made
@@ -120,6 +127,24 @@ class _Reader:
             said = self._merged(base, self.scene, self.at) if base is not None else None
             default = self._scene(said) if said is not None else None
         return Scenes(default, named)
+
+    def _is_too_much(self, said: _Said) -> bool:
+        """True after noting that the scenes hold more than a file should make of them."""
+        self.values += len(said.angles) + len(said.rates) + len(said.without) + len(said.added)
+        self.values += len(said.effects or ()) + len(said.single.get("outputs", ((), ()))[0])
+        if self.values > MOST_VALUES:
+            text = (
+                f"with all that they are like, the scenes hold more than {MOST_VALUES} values; split the file"
+            )
+            self.problems.add(("scenes",), text)
+        return self.values > MOST_VALUES
+
+    def _place(self, path: Path) -> Place:
+        """The place of a value of a map."""
+        around, key = path[:-1], path[-1]
+        if around not in self.places:
+            self.places[around] = self.problems.places(around)
+        return self.places[around].get(str(key)) or self.problems.place(path)
 
     def _base(self, model: SceneModel, path: Path) -> _Said | None:
         """What the scene at `path` is like; None after noting that it is not there."""
@@ -198,7 +223,7 @@ class _Reader:
         places += [((name,), path) for name, (_, path) in said.single.items()]
         outputs, path = said.single.get("outputs", ((), ()))
         places += [(("outputs", name), (*path, index)) for index, name in enumerate(outputs)]
-        known = tuple((key, problems.place(path)) for key, path in places)
+        known = tuple((key, self._place(path) if path else problems.place(path)) for key, path in places)
         single = {name: value for name, (value, _) in said.single.items()}
         return problems.attempt(
             said.path,

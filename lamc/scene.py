@@ -80,8 +80,8 @@ class Scene:
              the other way
     closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-6 of the size
     duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
-    outputs  what of the motion matters, by name: joints (angles), "BODY.x", ".y" and ".z" (centre of mass), and
-             coordinates that effects add; None: all joints
+    outputs  what of the motion matters, by name: joints (angles), coordinates that effects add, such as "base.qw", and
+             "BODY.x", ".y" and ".z" (centre of mass); None: all joints
     places   where its parts stand in its file; empty for a scene made by hand
 
     Raises DesignError for what are no effects, no numbers, or an effect twice.

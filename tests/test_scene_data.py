@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from lamc.design.scene_file import make_effect
+from lamc.design.effect_calls import make_effect
 from lamc.effects import Gravity, JointLimits, Spring, Torque
 from lamc.effects.data import DataError, Where, is_measured, quantity, record
 from lamc.errors import DesignError

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
@@ -15,6 +16,7 @@ from lamc.effects.registry import choose
 from lamc.errors import DesignError, LamcError
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.yaml_file import write_mechanism
+from lamc.run.outputs import outputs_of
 from lamc.scene import Scene
 
 ARM = """\
@@ -233,12 +235,14 @@ def test_a_start_of_no_joint_is_refused_where_it_stands(tmp_path: Path, section:
     [
         ("with: {joint_limits: }", "8:", "no joint has limits narrower than ±180°; give joints limits"),
         ("with: {torque: {arm: 1}}", "8:", "'arm'"),
+        ("with: {free_base: }", "8:", "free_base"),
+        ("with: {torque: {h: 1/angle}}", "8:", "no value at the start"),
         (
             "outputs: [h, arm.w]",
             "8:20",
-            "output 'arm.w' is no joint's angle and no body's position; did you mean 'arm",
+            "output 'arm.w' is no coordinate and no body's position; did you mean 'arm",
         ),
-        ("outputs: [g]", "8:17", "output 'g' is no joint's angle"),
+        ("outputs: [g]", "8:17", "output 'g' is no coordinate"),
         ("branch: 1", "8:15", "a mechanism without loops has none"),
     ],
 )
@@ -341,6 +345,26 @@ def test_options_change_the_scene_that_they_name(tmp_path: Path) -> None:
     assert changed.angles["h"] == math.radians(10)
     assert changed.duration == 3.0
     assert {e.name for e in changed.effects or ()} == {n for n, (acts, _) in told.items() if acts}
+
+
+def test_outputs_of_a_run_are_angles_coordinates_and_positions(tmp_path: Path) -> None:
+    """A free base adds coordinates; without gravity or springs all of it stays where it starts."""
+    mechanism = arm(tmp_path)
+    scene = Scene(effects=(lamc.FreeBase(),), angles={"h": 0.5}, outputs=("h", "base.qw", "arm.x", "wall.z"))
+    wall = lamc.Body("wall", 1.0, inertia=np.eye(3), fixed=True)
+    free = Mechanism((wall, mechanism.bodies[1]), mechanism.joints)
+    found = outputs_of(lamc.compile(free, scene).run(t_end=1.0), scene)
+    assert [(o.name, o.unit) for o in found] == [
+        ("h", "rad"),
+        ("base.qw", "1"),
+        ("arm.x", "m"),
+        ("wall.z", "m"),
+    ]
+    for output, value in zip(found, (0.5, 1.0, 0.5 * math.cos(0.5), 0.0), strict=True):
+        np.testing.assert_allclose(
+            output.values, value, rtol=0, atol=1e-15
+        )  # nothing acts: round-off of the pose
+    assert [o.name for o in outputs_of(lamc.compile(mechanism).run(t_end=0.1), Scene())] == ["h"]
 
 
 def test_springs_add_to_those_of_the_scene(tmp_path: Path) -> None:

@@ -14,11 +14,11 @@ from pathlib import Path
 
 from lamc import examples
 from lamc.commands.terminal import Progress
+from lamc.design.effect_calls import make_effect
 from lamc.design.inert import compose, plain
 from lamc.design.load import load, load_text
 from lamc.design.load_scene import load_scene
 from lamc.design.records import Design
-from lamc.design.scene_file import make_effect
 from lamc.design.split import split
 from lamc.design.units import ANGLE, ANGLE_RATE, Quantity, to_si
 from lamc.effects.base import Effect

@@ -1,17 +1,18 @@
-"""Scenes in lamc's files; with `scene_schema` and `scene_writer`, where the front end asks for effects.
+"""Scenes in lamc's files.
 
 In: validated models of a `scene:` and a `scenes:` section. Out: `Scene` records. A scene that is `like` another has all
 of it but what it says itself. No effect is known here by name.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from lamc.design.checking import Path, Problems, did_you_mean, shown
+from lamc.design.effect_calls import Called, effects_called, make_effect, unplaced
 from lamc.design.scene_schema import SceneModel
 from lamc.effects.base import Effect
-from lamc.effects.data import DataError, Where, refusal
+from lamc.effects.data import DataError, Where
 from lamc.effects.registry import by_name
 from lamc.errors import DesignError, Place
 from lamc.places import Places
@@ -30,21 +31,13 @@ class Scenes(NamedTuple):
     named: Mapping[str, Scene]
 
 
-class _Called(NamedTuple):
-    """An effect as a file calls for it."""
-
-    path: Path
-    name: str
-    value: object
-
-
 @dataclass(frozen=True)
 class _Said:
     """All that a scene says, with what it is like, and where in the file it says so."""
 
     path: Path
-    effects: tuple[_Called, ...] | None = None
-    added: tuple[_Called, ...] = ()
+    effects: tuple[Called, ...] | None = None
+    added: tuple[Called, ...] = ()
     without: Mapping[str, Path] = field(default_factory=dict)
     angles: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
     rates: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
@@ -238,7 +231,7 @@ class _Reader:
             ),
         )
 
-    def _effect(self, called: _Called) -> Effect | None:
+    def _effect(self, called: Called) -> Effect | None:
         """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
         path, name, value = called
         if path not in self.effects:
@@ -249,11 +242,11 @@ class _Reader:
             except DataError as error:
                 self.problems.add((*path, *error.path), error.problem)
             except DesignError as error:
-                self.problems.add(path, _unplaced(error, where), error.place)
+                self.problems.add(path, unplaced(error, where), error.place)
         return self.effects[path]
 
-    def _called(self, effects: object, path: Path) -> list[_Called]:
-        return self.problems.attempt(path, lambda: list(called(effects, path))) or []
+    def _called(self, effects: object, path: Path) -> list[Called]:
+        return self.problems.attempt(path, lambda: list(effects_called(effects, path))) or []
 
     def _names(self, without: object, path: Path) -> dict[str, Path]:
         """Names of effects that are left out, each with its place."""
@@ -271,44 +264,3 @@ class _Reader:
             else:
                 found[name] = at
         return found
-
-
-def make_effect(name: str, value: object, where: str) -> Effect:
-    """The effect of that name in files; messages begin with `where`.
-
-    Raises DesignError for a name the registry does not have, and for data that does not fit.
-    """
-    known = by_name()
-    if name not in known:
-        raise refusal(where, f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(known))}")
-    try:
-        return known[name].from_data(value, where)
-    except DataError:
-        raise
-    except DesignError as error:
-        raise type(error)(f"{where}: {_unplaced(error, where)}", error.place) from error
-
-
-def _unplaced(error: DesignError, where: str) -> str:
-    """The message without the place that the effect's own reader may have put before it."""
-    return error.message.removeprefix(f"{where}: ")
-
-
-def called(effects: object, path: Path) -> Iterator[_Called]:
-    """The effects of a map, or of a list of names and one-entry maps."""
-    if effects is None:
-        return
-    if isinstance(effects, Mapping):
-        for name, value in effects.items():
-            yield _Called((*path, str(name)), str(name), value)
-        return
-    if not isinstance(effects, list):
-        raise DesignError("effects are a map from name to value, or a list of names and one-entry maps")
-    for index, item in enumerate(effects):
-        if isinstance(item, str):
-            yield _Called((*path, index), item, None)
-        elif isinstance(item, Mapping) and len(item) == 1:
-            ((name, value),) = item.items()
-            yield _Called((*path, index, str(name)), str(name), value)
-        else:
-            raise DesignError(f"entry {index} of the effects is neither a name nor a map with one entry")

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from lamc.design.scene_file import SINGLE, make_effect
+from lamc.design.effect_calls import make_effect
+from lamc.design.scene_file import SINGLE
 from lamc.effects.base import Effect
 from lamc.errors import DesignError
 from lamc.scene import Scene

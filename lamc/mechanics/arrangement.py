@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamc.codegen.program import Coordinate
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.checks import Array, checked_array
 from lamc.mechanism.network import some
@@ -286,7 +286,8 @@ def arrange(tree: Tree, effects: "Iterable[Effect | Any]") -> Arrangement:
         ask = getattr(effect, "arrange", None)
         if ask is not None:
             arranging.effect = effect.name
-            ask(arranging)
+            with about(effect):
+                ask(arranging)
     return arranging.arranged()
 
 

@@ -25,14 +25,15 @@ class Output:
     values: Array
 
 
-def check_outputs(scene: Scene, joints: Sequence[str], bodies: Sequence[str]) -> None:
-    """Raises DesignError for an output of the scene that means nothing in a mechanism of these joints and bodies."""
+def check_outputs(scene: Scene, coordinates: Sequence[str], bodies: Sequence[str]) -> None:
+    """Raises DesignError for an output of the scene that is neither one of the coordinates, among which the joints that
+    close loops count here, nor a body's position."""
     for name in scene.outputs or ():
-        if name not in joints and _point(name, bodies) is None:
-            known = [*joints, *(f"{body}.{axis}" for body in bodies for axis in _AXES)]
+        if name not in coordinates and _point(name, bodies) is None:
+            known = [*coordinates, *(f"{body}.{axis}" for body in bodies for axis in _AXES)]
             with about(("outputs", name)):
                 raise DesignError(
-                    f"the scene's output {name[:40]!r} is no joint's angle and no body's position; "
+                    f"the scene's output {name[:40]!r} is no coordinate and no body's position; "
                     f"{did_you_mean(name, known)}"
                 )
 
@@ -46,6 +47,9 @@ def outputs_of(result: Result, scene: Scene) -> tuple[Output, ...]:
 def _output(result: Result, name: str, joints: Sequence[str]) -> Output:
     if name in joints:
         return Output(name, "rad", result.angle(name))
+    for coordinate in result.coordinates:
+        if coordinate.name == name:
+            return Output(name, coordinate.unit, result.coordinate(name))
     point = _point(name, result.bodies)
     assert point is not None
     body, axis = point

@@ -79,7 +79,7 @@ class Simulator(Unchanging):
         self._loops = loops
         self._model = Model(module)
         check_names(scene, self.joints + self.cut_joints)
-        check_outputs(scene, self.joints + self.cut_joints, self.bodies)
+        check_outputs(scene, [*(c.name for c in self.coordinates), *self.cut_joints], self.bodies)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"

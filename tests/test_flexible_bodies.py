@@ -319,7 +319,7 @@ def test_flexible_bodies_that_cannot_be_are_refused_by_name() -> None:
         equations_of(mechanism, (Bending((body, body)),))
     with pytest.raises(DesignError, match="must be a unit vector"):
         replace(body, normal=np.array([0.0, 0.0, 2.0]))
-    with pytest.raises(DesignError, match="modal mass .* not positive definite"):
+    with pytest.raises(DesignError, match=r"modal mass .* not positive definite"):
         replace(body, mass=np.zeros((1, 1)))
-    with pytest.raises(DesignError, match="damping_ratios .* none may be negative"):
+    with pytest.raises(DesignError, match=r"damping_ratios .* none may be negative"):
         replace(body, damping_ratios=np.array([-0.1]))

@@ -156,6 +156,17 @@ class ChainKinematics(Kinematics):
         a, b, c = (self._constants(np.array(row)) for row in numeric(link.frame))
         return (a, b, c)
 
+    def drawn_origin(self, link: Link) -> Vector3:
+        """Where the link's origin is drawn, m, world."""
+        return self._constants(link.origin)
+
+    def on_base(self, link: Link, wrench: Wrench) -> Wrench:
+        """A wrench about the drawn origin of a link on the base, in its drawn frame, about the base's reference."""
+        assert self.base is not None
+        frame = self.drawn_frame(link)
+        force, moment = rotate(frame, wrench[0]), rotate(frame, wrench[1])
+        return force, add(moment, cross(self.base.arm(self.drawn_origin(link)), force))
+
     def motions(self, u: Sequence[Scalar]) -> list[Motion]:
         """Angular velocities and velocities of the origins, in the world."""
         with self.store.section("Velocities", source="eq. 13-14"):
@@ -208,10 +219,7 @@ class ChainKinematics(Kinematics):
                 if link.parent != WORLD:
                     carried[link.parent] = chains.together(carried[link.parent], wrench)
                 elif self.base is not None:
-                    frame = self.drawn_frame(link)
-                    force, moment = rotate(frame, wrench[0]), rotate(frame, wrench[1])
-                    arm = self.base.arm(self._constants(link.origin))
-                    at_base = chains.together(at_base, (force, add(moment, cross(arm, force))))
+                    at_base = chains.together(at_base, self.on_base(link, wrench))
         return work, at_base
 
     def attached(self, index: int, local: Vector3, place: Array) -> Vector3:

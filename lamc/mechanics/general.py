@@ -21,13 +21,14 @@ from lamc.mechanics.equations import Equations
 from lamc.mechanics.evaluate import evaluate
 from lamc.mechanics.general_outputs import energies_of, poses_of
 from lamc.mechanics.guards import Guard, GuardTerms
-from lamc.mechanics.inertia import link_inertia
+from lamc.mechanics.inertia import link_inertia, regrouped
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
 from lamc.mechanics.loads import Loads, Parameters
 from lamc.mechanics.modal import modal_inertia
 from lamc.mechanics.moving_base import MovingBase, StagedFloat, float_base, prescribe_base
 from lamc.mechanics.placement import Placement
 from lamc.mechanics.staging import Scalar, Store, Value
+from lamc.mechanism.tree import WORLD
 
 if TYPE_CHECKING:
     from lamc.effects.base import Effect
@@ -62,7 +63,7 @@ def derive_general(
         with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
             _hold(loads, arrangement, kinematics, [h for h, _ in held], q, u)
             effect.contribute(loads)
-    problem = InverseDynamics(kinematics, masses, u, loads)
+    problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)
     closure = _widened(close(hinges, q[:plain], u[:plain]), len(u)) if hinges else None
     count = loops or count_loops(tree)
     if closure is not None and plain > len(tree.links):
@@ -117,6 +118,22 @@ def _masses(kinematics: ChainKinematics, parameters: Parameters) -> Masses:
             i: modal_inertia(store, modes, links[i], pairs[i][1]) for i, modes in kinematics.modes.items()
         }
     return Masses(tuple(inertia for inertia, _ in pairs), tuple(com for _, com in pairs), modal)
+
+
+def _regrouped(kinematics: ChainKinematics, masses: Masses) -> Masses:
+    """The same with base parameters, where a link turns about a line of a rigid parent and nothing else."""
+    yielding = {hinge.joint for hinge in kinematics.arrangement.compliant}
+    kept = {
+        i
+        for i, link in enumerate(kinematics.tree.links)
+        if link.joint.name in yielding
+        or i in masses.modal
+        or link.parent in masses.modal
+        or (link.parent == WORLD and kinematics.base is not None)
+    }
+    with kinematics.store.section("Base parameters", source="Gautier & Khalil 1990"):
+        inertias = regrouped(kinematics.store, kinematics.tree, masses.inertias, kept)
+    return replace(masses, inertias=tuple(inertias))
 
 
 def _general_hinges(placement: Placement, q: Sequence[Value], u: Sequence[Value]) -> tuple[CutHinge, ...]:

@@ -9,7 +9,7 @@ parent (and by the world in the end) without changing any acceleration; base par
 & Khalil (1990). All of it happens in `setup`, once per parameter change.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from lamc.mechanics.algebra import Symmetric, Vector3
@@ -111,13 +111,20 @@ def _extents(moments: list[Scalar | None], flat: list[bool]) -> list[Scalar]:
     return list(sums)
 
 
-def regrouped(store: Store, tree: Tree, inertias: list[Inertia]) -> list[Inertia]:
-    """Base parameters: m, h_z and J_zz of every link handed to its parent. Accelerations do not change."""
+def regrouped(
+    store: Store, tree: Tree, inertias: Sequence[Inertia], kept: Collection[int] = ()
+) -> list[Inertia]:
+    """Base parameters: m, h_z and J_zz of every link handed to its parent. Accelerations do not change.
+
+    kept: links that keep theirs, as their hinge lines are not fixed to a rigid parent, or to a world that stands still.
+    """
     mass = [i.mass for i in inertias]
     first = [i.first for i in inertias]
     second = [i.second for i in inertias]
     for index in reversed(range(len(tree.links))):
         link = tree.links[index]
+        if index in kept:
+            continue
         store.link = index
         m, h, j = mass[index], first[index], second[index]
         if link.parent != WORLD:

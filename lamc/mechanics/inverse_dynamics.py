@@ -12,6 +12,7 @@ from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot
 from lamc.mechanics.chain_kinematics import ChainKinematics
 from lamc.mechanics.chains import Going, Wrench, together
+from lamc.mechanics.composite import composite_mass_matrix
 from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.elimination import inertia_wrench
 from lamc.mechanics.inertia import Inertia
@@ -71,9 +72,13 @@ class InverseDynamics:
     def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
         """Lower triangle of M."""
         store, rates = self.kinematics.store, self.kinematics.arrangement.rates
+        if not self._masses.modal and not self._loads.added:
+            with store.section("Mass matrix", source="composite bodies; Walker & Orin 1982"):
+                entries = composite_mass_matrix(self.kinematics, self._masses.inertias)
+            return {key: v for key, v in sorted(entries.items()) if isinstance(v, Value) or v != 0}
         udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(rates)]
         residual = self.residual(udot)
-        entries: dict[tuple[int, int], Scalar] = {}
+        entries = {}
         with store.section("Mass matrix", source="∂(M u̇ - f)/∂u̇"):
             for j, symbol in enumerate(udot):
                 column = derivatives(residual[j:], {symbol: 1})

@@ -1,0 +1,135 @@
+"""The mass matrix in the general form by composite bodies: what a coordinate moves, seen from all that carry it.
+
+Goes in: kinematics by chains, inertias, the base. Comes out: the lower triangle of M. Walker & Orin (1982), step by
+step of a chain, so that a slide or a twist of a hinge that yields is one more joint. Bodies that bend are not in it.
+"""
+
+from lamc.mechanics import chains
+from lamc.mechanics.algebra import (
+    Matrix3,
+    Symmetric,
+    Vector3,
+    add,
+    cross,
+    dot,
+    inward,
+    inward_symmetric,
+    scale,
+)
+from lamc.mechanics.chain_kinematics import ChainKinematics
+from lamc.mechanics.chains import Shift, Step, Wrench
+from lamc.mechanics.inertia import Inertia
+from lamc.mechanics.moving_base import StagedFloat
+from lamc.mechanics.placement import rotate
+from lamc.mechanics.staging import Scalar
+from lamc.mechanism.tree import WORLD, Link
+
+Entries = dict[tuple[int, int], Scalar]
+
+_NOTHING = Inertia(0, (0, 0, 0), Symmetric(0, 0, 0, 0, 0, 0), 0)
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+def composite_mass_matrix(kinematics: ChainKinematics, inertias: tuple[Inertia, ...]) -> Entries:
+    """Entries (i, j), i >= j, by rates; those left out are nought. inertias: about the links' origins, own frames."""
+    links, base = kinematics.tree.links, kinematics.base
+    entries: Entries = {}
+    carried = list(inertias)
+    whole = _NOTHING
+    for i in reversed(range(len(links))):
+        kinematics.store.link = i
+        body, chain = carried[i], kinematics.chains[i]
+        for at in reversed(range(len(chain))):
+            for k, push in _pushes(chain[at], body):
+                _record(kinematics, entries, k, i, at, push)
+            body = _before(chain[at], body)
+        parent = links[i].parent
+        if parent != WORLD:
+            carried[parent] = _joined(carried[parent], body)
+        elif isinstance(base, StagedFloat):
+            whole = _joined(whole, _on_base(kinematics, base, links[i], body))
+    if isinstance(base, StagedFloat):
+        _base_block(entries, base, whole, len(kinematics.arrangement.rates) - 6)
+    return entries
+
+
+def _pushes(step: Step, body: Inertia) -> list[tuple[int, Wrench]]:
+    """Inertia wrench of what lies beyond a step, in the frame after it, for a unit acceleration of each coordinate."""
+    h, j = body.first, body.second
+    if isinstance(step, Shift):
+        return [(k, (scale(body.mass, p), cross(h, p))) for k, p in step.partials.items()]
+    force: Vector3 = (0, -h[2], h[1])
+    moment: Vector3 = (j.yy + j.zz, -j.xy, -j.xz)
+    if step.turn.axis == "z":
+        force, moment = (-h[1], h[0], 0), (-j.xz, -j.yz, body.axial)
+    return [(k, (scale(p, force), scale(p, moment))) for k, p in step.partials.items()]
+
+
+def _record(kinematics: ChainKinematics, entries: Entries, k: int, link: int, at: int, push: Wrench) -> None:
+    """Entries of coordinate k with all that carry it, on the way of its push to the world."""
+    links, chain = kinematics.tree.links, kinematics.chains[link]
+    work: dict[int, Scalar] = {}
+    for step in reversed(chain[: at + 1]):
+        push = chains.back(push, step, work)
+    while links[link].parent != WORLD:
+        link = links[link].parent
+        for step in reversed(kinematics.chains[link]):
+            push = chains.back(push, step, work)
+    for other, value in work.items():
+        entries[max(k, other), min(k, other)] = value
+    base = kinematics.base
+    if isinstance(base, StagedFloat):
+        force, moment = kinematics.on_base(links[link], push)
+        first = len(kinematics.arrangement.rates) - 6
+        for row, value in enumerate((*rotate(base.rotation, force), *moment), first):
+            entries[row, k] = value
+
+
+def _before(step: Step, body: Inertia) -> Inertia:
+    """The same body in the frame before a step."""
+    if isinstance(step, Shift):
+        return _shifted(body, step.vector)
+    second = inward_symmetric(step.turn, body.second)
+    axial = body.axial if step.turn.axis == "z" else second.xx + second.yy
+    return Inertia(body.mass, inward(step.turn, body.first), second, axial)
+
+
+def _shifted(body: Inertia, r: Vector3) -> Inertia:
+    """About the origin before a shift: J + r hₙᵀ + h rᵀ with hₙ = h + m r."""
+    h = body.first
+    hn = add(h, scale(body.mass, r))
+    second = Symmetric(*(body.second.entry(a, b) + (r[a] * hn[b] + h[a] * r[b]) for a, b in _PAIRS))
+    axial = body.axial + (r[0] * hn[0] + h[0] * r[0]) + (r[1] * hn[1] + h[1] * r[1])
+    return Inertia(body.mass, hn, second, axial)
+
+
+def _on_base(kinematics: ChainKinematics, base: StagedFloat, link: Link, body: Inertia) -> Inertia:
+    """What a link on the base carries, about the base's reference, axes of the base."""
+    axes = kinematics.drawn_frame(link)
+    second = _turned(axes, body.second)
+    turned = Inertia(body.mass, rotate(axes, body.first), second, second.xx + second.yy)
+    return _shifted(turned, base.arm(kinematics.drawn_origin(link)))
+
+
+def _turned(axes: Matrix3, a: Symmetric) -> Symmetric:
+    """A a Aᵀ."""
+    rows = a.rows()
+    half = [[dot(axis, column) for column in rows] for axis in axes]
+    return Symmetric(*(dot(half[i], axes[j]) for i, j in _PAIRS))
+
+
+def _base_block(entries: Entries, base: StagedFloat, whole: Inertia, first: int) -> None:
+    """The base's own six rows: velocities along world axes, then angular ones in axes of the body."""
+    mass = base.mass + whole.mass
+    spinning = [x + y for x, y in zip(base.inertia, whole.rotational(), strict=True)]
+    for k in range(3):
+        entries[first + k, first + k] = mass
+        for row, value in enumerate(cross(whole.first, base.rotation[k])):
+            entries[first + 3 + row, first + k] = value
+    for (i, j), value in zip(_PAIRS, spinning, strict=True):
+        entries[first + 3 + j, first + 3 + i] = value
+
+
+def _joined(a: Inertia, b: Inertia) -> Inertia:
+    second = Symmetric(*(x + y for x, y in zip(a.second, b.second, strict=True)))
+    return Inertia(a.mass + b.mass, add(a.first, b.first), second, a.axial + b.axial)

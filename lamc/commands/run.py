@@ -23,6 +23,7 @@ from lamc.commands.inputs import (
     parameters_of,
 )
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
+from lamc.effects.base import conserves
 from lamc.effects.registry import Choice
 from lamc.errors import LamcError, SimulationError
 from lamc.files import write_text
@@ -156,7 +157,7 @@ def _report(
     times: Times,
     scene: str | None,
 ) -> RunReport:
-    conservative = all(c.name in result.energies for c in account if c.effect is not None)
+    conservative = all(conserves(c.effect, result.energies) for c in account if c.effect is not None)
     return RunReport(
         source=loaded.origin,
         source_digest=loaded.digest,

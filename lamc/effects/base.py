@@ -4,7 +4,7 @@ An effect is a small immutable record. `contribute` adds its symbolic loads, sto
 `Loads` collector; what it does not add leaves no trace in the equations or in the C.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
@@ -45,6 +45,9 @@ class Effect(Protocol):
     An effect that must be the only one of its sort says so by claims(): short texts such as "motion of the base" or
     "stiffness of hinge 'h1'". Two effects of a scene with a claim in common are refused. One that gives way instead
     asks `loads.claims` who holds a claim, and leaves that out: HingeStiffness does, hinge by hinge.
+
+    An effect is taken to keep the energy of a run if it stores some. One for which this is not so says it by
+    `conservative`, true or false: a spring with a damper, a bender under a voltage that changes.
 
     An effect with something to show has marks(parameters): what pictures of a run show besides the bodies, given the
     run's parameters by name; so far planes, as `PlaneMark`s.
@@ -88,6 +91,11 @@ def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tupl
     """What the effects of a run have to show, at the run's parameters."""
     shown = (getattr(effect, "marks", None) for effect in effects)
     return tuple(mark for marks in shown if marks is not None for mark in marks(parameters))
+
+
+def conserves(effect: Effect, energies: Container[str]) -> bool:
+    """Whether the energy of a run stays as it is under the effect; `energies`: names of those that are stored."""
+    return bool(getattr(effect, "conservative", effect.name in energies))
 
 
 def claims_of(effect: Effect) -> tuple[str, ...]:

@@ -179,6 +179,11 @@ class PiezoBender:
         loads.force(self.body_a, self.tip, back)
         loads.moment(self.body_a, cross(apart, back))  # both forces act where the tip of body_b is
 
+    @property
+    def conservative(self) -> bool:
+        """Under a voltage that does not change it is."""
+        return not isinstance(self.voltage, str)
+
     def drives(self) -> tuple[Drive, ...]:
         """The voltage where it is an expression."""
         return (Drive(_VOLTAGE, self.voltage),) if isinstance(self.voltage, str) else ()

@@ -36,6 +36,7 @@ class FreeBase:
 
     name: ClassVar[str] = "free_base"
     summary: ClassVar[str] = "Fixed bodies that float"
+    conservative: ClassVar[bool] = True
     source: ClassVar[str] = "Newton and Euler for the base; quaternion rates ½ q ω"
     units: ClassVar[Mapping[str, str]] = {
         "position": "m",

@@ -73,6 +73,13 @@ class JointLimits:
                 "the stiffness of joint limits is 0; a limit must resist: give N·m/rad above zero"
             )
 
+    @property
+    def conservative(self) -> bool:
+        """With a stiffness and no damper, or a restitution of 1. The stops of a scene that says nothing are damped."""
+        if self.restitution is not None:
+            return self.restitution == 1.0
+        return self.stiffness is not None and not self.damping
+
     def contribute(self, loads: Loads) -> None:
         found = False
         for hinge in loads.hinges():

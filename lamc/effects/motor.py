@@ -92,6 +92,7 @@ class LinearMotor:
     summary: ClassVar[str] = "DC motors on hinges"
     source: ClassVar[str] = "T = k (V - k w) / R, Hughes & Drury, Electric Motors and Drives, ch. 3"
     repeatable: ClassVar[bool] = True
+    conservative: ClassVar[bool] = False
     units: ClassVar[Mapping[str, str]] = {
         "voltage": "V",
         "stall_torque": "N*m",

@@ -52,6 +52,11 @@ class Spring:
             value = checked_number(getattr(self, field), f"the {field} of a spring", minimum=0.0)
             object.__setattr__(self, field, value)
 
+    @property
+    def conservative(self) -> bool:
+        """Without a damper it is."""
+        return not self.damping
+
     def contribute(self, loads: Loads) -> None:
         between = _difference(
             loads.position(self.body_b, self.point_b), loads.position(self.body_a, self.point_a)

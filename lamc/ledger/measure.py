@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from lamc._version import __version__
+from lamc.effects.base import conserves
 from lamc.ledger import peers
 from lamc.ledger.arithmetic import measure_arithmetic
 from lamc.ledger.clock import Clock
@@ -65,7 +66,7 @@ def measure(
         truth = make_reference(simulator, sweep, clock, max(_ONE_REFERENCE * sweep.budget, _LEAST_REFERENCE))
         progress.stage("work and precision")
         runners, notes = peers.make_runners(simulator, truth.result, sweep)
-        conservative = all(effect.name in truth.result.energies for effect in effects)
+        conservative = all(conserves(effect, truth.result.energies) for effect in effects)
         measured = measure_points(runners, truth, conservative, clock, _SWEEP, progress.part)
         setting = _setting(measured.points, truth.facts, sweep)
         account = None

@@ -215,7 +215,7 @@ static double long_step(const lamc_run *run, double longest) {
   const int nq = coordinates_of(&run->ode);
   const double rate = largest(nq, slope_here(run));
   const double acceleration = largest(run->ode.n - nq, slope_here(run) + nq);
-  double h = 0.01 * longest;
+  double h = larger(0.01 * longest, smaller(longest, 64.0 * DBL_EPSILON * fabs(run->t)));
   if (rate > 0.0) h = smaller(h, 0.1 / rate);
   if (acceleration > 0.0) h = smaller(h, sqrt(0.02 / acceleration));
   return h;

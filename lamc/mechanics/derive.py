@@ -12,7 +12,7 @@ from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
 from lamc.errors import about
 from lamc.loops.rank import LoopCount, count_loops
-from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot
+from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot, scale
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
@@ -24,7 +24,8 @@ from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.loads import Loads, Parameters, potential_of_field
 from lamc.mechanics.mass_matrix import generalised_forces, mass_matrix, solve_by_mass_matrix, way_to_world
 from lamc.mechanics.placement import Placement, rotate_back
-from lamc.mechanics.staging import Level, Scalar, Store
+from lamc.mechanics.powers import Mass, Moving, powers_of
+from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations
 from lamc.mechanism.tree import WORLD, Link, Tree
 
@@ -87,7 +88,29 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
         solver=solver,
         solver_flops=flops,
         arrangement=arrangement,
+        account_for_powers=lambda: powers_of(loads, _moving(placement, pairs, q, u, time)),
     )
+
+
+def _moving(
+    placement: Placement,
+    pairs: Sequence[tuple[Inertia, Vector3]],
+    q: Sequence[Value],
+    u: Sequence[Value],
+    time: Value,
+) -> Moving:
+    """What the loads of a tree of hinges on the world do work on."""
+    kinematics = placement.kinematics
+    masses = []
+    for i, (inertia, com) in enumerate(pairs):
+        kinematics.store.link = i
+        masses.append(Mass(inertia.mass, scale(inertia.mass, kinematics.in_carrier(i, com))))
+    udot = [
+        kinematics.store.symbol(f"udot_{name}", Space.ACCELERATION, i)
+        for i, name in enumerate(kinematics.tree.joint_names)
+    ]
+    speeds: dict[Value, Scalar] = {time: 1, **dict(zip((*q, *u), (*u, *udot), strict=True))}
+    return Moving(placement, masses, 0, u, speeds)
 
 
 def _tagged_inertia(store: Store, index: int, link: Link, parameters: Parameters) -> tuple[Inertia, Vector3]:

@@ -4,8 +4,8 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 `mass_matrix` and `generalised_forces` give M and f of M u̇ = f.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -56,7 +56,7 @@ class Equations:
     arrangement   coordinates beyond the hinges; with any, M u̇ = f comes from inverse dynamics, `acceleration` is
                   empty, and the runtime solves
     coordinate_rates  q̇ (nq,) by q and u; None where q̇ = u
-    powers        W, of all loads of an effect, by its name; in terms of t, q, u and u̇
+    account_for_powers  makes `powers`, which take time and memory that few ask for
     """
 
     tree: Tree
@@ -74,12 +74,18 @@ class Equations:
     loops: LoopCount = NO_LOOPS
     arrangement: "Arrangement | None" = None
     coordinate_rates: tuple[Scalar, ...] | None = None
-    powers: Mapping[str, Scalar] = field(default_factory=dict)
+    account_for_powers: "Callable[[], Mapping[str, Scalar]]" = dict
 
     def __repr__(self) -> str:
         return (
             f"<Equations of {self.tree.mechanism.name!r}: {len(self.joints)} joints, solved by {self.solver}>"
         )
+
+    @cached_property
+    def powers(self) -> Mapping[str, Scalar]:
+        """Power of all loads of an effect, W, by its name, in terms of t, q, u and u̇; of what moves a base as told
+        too. Their sum is the rate of the kinetic energy."""
+        return self.account_for_powers()
 
     @cached_property
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:

@@ -13,6 +13,7 @@ import numpy as np
 from lamc.codegen.program import Space
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics import compliance
+from lamc.mechanics.algebra import ZERO, add, dot, scale
 from lamc.mechanics.arrangement import Arrangement, FloatingBase, PrescribedBase
 from lamc.mechanics.chain_kinematics import ChainKinematics
 from lamc.mechanics.closure import Closure, CutHinge, close, cut_hinges
@@ -27,6 +28,7 @@ from lamc.mechanics.loads import Loads, Parameters
 from lamc.mechanics.modal import modal_inertia
 from lamc.mechanics.moving_base import MovingBase, StagedFloat, float_base, prescribe_base
 from lamc.mechanics.placement import Placement
+from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanics.staging import Scalar, Store, Value
 from lamc.mechanism.tree import WORLD
 
@@ -86,7 +88,7 @@ def derive_general(
         solver_flops={},
         arrangement=arrangement,
         coordinate_rates=(*u[:plain], *rates) if rates else None,
-        powers=_powers(problem, arrangement, store),
+        account_for_powers=lambda: _powers(problem, placement, masses, loads, speeds),
     )
 
 
@@ -203,10 +205,32 @@ def _guard_terms(guard: Guard, speeds: Mapping[Value, Scalar], u: Sequence[Value
     return GuardTerms(guard, rate, gradient)
 
 
-def _powers(problem: InverseDynamics, arrangement: Arrangement, store: Store) -> dict[str, Scalar]:
-    base = arrangement.base
-    if not isinstance(base, PrescribedBase):
-        return {}
-    udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(arrangement.rates)]
-    with store.section("Power of the base", effect=base.effect, source="its wrench on the links · its twist"):
-        return {base.effect: problem.base_power(udot)}
+def _powers(
+    problem: InverseDynamics,
+    placement: Placement,
+    masses: Masses,
+    loads: Loads,
+    speeds: Mapping[Value, Scalar],
+) -> dict[str, Scalar]:
+    """Of the effects' loads, and of what moves a base as told."""
+    arrangement, base = placement.kinematics.arrangement, placement.base
+    assert arrangement is not None
+    store, rates = placement.kinematics.store, arrangement.rates
+    u = [store.symbol(f"u_{c.name}", Space.RATE, i) for i, c in enumerate(rates)]
+    udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(rates)]
+    pulled = []
+    for i, (inertia, com) in enumerate(zip(masses.inertias, masses.coms, strict=True)):
+        store.link, modal = i, masses.modal.get(i)
+        first, change = scale(inertia.mass, com), ZERO
+        if modal is not None:
+            first = add(first, modal.rise())
+            change = scale(dot(modal.moment, modal.modes.rates(u)), modal.normal)
+        pulled.append(Mass(inertia.mass, first, change))
+    weight = base.mass if isinstance(base, StagedFloat) else 0
+    moving = Moving(placement, pulled, weight, u, {**speeds, **dict(zip(u, udot, strict=True))})
+    powers = powers_of(loads, moving)
+    if isinstance(arrangement.base, PrescribedBase):
+        effect = arrangement.base.effect
+        with store.section("Power of the base", effect=effect, source="its wrench on the links · its twist"):
+            powers[effect] = powers.get(effect, 0) + problem.base_power(udot)
+    return powers

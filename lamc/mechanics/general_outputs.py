@@ -6,16 +6,15 @@ move, the base's among them. Nothing here takes part in the motion.
 
 from collections.abc import Iterator, Sequence
 
-from lamc.mechanics.algebra import Vector3, add, cross, dot
+from lamc.mechanics.algebra import Vector3, cross, dot
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.inverse_dynamics import Masses
 from lamc.mechanics.kinematics import Motion
 from lamc.mechanics.loads import Loads, potential_of_field
 from lamc.mechanics.moving_base import StagedFloat
-from lamc.mechanics.placement import Placement, local_point, rotate
+from lamc.mechanics.placement import Placement, rotate
+from lamc.mechanics.powers import point_motion
 from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import Array
-from lamc.mechanism.tree import WORLD
 
 
 def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads: Loads) -> dict[str, Scalar]:
@@ -41,7 +40,7 @@ def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads
     for added in loads.added:
         with store.section("Kinetic energy of added inertia", effect=added.effect, source="½ wᵀ A w"):
             energies[added.effect] = energies.get(added.effect, 0) + added.energy(
-                *_point_motion(placement, added.link, added.point, motions)
+                *point_motion(placement, added, motions)
             )
     return energies
 
@@ -83,19 +82,3 @@ def _potential(placement: Placement, masses: Masses, acceleration: Vector3) -> S
     if isinstance(base, StagedFloat):
         result = result - base.mass * dot(acceleration, base.position)
     return result
-
-
-def _point_motion(
-    placement: Placement, index: int, drawn: Array, motions: Sequence[Motion]
-) -> tuple[Vector3, Vector3]:
-    """Velocity of a point of a rigid body and its angular velocity, drawn axes of the body."""
-    base = placement.base
-    if index == WORLD:
-        assert base is not None
-        x, y, z = (float(v) for v in drawn)
-        twist = base.velocity
-        return add(twist.linear, cross(twist.angular, base.arm((x, y, z)))), twist.angular
-    link, motion = placement.links[index], motions[index]
-    velocity = add(motion.velocity, cross(motion.omega, local_point(link, drawn)))
-    axes = placement.drawn(link)
-    return rotate(axes, velocity), rotate(axes, motion.omega)

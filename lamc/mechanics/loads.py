@@ -21,6 +21,7 @@ from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot, scal
 from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.guards import Guard
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
+from lamc.mechanics.powers import Account
 from lamc.mechanics.staging import NO_LINK, Scalar, Store, Value
 from lamc.mechanism.records import Array, Joint, Mechanism, checked_array, checked_number
 from lamc.mechanism.tree import WORLD
@@ -97,6 +98,7 @@ class Loads:
         self.added: list[AddedInertia] = []
         self.guards: list[Guard] = []
         self.field_effects: list[tuple[str, Vector3]] = []
+        self.accounts: dict[str, Account] = {}  # by effect: what it adds to all of the above
         self.claims: Mapping[
             str, str
         ] = {}  # what one effect of the scene has for itself → that effect's name
@@ -191,6 +193,7 @@ class Loads:
         if name in self._index:
             index = self._index[name]
             self.hinge_torques[index] = self.hinge_torques[index] + value
+            self._account.turn(index, value)
             return
         closing = self._cuts[name]
         if closing.gradient is not None:
@@ -208,6 +211,7 @@ class Loads:
         """Adds a force that does work on a coordinate, by its place in q: N·m per rad, N per m."""
         if isinstance(force, Value) or force != 0:
             self.generalised[coordinate] = self.generalised.get(coordinate, 0) + force
+            self._account.generalise(coordinate, force)
 
     def uniform_field(self, acceleration: Sequence["Scalar | sp.Expr"]) -> None:
         """Adds an acceleration, m/s², that acts on all mass alike; its potential energy is booked too."""
@@ -350,13 +354,21 @@ class Loads:
         force, moment = rotate_back(carrier, force), rotate_back(carrier, moment)
         if drawn is not None:
             local = local_point(self.tree.links[index], drawn)
-            force, moment = self.kinematics.landed(index, force, moment, local, self.generalised)
+            bending: dict[int, Scalar] = {}
+            force, moment = self.kinematics.landed(index, force, moment, local, bending)
+            for coordinate, value in bending.items():
+                self.generalised_force(coordinate, value)
         self._book(index, force, moment)
 
     def _book(self, index: int, force: Vector3, moment: Vector3) -> None:
         """A wrench about the link's origin, carrier components."""
         before = self.wrenches.get(index, (ZERO, ZERO))
         self.wrenches[index] = (add(before[0], force), add(before[1], moment))
+        self._account.book(index, force, moment)
+
+    @property
+    def _account(self) -> Account:
+        return self.accounts.setdefault(self._effect, Account())
 
 
 def potential_of_field(

@@ -28,21 +28,24 @@ CHUNK = 2**18  # numbers in a chunk of rows, 2 MiB; C needs longer to fill one t
 class _Chunk:
     """Room for rows, and the C record that counts them."""
 
-    def __init__(self, model: Model, capacity: int) -> None:
+    def __init__(self, model: Model, capacity: int, integrals: int) -> None:
         self._t, self._y = np.empty(capacity), np.empty((capacity, model.state_size))
         self.handle: Any = model.ffi.new("lamc_rows *")
         self.handle.t, self.handle.y = model.write(self._t), model.write(self._y)
         self.handle.capacity = capacity
+        self._integrals = np.empty((capacity, integrals))
+        if integrals:
+            self.handle.integrals = model.write(self._integrals)
         self._event_t, self._event_guard = np.empty(EVENTS), np.empty(EVENTS, dtype=np.int32)
         self.handle.event_t = model.write(self._event_t)
         self.handle.event_guard = model.ffi.from_buffer("int[]", self._event_guard, require_writable=True)
         self.handle.event_capacity = EVENTS
 
     @property
-    def rows(self) -> tuple[Array, Array]:
-        """Times (m,) and states (m, nq + nu) written so far."""
+    def rows(self) -> tuple[Array, Array, Array]:
+        """Times (m,), states (m, nq + nu) and integrals written so far."""
         count = int(self.handle.count)
-        return self._t[:count], self._y[:count]
+        return self._t[:count], self._y[:count], self._integrals[:count]
 
     @property
     def events(self) -> list[tuple[float, int]]:
@@ -54,31 +57,32 @@ class _Chunk:
 class _Rows:
     """Chunks for C to write rows to. One append adds a chunk, so that an interrupt cannot come in between."""
 
-    def __init__(self, model: Model, times: Array | None) -> None:
-        self._model = model
+    def __init__(self, model: Model, times: Array | None, integrals: int) -> None:
+        self._model, self._integrals = model, integrals
         known = max(CHUNK // (model.state_size + 1), 1) if times is None else max(len(times), 1)
         self._capacity = known
-        self._chunks = [_Chunk(model, known)]
+        self._chunks = [_Chunk(model, known, integrals)]
 
     @property
     def handle(self) -> Any:
         return self._chunks[-1].handle
 
     def grow(self) -> None:
-        self._chunks.append(_Chunk(self._model, self._capacity))
+        self._chunks.append(_Chunk(self._model, self._capacity, self._integrals))
 
     @property
     def events(self) -> tuple[tuple[float, int], ...]:
         return tuple(event for chunk in self._chunks for event in chunk.events)
 
-    def taken(self, t_last: float, y_last: Array) -> tuple[Array, Array, Array]:
-        """Times, coordinates and rates, with the state at t_last put behind them if it lies beyond."""
+    def taken(self, t_last: float, y_last: Array, last: Array) -> tuple[Array, Array, Array, Array]:
+        """Times, coordinates, rates and integrals, with the state at t_last put behind them if it lies beyond."""
         parts = [chunk.rows for chunk in self._chunks]
-        if t_last > max((float(t[-1]) for t, _ in parts if len(t)), default=-math.inf):
-            parts.append((np.array([t_last]), y_last.reshape(1, -1)))
+        if t_last > max((float(t[-1]) for t, _, _ in parts if len(t)), default=-math.inf):
+            parts.append((np.array([t_last]), y_last.reshape(1, -1), last.reshape(1, -1)))
         n = len(self._model.coordinates)
-        t = np.concatenate([t for t, _ in parts])
-        return t, np.concatenate([y[:, :n] for _, y in parts]), np.concatenate([y[:, n:] for _, y in parts])
+        t = np.concatenate([t for t, _, _ in parts])
+        q, u = (np.concatenate([y[:, half] for _, y, _ in parts]) for half in (np.s_[:n], np.s_[n:]))
+        return t, q, u, np.concatenate([w for _, _, w in parts])
 
 
 def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Trajectory]:
@@ -87,13 +91,15 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
     model = motion.model
     ffi, lib = model.ffi, model.lib
     ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
+    if not request.books:
+        ode.integral_count = 0
     size = lib.lamc_run_work_size(ode, METHODS[method])
     work = np.empty(max(size, 1))
     max_step = request.max_step if math.isfinite(request.max_step) else 0.0
     options = ffi.new("lamc_options *", [request.rtol, request.atol, 0.0, max_step, request.max_steps])
     times = request.t_eval
     run = ffi.new("lamc_run *")
-    rows = _Rows(model, times)
+    rows = _Rows(model, times, int(ode.integral_count))
     status = lib.lamc_run_start(
         run,
         ode,
@@ -113,7 +119,9 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         status = _advance(motion, run, rows, request)
     state = lib.lamc_run_state(run)
     y_last = np.array([state[i] for i in range(len(request.y0))], dtype=np.float64)
-    t, q, u = rows.taken(float(run.t) if status < 0 else -math.inf, y_last)
+    known = 0 if run.integrals == ffi.NULL else int(ode.integral_count)
+    work_last = np.array([run.integrals[i] for i in range(known)], dtype=np.float64)
+    t, q, u, kept_work = rows.taken(float(run.t) if status < 0 else -math.inf, y_last, work_last)
     first = NAMES[first_method]
     kept = min(int(run.switches), lib.LAMC_SWITCHES_KEPT)
     switches = tuple((float(run.switch_t[i]), NAMES[run.switch_method[i]]) for i in range(kept))
@@ -129,6 +137,7 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         accepted=int(run.accepted),
         rejected=int(run.rejected),
         last_step=float(run.h_last),
+        work=kept_work if request.books else None,
         events=rows.events,
         switches=switches,
     )

@@ -5,7 +5,7 @@ and poses are evaluated by the compiled model when first asked for. Never: integ
 was made.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.codegen.program import Coordinate
+from lamc.errors import RequestError
 from lamc.files import checked_path
 from lamc.mechanism.records import Mechanism
 from lamc.run import files, frames
+from lamc.run.books import IMPACTS, Books, Kept, books_of
 from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array, Status
 
@@ -97,6 +99,9 @@ class Result(Unchanging):
     events: tuple[Event, ...] = ()
     marks: "tuple[PlaneMark, ...]" = ()
 
+    telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
+    kept: Kept | None = field(default=None, repr=False)  # where the run kept books
+
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):
             array.flags.writeable = False
@@ -169,6 +174,41 @@ class Result(Unchanging):
     def energy(self) -> Array:
         """Kinetic plus stored energy, shape (m,), J."""
         return sum(self.energies.values(), start=np.zeros(len(self.t)))
+
+    @cached_property
+    def powers(self) -> Mapping[str, Array]:
+        """Power of all loads of each effect, conservative ones too, each of shape (m,), W. With that of impacts, and of
+        what moves a base as told, the rate of the kinetic energy.
+
+        The first time, this takes a compile of its own."""
+        if self.telling is None:
+            raise RequestError("this result tells no powers")
+        motion = self.telling()
+        values = motion.powers(self.t, self._rows)
+        values.flags.writeable = False
+        return MappingProxyType({name: values[:, i] for i, name in enumerate(motion.model.powers)})
+
+    @cached_property
+    def work(self) -> Mapping[str, Array]:
+        """Work of all loads of each effect since t = 0, each of shape (m,), J; of "impacts" too where they can happen.
+
+        Raises RequestError unless the run kept books."""
+        if self.kept is None:
+            raise RequestError("the run kept no books: run it with books=True")
+        model = self.motion.model
+        names = (*model.powers, *((IMPACTS,) if model.has_impacts else ()))
+        return MappingProxyType({name: self.kept.work[:, i] for i, name in enumerate(names)})
+
+    @cached_property
+    def books(self) -> Books:
+        """Who stored, dissipated and supplied how much energy, and how well it balances. Raises RequestError unless the
+        run kept books."""
+        work = self.work
+        assert self.kept is not None
+        first = self.motion.energies(np.zeros(1), self.kept.start.reshape(1, -1))[0]
+        return books_of(
+            work, self.energies, dict(zip(self.motion.model.energies, first.tolist(), strict=True))
+        )
 
     @cached_property
     def constraint_error(self) -> Array:

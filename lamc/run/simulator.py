@@ -29,6 +29,7 @@ from lamc.mechanism.tree import plan
 from lamc.places import told_at
 from lamc.run import integrators
 from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
+from lamc.run.books import Kept
 from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
 from lamc.run.outputs import check_outputs
@@ -64,9 +65,11 @@ class Simulator(Unchanging):
         program: Any,
         module: CompiledModule,
         loops: LoopCount | None = None,
+        books: Callable[[], CompiledModule] | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
+        books: makes the module that also tells powers; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
@@ -77,6 +80,7 @@ class Simulator(Unchanging):
         self._program = program
         self._module = module
         self._loops = loops
+        self._books = books
         self._model = Model(module)
         check_names(scene, self.joints + self.cut_joints)
         check_outputs(scene, [*(c.name for c in self.coordinates), *self.cut_joints], self.bodies)
@@ -174,6 +178,7 @@ class Simulator(Unchanging):
         max_step: float | None = None,
         progress: Progress | None = None,
         baumgarte: float | None = None,
+        books: bool = False,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end (s).
 
@@ -189,13 +194,17 @@ class Simulator(Unchanging):
         baumgarte   rate, 1/s, at which loops that drift apart are pulled together (Baumgarte's stabilisation, for
                     comparison, and for a fixed cost per step: with rtol=1, atol=1e6 and a max_step all steps but
                     the first are of that length); None: each step is projected on closure, with nothing to choose
+        books       whether the work of each effect is kept along the run, for `Result.work` and `Result.books`. The
+                    first time that takes a compile of its own; the motion is the same to the last bit, and
+                    `Result.nfev` counts what the books take as well
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
         `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
         Raises RequestError for arguments that make no run, and DesignError for limits that leave the start outside.
         """
-        request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress)
-        motion = self._motion(parameters, checked_rate(baumgarte, has_loops=bool(self.cut_joints)))
+        request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress, books)
+        rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
+        motion = self._motion(parameters, rate) if not books else self._telling.motion(parameters, rate)
         limited = with_limits(self.mechanism, parameters)
         if limited is not self.mechanism:
             self._check_start(self.start, limited)
@@ -228,6 +237,8 @@ class Simulator(Unchanging):
             provenance=provenance,
             mechanism=self.mechanism,
             motion=motion,
+            telling=lambda: motion if books else self._telling.motion(parameters, rate),
+            kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks_of(self.effects, provenance.parameters),
         )
 
@@ -308,6 +319,13 @@ class Simulator(Unchanging):
     @cached_property
     def _starter(self) -> Starter:
         return Starter(LoopGeometry(self._arrangement.tree), self.loops)
+
+    @cached_property
+    def _telling(self) -> Model:
+        """The model that tells powers."""
+        if self._books is None:
+            raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
+        return Model(self._books())
 
     @cached_property
     def _arrangement(self) -> Arrangement:

@@ -10,7 +10,7 @@ import pytest
 
 from lamc.codegen.build import write_sources
 from lamc.codegen.layout import AT_EVERY_STEP, MAX_BLOCK_AT_EVERY_STEP
-from lamc.effects import Effect, JointLimits, Torque
+from lamc.effects import Effect, FreeBase, JointLimits, Torque
 from lamc.mechanism.records import FREE_LIMITS, Body, Joint, Mechanism
 from lamc.pipeline import equations_of, sources_of
 from tests.ctools import CC, STRICT, cc, needs_cc
@@ -64,9 +64,14 @@ int main(void) {
   const lamc_motion motion = {m, c, vector((int)lamc_motion_work_size(m)), 0.0};
   double *y = vector(size), t = 0.0;
   for (int i = 0; i < size; ++i) y[i] = 0.0;
+  if (nq > n) y[nq - 4] = 1.0; /* a quaternion */
   lamc_motion_accelerations(&motion, 1, &t, y, udot);
   lamc_motion_energies(&motion, 1, &t, y, energies);
   lamc_motion_poses(&motion, 1, &t, y, poses);
+  double *powers = vector(m->power_count);
+  if (lamc_motion_powers(&motion, 1, &t, y, powers) != LAMC_OK) return 6;
+  for (int i = 0; i < m->power_count; ++i) sum += powers[i], puts(m->power_names[i]);
+  free(powers);
   for (int i = 0; i < nq; ++i) puts(m->coordinate_names[i]);
   for (int i = 0; i < n; ++i) puts(m->rate_names[i]);
   for (int i = 0; i < m->body_count; ++i) puts(m->body_names[i]);
@@ -78,12 +83,13 @@ int main(void) {
   const double ends[2] = {0.01, 0.02};
   for (int method = LAMC_AUTO; method <= LAMC_RADAU5; ++method) {
     double *work = vector((int)lamc_run_work_size(&ode, (lamc_method)method)), *out = vector(2 * size), times[2];
-    lamc_rows rows = {times, out, 2, 0, NULL, NULL, 0, 0, NULL};
+    double *work_done = vector(2 * (m->power_count + 1));
+    lamc_rows rows = {times, out, 2, 0, NULL, NULL, 0, 0, work_done};
     lamc_run run;
     if (lamc_run_start(&run, &ode, (lamc_method)method, &options, 0.0, y, 0.02, ends, 2, work) != LAMC_OK) return 4;
     const lamc_status status = lamc_run_advance(&run, &rows, 0, NULL);
     if (status != LAMC_OK && status != LAMC_STEP_LIMIT) return 5;
-    free(work); free(out);
+    free(work); free(out); free(work_done);
   }
   free(motion.work);
   free(p); free(c); free(q); free(u); free(udot); free(energies); free(poses); free(y);
@@ -113,6 +119,15 @@ def ring() -> Mechanism:
     return Mechanism((Body("ground", fixed=True), *links), joints, name="ring")
 
 
+def floating(mechanism: Mechanism) -> Mechanism:
+    """The same with a heavy ground."""
+    inertia = np.diag([1e-6, 2e-6, 3e-6])
+    bodies = tuple(
+        replace(body, mass=0.02, inertia=inertia) if body.fixed else body for body in mechanism.bodies
+    )
+    return replace(mechanism, bodies=bodies)
+
+
 LONG = ("loops", "long tree")
 MECHANISMS = {
     "straight": chain(4, "space", seed=1),
@@ -121,10 +136,12 @@ MECHANISMS = {
     "nothing moves": Mechanism((Body("slab", fixed=True),), (), name="slab"),
     "stops": limited(chain(3, "parallel", seed=4)),
     "closed": ring(),
+    "floating": floating(ring()),
 }
 SCENES: Mapping[str, tuple[Effect, ...]] = {
     "stops": (*ALL_PASSIVE, JointLimits(restitution=1.0)),
     "closed": (*ALL_PASSIVE, JointLimits(stiffness=10.0, damping=0.01)),
+    "floating": (*ALL_PASSIVE, JointLimits(restitution=1.0), FreeBase(spin=(1.0, 2.0, 3.0))),
 }
 
 
@@ -141,7 +158,9 @@ def test_generated_c_runs_clean(name: str, tmp_path: Path) -> None:
     if not works(tmp_path):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     drive = Torque({"h0": "0.3*sin(t) + atan2(angle, 1 + t)"} if name != "nothing moves" else {})
-    program, tree = sources_of(equations_of(MECHANISMS[name], SCENES.get(name, (*ALL_PASSIVE, drive))))
+    program, tree = sources_of(
+        equations_of(MECHANISMS[name], SCENES.get(name, (*ALL_PASSIVE, drive))), books=True
+    )
     longest = max(len(f.statements) for f in program.functions.values() if f.name in AT_EVERY_STEP)
     assert (name in LONG) == (longest > MAX_BLOCK_AT_EVERY_STEP)
     write_sources(tree, tmp_path)

@@ -32,8 +32,12 @@ def commands() -> list[str]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with the design of the reader's own that the README speaks of."""
+    """A folder with the design and the files of the reader's own that the README speaks of."""
     shutil.copy(ROOT / "lamc" / "examples" / "pendulum.cad", tmp_path / "design.cad")
+    for text in blocks("yaml"):
+        named = re.match(r"# (\S+\.yaml)\n", text)
+        if named:
+            (tmp_path / named[1]).write_text(text, encoding="utf-8")
     for name, copies in re.findall(r"lamc plate --example (\S+) --copy (\S+)", README):
         (tmp_path / copies).mkdir(exist_ok=True)
         for design in plates.designs(plates.find(name)):
@@ -88,7 +92,7 @@ def test_each_program_of_the_readme_runs(program: str, folder_with_copies: Path)
 
 
 def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) -> None:
-    text, _ = blocks("yaml")
+    (text,) = [text for text in blocks("yaml") if text.startswith("name: flap")]
     file = tmp_path / "flap.yaml"
     file.write_text(text, encoding="utf-8")
     sim = lamc.compile(lamc.load(file))
@@ -98,8 +102,24 @@ def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) 
     assert result.angle("fold")[0] == pytest.approx(0.5235987755982988, abs=1e-15)  # 30°, one rounding
 
 
+def test_the_scenes_of_the_readme_are_what_it_says(folder: Path) -> None:
+    design = lamc.load(folder / "design.cad")
+    swing, driven, moon = (
+        lamc.load_scene(folder / "swings.yaml", name) for name in ("swing", "driven", "moon")
+    )
+    acting = [
+        {effect.name for effect in lamc.compile(design, scene).effects} for scene in (swing, driven, moon)
+    ]
+    assert acting == [
+        {"gravity", "hinge_stiffness"},
+        {"gravity", "hinge_stiffness", "hinge_damping", "torque"},
+        {"gravity", "joint_limits"},
+    ]
+    assert (driven.angles, moon.duration) == ({"h1": -math.pi / 3}, 5.0)
+
+
 def test_the_plate_of_the_readme_is_a_lid_with_a_hole(tmp_path: Path) -> None:
-    _, text = blocks("yaml")
+    (text,) = [text for text in blocks("yaml") if text.startswith("kind: plate")]
     lid = plate_of_text(text, "lid.yaml")
     assert lid.geometry.outline.area == pytest.approx(0.12 * 0.08 - math.pi * 0.015**2, rel=1e-12)
     assert list(lid.cases) == ["wind", "push"]

@@ -236,6 +236,7 @@ def test_a_start_of_no_joint_is_refused_where_it_stands(tmp_path: Path, section:
         ("with: {joint_limits: }", "8:", "no joint has limits narrower than ±180°; give joints limits"),
         ("with: {torque: {arm: 1}}", "8:", "'arm'"),
         ("with: {free_base: }", "8:", "free_base"),
+        ("with: {free_base: , base_motion: {angle: t}}", "8:", "both claim the motion of the base"),
         ("with: {torque: {h: 1/angle}}", "8:", "no value at the start"),
         (
             "outputs: [h, arm.w]",

@@ -24,6 +24,7 @@ from lamc.run.simulator import Simulator
 # plane loop and for one whose axes meet (spherical), five for Bricard's and Sarrus' (one freedom of six hinges).
 THEORY = {
     "bricard": (1, 5, 1),
+    "crawler": (0, 0, 2),  # and six more that float
     "five_bar": (1, 3, 2),
     "flaps": (0, 0, 2),
     "folding_box": (4, 12, 4),  # four spherical loops of five creases; a freedom for each wall
@@ -76,7 +77,9 @@ def test_every_example_runs_as_it_is(name: str) -> None:
     assert np.abs(result.q - result.q[0]).max() > 0.01  # rad: it moves
     assert result.constraint_error.max() <= 1e-9 * sim.mechanism.size  # what lamc promises for any run
     assert result.stats.rejected is not None
-    assert result.stats.rejected < result.stats.accepted / 3  # beyond, redundant equations lock it up
+    # Beyond a third, redundant equations lock it up. Touches and the turning of friction cost refused steps of their
+    # own, some 13 for each event of the crawler, measured; it has no loops.
+    assert result.stats.rejected < result.stats.accepted / 3 + 20 * len(result.events)
 
 
 @pytest.mark.parametrize("name", examples.names())

@@ -2,6 +2,7 @@
 
 import math
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -198,3 +199,35 @@ def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
     gained = 2.0 * (centre[-1, 0] - 0.5)
     assert gained == pytest.approx(2.0 / 3.0 * G * math.sin(slope), rel=0.1)
     assert np.abs(centre[:, 1]).max() < 1e-3 * radius  # straight on
+
+
+def test_the_crawler_walks_alike_at_any_tolerance() -> None:
+    """Strokes are alike once it has found its gait, 36 mm/s, and do not depend on tolerance or method."""
+    mechanism = lamc.split(lamc.load(Path(lamc.__file__).parent / "examples" / "crawler.yaml"))
+    sim = lamc.compile(mechanism)
+    strokes = np.arange(1.0, 3.01, 0.125)  # s, eight a second
+    walks = []
+    for integrator, rtol in (("auto", 1e-4), ("dop853", 1e-7)):
+        result = sim.run(3.0, rtol=rtol, atol=1e-2 * rtol, integrator=integrator, t_eval=strokes)
+        assert result.success, result.message
+        walks.append(result.pose("body")[0][:, 0])
+    steps = np.diff(walks[0])
+    assert steps == pytest.approx(
+        np.full(16, steps.mean()), rel=0.02
+    )  # each touch of 16 a stroke is a little different
+    assert steps.mean() == pytest.approx(4.54e-3, rel=0.01)  # m, as the story tells
+    assert walks[1] - walks[1][0] == pytest.approx(walks[0] - walks[0][0], rel=5e-3)
+
+
+def test_the_crawler_stays_where_friction_holds_it() -> None:
+    """On a slope of 20° with μ = 0.6 it settles, and then creeps as the smooth law says: tan 20° / 0.6 = 0.607."""
+    mechanism = lamc.split(lamc.load(Path(lamc.__file__).parent / "examples" / "crawler.yaml"))
+    sim = lamc.compile(mechanism, mechanism.scenes["slope"])
+    times = np.linspace(0.0, 6.0, 61)
+    result = sim.run(6.0, rtol=1e-6, t_eval=times)
+    along = result.pose("body")[0][:, 0]
+    part = math.tan(math.radians(20.0)) / 0.6
+    creep = sim.parameters["ground_contact.slip_speed"] * part / math.sqrt(1.0 - part**2)
+    speeds = np.diff(along)[-20:] / 0.1
+    # Its two feet carry unlike loads, and what pulls at them goes over from one to the other: each creeps by itself
+    assert speeds == pytest.approx(np.full(20, creep), rel=0.05)

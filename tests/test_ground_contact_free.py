@@ -231,3 +231,22 @@ def test_the_crawler_stays_where_friction_holds_it() -> None:
     speeds = np.diff(along)[-20:] / 0.1
     # Its two feet carry unlike loads, and what pulls at them goes over from one to the other: each creeps by itself
     assert speeds == pytest.approx(np.full(20, creep), rel=0.05)
+
+
+def test_a_start_deep_in_the_ground_is_refused_before_it_flings() -> None:
+    """Four corners 10 mm deep store 4 / 2.5 (10 mm / (1e-3 size))^1.5 times the weight times 10 mm."""
+    sim = lamc.compile(plate(), Scene((Gravity(), GroundContact(), FreeBase(position=(0.0, 0.0, -0.008)))))
+    with pytest.raises(
+        lamc.DesignError, match=r"body 'plate' is 10 mm deep in the ground, .* start it higher"
+    ):
+        sim.run(0.1)
+    lowered = sim.run(0.1, parameters={"ground_contact.height": -0.011})
+    assert lowered.success
+
+
+def test_a_start_that_rests_in_the_ground_is_none_to_refuse() -> None:
+    depth = 1e-3 * SIZE * 0.25 ** (2.0 / 3.0)
+    start = FreeBase(position=(0.0, 0.0, THICKNESS / 2 - depth))
+    result = lamc.compile(plate(), Scene((Gravity(), GroundContact(), start))).run(10.0, rtol=1e-8)
+    assert np.ptp(result.pose("plate")[0][:, 2]) < 1e-6 * SIZE  # it is at rest there
+    assert not result.events

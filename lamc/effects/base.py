@@ -37,7 +37,9 @@ class Effect(Protocol):
     of data that is no such record; `lamc.effects.data.quantity(value, "N*m/rad", where, "stiffness")` reads one number.
 
     An effect that cannot act from every start has check_start(mechanism, angles) as well: angles are those of all
-    joints by name, rad, at the start; it raises DesignError for one that it refuses.
+    joints by name, rad, at the start; it raises DesignError for one that it refuses. One that minds where the bodies
+    are has check_poses(mechanism, poses, parameters), asked before each run: poses are centre of mass, m, and rotation
+    from drawn axes, world, by the name of each body that moves; parameters are the run's, by name.
 
     An effect that acts by expressions in time has drives() as well: see `lamc/effects/drives.py`. They are evaluated
     where the run begins and along it, and refused where they have no value.

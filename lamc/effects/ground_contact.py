@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lamc.effects.base import Effect, PlaneMark
-from lamc.effects.contact_points import Point, checked_points, contact_points
+from lamc.effects.contact_points import ContactPoint, Point, checked_points, contact_points
 from lamc.effects.data import record
 from lamc.errors import DesignError
 from lamc.mechanics.algebra import Vector3, add, dot, scale
@@ -135,11 +135,32 @@ class GroundContact:
 
     def contribute(self, loads: Loads) -> None:
         points = contact_points(loads.mechanism, loads.moving_bodies, self.bodies, self.points, self.corners)
-        ground = _Ground(self, loads, np.array([each.point for each in points]))
+        ground = _Ground(self, loads, points)
         counts: dict[str, int] = {}
         for each in loads.each(points):
             counts[each.body] = counts.get(each.body, 0) + 1
             ground.act(each.body, each.point, f"contact {counts[each.body]} of {each.body}")
+
+    def check_poses(
+        self, mechanism: Mechanism, poses: Mapping[str, tuple[Array, Array]], parameters: Mapping[str, float]
+    ) -> None:
+        """Refuses a start so deep in the ground that it would fling all that moves higher than its own size."""
+        points = contact_points(mechanism, tuple(poses), self.bodies, self.points, self.corners)
+        coms = {body.name: body.com for body in mechanism.bodies}
+        height, stiffness = (parameters[f"{self.name}.{field}"] for field in ("height", "stiffness"))
+        placed = [poses[p.body][0] + poses[p.body][1] @ (np.array(p.point) - coms[p.body]) for p in points]
+        depths = [max(height - float(np.dot(self.normal, point)), 0.0) for point in placed]
+        stored = math.fsum(stiffness * d ** (self.exponent + 1.0) / (self.exponent + 1.0) for d in depths)
+        thrown = stored / _weight(mechanism, tuple(poses))
+        size = _size(mechanism, points)
+        if thrown > size:
+            deepest = max(depths)
+            body = points[depths.index(deepest)].body
+            raise DesignError(
+                f"at the start a point of body {body!r} is {deepest * 1e3:.3g} mm deep in the ground, which would "
+                f"fling all that moves {thrown / size:.3g} times its size high: start it higher, or lower the ground "
+                f"from its height of {height * 1e3:.4g} mm"
+            )
 
     def marks(self, parameters: Mapping[str, float]) -> tuple[PlaneMark, ...]:
         """The ground."""
@@ -160,13 +181,13 @@ class GroundContact:
 class _Ground:
     """The constants of one contact as parameters, and what they come to at a point."""
 
-    def __init__(self, effect: GroundContact, loads: Loads, points: Array) -> None:
+    def __init__(self, effect: GroundContact, loads: Loads, points: Sequence[ContactPoint]) -> None:
         self.loads = loads
         self.normal: Vector3 = effect.normal
         self.exponent = effect.exponent
-        size = float(np.linalg.norm(np.ptp(points, axis=0))) or loads.mechanism.size
-        mass = math.fsum(body.mass for body in loads.mechanism.bodies if body.name in loads.moving_bodies)
-        weight, speed = mass * STANDARD_GRAVITY, math.sqrt(STANDARD_GRAVITY * size)
+        size = _size(loads.mechanism, points)
+        weight = _weight(loads.mechanism, loads.moving_bodies)
+        speed = math.sqrt(STANDARD_GRAVITY * size)
         stiffness = weight / (SINKING * size) ** effect.exponent
 
         def parameter(field: str, value: float, unit: str, meaning: str) -> Scalar:
@@ -227,6 +248,17 @@ class _Ground:
         peak = STICTION_PEAK * self.slip
         part = 1.0 / (1.0 + squared / (peak * peak))
         return steady + (8.0 * self.extra / (peak * peak * peak)) * (squared * power(part, 3))
+
+
+def _size(mechanism: Mechanism, points: Sequence[ContactPoint]) -> float:
+    """Diagonal of the box around the points as drawn, m; of the mechanism where they are one point."""
+    extent = np.ptp([each.point for each in points], axis=0)
+    return float(np.linalg.norm(extent)) or mechanism.size
+
+
+def _weight(mechanism: Mechanism, moving: Sequence[str]) -> float:
+    """Of all that moves, N, on the surface of the earth."""
+    return STANDARD_GRAVITY * math.fsum(body.mass for body in mechanism.bodies if body.name in moving)
 
 
 def _push(w: Scalar) -> Scalar:

@@ -210,6 +210,7 @@ class Simulator(Unchanging):
             self._check_start(self.start, limited)
         with told_at(self.scene.places):
             check_drives(self.effects, *self._start_by_joint(self.start), request.t_end)
+        self._check_poses(motion)
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
@@ -304,6 +305,17 @@ class Simulator(Unchanging):
             for effect in checks:
                 with told_at(self.scene.places), about(effect):
                     effect.check_start(mechanism, angles)
+
+    def _check_poses(self, motion: Motion) -> None:
+        """Shows where the bodies are at the start of a run to the effects that ask for it, as `_check_start`."""
+        checks = [effect for effect in self.effects if hasattr(effect, "check_poses")]
+        if checks:
+            (rows,) = motion.poses(np.zeros(1), self.start.reshape(1, -1))
+            placed = {n: (r[:3], r[3:].reshape(3, 3)) for n, r in zip(self._model.bodies, rows, strict=True)}
+            parameters = dict(zip(self._model.parameters, motion.parameters.tolist(), strict=False))
+            for effect in checks:
+                with told_at(self.scene.places), about(effect):
+                    effect.check_poses(self.mechanism, placed, parameters)
 
     def _start_by_joint(self, start: Array) -> tuple[dict[str, float], dict[str, float]]:
         """Angles, rad, and rates, rad/s, of all joints in the state `start`, those that close loops too."""

@@ -1,8 +1,9 @@
 """Where an expression has no value: interval arithmetic on what `expression.stage` makes of it.
 
 In: the text, and the range of each name, for many instants at once. Out: where no choice of values within the ranges
-gives the expression a finite value, and why. What may have a value is never reported; bounds are not rounded outwards,
-so arguments that miss their domain by round-off pass.
+gives the expression a finite value, and why. What may have a value is never reported: arguments that miss their domain
+by round-off pass, and so does what overflows or underflows on the way, as in 1/cosh(1000*t), which is zero then.
+Nothing is divided by zero, not even where the infinity of floating point would vanish again.
 """
 
 import math
@@ -14,19 +15,19 @@ import numpy.typing as npt
 
 from lamc.codegen.program import Space
 from lamc.effects.expression import stage
-from lamc.mechanics.staging import NUMBER, SYMBOL, Store, Symbol, Value
+from lamc.mechanics.staging import Store, Symbol, Value
 
 Array = npt.NDArray[np.float64]
 Interval = tuple[Array, Array]  # lower and upper bounds, each (m,)
 
 EVERYWHERE = (-math.inf, math.inf)
 _ROUND_OFF = 1e-12
+_TINY = 5e-324  # the least number above zero: what underflows is not zero
 
 _RISING: Mapping[str, Callable[[Array], Array]] = {
     "atan": np.arctan,
     "sinh": np.sinh,
     "tanh": np.tanh,
-    "exp": np.exp,
     "sign": np.sign,
 }
 _FUNCTION: Mapping[str, Callable[[Array], Array]] = {
@@ -68,28 +69,36 @@ def undefined(text: str, ranges: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike
     known: dict[int, Interval] = {}
     with np.errstate(all="ignore"):
         for index in store.live([value]):
-            operation, payload = store.operations[index], store.payloads.get(index)
-            if operation == SYMBOL:
-                assert isinstance(payload, Symbol)
-                low, high = given[payload.name]
-                known[index] = (np.array(low, dtype=float), np.array(high, dtype=float))
-                continue
-            if operation == NUMBER:
-                assert payload is not None
-                assert not isinstance(payload, Symbol)
-                number = np.full(shape, float(payload))
-                known[index] = (number, number)
+            leaf = _leaf(store, index, given, shape)
+            if leaf is not None:
+                known[index] = leaf
                 continue
             arguments = [known[i] for i in store.arguments[index]]
-            (low, high), missing = _applied(operation, arguments)
-            missing |= (low == math.inf) | (high == -math.inf)
+            (low, high), missing = _applied(store.operations[index], arguments)
             if missing.any():
                 first = int(np.argmax(missing))
-                found.append(
-                    Undefined(first, _reason(operation, [(a[first], b[first]) for a, b in arguments]))
-                )
+                ends = [(low[first], high[first]) for low, high in arguments]
+                found.append(Undefined(first, _reason(store.operations[index], ends)))
             known[index] = (np.where(missing, -math.inf, low), np.where(missing, math.inf, high))
+        low, high = known[value.index]
+        too_large = (low == math.inf) | (high == -math.inf)
+        if too_large.any():
+            found.append(Undefined(int(np.argmax(too_large)), "it is too large for a number"))
     return min(found, key=lambda each: each.index) if found else None
+
+
+def _leaf(
+    store: Store, index: int, given: Mapping[str, tuple[Array, ...]], shape: tuple[int, ...]
+) -> Interval | None:
+    """The bounds of a symbol or a number; None for an operation."""
+    payload = store.payloads.get(index)
+    if isinstance(payload, Symbol):
+        low, high = given[payload.name]
+        return np.array(low, dtype=float), np.array(high, dtype=float)
+    if payload is None:
+        return None
+    number = np.full(shape, float(payload))
+    return number, number
 
 
 def _applied(operation: str, arguments: list[Interval]) -> tuple[Interval, npt.NDArray[np.bool_]]:
@@ -105,10 +114,7 @@ def _applied(operation: str, arguments: list[Interval]) -> tuple[Interval, npt.N
         case "neg":
             return (-b, -a), never
         case "*":
-            corners = np.nan_to_num(
-                np.stack([a * c, a * d, b * c, b * d]), nan=0.0, posinf=math.inf, neginf=-math.inf
-            )
-            return (corners.min(axis=0), corners.max(axis=0)), never
+            return _product(a, b, c, d), never
         case "reciprocal":
             across = (a < 0.0) & (b > 0.0)
             low = np.where(across | (b == 0.0), -math.inf, 1.0 / b)
@@ -125,6 +131,8 @@ def _applied(operation: str, arguments: list[Interval]) -> tuple[Interval, npt.N
             return _in_domain(operation, a, b)
         case "pow":
             return _power(a, b, c, d)
+        case "exp":
+            return (np.exp(a), np.maximum(np.exp(b), _TINY)), never
         case name if name in _RISING:
             return (_RISING[name](a), _RISING[name](b)), never
     at_points: dict[str, Callable[..., Array]] = {
@@ -137,6 +145,16 @@ def _applied(operation: str, arguments: list[Interval]) -> tuple[Interval, npt.N
     point = np.logical_and.reduce([low == high for low, high in arguments])
     exact = at_points[operation](*(low for low, _ in arguments)) if operation in at_points else everywhere[0]
     return (np.where(point, exact, bounds[0]), np.where(point, exact, bounds[1])), never
+
+
+def _product(a: Array, b: Array, c: Array, d: Array) -> Interval:
+    """Bounds of x·y for x in (a, b) and y in (c, d)."""
+    factors = np.stack([a, a, b, b]), np.stack([c, d, c, d])
+    corners = factors[0] * factors[1]
+    corners = np.where(np.isnan(corners), 0.0, corners)
+    vanished = (corners == 0.0) & (factors[0] != 0.0) & (factors[1] != 0.0)
+    low = np.where(vanished, -_TINY, corners).min(axis=0)
+    return low, np.where(vanished, _TINY, corners).max(axis=0)
 
 
 def _in_domain(operation: str, a: Array, b: Array) -> tuple[Interval, npt.NDArray[np.bool_]]:
@@ -174,4 +192,4 @@ def _reason(operation: str, arguments: list[tuple[float, float]]) -> str:
         return f"{operation} of {said[0]}"
     if operation == "pow":
         return f"{said[0]} to the power {said[1]}"
-    return "a value too large for a number"
+    raise AssertionError(f"{operation} has a value everywhere")

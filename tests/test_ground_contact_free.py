@@ -74,6 +74,35 @@ def test_a_tossed_plate_rests_for_100_s_without_drift(integrator: str, rtol: flo
     assert centre[-1, 2] == pytest.approx(THICKNESS / 2 - depth, abs=1e-8 * SIZE)
 
 
+def test_auto_bears_friction_that_is_a_hundred_times_as_sharp() -> None:
+    """The rate at which friction brings to rest goes with 1 / slip_speed; steps of an explicit method follow it, and
+    those of auto nearly do not."""
+    sim = tossed(GroundContact())
+    usual, sharp = (
+        sim.run(3.0, rtol=1e-5, parameters={"ground_contact.slip_speed": part * SLIP}) for part in (1.0, 0.01)
+    )
+    assert usual.success
+    assert sharp.success
+    assert sharp.stats.steps < 4 * usual.stats.steps
+    explicit = sim.run(
+        3.0,
+        rtol=1e-5,
+        integrator="dop853",
+        max_steps=10 * sharp.stats.steps,
+        parameters={"ground_contact.slip_speed": 0.01 * SLIP},
+    )
+    assert not explicit.success
+
+
+def test_the_books_of_a_fall_balance() -> None:
+    """What gravity gives, the ground takes, but for what it still stores."""
+    result = tossed(GroundContact()).run(3.0, rtol=1e-10, atol=1e-12, books=True)
+    taken = float(result.work["ground_contact"][-1] + result.energies["ground_contact"][-1])
+    lost = float(result.energy[-1] - result.energy[0])
+    assert taken == pytest.approx(lost, rel=1e-8)
+    assert lost < 0.0
+
+
 def test_where_it_comes_to_rest_does_not_depend_on_the_method() -> None:
     found = [
         tossed(GroundContact())

@@ -8,6 +8,7 @@ import pytest
 import lamc
 from lamc import Gravity, GroundContact, Scene
 from lamc.effects.base import PlaneMark
+from lamc.report.folded import instants
 from lamc.report.planes import GRID, SHADOW, SHEET, Sheet
 from lamc.report.stage import Stage
 from tests.ctools import needs_cc
@@ -46,6 +47,17 @@ def test_a_picture_shows_the_ground_where_an_effect_has_one() -> None:
     without, with_ground = (Stage(result, result.t[:1], 240).draw(0) for result in (bare, grounded))
     assert pixels(without, SHEET) == pixels(without, SHADOW) == pixels(without, GRID) == 0
     assert pixels(with_ground, SHEET) > 0.1 * with_ground.shape[0] * with_ground.shape[1]
+
+
+@needs_cc
+def test_a_body_without_joints_is_shown_as_it_falls() -> None:
+    stone = lamc.Body("stone", 0.1, (0.0, 0.0, 0.0), 1e-4 * np.eye(3), fixed=True)
+    sim = lamc.compile(
+        lamc.Mechanism((stone,), ()), Scene((Gravity(), lamc.FreeBase(position=(0.0, 0.0, 2.0))))
+    )
+    rows = instants(sim.run(0.5, t_eval=np.linspace(0.0, 0.5, 51)))
+    assert len(rows) == 4
+    assert (rows[0], rows[-1]) == (0, 50)
 
 
 @needs_cc

@@ -23,7 +23,9 @@ from lamc.run.result import Result
 PANELS = 4
 _LONGEST = 900  # pixels of a panel
 _PANEL_WIDTH = 4.6  # inches
-_ALIKE = math.radians(2.0)  # instants whose angles all differ by less look the same
+_ALIKE = math.radians(
+    2.0
+)  # instants whose angles all differ by less, and lengths by as much of the size, look alike
 _NAMED = 8  # bodies and joints beyond this are not named
 
 
@@ -56,11 +58,12 @@ def instants(result: Result, count: int = PANELS) -> list[int]:
     """Rows to show, ascending: the start, the end, and those between that differ most from the ones already taken."""
     last = len(result.t) - 1
     taken = [0] if last == 0 else [0, last]
-    if not result.joints:
+    if not result.coordinates:
         return taken[:1]
     thinned = np.unique(np.linspace(0, last, 400).astype(int))
+    q = result.q / [result.mechanism.size if c.unit == "m" else 1.0 for c in result.coordinates]
     while len(taken) < count:
-        apart = np.min([np.abs(result.q[thinned] - result.q[k]).max(axis=1) for k in taken], axis=0)
+        apart = np.min([np.abs(q[thinned] - q[k]).max(axis=1) for k in taken], axis=0)
         farthest = int(np.argmax(apart))
         if not apart[farthest] > _ALIKE:
             break
@@ -146,7 +149,8 @@ def _legend(figure: Figure, result: Result) -> None:
     names = ["hinge line"]
     if len(bodies) <= _NAMED:
         handles += [Patch(facecolor=colours[b.name], edgecolor="#444444", linewidth=0.5) for b in bodies]
-        names += [f"{shortened(b.name, 24)} (fixed)" if b.fixed else shortened(b.name, 24) for b in bodies]
+        moving = result.motion.model.bodies
+        names += [shortened(b.name, 24) + ("" if b.name in moving else " (fixed)") for b in bodies]
     legend = figure.legend(
         handles=handles,
         labels=[str(k) for k in range(len(names))],

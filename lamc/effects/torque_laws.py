@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -20,43 +20,18 @@ from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.antiderivative import antiderivative
 from lamc.mechanics.derivative import derivative
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.piecewise import Piecewise, monotone, spline
+from lamc.mechanics.piecewise import Piecewise, crossings, monotone, spline
 from lamc.mechanics.staging import Scalar, Store, Value
 from lamc.mechanics.substitution import substitute
-from lamc.mechanism.checks import checked_number, did_you_mean, shown
+from lamc.mechanism.checks import checked_flag, checked_number, did_you_mean, shown
 from lamc.readonly import ReadOnlyDict
 
 TORQUE = Quantity("torque", "N*m", "2 N*mm")
 MAX_DEGREE = 16
+_ASIDE = 1e-6  # of the next interval
 WIDEST_ANGLE = 4.0 * math.pi  # rad; a table that reaches farther is in degrees, in all likelihood
 BETWEEN = ("spline", "monotone")
-KEYS = ("table", "file", "between", "energy")
-
-_NUMBER = {"type": ["number", "string"], "description": "a number (SI), or text with a unit"}
-LAW_SCHEMA: Mapping[str, Any] = {
-    "anyOf": [
-        {
-            "type": "string",
-            "description": "torque, N*m, as an expression in angle; or a stiffness with its unit",
-        },
-        {"type": "array", "items": _NUMBER, "minItems": 1, "maxItems": MAX_DEGREE},
-        {
-            "type": "object",
-            "properties": {
-                "table": {
-                    "type": "array",
-                    "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
-                    "minItems": 2,
-                    "maxItems": MAX_ROWS,
-                },
-                "file": {"type": "string", "description": "a CSV file of angle and torque"},
-                "between": {"enum": [*BETWEEN]},
-                "energy": {"type": "string", "description": "energy, J, as an expression in angle"},
-            },
-            "additionalProperties": False,
-        },
-    ]
-}
+KEYS = ("table", "file", "between", "located", "energy")
 
 LawData = str | tuple[float, ...] | Mapping[str, object]
 
@@ -144,24 +119,39 @@ class Energy:
 
 @dataclass(frozen=True)
 class Table:
-    """A curve through points (angle, rad; torque, N·m); straight on outside them."""
+    """A curve through points (angle, rad; torque, N·m); straight on outside them.
+
+    located  points are events, at which steps end; otherwise integrators step over what is not smooth there
+    """
 
     points: Rows
     between: str = "spline"
+    located: bool = False
 
     curves: ClassVar = {"spline": spline, "monotone": monotone}
 
     @property
     def data(self) -> LawData:
-        return ReadOnlyDict({"table": self.points, "between": self.between})
+        return ReadOnlyDict({"table": self.points, "between": self.between, "located": self.located})
 
     def potential(self) -> Piecewise:
         """The energy, J; the torque is its derivative."""
         angles, torques = zip(*self.points, strict=True)
         return self.curves[self.between](angles, torques).integral()
 
+    @property
+    def _passed(self) -> list[float]:
+        """Where steps end, rad. A hinge comes to rest at angle 0, and on an event it would come to rest for ever: that
+        one lies beside it, by so little that the curve's second derivative does not show."""
+        angles = [angle for angle, _ in self.points]
+        steps = zip(angles, [*angles[1:], angles[-1] + 1.0], strict=True)
+        return [a if a else _ASIDE * (following - a) for a, following in steps]
+
     def staged(self, loads: Loads, joint: str, angle: Value) -> tuple[Scalar, Scalar]:
         factor, potential, store = _factor(loads, joint), self.potential(), angle.store
+        if self.located:
+            guard = store.table(crossings(self._passed), angle)
+            loads.switch(f"{joint} passes a point of its table", guard)
         return factor * store.table(potential, angle, 1), factor * store.table(potential, angle)
 
 
@@ -208,10 +198,10 @@ def _of_map(data: Mapping[object, object], what: str, folder: Path | None) -> La
         if key not in KEYS:
             raise DesignError(f"{what} has no field {shown(key)}; {did_you_mean(str(key), KEYS)}")
     sources = [key for key in ("table", "file", "energy") if key in data]
-    if len(sources) != 1 or ("energy" in data and "between" in data):
+    if len(sources) != 1 or ("energy" in data and len(data) > 1):
         raise DesignError(
             f"{what} gives {' and '.join(map(str, data)) or 'nothing'}; give one of table, file and energy, and with a "
-            "table or file, if wished, between"
+            "table or file, if wished, between and located"
         )
     if "energy" in data:
         if not isinstance(data["energy"], str):
@@ -226,7 +216,8 @@ def _of_map(data: Mapping[object, object], what: str, folder: Path | None) -> La
             "(straight lines would have kinks, at which integrators lose their order)"
         )
     rows = data["table"] if "table" in data else _read(data["file"], what, folder)
-    table = Table(checked_rows(rows, what), str(between))
+    located = checked_flag(data.get("located", between != "spline"), f"located of {what}")
+    table = Table(checked_rows(rows, what), str(between), located)
     _check_curve(table, what)
     return table
 

@@ -6,14 +6,19 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+import lamc
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, Spring
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.free_base import FreeBase
 from lamc.errors import DesignError, ExpressionError
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.pipeline import equations_of
+from lamc.reference.check import check
+from lamc.reference.moving_base import MovingNewtonEuler
 from lamc.reference.newton_euler import NewtonEuler
+from lamc.scene import Scene
 from tests.closed_mechanisms import closed_mechanism
+from tests.ctools import needs_cc
 from tests.general_motion import General
 from tests.mechanisms import chain, random_state, random_tree
 
@@ -154,6 +159,38 @@ def test_loop_on_a_turning_base_has_the_closure_of_a_still_one() -> None:
     n = len(still.joints)
     values = [turned.system(t, np.zeros(n), np.zeros(n))[2] for t in (0.0, 0.9)]
     assert np.array_equal(*values)
+
+
+def test_second_voice_knows_moved_bases() -> None:
+    moved = BaseMotion(
+        ("0.1*sin(3*t)/(1 + t^2)", "exp(-t)*cos(5*t)", "sqrt(1 + t) - tanh(2*t)"), "0.4*atan(3*t) + t^3",
+        (1.0, 2.0, -0.5), (0.3, -0.1, 0.2)
+    )  # fmt: skip
+    spring = Spring("ground", (0.0, 0.4, 0.1), "body2", (1.0, 0.2, 0.0), 5.0, rest_length=0.2, damping=0.3)
+    for mechanism in (random_tree(4, seed=7), closed_mechanism("spatial", 1).mechanism):
+        effects = (GRAVITY, HingeStiffness(), HingeDamping(), spring, moved)
+        general = General(mechanism, effects)
+        joints = general.equations.joints
+        voice = MovingNewtonEuler(mechanism, effects, joints)
+        for seed in range(3):
+            q, u = random_state(len(joints), seed)
+            if voice.cuts:
+                q, u = np.zeros((2, len(joints)))
+            t = 0.3 + seed
+            found, expected = general.acceleration(t, q, u), voice.acceleration(q, u, t)
+            assert (
+                np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
+            )  # two roads, condition of M
+            for name, value in voice.energy(q, u, t).items():
+                assert general.energies(t, q, u)[name] == pytest.approx(value, rel=1e-12, abs=1e-12)
+
+
+@needs_cc
+def test_check_compares_the_voices_where_the_base_is_moved() -> None:
+    moved = BaseMotion(("0.1*sin(3*t)", 0, "0.2*t^2"), "0.4*sin(2*t)", (1.0, 2.0, -0.5), (0.3, -0.1, 0.2))
+    scene = Scene(effects=(GRAVITY, HingeStiffness(), moved))
+    report = check(lamc.compile(chain(3), scene), states=5, t_end=0.5)
+    assert report.passed, report.table()
 
 
 def test_base_motions_that_make_no_sense_are_refused() -> None:

@@ -14,11 +14,12 @@ import lamc
 from lamc.effects import Gravity, HingeStiffness
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.free_base import FreeBase
-from lamc.errors import DesignError
+from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.mechanism.tree import plan
 from lamc.pipeline import equations_of
+from lamc.reference.check import check
 from lamc.scene import Scene
 from tests.ctools import needs_cc
 from tests.floating import with_base
@@ -226,6 +227,13 @@ def test_ring_on_its_bushing_compiles_and_runs_as_its_equations_say() -> None:
     run = general.run(*general.start([0.0] * len(joints), [0.5, 0.0]), np.array([0.0, 0.25, 0.5]))
     assert sim.cut_joints == ()
     assert np.abs(result.q - run.q).max() <= 1e-8  # runs at rtol 1e-9 and 1e-11
+
+
+@needs_cc
+def test_check_names_the_effect_that_it_cannot_judge() -> None:
+    sim = lamc.compile(chain(1), Scene(effects=(all_compliant(chain(1)),)))
+    with pytest.raises(UnsupportedError, match="'compliance' goes beyond them; leave it out"):
+        check(sim)
 
 
 def test_very_stiff_hinge_is_a_plain_one() -> None:

@@ -12,10 +12,11 @@ from scipy.spatial.transform import Rotation
 import lamc
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, Spring
 from lamc.effects.free_base import FreeBase
-from lamc.errors import DesignError, UnsupportedError
+from lamc.errors import DesignError
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.pipeline import equations_of
 from lamc.reference.check import check
+from lamc.reference.moving_base import MovingNewtonEuler
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.scene import Scene
 from tests.closed_mechanisms import closed_mechanism
@@ -298,11 +299,35 @@ def test_bases_that_cannot_float_are_refused_by_name() -> None:
         FreeBase(spin=(1.0, 2.0))  # type: ignore[arg-type]
 
 
+def test_second_voice_knows_floating_bases() -> None:
+    """Newton and Euler by Jacobians of all bodies, beside MuJoCo and Kane above."""
+    spring = Spring("ground", (0.0, 0.3, 0.0), "body1", (1.0, 0.0, 0.2), 3.0, rest_length=0.1, damping=0.2)
+    for mechanism in (with_base(random_tree(5, seed=3)), with_base(closed_mechanism("spatial", 1).mechanism)):
+        effects = (*ALL_PASSIVE, spring, FreeBase())
+        general = General(mechanism, effects)
+        joints = general.equations.joints
+        voice = MovingNewtonEuler(mechanism, effects, joints)
+        for seed in range(3):
+            q, u = random_start(general, len(joints), seed)
+            if voice.cuts:
+                q[: len(joints)], u[: len(joints)] = 0.0, 0.0
+            found, expected = general.acceleration(0.0, q, u), voice.acceleration(q, u)
+            assert (
+                np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
+            )  # two roads, condition of M
+            ours, theirs = general.energies(0.0, q, u), voice.energy(q, u)
+            for name, value in theirs.items():
+                assert ours.get(name, 0.0) == pytest.approx(value, rel=1e-12, abs=1e-12)
+
+
 @needs_cc
-def test_check_names_the_effect_that_it_cannot_judge() -> None:
-    sim = lamc.compile(with_base(chain(1)), Scene(effects=(HingeStiffness(), FreeBase())))
-    with pytest.raises(UnsupportedError, match="'free_base' goes beyond them; leave it out"):
-        check(sim)
+@pytest.mark.parametrize("family", ["tree", "planar"])
+def test_check_compares_the_voices_where_the_base_floats(family: str) -> None:
+    mechanism = chain(3) if family == "tree" else closed_mechanism(family, 0).mechanism
+    effects = (Gravity(), HingeStiffness(), FreeBase(spin=(1.0, 0.5, -0.3)))
+    report = check(lamc.compile(with_base(mechanism), Scene(effects=effects)), states=5, t_end=0.5)
+    assert report.passed, report.table()
+    assert sum(c.voices == ("C", "Newton-Euler") for c in report.comparisons) >= 4
 
 
 @needs_cc

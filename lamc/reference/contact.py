@@ -5,7 +5,7 @@ and the effect's text; shares nothing with the symbolic form but the choice of t
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,13 +70,16 @@ class Ground:
         return coefficient * along / (x * self.slip_speed) if x > 0.0 else np.zeros(3)
 
 
-def ground(mechanism: Mechanism, effect: Any) -> Ground:
-    """The ground of an effect `ground_contact`, with what it leaves open filled in from mass and size."""
-    moving = [body.name for body in mechanism.bodies if not body.fixed]
+def ground(mechanism: Mechanism, effect: Any, moving: Sequence[str] | None = None) -> Ground:
+    """The ground of an effect `ground_contact`, with what it leaves open filled in from mass and size.
+
+    moving  names of the bodies that move; None: those that are not fixed
+    """
+    moving = [body.name for body in mechanism.bodies if not body.fixed] if moving is None else moving
     touching = contact_points(mechanism, moving, effect.bodies, effect.points, effect.corners)
     points = np.array([each.point for each in touching])
     size = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or mechanism.size
-    weight = 9.81 * sum(body.mass for body in mechanism.bodies if not body.fixed)
+    weight = 9.81 * sum(body.mass for body in mechanism.bodies if body.name in moving)
     speed = math.sqrt(9.81 * size)
 
     def given(value: float | None, default: float) -> float:

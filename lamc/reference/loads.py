@@ -140,8 +140,12 @@ def told_apart(effects: Iterable[Any]) -> tuple[tuple[Any, ...], str]:
     return known, f"the effect{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else ""
 
 
-def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str]) -> NumericLoads:
+def numeric_loads(
+    mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str], moving: Sequence[str] | None = None
+) -> NumericLoads:
     """The loads of `effects` on `mechanism`, arrays in the order of `joints`.
+
+    moving  names of the bodies that move; None: those that are not fixed
 
     Raises UnsupportedError for an effect this table does not know, and DesignError for a torque on a joint
     that is not there or with a formula outside the permitted language.
@@ -187,7 +191,7 @@ def numeric_loads(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence
                 springs.append(_spring(mechanism, effect))
                 energies.append("spring")
             case "ground_contact":
-                grounds.append(ground(mechanism, effect))
+                grounds.append(ground(mechanism, effect, moving))
                 energies.append("ground_contact")
             case other:
                 raise UnsupportedError(

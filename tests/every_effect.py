@@ -22,7 +22,7 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
         for effect in (
             lamc.Gravity((0.1, 0.2, -9.7)),
             lamc.GroundContact(
-                0.4, points={"b": ((2.0, 0.1, 0.0), (2.0, -0.1, 0.0))}, stiffness=1e3, height=-0.5
+                0.4, points={"b": ((2.0, 0.1, 0.0), (2.0, -0.1, 0.0))}, stiffness=1e3, height=-1.0
             ),
             lamc.HingeDamping(),
             lamc.HingeStiffness(),

@@ -71,7 +71,7 @@ def check(
     end after a few seconds each, and the report says how far they came. Effects that the independent voices do not
     know are named in its notes, and only the C and the interpreter are then compared in what they act on.
 
-    Where the fixed bodies move, states of the run are compared, random ones of trees, and no second run.
+    Where the fixed bodies move, the run of the C is not repeated by other voices.
 
     Raises UnsupportedError, with its name, for an effect that adds coordinates in any other way.
     """

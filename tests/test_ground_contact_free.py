@@ -279,3 +279,33 @@ def test_a_start_that_rests_in_the_ground_is_none_to_refuse() -> None:
     result = lamc.compile(plate(), Scene((Gravity(), GroundContact(), start))).run(10.0, rtol=1e-8)
     assert np.ptp(result.pose("plate")[0][:, 2]) < 1e-6 * SIZE  # it is at rest there
     assert not result.events
+
+
+@pytest.mark.parametrize(("friction", "degrees"), [(0.3, 30.0), (0.5, 40.0), (0.7, 30.0)])
+def test_a_plate_slides_and_sticks_as_mujoco_says(friction: float, degrees: float) -> None:
+    """Another engine with another law of contact: soft constraints and a friction cone. Needs the package mujoco (extra
+    "bench")."""
+    mujoco = pytest.importorskip("mujoco", reason="mujoco is an extra: pip install 'lamc[bench]'")
+    slope = math.radians(degrees)
+    field = (G * math.sin(slope), 0.0, -G * math.cos(slope))
+    box_size = f"{LENGTH / 2} {WIDTH / 2} {THICKNESS / 2}"
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="1e-4" gravity="{field[0]} 0 {field[2]}" cone="elliptic" impratio="10"/>'
+        f'<default><geom friction="{friction} 0 0" condim="3"/></default><worldbody><geom type="plane" size="50 50 1"/>'
+        f'<body pos="0 0 {THICKNESS / 2}"><freejoint/><geom type="box" size="{box_size}" mass="{MASS}"/></body>'
+        "</worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    times = np.linspace(0.0, 1.0, 11)
+    theirs = []
+    for t in times:
+        while data.time < t - 1e-9:
+            mujoco.mj_step(model, data)
+        theirs.append(float(data.qpos[0]))
+    sim = lamc.compile(plate(), Scene((Gravity(field), GroundContact(friction=friction), FreeBase())))
+    ours = sim.run(1.0, rtol=1e-8, t_eval=times).pose("plate")[0][:, 0]
+    if math.tan(slope) > friction:
+        # Theirs is 0.3 % faster than Coulomb's law: its contacts let go a little on the way
+        assert ours[-1] == pytest.approx(theirs[-1], rel=0.01)
+    else:
+        assert max(abs(ours[-1] - ours[1]), abs(theirs[-1] - theirs[1])) < 2e-3 * times[-1]  # both creep, m

@@ -10,6 +10,7 @@ from shapely.geometry import MultiPoint, Point, Polygon, box
 import lamc
 import lamc.mechanism.yaml_file
 from lamc import Body, DesignError, GroundContact, Joint, Mechanism, Plate, Scene
+from lamc.design.effects_schema import effect_schema
 from lamc.effects.contact_points import contact_points, corners_of, hull_corners
 
 EXAMPLES = Path(lamc.__file__).parent / "examples"
@@ -164,3 +165,11 @@ def test_drawn_points_that_are_none_or_lie_beside_are_refused() -> None:
         contact_points(beside, moving(beside), None, "drawn", 8)
     with pytest.raises(DesignError, match="or be 'drawn'"):
         GroundContact(points="darwn")
+
+
+def test_a_scene_file_may_ask_for_the_points_of_the_drawing() -> None:
+    assert GroundContact.from_data({"points": "drawn"}, "scene").points == "drawn"
+    with pytest.raises(DesignError, match=r"points.*'darwn'.*or be 'drawn'"):
+        GroundContact.from_data({"points": "darwn"}, "scene")
+    points = effect_schema(GroundContact)["properties"]["points"]["anyOf"]
+    assert {"enum": ["drawn"]} in points

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING
 from dataclasses import fields as fields_of
 from types import NoneType
-from typing import Any
+from typing import Any, Literal
 
 from lamc.effects.base import RegisteredEffect
 from lamc.effects.data import takes_text
@@ -108,6 +108,8 @@ def _field_schema(hint: Any, unit: str | None) -> dict[str, Any]:
     note = _note(unit, expressions=takes_text(hint))
     if hint is float:
         return {"type": "number"} if unit is None else {"type": ["number", "string"], **note}
+    if origin is Literal:
+        return {"enum": list(inner)}
     plain = {bool: "boolean", int: "integer", str: "string", NoneType: "null"}
     if hint in plain:
         return {"type": plain[hint], **(note if hint is str else {})}

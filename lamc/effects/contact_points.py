@@ -5,6 +5,7 @@ Goes in: a mechanism and what a user said. Comes out: points by body, as drawn. 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import shapely
@@ -16,7 +17,7 @@ from lamc.mechanism.records import Body, Mechanism, checked_array, checked_name
 from lamc.readonly import ReadOnlyDict
 
 Point = tuple[float, float, float]  # m, drawn configuration, world axes
-DRAWN = "drawn"
+DRAWN: Literal["drawn"] = "drawn"
 SAME_HEIGHT = 1e-9  # of the body's extent: faces nearer to each other than this are one
 
 
@@ -28,7 +29,7 @@ class ContactPoint:
     point: Point
 
 
-def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]] | str:
+def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]] | Literal["drawn"]:
     """Points by body, in the order of the bodies' names, or DRAWN. Raises DesignError for anything else."""
     if value == DRAWN:
         return DRAWN
@@ -57,7 +58,7 @@ def contact_points(
     mechanism: Mechanism,
     moving: Sequence[str],
     bodies: Sequence[str] | None,
-    points: Mapping[str, Sequence[Point]] | str | None,
+    points: Mapping[str, Sequence[Point]] | Literal["drawn"] | None,
     corners: int,
 ) -> tuple[ContactPoint, ...]:
     """The points that can touch, body by body in the mechanism's order, each once.

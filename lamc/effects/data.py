@@ -20,7 +20,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from lamc.design import units as kinds
 from lamc.design.units import Quantity, to_si
@@ -141,9 +141,9 @@ def record(kind: type[E], value: object, where: str) -> E:
 
 def takes_text(hint: Any) -> bool:
     """True if a field of this annotation holds text, such as expressions, as it is or in a list or map."""
-    if hint is str:
-        return True
     inner = get_args(hint)
+    if hint is str or (get_origin(hint) is Literal and any(isinstance(word, str) for word in inner)):
+        return True
     if isinstance(get_origin(hint), type) and issubclass(get_origin(hint), Mapping):
         inner = inner[1:]  # keys are names
     return any(takes_text(part) for part in inner)

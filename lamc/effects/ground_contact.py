@@ -7,7 +7,7 @@ ground, one switch per point. Points do not know of each other, and the ground h
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -63,7 +63,7 @@ class GroundContact:
     height: float = 0.0  # m
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     bodies: tuple[str, ...] | None = None
-    points: Mapping[str, tuple[Point, ...]] | str | None = None
+    points: Mapping[str, tuple[Point, ...]] | Literal["drawn"] | None = None
     corners: int = MAX_CORNERS
 
     name: ClassVar[str] = "ground_contact"

@@ -299,7 +299,7 @@ def examples(name: str | None, copy: str | None, picture: str | None, terminal: 
 @main.command()
 @click.option("--debug", is_flag=True, help="Show the traceback of errors.")
 def schema(debug: bool) -> int:
-    """Print the JSON Schema of design, mechanism and plate files.
+    """Print the JSON Schema of design, mechanism, scene and plate files.
 
     \b
     Example:

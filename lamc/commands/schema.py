@@ -1,4 +1,4 @@
-"""`lamc schema`: prints the JSON Schema of design, mechanism and plate files."""
+"""`lamc schema`: prints the JSON Schema of design, mechanism, scene and plate files."""
 
 import json
 

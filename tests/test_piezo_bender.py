@@ -240,6 +240,63 @@ def test_several_benders_act_and_energy_is_kept_under_constant_voltage() -> None
     assert result.energy == pytest.approx(result.energy[0], rel=1e-7)
 
 
+# ---- across a hinge ---------------------------------------------------------------------------------------------
+
+
+def folded(distance: float, *, turned: bool = False) -> tuple[Mechanism, PiezoBender]:
+    """A flap whose hinge line lies under the strip, at a distance from its tip, with axis +y; `turned`: drawn from the
+    flap to the wall."""
+    flap = Body("flap", 2e-6, (L + 2.5e-3, 0.0, 0.0), np.diag([1e-12, 6e-12, 6e-12]))
+    ends = ("flap", "wall") if turned else ("wall", "flap")
+    hinge = Joint("fold", *ends, point=(L - distance, 0.0, 0.0), axis=(0.0, 1.0, 0.0))
+    return Mechanism((Body("wall", fixed=True), flap), (hinge,)), bender(hinge="fold", normal=(0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(("share", "factor"), [(0.0, 4.0), (0.5, 1.0), (1.0, 4.0), (0.25, 1.75)])
+def test_a_strip_across_a_hinge_is_as_stiff_as_a_clamped_beam(share: float, factor: float) -> None:
+    """4 EI/L where the hinge line lies at an end, EI/L in the middle: rotation of a beam's clamp, uniform bending."""
+    mechanism, effect = folded(share * L)
+    rigidity = effect.line.stiffness * L**3 / 3.0
+    stiffness, per_volt = effect.across(mechanism.joints[0])
+    assert stiffness == pytest.approx(factor * rigidity / L, rel=1e-13)
+    # where the lower ply shortens the flap folds down, positive about +y: by the moment EI κ, wherever the line is
+    assert per_volt == pytest.approx(-rigidity * 2.0 * effect.line.deflection_per_volt / L**2, rel=1e-13)
+
+
+@needs_cc
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_strip_across_a_hinge_folds_it_to_its_free_curvature(turned: bool) -> None:
+    """In the middle of the strip the hinge settles at κ L, to the side of the ply that shortens."""
+    mechanism, effect = folded(0.5 * L, turned=turned)
+    damped = [Joint(j.name, j.parent, j.child, j.point, j.axis, damping=2e-6) for j in mechanism.joints]
+    scene = Scene(effects=(effect, lamc.HingeDamping()))
+    result = lamc.compile(Mechanism(mechanism.bodies, tuple(damped)), scene).run(t_end=1.0, t_eval=[1.0])
+    curvature = -2.0 * effect.line.deflection_per_volt / L**2 * 100.0
+    assert curvature > 0.0  # d31 is negative: the lower ply shortens
+    angle = -curvature * L if turned else curvature * L
+    assert result.angle("fold")[0] == pytest.approx(angle, rel=1e-6)  # the swing has died away
+    assert result.energies["piezo_bender"][0] == pytest.approx(0.0, abs=1e-15)
+    assert float(result.pose("flap")[0][0][2]) < 0.0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"point": (2 * L, 0.0, 0.0)}, "not crossed by the hinge line"),
+        ({"axis": (1.0, 0.0, 0.0)}, "not crossed by the hinge line at right angles"),
+        ({"axis": (0.0, 0.0, 1.0)}, "not crossed"),
+    ],
+)
+def test_a_hinge_that_does_not_cross_the_strip_is_refused(change: dict[str, Any], words: str) -> None:
+    given = {"point": (0.5 * L, 0.0, 0.0), "axis": (0.0, 1.0, 0.0)}
+    with pytest.raises(DesignError, match=words):
+        bender(hinge="fold").across(Joint("fold", "wall", "flap", **{**given, **change}))
+    with pytest.raises(DesignError, match="the hinge joins 'a' and 'b'; name these"):
+        bender(hinge="fold").across(Joint("fold", "a", "b"))
+    with pytest.raises(DesignError, match="set the extension to 0"):
+        bender(hinge="fold", extension=1e-3)
+
+
 # ---- files and refusals -----------------------------------------------------------------------------------------
 
 DATA = {
@@ -297,6 +354,7 @@ def test_scene_files_give_benders_and_take_them_back() -> None:
         ({"laminate": [{"material": {"E": 1e9, "nu": -1}, "thickness": 1}]}, "nu of a material is -1"),
         ({"laminate": [{"material": {"E1": 1e9}, "thickness": 1}]}, "no E2, nu12, G12"),
         ({"laminate": [{"material": "PZT-5A", "thickness": "1 kg"}]}, r"laminate\[0\]\.thickness.*'kg'"),
+        ({"tip": [1e-200, 0, 0]}, "out of range"),
         ({"polarity": [1, -1]}, r"polarity.*shape \(2,\).*\(3,\)"),
         ({"polarity": [0, 1, 0]}, "does not bend under voltage"),
         ({"normal": [1, 0, 1]}, "not at right angles to the strip"),

@@ -14,10 +14,10 @@ from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
 from lamc.errors import DesignError
 from lamc.mechanics.algebra import cross, dot
-from lamc.mechanics.loads import Loads
+from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanics.staging import Scalar
 from lamc.mechanism.checks import checked_array, checked_name, checked_number
-from lamc.mechanism.records import Mechanism
+from lamc.mechanism.records import Joint, Mechanism
 
 _SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
 _VOLTAGE = "the voltage of a piezo bender"
@@ -45,12 +45,17 @@ class PiezoBender:
                plies, poled alike, with an electrode between them; 0 stands for plies without electrodes
     voltage    V; a number is a parameter of the simulator, a string an expression in t (s)
     extension  m, the stiff end of the strip next to the tip, without laminate
+    hinge      the joint between the two bodies, for a strip that is laid across it and clamped on both: it bends the
+               hinge, by a torque; none for a strip whose tip pushes body_b and slides on it
 
     The strip is a slender beam, free to bend across: with the laminate's stiffness about its neutral surface
     D* = D - B A⁻¹ B, free curvature κ = D*⁻¹ (M_p - B A⁻¹ N_p) and EI = width / (D*⁻¹)_xx. Its tip bends by
     -κ_x L (L/2 + extension) along the normal, and gives way to a force by (L³/3 + L² e + L e²) / EI. Deflection is
     counted along the normal, which moves with body_a, so slides along the strip cost nothing; it is taken to be small
     beside the length. The strip has no mass: give it to the bodies.
+
+    Across a hinge line at a distance b from the tip its bending moment κ_x EI turns the hinge, against a stiffness of
+    EI (12 b² - 12 L b + 4 L²) / L³, a beam's with both ends clamped; in the middle that is EI / L.
 
     Stored is ½ k (deflection - free deflection)²; what the drive supplies is the force times the rate of the free
     deflection. Sources: J. G. Smits, W. Choi, IEEE Trans. UFFC 38 (1991) 256-270 (bimorphs); R. J. Wood, E. Steltz,
@@ -69,6 +74,7 @@ class PiezoBender:
     polarity: tuple[float, ...]
     voltage: float | str
     extension: float = 0.0
+    hinge: str | None = None
 
     name: ClassVar[str] = "piezo_bender"
     summary: ClassVar[str] = "Piezoelectric benders"
@@ -124,7 +130,17 @@ class PiezoBender:
                 f"the normal {self.normal} of a piezo bender is not at right angles to the strip, which runs along "
                 f"{tuple((along / length).round(6).tolist())}; give the direction in which its tip deflects"
             )
-        line = self.line
+        if self.hinge is not None:
+            checked_name(self.hinge, "the hinge of a piezo bender")
+            if self.extension:
+                raise DesignError(
+                    f"a piezo bender across hinge {self.hinge!r} has an extension, and it is clamped where "
+                    "the laminate ends: set the extension to 0"
+                )
+        try:
+            line = self.line
+        except (ArithmeticError, np.linalg.LinAlgError):
+            line = BenderLine(math.inf, math.inf, math.inf)
         if not (math.isfinite(line.force_per_volt) and 0.0 < line.stiffness < math.inf):
             raise DesignError("a piezo bender's stiffness is out of range; lengths are in m and moduli in Pa")
         plies = zip(self.polarity, self.laminate.plies, strict=True)
@@ -137,22 +153,73 @@ class PiezoBender:
             )
 
     @property
-    def line(self) -> BenderLine:
-        """Stiffness, blocked force and free deflection, from the laminate and the shape."""
+    def _section(self) -> tuple[float, float]:
+        """Free curvature along the strip, 1/(m·V), and bending stiffness, N·m²."""
         laminate = self.laminate
         per_volt = [p / ply.thickness for p, ply in zip(self.polarity, laminate.plies, strict=True)]
         pushed = laminate.expansion(fields=per_volt)
         neutral = np.linalg.solve(laminate.A, laminate.B).T  # B A⁻¹
         flexibility = np.linalg.inv(laminate.D - neutral @ laminate.B)
         curvature = float((flexibility @ (pushed.moment - neutral @ pushed.force))[0])  # 1/(m·V)
-        rigidity = self.width / float(flexibility[0, 0])  # N·m²
+        return curvature, self.width / float(flexibility[0, 0])
+
+    @property
+    def line(self) -> BenderLine:
+        """Stiffness, blocked force and free deflection of the tip, from the laminate and the shape."""
+        curvature, rigidity = self._section
         stiff = self.extension
         length = math.dist(self.tip, self.root) - stiff
         deflection = -curvature * length * (0.5 * length + stiff)
         stiffness = rigidity / (length * (length * length / 3.0 + length * stiff + stiff * stiff))
         return BenderLine(stiffness, stiffness * deflection, deflection)
 
+    def across(self, joint: Joint) -> tuple[float, float]:
+        """Stiffness, N·m/rad, and torque on the joint's child per volt, N·m/V, of a strip laid across the hinge.
+
+        Raises DesignError where the hinge line does not cross the strip, or joins other bodies.
+        """
+        what = f"a piezo bender across hinge {joint.name!r}"
+        if {joint.parent, joint.child} != {self.body_a, self.body_b}:
+            raise DesignError(
+                f"{what} is clamped on {self.body_a!r} and {self.body_b!r}, and the hinge joins {joint.parent!r} and "
+                f"{joint.child!r}; name these"
+            )
+        length = math.dist(self.tip, self.root)
+        along = np.subtract(self.tip, self.root) / length
+        turn = float(np.cross(np.divide(self.normal, math.hypot(*self.normal)), along) @ joint.axis)
+        rest = float(np.subtract(self.tip, joint.point) @ along)
+        if abs(abs(turn) - 1.0) > _SQUARE or not -_SQUARE * length <= rest <= (1.0 + _SQUARE) * length:
+            raise DesignError(
+                f"{what} is not crossed by the hinge line at right angles between root and tip; turn or move the strip"
+            )
+        curvature, rigidity = self._section
+        stiffness = rigidity * (12.0 * rest * rest - 12.0 * length * rest + 4.0 * length * length) / length**3
+        side = math.copysign(1.0, turn) if joint.parent == self.body_a else -math.copysign(1.0, turn)
+        return stiffness, side * curvature * rigidity
+
     def contribute(self, loads: Loads) -> None:
+        label = self._label(loads.parameter_names)
+        voltage: Scalar
+        if isinstance(self.voltage, str):
+            voltage = stage(self.voltage, {"t": loads.time})
+        else:
+            voltage = loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the bender")
+        if self.hinge is None:
+            self._push(loads, label, voltage)
+        else:
+            self._fold(loads, loads.hinge(self.hinge), label, voltage)
+
+    def _fold(self, loads: Loads, hinge: Hinge, label: str, voltage: Scalar) -> None:
+        stiffness, per_volt = self.across(hinge.joint)
+        k = loads.parameter(
+            f"{label}.stiffness", stiffness, "N·m/rad", "stiffness that the bender gives its hinge"
+        )
+        gain = loads.parameter(f"{label}.torque_per_volt", per_volt, "N·m/V", "torque of the bender per volt")
+        beyond = hinge.angle - gain / k * voltage
+        loads.stored_energy(0.5 * (k * (beyond * beyond)))
+        loads.hinge_torque(hinge.joint.name, -(k * beyond))
+
+    def _push(self, loads: Loads, label: str, voltage: Scalar) -> None:
         line = self.line
         size = math.hypot(*self.normal)
         drawn = [x / size for x in self.normal]
@@ -160,16 +227,10 @@ class PiezoBender:
         normal = (dot(rows[0], drawn), dot(rows[1], drawn), dot(rows[2], drawn))
         ends = [loads.position(body, self.tip) for body in (self.body_a, self.body_b)]
         apart = (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], ends[1][2] - ends[0][2])
-        label = self._label(loads.parameter_names)
         k = loads.parameter(f"{label}.stiffness", line.stiffness, "N/m", "stiffness of the bender's tip")
         gain = loads.parameter(
             f"{label}.force_per_volt", line.force_per_volt, "N/V", "blocked force of the bender per volt"
         )
-        voltage: Scalar
-        if isinstance(self.voltage, str):
-            voltage = stage(self.voltage, {"t": loads.time})
-        else:
-            voltage = loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the bender")
         beyond = dot(normal, apart) - gain / k * voltage  # deflection less the free one
         loads.stored_energy(0.5 * (k * (beyond * beyond)))
         push = -(k * beyond)
@@ -191,7 +252,7 @@ class PiezoBender:
     def _label(self, taken: Sequence[str]) -> str:
         """What the bender's parameters begin with; a second one between the same bodies is number 2."""
         label = f"piezo_bender.{self.body_a}.{self.body_b}"
-        count = sum(name.startswith(f"{label}.") and name.endswith(".force_per_volt") for name in taken)
+        count = sum(name.startswith(f"{label}.") and name.endswith(".stiffness") for name in taken)
         return f"{label}.{count + 1}" if count else label
 
     @classmethod

@@ -340,6 +340,7 @@ def test_compiled_runs_follow_the_equations(integrator: str) -> None:
     general = General(mechanism, effects)
     run = general.run(*general.start([0.0, 0.0], [1.0, 0.0]), np.array([0.0, 0.5, 1.0]))
     assert [c.name for c in sim.coordinates] == general.coordinates
+    assert sim.freedoms == 8
     # a run at rtol 1e-9, a hundred steps or so, beside one at 1e-11
     assert np.abs(result.q - run.q).max() <= 1e-7
     assert np.abs(result.u - run.u).max() <= 1e-6

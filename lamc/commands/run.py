@@ -227,7 +227,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "t_reached": float(result.t[-1]) if len(result.t) else 0.0,
         "bodies": [{"name": b.name, "fixed": b.fixed, "mass": b.mass} for b in mechanism.bodies],
         "joints": list(simulator.joints),
-        "freedoms": simulator.loops.freedoms,
+        "freedoms": simulator.freedoms,
         "loops": loops_data(simulator.loops, simulator.branches),
         "scene": report.scene,
         "scenes": list(mechanism.scenes),

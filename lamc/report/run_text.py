@@ -96,10 +96,10 @@ def names(items: Sequence[str]) -> str:
 def _device(report: RunReport) -> str:
     mechanism = report.simulator.mechanism
     fixed = sum(body.fixed for body in mechanism.bodies)
-    joints, loops = len(mechanism.joints), report.simulator.loops
+    joints, freedoms = len(mechanism.joints), report.simulator.freedoms
     return (
         f"{shortened(mechanism.name, 40)}: {_count(len(mechanism.bodies), 'body', 'bodies')} ({fixed} fixed), "
-        f"{_count(joints, 'hinge', 'hinges')}, {_count(loops.freedoms, 'degree', 'degrees')} of freedom"
+        f"{_count(joints, 'hinge', 'hinges')}, {_count(freedoms, 'degree', 'degrees')} of freedom"
     )
 
 

@@ -103,6 +103,11 @@ class Simulator(Unchanging):
         return self._model.rates
 
     @property
+    def freedoms(self) -> int:
+        """Degrees of freedom: rates that loops leave independent."""
+        return len(self.rates) - self._model.rank
+
+    @property
     def cut_joints(self) -> tuple[str, ...]:
         """Names of the joints that close loops; their angles follow from the others."""
         return self._model.cuts

@@ -213,8 +213,10 @@ class Simulator(Unchanging):
         limited = with_limits(self.mechanism, parameters)
         if limited is not self.mechanism:
             self._check_start(self.start, limited)
-        with told_at(self.scene.places):
-            check_drives(self.effects, *self._start_by_joint(self.start), request.t_end)
+        driven = [effect for effect in self.effects if hasattr(effect, "drives")]
+        if driven:
+            with told_at(self.scene.places):
+                check_drives(driven, *self._start_by_joint(self.start), request.t_end)
         self._check_poses(motion)
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)

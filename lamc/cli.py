@@ -70,6 +70,9 @@ def main(context: click.Context) -> None:
 )
 @staged()
 @compiler
+@click.option(
+    "--books", is_flag=True, help="Keep the work of every effect: who stored, supplied, dissipated."
+)
 @click.option("--no-animation", is_flag=True, help="Make no film.")
 @folder
 @speaking
@@ -86,6 +89,7 @@ def run(
     settings: tuple[str, ...],
     cc: str | None,
     fast: bool,
+    books: bool,
     no_animation: bool,
     out: str | None,
     terminal: Terminal,
@@ -102,6 +106,7 @@ def run(
       lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
       lamc run pendulum.yaml --scene driven
       lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
+      lamc run --example pendulum --books
     """
     from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
@@ -118,6 +123,7 @@ def run(
         points=points,
         max_steps=max_steps,
         animation=not no_animation,
+        books=books,
         out=out,
     )
     return work(order, terminal)

@@ -239,10 +239,10 @@ def test_ctrl_c_keeps_what_was_computed_within_a_short_time(tmp_path: Path) -> N
 
 
 def test_default_rows_grow_with_the_run_up_to_a_limit() -> None:
-    assert default_rows(1.0, 3) == 2001
-    assert default_rows(20.0, 3) == 4001
-    assert default_rows(1e9, 3) == 100_001
-    assert default_rows(1e9, 1000) == 2001
+    assert default_rows(1.0, 6) == 2001
+    assert default_rows(20.0, 6) == 4001
+    assert default_rows(1e9, 6) == 100_001
+    assert default_rows(1e9, 2000) == 2001
 
 
 # --- errors -------------------------------------------------------------------------------------------------------
@@ -316,6 +316,29 @@ def test_no_compiler_is_exit_code_4(tmp_path: Path) -> None:
         assert result.exit_code == 4
         assert len(result.stderr.splitlines()) == 1
     assert [p.name for p in tmp_path.iterdir()] == ["p.yaml"]
+
+
+def test_books_tell_who_stored_supplied_and_dissipated(tmp_path: Path) -> None:
+    """A damped pendulum that falls: gravity gives back what it stored, the damper keeps what it took."""
+    file = pendulum(tmp_path / "p.yaml")
+    result = run(str(file), "--t-end", "0.5", "--books", "--out", "out")
+    assert result.exit_code == 0
+    table = [line.split() for line in result.stdout.splitlines() if line.startswith(("books", "        "))]
+    assert ["books", "stored", "supplied", "dissipated"] in table
+    assert [row[0] for row in table if len(row) == 3 and row[2] == "J"] == [
+        "kinetic",
+        "hinge_damping",
+        "hinge_stiffness",
+        "gravity",
+    ]
+    books = json.loads(Path("out/manifest.json").read_text(encoding="utf-8"))["books"]
+    entries = {entry["effect"]: entry for entry in books["effects"]}
+    assert entries["hinge_damping"]["supplied"] < 0.0
+    assert abs(entries["gravity"]["supplied"]) < 1e-8 * books["scale"]  # conservative, at a tolerance of 1e-9
+    total = sum(entry["work"] for entry in entries.values())
+    assert total == pytest.approx(books["kinetic"], abs=1e-8 * books["scale"])
+    with Path("out/results.csv").open(encoding="utf-8") as lines:
+        assert "hinge_damping work (J)" in next(csv.reader(lines))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lamc.codegen.emit import SourceTree
-from lamc.codegen.program import Operations, Program
+from lamc.codegen.program import Program
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of, output_folder
 from lamc.commands.terminal import Terminal
 from lamc.effects.registry import Choice
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _MARK = "lamc"  # stands in the first lines of every file that lamc writes
 _SIGNED = "by lamc "  # stands at the top of the equations; what is taken away must bear it
 _HEAD = 400  # characters
+_ALONE = "the mechanism alone"
 _EQUATIONS = ("equations.txt", "equations.tex")
 
 
@@ -111,7 +112,7 @@ def _is_own(path: Path, mark: str = _MARK) -> bool:
 
 
 def _summary(made: Built) -> str:
-    operations = _operations(made.program)
+    operations = made.equations.operations
     hinges = len(made.program.joints)
     per_hinge = f", {operations.flops / hinges:.1f} per hinge" if hinges else ""
     solvers = ", ".join(f"{way} {count}" for way, count in sorted(made.equations.solver_flops.items()))
@@ -129,6 +130,7 @@ def _summary(made: Built) -> str:
             f"flops     {operations.flops} per right-hand side{per_hinge}: {_count(operations.additions, 'addition')}, "
             f"{_count(operations.multiplications, 'multiplication')}, {_count(operations.reciprocals, 'division')}; "
             f"and {_count(operations.calls, 'call')} of sin, cos and the like",
+            *(f"{label:<10}{text}" for label, text in _costs(made.equations)),
             f"C size    {model} {size / 1000:.1f} kB, {lines} lines; runtime and headers {runtime / 1000:.1f} kB",
             f"times     {seconds}",
             f"compile   cd {made.folder} && cc -std=c11 -O2 *.c -lm -o {made.tree.prefix}",
@@ -144,20 +146,20 @@ def _size(text: str) -> tuple[int, int]:
     return len(text.encode()), text.count("\n")
 
 
-def _operations(program: Program) -> Operations:
-    """Of one right-hand side; with loops, of what the runtime solves it from."""
-    names = ("acceleration", "dynamics")
-    parts = [program.functions[name].operations for name in names if name in program.functions]
-    return Operations(
-        additions=sum(p.additions for p in parts),
-        multiplications=sum(p.multiplications for p in parts),
-        reciprocals=sum(p.reciprocals for p in parts),
-        calls=sum(p.calls for p in parts),
-    )
+def _costs(equations: "Equations") -> list[tuple[str, str]]:
+    """What each effect adds to the operations of one right-hand side."""
+    by_effect = equations.operations_by_effect
+    width = max(len(name or _ALONE) for name in by_effect)
+    whole = max(equations.operations.flops, 1)
+    rows = []
+    for name, cost in by_effect.items():
+        calls = f", {_count(cost.calls, 'call')}" if cost.calls else ""
+        rows.append(f"{name or _ALONE:<{width}}  {cost.flops:>6} flops, {cost.flops / whole:>6.1%}{calls}")
+    return [("costs" if k == 0 else "", row) for k, row in enumerate(rows)]
 
 
 def _data(made: Built) -> dict[str, Any]:
-    operations = _operations(made.program)
+    operations = made.equations.operations
     hinges = len(made.program.joints)
     size, lines = _size(made.tree.files[f"{made.tree.prefix}.c"])
     return {
@@ -176,6 +178,9 @@ def _data(made: Built) -> dict[str, Any]:
         "multiplications": operations.multiplications,
         "divisions": operations.reciprocals,
         "calls": operations.calls,
+        "flops_by_effect": {
+            name or _ALONE: c.flops for name, c in made.equations.operations_by_effect.items()
+        },
         "model_bytes": size,
         "model_lines": lines,
         "parameters": [

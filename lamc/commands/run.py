@@ -34,7 +34,7 @@ from lamc.report.folded import draw_folded
 from lamc.report.loops_text import loops_data
 from lamc.report.plots import draw_angles_energy
 from lamc.report.run_text import RunReport, energy_drift, summary
-from lamc.run.files import write_csv, write_npz
+from lamc.run.files import books_data, write_csv, write_npz
 from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -69,6 +69,7 @@ class RunOrder:
     points: int | None  # rows; 0: one after every step; None: `default_rows`
     max_steps: int
     animation: bool
+    books: bool
     out: str | None
 
 
@@ -85,7 +86,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
             if order.t_end is None:
                 order = replace(order, t_end=scene.duration or DEFAULT_DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
-            _check_points(order.points, len(simulator.joints))
+            _check_points(order.points, len(simulator.start))
             parameters = parameters_of(order.settings, simulator.parameters)
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
@@ -96,13 +97,13 @@ def run(order: RunOrder, terminal: Terminal) -> int:
     return _ending(result, folder, terminal, interrupted=interrupted)
 
 
-def _check_points(points: int | None, joints: int) -> None:
+def _check_points(points: int | None, size: int) -> None:
     """Raises LamcError for a number of rows that makes no table, or one that no memory should be asked for."""
     if points is None:
         return
     if points < 0 or points == 1:
         raise LamcError(f"--points is {points}; it must be 2 or more, or 0 for every step")
-    most = _LIMIT_NUMBERS // (2 * joints + 2)
+    most = _LIMIT_NUMBERS // (size + 2)
     if points > most:
         raise LamcError(
             f"--points is {points}; at most {most} rows are written, {_LIMIT_NUMBERS} numbers in all: ask for fewer"
@@ -127,7 +128,7 @@ def _simulate(
     order: RunOrder, simulator: Simulator, parameters: dict[str, float], progress: Progress
 ) -> Result:
     assert order.t_end is not None
-    points = default_rows(order.t_end, len(simulator.joints)) if order.points is None else order.points
+    points = default_rows(order.t_end, len(simulator.start)) if order.points is None else order.points
     spread = points and np.isfinite(order.t_end) and order.t_end > 0.0
     return simulator.run(
         t_end=order.t_end,
@@ -138,14 +139,15 @@ def _simulate(
         parameters=parameters,
         max_steps=order.max_steps,
         progress=progress.part,
+        books=order.books,
     )
 
 
-def default_rows(t_end: float, joints: int) -> int:
-    """200 rows a second and 2001 at least, as long as that makes no file of a size that nobody wants."""
+def default_rows(t_end: float, size: int) -> int:
+    """200 rows a second and 2001 at least, as long as states of this size make no file of a size that nobody wants."""
     if not np.isfinite(t_end):
         return 0
-    most = max(_FEWEST, min(100_001, _MOST_NUMBERS // (2 * joints + 2)))
+    most = max(_FEWEST, min(100_001, _MOST_NUMBERS // (size + 2)))
     return int(min(max(_FEWEST, 200 * t_end + 1), most))
 
 
@@ -246,4 +248,5 @@ def _data(report: RunReport) -> dict[str, Any]:
         "seconds": dict(report.times.seconds),
         "from_cache": report.times.from_cache,
         "energy_drift": report.drift,
+        "books": books_data(result),
     }

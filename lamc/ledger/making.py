@@ -23,7 +23,6 @@ from lamc.scene import Scene
 
 _STATES = 256  # evaluated in one call: few enough to stay in the cache, enough to hide the call
 _TURNS = 7
-_FUNCTIONS = ("acceleration", "dynamics")  # what one evaluation of the right-hand side calls, either one
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +36,13 @@ class Made:
     def operations(self) -> int:
         """Flops of one evaluation: + - * and reciprocals, without sine and cosine, and without the solve of loops."""
         functions = self.simulator.program.functions
-        return sum(functions[name].operations.flops for name in _FUNCTIONS if name in functions)
+        solved = "dynamics" if "dynamics" in functions else "system"
+        called = (
+            "rates",
+            "acceleration",
+            solved,
+        )  # by one evaluation of the right-hand side, as far as they exist
+        return sum(functions[name].operations.flops for name in called if name in functions)
 
 
 class Workshop:

@@ -135,8 +135,18 @@ class Equations:
 
     @cached_property
     def operations(self) -> Operations:
-        """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), parameter-only work excluded."""
-        return count_operations(self.store, list(self._results.values()), Level.PARAMETER)
+        """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), and of q̇ where that is not u;
+        parameter-only work excluded."""
+        values = [value for name, value in self._results.items() if not name.startswith("phi_")]
+        return count_operations(self.store, [*values, *(self.coordinate_rates or ())], Level.PARAMETER)
+
+    @cached_property
+    def operations_by_effect(self) -> Mapping[str, Operations]:
+        """`operations` by what they are for: "" is the mechanism alone, then what each effect adds to those before
+        it; effects that bring coordinates come first. Takes a derivation for each effect."""
+        from lamc.mechanics.operation_account import operations_by_effect
+
+        return operations_by_effect(self)
 
     @cached_property
     def assignments(self) -> "tuple[Assignment, ...]":

@@ -75,6 +75,7 @@ def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     rows += _effects(report.account)
     rows += [("note", note) for note in report.notes]
     rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_happenings(report.result)]
+    rows += [("books", line) for line in books_lines(report.result)]
     rows += [("times", _times(report.times))]
     if report.drift is not None:
         rows.append(("energy", _drift(report)))
@@ -180,6 +181,29 @@ def duration(seconds: float) -> str:
         if seconds >= scale:
             return f"{seconds / scale:.3g} {unit}"
     return f"{seconds * 1e9:.3g} ns"
+
+
+def books_lines(result: Result) -> list[str]:
+    """Who stored, supplied and dissipated how much over the run; nothing where no books were kept."""
+    if result.kept is None or not len(result.t):
+        return []
+    books = result.books
+    noise = max(10.0 * books.balance, 1e-12) * books.scale  # what is not worth a digit
+    rows = [
+        ("", "stored", "supplied", "dissipated"),
+        ("kinetic", _joules(float(books.kinetic[-1]), noise), "", ""),
+    ]
+    for entry in books.entries:
+        gave = _joules(entry.supplied, noise) if entry.supplied > 0.0 else ""
+        took = _joules(-entry.supplied, noise) if entry.supplied < 0.0 else ""
+        rows.append((entry.effect, _joules(entry.stored, noise), gave, took))
+    width = max(len(row[0]) for row in rows)
+    lines = [f"{row[0]:<{width}}" + "".join(f"{cell:>14}" for cell in row[1:]).rstrip() for row in rows]
+    return [*lines, f"they balance within {books.balance:.1e} of the {books.scale:.4g} J in play"]
+
+
+def _joules(energy: float, noise: float) -> str:
+    return f"{energy:.5g} J" if abs(energy) > noise else ""
 
 
 def _drift(report: RunReport) -> str:

@@ -24,9 +24,7 @@ def states(
     plain = len(model.coordinates) == len(model.joints)
     for array, name, entries in ((angles, "q", model.coordinates), (rates, "u", model.rates)):
         if array.ndim == 0 or array.shape[-1] != len(entries):
-            what = (
-                "the joints" if plain else f"{'coordinates' if name == 'q' else 'rates'} as in result.{name}"
-            )
+            what = "the joints" if plain else f"as many as `{'coordinates' if name == 'q' else 'rates'}`"
             raise RequestError(
                 f"{name} has shape {array.shape}; its last length must be {len(entries)}, {what}"
             )

@@ -30,7 +30,22 @@ def columns(result: "Result") -> dict[str, Array]:
     table |= {f"{title} ({unit})": values for title, unit, values in others(result)}
     table |= {f"{name} energy (J)": values for name, values in result.energies.items()}
     table["energy (J)"] = result.energy
+    if result.kept is not None:
+        table |= {f"{name} work (J)": values for name, values in result.work.items()}
     return table
+
+
+def books_data(result: "Result") -> dict[str, Any] | None:
+    """The books of the whole run as plain data, J; None where none were kept."""
+    if result.kept is None:
+        return None
+    books = result.books
+    return {
+        "kinetic": float(books.kinetic[-1]) if len(books.kinetic) else 0.0,
+        "effects": [asdict(entry) for entry in books.entries],
+        "balance": books.balance,
+        "scale": books.scale,
+    }
 
 
 def others(result: "Result") -> list[tuple[str, str, Array]]:
@@ -77,6 +92,9 @@ def write_npz(result: "Result", path: Path, *, manifest: bool = True) -> Path:
         "rate_units": np.array([c.unit for c in result.rates], dtype=np.str_),
         "energy_names": np.array(list(result.energies), dtype=np.str_),
     }
+    if result.kept is not None:
+        arrays["work"] = np.column_stack([np.zeros((len(result.t), 0)), *result.work.values()])
+        arrays["work_names"] = np.array(list(result.work), dtype=np.str_)
     if manifest:
         _write_manifest(result, path, list(arrays))
     with replacing(path) as temporary, temporary.open("wb") as file:
@@ -92,6 +110,7 @@ def _write_manifest(result: "Result", path: Path, contents: list[str]) -> None:
         "status": result.status.name.lower(),
         "message": result.message,
         **asdict(result.provenance),
+        "books": books_data(result),
         "stats": asdict(result.stats),
     }
     place = path.with_name(path.name + ".manifest.json")

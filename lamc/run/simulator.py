@@ -117,11 +117,6 @@ class Simulator(Unchanging):
         """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
         return self._loops or loops_of(self._arrangement.tree, self.scene)
 
-    @property
-    def freedoms(self) -> int:
-        """Degrees of freedom: rates less the closure equations that are independent at a generic position."""
-        return len(self.rates) - self._model.rank
-
     @cached_property
     def branches(self) -> tuple[Branch, ...]:
         """The ways out of a singular start, such as a flat one, as `Scene.branch` numbers them; empty where the start

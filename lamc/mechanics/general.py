@@ -24,9 +24,10 @@ from lamc.mechanics.general_outputs import energies_of, poses_of
 from lamc.mechanics.guards import Guard, GuardTerms
 from lamc.mechanics.inertia import link_inertia, regrouped
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
-from lamc.mechanics.loads import Loads, Parameters
+from lamc.mechanics.loads import Loads
 from lamc.mechanics.modal import modal_inertia
 from lamc.mechanics.moving_base import MovingBase, StagedFloat, float_base, prescribe_base
+from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement
 from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanics.staging import Scalar, Store, Value

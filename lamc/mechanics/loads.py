@@ -8,52 +8,28 @@ as lamc's: see `Effect` in `lamc/effects/base.py`.
 import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-import numpy as np
-
-from lamc.codegen.program import Parameter, Space
+from lamc.codegen.program import Space
 from lamc.errors import DesignError
 from lamc.mechanics import closure
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot, scale
+from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
+from lamc.mechanics.body_points import BodyPoints, drawn_point
 from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.guards import Guard
-from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
+from lamc.mechanics.parameters import Parameters
+from lamc.mechanics.placement import Placement, local_point, rotate_back
 from lamc.mechanics.powers import Account
-from lamc.mechanics.staging import NO_LINK, Scalar, Store, Value
-from lamc.mechanism.records import Array, Joint, Mechanism, checked_array, checked_number
+from lamc.mechanics.staging import NO_LINK, Scalar, Value
+from lamc.mechanism.records import Array, Joint, checked_number
 from lamc.mechanism.tree import WORLD
 
 if TYPE_CHECKING:
     import sympy as sp
 
 Item = TypeVar("Item")
-
-
-@dataclass
-class Parameters:
-    """Parameters in the order in which they were asked for; the same name twice is the same symbol."""
-
-    store: Store
-    records: list[Parameter] = field(default_factory=list)
-    _places: dict[str, int] = field(default_factory=dict)
-
-    def add(self, name: str, default: float, unit: str, meaning: str, effect: str = "") -> Scalar:
-        """The symbol of a parameter. Raises DesignError for a default that is not finite, and for a name that stands
-        for something else already."""
-        index = self._places.setdefault(name, len(self.records))
-        value = checked_number(default, f"the default of parameter {name!r}")
-        if index == len(self.records):
-            self.records.append(Parameter(name, value, unit, meaning, effect))
-        known = self.records[index]
-        if (known.default, known.unit) != (value, unit):
-            raise DesignError(
-                f"parameter {name!r} is there already, with {known.default:g} {known.unit} ({known.meaning}); "
-                "choose another name"
-            )
-        return self.store.symbol(name, Space.PARAMETER, index)
 
 
 @dataclass(frozen=True)
@@ -65,7 +41,7 @@ class Hinge:
     rate: Scalar  # rad/s
 
 
-class Loads:
+class Loads(BodyPoints):
     """Collects the loads of one scene on one tree.
 
     Scalars are `Value`s, plain numbers, or sympy expressions in t and, by joint name, q_<joint> and u_<joint>, and in
@@ -82,9 +58,8 @@ class Loads:
         u: Sequence[Scalar],
         cut_hinges: Sequence[CutHinge] = (),
     ) -> None:
-        self.placement = placement
-        self.kinematics = placement.kinematics
-        tree = self.tree = self.kinematics.tree
+        super().__init__(placement, u)
+        tree = self.tree
         self.time = time
         self.hinge_torques: list[Scalar] = [0] * len(tree.links)
         self.field: Vector3 = ZERO
@@ -102,23 +77,12 @@ class Loads:
         self.claims: Mapping[
             str, str
         ] = {}  # what one effect of the scene has for itself → that effect's name
-        self._q, self._u = list(q), list(u)
+        self._q = list(q)
         self._parameters = parameters
         self._store = parameters.store
         self._index = {link.joint.name: i for i, link in enumerate(tree.links)}
         self._cuts = {hinge.cut.joint.name: hinge for hinge in cut_hinges}
-        self._bodies = {link.body.name: i for i, link in enumerate(tree.links)}
         self._effect = ""
-
-    @property
-    def mechanism(self) -> Mechanism:
-        return self.tree.mechanism
-
-    @property
-    def moving_bodies(self) -> tuple[str, ...]:
-        """Names of the bodies that move: those that are not fixed, and the fixed ones where the base moves."""
-        base_moves = self.placement.base is not None
-        return tuple(body.name for body in self.mechanism.bodies if base_moves or not body.fixed)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -228,60 +192,17 @@ class Loads:
 
         A force on a fixed body does nothing, unless that moves.
         """
-        index, drawn = self._link(body), _drawn(point)
+        index, drawn = self.link_of(body), drawn_point(point)
         if index != WORLD or self.placement.base is not None:
             self._add_wrench(index, self._vector(force), ZERO, drawn)
 
     def moment(self, body: str, moment: Sequence["Scalar | sp.Expr"]) -> None:
         """Adds a moment, N·m, world axes, on the body (eq. 17); on a flexible body at its centre of mass as drawn."""
-        index = self._link(body)
+        index = self.link_of(body)
         if index != WORLD or self.placement.base is not None:
             bent = index in self.kinematics.flexible
             drawn = self.tree.links[index].body.com if bent else None
             self._add_wrench(index, ZERO, self._vector(moment), drawn)
-
-    def position(self, body: str, point: Sequence[float]) -> Vector3:
-        """World position, m, of a point of the body that is at `point` in the drawn configuration."""
-        index, drawn = self._link(body), _drawn(point)
-        if index == WORLD:
-            x, y, z = (float(v) for v in drawn)
-            return self.placement.base.point((x, y, z)) if self.placement.base else (x, y, z)
-        local = local_point(self.tree.links[index], drawn)
-        return self.placement.attached(index, local)
-
-    def velocity(self, body: str, point: Sequence[float]) -> Vector3:
-        """World velocity, m/s, of a point of the body that is at `point` in the drawn configuration."""
-        index, drawn = self._link(body), _drawn(point)
-        base = self.placement.base
-        if index == WORLD:
-            if base is None:
-                return ZERO
-            x, y, z = (float(v) for v in drawn)
-            turning = cross(base.velocity.angular, base.arm((x, y, z)))
-            return rotate(base.rotation, add(base.velocity.linear, turning))
-        motion = self.kinematics.motions(self._u)[index]
-        local = local_point(self.tree.links[index], drawn)
-        place = np.array(local)
-        arm = self.kinematics.attached(index, local, place)
-        velocity = add(motion.velocity, cross(motion.omega, arm))
-        if index in self.kinematics.flexible:
-            velocity = add(velocity, self.kinematics.own_velocity(index, place, self._u))
-        return rotate(self.placement.carrier(index), velocity)
-
-    def rotation(self, body: str) -> Matrix3:
-        """World from drawn axes of the body, by rows; of a flexible body: of its frame at the inboard hinge."""
-        index = self._link(body)
-        if index != WORLD:
-            return self.placement.body_rotation(index)
-        base = self.placement.base
-        return base.rotation if base is not None else ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-
-    def angular_velocity(self, body: str) -> Vector3:
-        """Angular velocity of the body, rad/s, world axes; of a flexible body: of its frame at the inboard hinge."""
-        index, base = self._link(body), self.placement.base
-        if index != WORLD:
-            return rotate(self.placement.carrier(index), self.kinematics.motions(self._u)[index].omega)
-        return rotate(base.rotation, base.velocity.angular) if base is not None else ZERO
 
     def added_inertia(
         self, body: str, point: Sequence[float], matrix: "Sequence[Sequence[Scalar | sp.Expr]]"
@@ -292,7 +213,7 @@ class Loads:
         The effect's `arrange` has to ask for `inverse_dynamics`. The energy is booked under the effect; its forces are
         Kirchhoff's. A fixed body that does not move has none.
         """
-        index, drawn = self._link(body), _drawn(point)
+        index, drawn = self.link_of(body), drawn_point(point)
         if self.kinematics.arrangement is None:
             raise DesignError(
                 f"effect {self._effect!r} adds inertia to body {body!r}, but its arrange(arranging) does not call "
@@ -308,14 +229,6 @@ class Loads:
             raise DesignError(f"effect {self._effect!r} adds an inertia to body {body!r} that is not 6 by 6")
         if index != WORLD or self.placement.base is not None:
             self.added.append(AddedInertia(self._effect, index, drawn, rows))
-
-    def _link(self, body: str) -> int:
-        if body in self._bodies:
-            return self._bodies[body]
-        known = {b.name for b in self.mechanism.bodies}
-        if body not in known:
-            raise DesignError(f"no body is named {body!r}; the bodies are {', '.join(sorted(known))}")
-        return WORLD
 
     def _scalar(self, value: "Scalar | sp.Expr") -> Scalar:
         """Sympy expressions are staged; their symbols are t, and q_<joint> and u_<joint> by joint name."""
@@ -380,7 +293,3 @@ def potential_of_field(
         placement.kinematics.store.link = index
         result = result - mass * dot(acceleration, placement.point(index, com))
     return result
-
-
-def _drawn(point: Sequence[float]) -> Array:
-    return checked_array(point, (3,), "a point that an effect names")

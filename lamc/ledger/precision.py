@@ -24,6 +24,7 @@ Job = Callable[[], object]
 _GROWTH = 2.2  # of a run's cost from one tolerance to the next: order 3; higher ones cost less
 _HEAD, _TAIL = 0.02, 30.0  # slopes are fitted to errors below this, and above the floor times this
 _FLOOR = 1e-13  # relative: below, round-off hides the method
+_OFF_LINE = math.log(2.0)
 _MORE_STEPS = (
     1.15  # from a tolerance to the next: order 8 has 1.33, and steps that stability dictates do not change
 )
@@ -161,8 +162,8 @@ def observed_orders(points: Sequence[Point], truth: Truth) -> tuple[ObservedOrde
         found.append(
             ObservedOrder(
                 integrator=name,
-                end=slope(ends) if theory and len(ends) > 2 else None,
-                path=slope(paths) if theory and len(paths) > 2 else None,
+                end=slope(ends) if theory else None,
+                path=slope(paths) if theory else None,
                 theory=theory[0] if theory else None,
                 path_theory=theory[1] if theory else None,
                 points=len(paths),
@@ -171,7 +172,12 @@ def observed_orders(points: Sequence[Point], truth: Truth) -> tuple[ObservedOrde
     return tuple(found)
 
 
-def slope(pairs: Sequence[tuple[float, float]]) -> float:
-    """The order that (steps, error) show: the slope of least squares on logarithms, positive."""
-    logarithms = np.log(np.asarray(pairs, dtype=float))
-    return float(-np.polyfit(logarithms[:, 0], logarithms[:, 1], 1)[0])
+def slope(pairs: Sequence[tuple[float, float]]) -> float | None:
+    """The order that (steps, error) show: the slope of least squares on logarithms, positive. None for fewer than three,
+    and where they lie off that line by a factor of two (root mean square): then no single term rules."""
+    if len(pairs) < 3:
+        return None
+    steps, error = np.log(np.asarray(pairs, dtype=float)).T
+    line = np.polyfit(steps, error, 1)
+    off = float(np.sqrt(np.mean((np.polyval(line, steps) - error) ** 2)))
+    return float(-line[0]) if off < _OFF_LINE else None

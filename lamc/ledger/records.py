@@ -97,7 +97,7 @@ class Point:
 
 @dataclass(frozen=True)
 class ObservedOrder:
-    """Slopes of log error over log steps, from `points` settings; None where too few can be used.
+    """Slopes of log error over log steps, from `points` settings; None where too few can be used or no line fits.
 
     end, path  of the errors at t_end, and at all times, most of which lie within steps
     theory, path_theory  of the method at its steps, and of its polynomial between them; None where it has no one order

@@ -169,8 +169,8 @@ def test_observed_order_is_that_of_the_method(free: Ledger, integrator: str, low
 def test_observed_order_of_dop853_is_eight(plates: Ledger) -> None:
     """On plates: in a lone swing its steps are so long that terms beyond the leading one count."""
     (order,) = plates.orders
-    assert order.end is not None
-    assert 7.3 < order.end < 8.8
+    assert order.path is not None
+    assert 7.3 < order.path < 8.8
 
 
 def test_radau5_is_of_order_four_between_its_steps(free: Ledger) -> None:

@@ -34,7 +34,7 @@ class Made:
 
     @property
     def operations(self) -> int:
-        """Flops of one evaluation: + - * and reciprocals, without sine and cosine, and without the solve of loops."""
+        """Flops of one evaluation: + - * and reciprocals, without sine, cosine and what the runtime solves."""
         functions = self.simulator.program.functions
         solved = "dynamics" if "dynamics" in functions else "system"
         called = (

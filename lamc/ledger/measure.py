@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Protocol
 
 from lamc._version import __version__
-from lamc.effects.base import conserves
 from lamc.ledger import peers
 from lamc.ledger.arithmetic import measure_arithmetic
 from lamc.ledger.clock import Clock
@@ -66,8 +65,7 @@ def measure(
         truth = make_reference(simulator, sweep, clock, max(_ONE_REFERENCE * sweep.budget, _LEAST_REFERENCE))
         progress.stage("work and precision")
         runners, notes = peers.make_runners(simulator, truth.result, sweep)
-        conservative = all(conserves(effect, truth.result.energies) for effect in effects)
-        measured = measure_points(runners, truth, conservative, clock, _SWEEP, progress.part)
+        measured = measure_points(runners, truth, clock, _SWEEP, progress.part)
         setting = _setting(measured.points, truth.facts, sweep)
         account = None
         if with_account:
@@ -84,7 +82,7 @@ def measure(
         effects=tuple(effect.name for effect in effects),
         sweep=sweep,
         outputs=truth.scales.outputs,
-        rate_scale=truth.scales.rate_scale,
+        rate_scales=dict(truth.scales.rates),
         reference=truth.facts,
         points=points,
         orders=observed_orders(points, truth),

@@ -3,29 +3,27 @@
 In: `Result`s on one grid of times. Out: arrays and relative errors. Never: runs anything.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamc.errors import DesignError
 from lamc.ledger.records import Output
-from lamc.run.request import Array, did_you_mean
+from lamc.run.outputs import outputs_of
+from lamc.run.request import Array
 from lamc.run.result import Result
+from lamc.scene import Scene
 
-_AXES = ("x", "y", "z")
+_TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
 class Scales:
-    """The outputs of the reference run with the scales of their errors, and that of the rates."""
+    """The outputs of the reference run with the scales of their errors, and those of the rates by unit."""
 
+    scene: Scene  # with the outputs named
     outputs: tuple[Output, ...]
-    rate_scale: float  # rad/s
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return tuple(output.name for output in self.outputs)
+    rates: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -38,56 +36,61 @@ class Errors:
     by_output: dict[str, float]
 
 
-def scales(result: Result, chosen: Sequence[str] | None) -> Scales:
-    """The outputs of a run by name, as `Scene.outputs` has them; None: all joint angles.
+def scales(result: Result, scene: Scene) -> Scales:
+    """The outputs of a run as `Scene.outputs` names them; without any, all joint angles, or coordinates where there is
+    no joint.
 
-    A chosen output has its own range as its scale. Joint angles that nobody chose share the largest range of any of
-    them: a hinge that hardly moves need not be known to a thousandth of that little. Raises DesignError for a name that
-    is none.
+    A chosen output has its own range as its scale. Where nobody chose, quantities of one unit share the largest range
+    of any of them: a hinge that hardly moves need not be known to a thousandth of that little.
     """
-    names = tuple(result.joints) if chosen is None else tuple(chosen)
-    found = [_series(result, name) for name in names]
-    ranges = [float(np.ptp(series)) for series, _ in found]
-    if chosen is None:
-        ranges = [max(ranges, default=0.0)] * len(ranges)
+    if scene.outputs is None and not result.joints:
+        scene = replace(scene, outputs=tuple(coordinate.name for coordinate in result.coordinates))
+    found = outputs_of(result, scene)
+    spans = [float(np.ptp(np.unwrap(f.values) if f.unit == "rad" else f.values)) for f in found]
+    if scene.outputs is None:
+        spans = [max(s for s, g in zip(spans, found, strict=True) if g.unit == f.unit) for f in found]
     outputs = tuple(
-        Output(name, unit, float(series.min()), float(series.max()), span or 1.0, is_angle=unit == "rad")
-        for name, (series, unit), span in zip(names, found, ranges, strict=True)
+        Output(f.name, f.unit, float(f.values.min()), float(f.values.max()), span or 1.0, f.unit == "rad")
+        for f, span in zip(found, spans, strict=True)
     )
-    rates = float(np.ptp(result.u, axis=0).max(initial=0.0)) or 1.0
-    return Scales(outputs, rates)
-
-
-def _series(result: Result, name: str) -> tuple[Array, str]:
-    """An output over the rows of a run, shape (m,), and its unit."""
-    if name in result.joints or name in result.motion.model.cuts:
-        return result.angle(name), "rad"
-    body, dot, axis = name.rpartition(".")
-    if dot and axis in _AXES and body in result.bodies:
-        return result.pose(body)[0][:, _AXES.index(axis)], "m"
-    known = (*result.joints, *result.motion.model.cuts, *(f"{b}.x" for b in result.bodies))
-    raise DesignError(f"the scene's outputs name {name!r}, which is none; {did_you_mean(name, known)}")
+    named = replace(scene, outputs=tuple(f.name for f in found))
+    units = np.array([rate.unit for rate in result.rates])
+    ranges = np.ptp(result.u, axis=0)
+    return Scales(
+        named, outputs, {str(u): float(ranges[units == u].max()) or 1.0 for u in dict.fromkeys(units)}
+    )
 
 
 def differences(result: Result, other: Result, scale: Scales) -> Array:
     """|result - other| of the outputs over their scales, shape (m, k); angles modulo 2π."""
     columns = []
-    for output in scale.outputs:
-        gap = _series(result, output.name)[0] - _series(other, output.name)[0]
+    pairs = zip(outputs_of(result, scale.scene), outputs_of(other, scale.scene), scale.outputs, strict=True)
+    for mine, its, output in pairs:
+        gap = mine.values - its.values
         if output.is_angle:
-            gap = np.remainder(gap + np.pi, 2.0 * np.pi) - np.pi
+            gap = np.remainder(gap + 0.5 * _TURN, _TURN) - 0.5 * _TURN
         columns.append(np.abs(gap) / output.scale)
     return np.stack(columns, axis=1)
 
 
 def errors(result: Result, other: Result, scale: Scales) -> Errors:
-    """The errors of `result` if `other` is the truth; both on the same times."""
+    """The errors of `result` if `other` is the truth; both on the same times. Rates are compared where both have the
+    same ones."""
     relative = differences(result, other, scale)
-    rates = float(np.abs(result.u - other.u).max(initial=0.0)) / scale.rate_scale
+    rates = 0.0
+    if result.u.shape == other.u.shape:
+        per_unit = np.array([scale.rates.get(rate.unit, 1.0) for rate in other.rates])
+        rates = float((np.abs(result.u - other.u) / per_unit).max(initial=0.0))
     worst = relative.max(axis=0)
     return Errors(
         end=float(relative[-1].max()),
         path=float(worst.max()),
         rates=rates,
-        by_output={name: float(v) for name, v in zip(scale.names, worst, strict=True)},
+        by_output={o.name: float(v) for o, v in zip(scale.outputs, worst, strict=True)},
     )
+
+
+def drift(result: Result, truth: Result) -> float | None:
+    """Largest change of the energy over the largest kinetic energy of the truth; None where nothing moves."""
+    kinetic = float(truth.energies["kinetic"].max(initial=0.0))
+    return float(np.abs(result.energy - result.energy[0]).max()) / kinetic if kinetic > 0.0 else None

@@ -83,8 +83,8 @@ class Cvode:
         found = self._solve(setting, self._times)
         if not found.success or len(found.t) != len(self._times):
             return Trace(None, " ".join(str(found.message).split()))
-        n = len(self._truth.joints)
-        result = replace(self._truth, q=found.y[:, :n].copy(), u=found.y[:, n:].copy())
+        nq = self._truth.q.shape[1]
+        result = replace(self._truth, q=found.y[:, :nq].copy(), u=found.y[:, nq:].copy())
         return Trace(result, evaluations=int(found.nfev))
 
     def job(self, setting: float) -> Callable[[], object]:

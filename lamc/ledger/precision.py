@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from lamc.ledger.clock import Clock, processor_seconds, shortest
-from lamc.ledger.outputs import errors
+from lamc.ledger.outputs import drift, errors
 from lamc.ledger.records import ObservedOrder, Point
 from lamc.ledger.reference import Truth
 from lamc.ledger.runners import ORDERS, Runner, Trace
@@ -48,7 +48,7 @@ class Measured:
 
 
 def measure_points(
-    runners: Sequence[Runner], truth: Truth, conservative: bool, clock: Clock, share: float, tell: Told
+    runners: Sequence[Runner], truth: Truth, clock: Clock, share: float, tell: Told
 ) -> Measured:
     """Runs everything that fits until `share` of the clock's budget is spent."""
     queues = [_Queue(runner, list(runner.settings)) for runner in runners]
@@ -65,7 +65,7 @@ def measure_points(
                 continue
             moving = True
             before = clock.spent
-            _measure_one(queue.runner, queue.waiting.pop(0), truth, conservative, clock, allowed, measured)
+            _measure_one(queue.runner, queue.waiting.pop(0), truth, clock, allowed, measured)
             queue.cost = clock.spent - before
             tell(float(total - sum(len(q.waiting) for q in queues)), float(total))
     for queue in queues:
@@ -94,7 +94,6 @@ def _measure_one(
     runner: Runner,
     setting: float,
     truth: Truth,
-    conservative: bool,
     clock: Clock,
     seconds: float,
     measured: Measured,
@@ -104,7 +103,7 @@ def _measure_one(
     job = None
     if trace.result is not None:
         job = runner.job(setting)
-        point = _filled(point, trace, trace.result, truth, conservative)
+        point = _filled(point, trace, trace.result, truth)
         point = replace(point, seconds=processor_seconds(job), repeats=1)
     measured.points.append(point)
     measured.jobs.append(job)
@@ -114,15 +113,10 @@ def _empty(runner: Runner, setting: float, note: str) -> Point:
     return Point(runner.name, runner.is_peer, setting, runner.is_step, succeeded=False, note=note)
 
 
-def _filled(point: Point, trace: Trace, result: Result, truth: Truth, conservative: bool) -> Point:
+def _filled(point: Point, trace: Trace, result: Result, truth: Truth) -> Point:
     off = errors(result, truth.result, truth.scales)
     if not math.isfinite(off.path + off.rates):
         return replace(point, note="the result is not finite")
-    drift = None
-    if conservative:
-        kinetic = float(truth.result.energies["kinetic"].max(initial=0.0))
-        energy = result.energy
-        drift = float(np.abs(energy - energy[0]).max()) / kinetic if kinetic > 0.0 else None
     loops = result.motion.model.cuts
     return replace(
         point,
@@ -135,7 +129,7 @@ def _filled(point: Point, trace: Trace, result: Result, truth: Truth, conservati
         path=off.path,
         rates=off.rates,
         closure=float(result.constraint_error.max()) / result.mechanism.size if loops else None,
-        drift=drift,
+        drift=drift(result, truth.result) if truth.is_conservative else None,
         is_floor=off.path <= truth.facts.uncertainty,
     )
 
@@ -173,8 +167,8 @@ def observed_orders(points: Sequence[Point], truth: Truth) -> tuple[ObservedOrde
 
 
 def slope(pairs: Sequence[tuple[float, float]]) -> float | None:
-    """The order that (steps, error) show: the slope of least squares on logarithms, positive. None for fewer than three,
-    and where they lie off that line by a factor of two (root mean square): then no single term rules."""
+    """The order that (steps, error) show: the slope of least squares on logarithms, positive. None for fewer than
+    three, and where they lie off that line by a factor of two (root mean square): then no single term rules."""
     if len(pairs) < 3:
         return None
     steps, error = np.log(np.asarray(pairs, dtype=float)).T

@@ -1,7 +1,7 @@
 """The records of a ledger: what accuracy costs, what effects change and cost, and what follows for a user.
 
 Plain data, made by `lamc.ledger.measure`. Errors are relative: the largest difference from the reference over the range
-of an output (`Output.scale`), or of the rates (`Ledger.rate_scale`). Times are processor time of one warm run.
+of an output (`Output.scale`), or of the rates (`Ledger.rate_scales`). Times are processor time of one warm run.
 """
 
 from dataclasses import dataclass
@@ -189,7 +189,7 @@ class Ledger:
     effects: tuple[str, ...]
     sweep: Sweep
     outputs: tuple[Output, ...]
-    rate_scale: float  # rad/s
+    rate_scales: dict[str, float]  # by unit: what errors of rates are relative to
     reference: Reference
     points: tuple[Point, ...]
     orders: tuple[ObservedOrder, ...]

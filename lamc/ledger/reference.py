@@ -11,6 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
+from lamc.effects.base import conserves
 from lamc.errors import SimulationError
 from lamc.ledger.clock import Clock
 from lamc.ledger.outputs import Scales, errors, scales
@@ -25,6 +26,7 @@ TIGHTER = 1e-3  # than the tightest tolerance of the sweep
 SENSITIVE = 1e3  # growth of a small change of the start that is worth a word
 _NUDGE = 1e-8  # rad: far above the integrator's errors, far below what is not linear
 _FIRST = ("dop853", "rk45")
+_OTHER = "scipy:DOP853"  # shares no code with lamc's, and follows neither loops nor events
 _FURTHER = ("radau5", "rodas5p")  # tried where the first two do not both arrive, or do not agree
 _FINE = 1e-11  # rtol of the runs that show the growth
 _AGREED = 1e-10  # relative: no need to try more
@@ -32,11 +34,12 @@ _AGREED = 1e-10  # relative: no need to try more
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """The reference run on the grid, its facts, and the scales of errors."""
+    """The reference run on the grid, its facts, the scales of errors, and whether its energy should stay as it is."""
 
     result: Result
     facts: Reference
     scales: Scales
+    is_conservative: bool
 
 
 def make_reference(simulator: Simulator, sweep: Sweep, clock: Clock, seconds: float) -> Truth:
@@ -46,7 +49,9 @@ def make_reference(simulator: Simulator, sweep: Sweep, clock: Clock, seconds: fl
     found: dict[str, Result] = {}
     told = ""
     uncertainty, pair, scale = np.inf, ("", ""), None
-    for name in _candidates(simulator):
+    for name in (*_FIRST, _OTHER, *_FURTHER):
+        if name == _OTHER and any(r.motion.model.cuts or r.motion.model.guards for r in found.values()):
+            continue
         if len(found) > 1 and (uncertainty <= _AGREED or clock.left() <= 0.0):
             break
         trace = Own(name, simulator, times, ()).trace(rtol, clock, seconds)
@@ -54,7 +59,7 @@ def make_reference(simulator: Simulator, sweep: Sweep, clock: Clock, seconds: fl
             told = f"{name}: {trace.note}"
             continue
         found[name] = trace.result
-        scale = scale or scales(trace.result, simulator.scene.outputs)
+        scale = scale or scales(trace.result, simulator.scene)
         for a, b in combinations(found, 2):
             gap = errors(found[a], found[b], scale).path
             if gap < uncertainty:
@@ -77,15 +82,7 @@ def make_reference(simulator: Simulator, sweep: Sweep, clock: Clock, seconds: fl
         growth=float(growth.max(initial=1.0)),
         sensitive_after=float(times[beyond[0]]) if len(beyond) else None,
     )
-    return Truth(first, facts, scale)
-
-
-def _candidates(simulator: Simulator) -> tuple[str, ...]:
-    """Two methods of lamc; scipy's, which shares no code with them, where it can follow; then the implicit ones."""
-    plain = not simulator.cut_joints and not any(
-        e.name for e in simulator.effects if hasattr(e, "check_start")
-    )
-    return (*_FIRST, *(("scipy:DOP853",) if plain else ()), *_FURTHER)
+    return Truth(first, facts, scale, all(conserves(e, first.energies) for e in simulator.effects))
 
 
 def _growth(truth: Result) -> Array:

@@ -321,3 +321,27 @@ def test_labels_that_are_spread_keep_their_order_and_their_distance() -> None:
     assert placed == sorted(placed)
     assert min(np.diff(placed)) > 0.0499
     assert max(placed) <= 1.0
+
+
+# ---- the ledgers that are kept --------------------------------------------------------------------------------
+
+KEPT = sorted((Path(__file__).parent.parent / "docs" / "ledgers").glob("*.json"))
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)
+def test_kept_ledger_has_its_picture_and_the_slopes_of_theory(path: Path) -> None:
+    ledger = read_ledger(path.read_text(encoding="utf-8"))
+    assert path.with_suffix(".png").is_file()
+    told = [
+        o for o in ledger.orders if o.integrator in OWN and o.path is not None and o.path_theory is not None
+    ]
+    assert len(told) >= 3
+    for order in told:
+        assert order.path is not None
+        assert order.path_theory is not None
+        # one order: where steps are long, terms beyond the leading one count, and they make lines steeper
+        assert abs(order.path - order.path_theory) < 1.0, order
+
+
+def test_every_design_of_the_list_is_kept() -> None:
+    assert {path.stem for path in KEPT} >= {"triple_pendulum", "four_bar", "miura", "stiff_triple"}

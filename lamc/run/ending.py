@@ -13,8 +13,9 @@ def message(trajectory: Trajectory, request: Request, motion: Motion) -> str:
     """One line about the end of the run."""
     at = f"at t = {trajectory.t_reached:.9g} s"
     status = trajectory.status
+    if status == Status.REACHED_END:
+        return f"the end was reached {at}"
     text = {
-        Status.REACHED_END: f"the end was reached {at}",
         Status.STEP_UNDERFLOW: f"stopped {at}: no step is short enough there; the motion is singular, or a torque "
         "grows without bound",
         Status.NOT_FINITE: f"stopped {at}: the accelerations beyond are not finite (NaN or infinity), however short "

@@ -36,6 +36,8 @@ class _Chunk:
         self._integrals = np.empty((capacity, integrals))
         if integrals:
             self.handle.integrals = model.write(self._integrals)
+        if not model.guards:
+            return
         self._event_t, self._event_guard = np.empty(EVENTS), np.empty(EVENTS, dtype=np.int32)
         self.handle.event_t = model.write(self._event_t)
         self.handle.event_guard = model.ffi.from_buffer("int[]", self._event_guard, require_writable=True)
@@ -51,6 +53,8 @@ class _Chunk:
     def events(self) -> list[tuple[float, int]]:
         """Times and guards of the events written so far."""
         count = int(self.handle.event_count)
+        if not count:
+            return []
         return list(zip(self._event_t[:count].tolist(), self._event_guard[:count].tolist(), strict=True))
 
 

@@ -67,6 +67,8 @@ def _value(name: str, value: object, units: Mapping[str, str]) -> float:
 def with_limits(mechanism: Mechanism, parameters: Mapping[str, float]) -> Mechanism:
     """The mechanism with the joint limits, rad, that `parameters` (checked) give as `joint.lower_limit` and
     `joint.upper_limit`; itself where they give none. Raises RequestError for limits that no joint can have."""
+    if not parameters:
+        return mechanism
     joints = tuple(_limited(joint, parameters) for joint in mechanism.joints)
     return mechanism if joints == mechanism.joints else replace(mechanism, joints=joints)
 

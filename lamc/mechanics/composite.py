@@ -1,8 +1,11 @@
 """The mass matrix in the general form by composite bodies: what a coordinate moves, seen from all that carry it.
 
 Goes in: kinematics by chains, inertias, the base. Comes out: the lower triangle of M. Walker & Orin (1982), step by
-step of a chain, so that a slide or a twist of a hinge that yields is one more joint. Bodies that bend are not in it.
+step of a chain, so that a slide or a twist of a hinge that yields is one more joint; the modes of a body that bends
+push at its own inertia and at every hinge that rides on it.
 """
+
+from collections.abc import Mapping, Sequence
 
 from lamc.mechanics import chains
 from lamc.mechanics.algebra import (
@@ -17,8 +20,9 @@ from lamc.mechanics.algebra import (
     scale,
 )
 from lamc.mechanics.chain_kinematics import ChainKinematics
-from lamc.mechanics.chains import Shift, Step, Wrench
+from lamc.mechanics.chains import Shift, Step, Wrench, together
 from lamc.mechanics.inertia import Inertia
+from lamc.mechanics.modal import ModalInertia
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import rotate
 from lamc.mechanics.staging import Scalar
@@ -30,27 +34,79 @@ _NOTHING = Inertia(0, (0, 0, 0), Symmetric(0, 0, 0, 0, 0, 0), 0)
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
-def composite_mass_matrix(kinematics: ChainKinematics, inertias: tuple[Inertia, ...]) -> Entries:
-    """Entries (i, j), i >= j, by rates; those left out are nought. inertias: about the links' origins, own frames."""
+def composite_mass_matrix(
+    kinematics: ChainKinematics, inertias: Sequence[Inertia], modal: Mapping[int, ModalInertia]
+) -> Entries:
+    """Entries (i, j), i >= j, by rates; those left out are nought.
+
+    inertias  of the links about their origins, own frames, undeformed; modal: what bending adds, by link
+    """
     links, base = kinematics.tree.links, kinematics.base
     entries: Entries = {}
-    carried = list(inertias)
+    carried = [modal[i].of(inertia) if i in modal else inertia for i, inertia in enumerate(inertias)]
+    pushing: list[dict[int, Wrench]] = [{} for _ in links]  # by link, then by coordinate farther out
     whole = _NOTHING
     for i in reversed(range(len(links))):
         kinematics.store.link = i
-        body, chain = carried[i], kinematics.chains[i]
-        for at in reversed(range(len(chain))):
-            for k, push in _pushes(chain[at], body):
-                _record(kinematics, entries, k, i, at, push)
-            body = _before(chain[at], body)
+        body, pushes = carried[i], pushing[i]
+        if i in modal:
+            for (k, j), value in modal[i].block().items():
+                _add(entries, k, j, value)
+            for k, push in modal[i].pushes():
+                pushes[k] = together(pushes[k], push) if k in pushes else push
+        for step in reversed(kinematics.chains[i]):
+            pushes = _passed(step, body, pushes, entries)
+            body = _before(step, body)
         parent = links[i].parent
         if parent != WORLD:
             carried[parent] = _joined(carried[parent], body)
+            for k, push in pushes.items():
+                before = pushing[parent].get(k)
+                pushing[parent][k] = push if before is None else together(before, push)
         elif isinstance(base, StagedFloat):
             whole = _joined(whole, _on_base(kinematics, base, links[i], body))
+            _with_base(kinematics, base, links[i], pushes, entries)
     if isinstance(base, StagedFloat):
         _base_block(entries, base, whole, len(kinematics.arrangement.rates) - 6)
     return entries
+
+
+def _passed(step: Step, body: Inertia, pushes: Mapping[int, Wrench], entries: Entries) -> dict[int, Wrench]:
+    """Pushes of coordinates, by coordinate, in the frame before a step, the step's own among them; with their entries.
+
+    A mode moves several steps: what it does to itself farther in counts twice, and two modes that move one step meet
+    there once.
+    """
+    result: dict[int, Wrench] = {}
+    for k, push in pushes.items():
+        work: dict[int, Scalar] = {}
+        result[k] = chains.back(push, step, work)
+        for other, value in work.items():
+            _add(entries, k, other, 2 * value if other == k else value)
+    for k, push in _pushes(step, body):
+        own: dict[int, Scalar] = {}
+        moved = chains.back(push, step, own)
+        for other, value in own.items():
+            if other <= k:
+                _add(entries, k, other, value)
+        result[k] = together(result[k], moved) if k in result else moved
+    return result
+
+
+def _with_base(
+    kinematics: ChainKinematics, base: StagedFloat, link: Link, pushes: Mapping[int, Wrench], entries: Entries
+) -> None:
+    """Entries of the base's rows with the coordinates of a limb."""
+    first = len(kinematics.arrangement.rates) - 6
+    for k, push in pushes.items():
+        force, moment = kinematics.on_base(link, push)
+        for row, value in enumerate((*rotate(base.rotation, force), *moment), first):
+            _add(entries, row, k, value)
+
+
+def _add(entries: Entries, i: int, j: int, value: Scalar) -> None:
+    key = (max(i, j), min(i, j))
+    entries[key] = entries.get(key, 0) + value
 
 
 def _pushes(step: Step, body: Inertia) -> list[tuple[int, Wrench]]:
@@ -63,26 +119,6 @@ def _pushes(step: Step, body: Inertia) -> list[tuple[int, Wrench]]:
     if step.turn.axis == "z":
         force, moment = (-h[1], h[0], 0), (-j.xz, -j.yz, body.axial)
     return [(k, (scale(p, force), scale(p, moment))) for k, p in step.partials.items()]
-
-
-def _record(kinematics: ChainKinematics, entries: Entries, k: int, link: int, at: int, push: Wrench) -> None:
-    """Entries of coordinate k with all that carry it, on the way of its push to the world."""
-    links, chain = kinematics.tree.links, kinematics.chains[link]
-    work: dict[int, Scalar] = {}
-    for step in reversed(chain[: at + 1]):
-        push = chains.back(push, step, work)
-    while links[link].parent != WORLD:
-        link = links[link].parent
-        for step in reversed(kinematics.chains[link]):
-            push = chains.back(push, step, work)
-    for other, value in work.items():
-        entries[max(k, other), min(k, other)] = value
-    base = kinematics.base
-    if isinstance(base, StagedFloat):
-        force, moment = kinematics.on_base(links[link], push)
-        first = len(kinematics.arrangement.rates) - 6
-        for row, value in enumerate((*rotate(base.rotation, force), *moment), first):
-            entries[row, k] = value
 
 
 def _before(step: Step, body: Inertia) -> Inertia:

@@ -72,9 +72,10 @@ class InverseDynamics:
     def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
         """Lower triangle of M."""
         store, rates = self.kinematics.store, self.kinematics.arrangement.rates
-        if not self._masses.modal and not self._loads.added:
+        if not self._loads.added:
             with store.section("Mass matrix", source="composite bodies; Walker & Orin 1982"):
-                entries = composite_mass_matrix(self.kinematics, self._masses.inertias)
+                masses = self._masses
+                entries = composite_mass_matrix(self.kinematics, masses.inertias, masses.modal)
             return {key: v for key, v in sorted(entries.items()) if isinstance(v, Value) or v != 0}
         udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(rates)]
         residual = self.residual(udot)

@@ -80,6 +80,17 @@ class ModalInertia:
         own = 0.5 * dot(rates, self._times(rates))
         return own + dot(self.moment, rates) * dot(n, motion.velocity) + dot(motion.omega, cross(carried, n))
 
+    def pushes(self) -> list[tuple[int, Wrench]]:
+        """Inertia wrench about the origin for a unit η̈ of each mode, by coordinate."""
+        n, first = self.normal, self.modes.first
+        rows = enumerate(zip(self.moment, self.first, strict=True), first)
+        return [(k, (scale(s, n), cross(x, n))) for k, (s, x) in rows]
+
+    def block(self) -> dict[tuple[int, int], Scalar]:
+        """The mass matrix of the modes among themselves, lower triangle by coordinates."""
+        first = self.modes.first
+        return {(first + k, first + j): row[j] for k, row in enumerate(self.mass) for j in range(k + 1)}
+
     def rise(self) -> Vector3:
         """∫ρ times the deflection, kg·m, link's frame: what bending does to the first moment."""
         return scale(dot(self.moment, self.modes.deflection), self.normal)

@@ -20,7 +20,7 @@ from lamc.errors import DesignError, ExpressionError
 from lamc.mechanics.antiderivative import antiderivative
 from lamc.mechanics.derivative import derivative
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.piecewise import Piecewise, crossings, monotone, spline
+from lamc.mechanics.piecewise import Piecewise, monotone, spline
 from lamc.mechanics.staging import Scalar, Store, Value
 from lamc.mechanics.substitution import substitute
 from lamc.mechanism.checks import checked_flag, checked_number, did_you_mean, shown
@@ -28,6 +28,7 @@ from lamc.readonly import ReadOnlyDict
 
 TORQUE = Quantity("torque", "N*m", "2 N*mm")
 MAX_DEGREE = 16
+MAX_LOCATED = 50  # each is a guard, which every step evaluates
 _ASIDE = 1e-6  # of the next interval
 WIDEST_ANGLE = 4.0 * math.pi  # rad; a table that reaches farther is in degrees, in all likelihood
 BETWEEN = ("spline", "monotone")
@@ -150,8 +151,8 @@ class Table:
     def staged(self, loads: Loads, joint: str, angle: Value) -> tuple[Scalar, Scalar]:
         factor, potential, store = _factor(loads, joint), self.potential(), angle.store
         if self.located:
-            guard = store.table(crossings(self._passed), angle)
-            loads.switch(f"{joint} passes a point of its table", guard)
+            for number, at in enumerate(self._passed, start=1):
+                loads.switch(f"{joint} passes point {number} of its table", angle - at)
         return factor * store.table(potential, angle, 1), factor * store.table(potential, angle)
 
 
@@ -216,8 +217,15 @@ def _of_map(data: Mapping[object, object], what: str, folder: Path | None) -> La
             "(straight lines would have kinks, at which integrators lose their order)"
         )
     rows = data["table"] if "table" in data else _read(data["file"], what, folder)
-    located = checked_flag(data.get("located", between != "spline"), f"located of {what}")
-    table = Table(checked_rows(rows, what), str(between), located)
+    points = checked_rows(rows, what)
+    few = len(points) <= MAX_LOCATED
+    located = checked_flag(data.get("located", few and between != "spline"), f"located of {what}")
+    if located and not few:
+        raise DesignError(
+            f"{what}: {len(points)} points cannot be located; at most {MAX_LOCATED} can: leave located out, "
+            "or give fewer"
+        )
+    table = Table(points, str(between), located)
     _check_curve(table, what)
     return table
 

@@ -45,16 +45,6 @@ class Piecewise:
         return Piecewise(self.breaks, tuple((row[0] - at_zero, *row[1:]) for row in rows))
 
 
-def crossings(breaks: Sequence[float]) -> Piecewise:
-    """A continuous function that passes zero at each break, with slopes ±1, and nowhere else."""
-    rows: list[Row] = [(0.0, 1.0, 0.0)]
-    slope = 1.0
-    for start, end in pairwise(breaks):
-        rows.append((0.0, slope, -slope / (end - start)))
-        slope = -slope
-    return Piecewise(tuple(breaks), (*rows, (0.0, slope, 0.0)))
-
-
 def _polynomial(row: Row, distance: float, order: int) -> float:
     total = 0.0
     for power in range(len(row) - 1, order - 1, -1):

@@ -30,6 +30,7 @@ from lamc.effects import (
     RestAngle,
     Spring,
     Torque,
+    TwistCompliance,
 )
 from lamc.errors import (
     BuildError,
@@ -81,6 +82,7 @@ __all__ = [
     "Spring",
     "TopologyError",
     "Torque",
+    "TwistCompliance",
     "UnsupportedError",
     "__version__",
     "compile",

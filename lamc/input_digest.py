@@ -46,8 +46,13 @@ def input_digest(
     for part in (*parts, "with books" if books else "without books"):
         text.update(part.encode())
         text.update(b"\0")
+    drawn: tuple[Any, ...] = ()
+    if mechanism.design is not None and any(hasattr(effect, "arrange") for effect in effects):
+        # Coordinates that effects add may follow from what bodies and hinges are made of.
+        design = mechanism.design
+        drawn = (design.layers, design.hinges, design.fixed, design.body_names)
     try:
-        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects)):
+        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn)):
             text.update(piece)
             text.update(b"\0")
     except _NoTellingError:
@@ -86,7 +91,10 @@ def _pieces(value: Any) -> Iterator[bytes]:
 def _own_sources() -> str:
     """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
     package = Path(__file__).parent
-    folders = [package / name for name in ("mechanism", "loops", "mechanics", "effects", "codegen", "plate")]
+    folders = [
+        package / name
+        for name in ("mechanism", "loops", "mechanics", "effects", "codegen", "plate", "design")
+    ]
     folders += sorted(
         path.parent for path in (package / "plate").glob("*/__init__.py")
     )  # reduce flexible bodies

@@ -43,6 +43,17 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
             lamc.BaseMotion(
                 (0.0, "0.01*sin(t)", 0.0), angle="0.1*t", axis=(0.0, 1.0, 0.0), point=(0.0, 0.1, 0.0)
             ),
+            lamc.TwistCompliance(
+                ("h2",),
+                width=0.02,
+                length={"h2": 0.3},
+                thickness=1e-3,
+                E=2e9,
+                nu=0.3,
+                freedoms=("twist_x", "slide_x"),
+                retardation=1e-4,
+                normal=(0.0, 0.1, 1.0),
+            ),
             lamc.FreeBase(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0), spin=(0.0, 0.2, 0.0)),
         )
     }

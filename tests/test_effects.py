@@ -192,6 +192,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "rest_angle": (False, "every hinge rests as drawn"),
         "spring": (False, "no spring is called for"),
         "torque": (False, "no torque is called for"),
+        "twist_compliance": (False, "hinges turn about their axes only"),
     }
     full = account(pendulum(stiffness=K, damping=C, rest_angle=REST), Scene())
     assert [name for name, (acts, _) in full.items() if acts] == [

@@ -83,7 +83,14 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     connections = link(hinges, contacts, sites, [layer.name for layer in design.layers])
     joints = tuple(_joint(connection) for connection in connections)
     mechanism = Mechanism(
-        bodies, joints, design.name, design.scene, design.story, design.scenes, design.contact_points
+        bodies,
+        joints,
+        design.name,
+        design.scene,
+        design.story,
+        design.scenes,
+        design.contact_points,
+        design=design,
     )
     tell("done", 1.0)
     return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism)

@@ -12,6 +12,7 @@ from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
+from lamc.effects.twist import TwistCompliance
 
 __all__ = [
     "BaseMotion",
@@ -28,4 +29,5 @@ __all__ = [
     "RestAngle",
     "Spring",
     "Torque",
+    "TwistCompliance",
 ]

@@ -16,6 +16,7 @@ from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
+from lamc.effects.twist import TwistCompliance
 from lamc.errors import DesignError, about
 from lamc.mechanism.checks import did_you_mean
 from lamc.mechanism.records import Mechanism
@@ -35,6 +36,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     GroundContact,
     FreeBase,
     BaseMotion,
+    TwistCompliance,
 )
 
 

@@ -136,6 +136,10 @@ class Starter:
             raise DesignError(self._no_motion(angles, given, missed))
         return rates
 
+    def given(self, values: Mapping[str, float]) -> Array:
+        """`values` by name as a row (n,) of all joints, and zero for the others."""
+        return self._given(values)[0]
+
     def _given(self, given: Mapping[str, float]) -> tuple[Array, Mask]:
         values, free = np.zeros(self.size), np.ones(self.size, dtype=bool)
         for name, value in given.items():

@@ -7,7 +7,7 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -20,6 +20,9 @@ from lamc.mechanism.checks import checked_name as checked_name
 from lamc.mechanism.checks import checked_number as checked_number
 from lamc.mechanism.network import faults, some
 from lamc.scene import Scene, checked_scenes
+
+if TYPE_CHECKING:
+    from lamc.design.records import Design
 
 Named = TypeVar("Named", "Body", "Joint")
 
@@ -36,10 +39,11 @@ class Plate:
 
 
 def same_record(a: Any, b: Any) -> bool:
-    """Field-wise equality of two dataclass instances whose fields may be arrays."""
+    """Equality of two dataclass instances by the fields that are compared, which may be arrays."""
     if type(a) is not type(b):
         return False
-    return all(bool(np.array_equal(getattr(a, f.name), getattr(b, f.name))) for f in fields(a))
+    compared = (f.name for f in fields(a) if f.compare)
+    return all(bool(np.array_equal(getattr(a, name), getattr(b, name))) for name in compared)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +160,8 @@ class Mechanism:
             white space at its ends
     contact_points  points of the drawing, m, world x and y, at which bodies may touch something; effects of contact
             take them where a scene says so
+    design  the drawing that it was split from, for effects that ask what bodies and hinges are made of; None: none, as
+            in files of mechanisms. It takes no part in comparisons
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -168,6 +174,7 @@ class Mechanism:
     story: str = ""
     scenes: Mapping[str, Scene] = field(default_factory=dict)
     contact_points: tuple[tuple[float, float], ...] = ()  # m
+    design: "Design | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         put = _setter(self)

@@ -47,6 +47,28 @@ class MaterialHinge:
     note: str
 
 
+@dataclass(frozen=True, eq=False)
+class FlexibleStrip:
+    """What bends at a hinge line: its flexible layer, as far as it is there.
+
+    laminate  axis x across the line; a single ply
+    angle     degrees, from x to the fibres
+    width     m, from link to link
+    parts     stretches of the line, m, world x and y
+    """
+
+    material: Material
+    laminate: Laminate
+    angle: float
+    width: float
+    parts: tuple[LineString, ...]
+
+    @property
+    def length(self) -> float:
+        """m, of all parts."""
+        return float(sum(part.length for part in self.parts))
+
+
 def with_material_stiffness(
     design: Design, materials: Mapping[str, Material] | None = None, *, cells: int = 0
 ) -> tuple[Design, tuple[MaterialHinge, ...]]:
@@ -84,9 +106,30 @@ def _account(
 ) -> MaterialHinge:
     properties: HingeSet = hinge.properties
     layer = design.layers[properties.layer]
+    strip = flexible_strip(design, hinge, holes, known)
+    angle, material = strip.angle, strip.material
+    return MaterialHinge(
+        joint=hinge.name,
+        layer=layer.name,
+        material=material,
+        angle=None if material.is_isotropic else float(np.remainder(angle + 90.0, 180.0) - 90.0),
+        thickness=layer.thickness,
+        stiffness=hinge_stiffness(strip.laminate, strip.width, strip.length, cells=cells),
+        note=_note(design, hinge, max(strip.parts, key=lambda part: part.length), strip.width),
+    )
+
+
+def flexible_strip(
+    design: Design, hinge: Hinge, holes: shapely.MultiPolygon, known: Mapping[str, Material]
+) -> FlexibleStrip:
+    """The strip of a hinge. holes: of its flexible layer; known: plate materials by name.
+
+    Raises DesignError where nothing of the layer is on the line.
+    """
+    properties: HingeSet = hinge.properties
+    layer = design.layers[properties.layer]
     free = [shapely.intersection(part, layer.geometry) for part in free_parts(hinge, holes)]
-    length = sum(part.length for part in free)
-    if length <= 0.0:
+    if sum(part.length for part in free) <= 0.0:
         raise DesignError(
             f"hinge {hinge.name!r} has nothing of its flexible layer {layer.name!r} along its line, so it has no "
             "stiffness of its own; move the line onto the layer, or give the hinge another layer",
@@ -95,16 +138,12 @@ def _account(
     (x0, y0), (x1, y1) = hinge.line.coords
     angle = ply_angle(layer, float(np.degrees(np.arctan2(y1 - y0, x1 - x0))) - 90.0)
     material = known[layer.material.name]
-    strip = Laminate([Ply(material, layer.thickness, angle)])
-    width = 2.0 * properties.width
-    return MaterialHinge(
-        joint=hinge.name,
-        layer=layer.name,
-        material=material,
-        angle=None if material.is_isotropic else float(np.remainder(angle + 90.0, 180.0) - 90.0),
-        thickness=layer.thickness,
-        stiffness=hinge_stiffness(strip, width, length, cells=cells),
-        note=_note(design, hinge, max(free, key=lambda part: part.length), width),
+    return FlexibleStrip(
+        material,
+        Laminate([Ply(material, layer.thickness, angle)]),
+        angle,
+        2.0 * properties.width,
+        tuple(free),
     )
 
 

@@ -1,0 +1,40 @@
+"""Starts of loops that hinges hold by their stiffness: as near to closed as rigid hinges could be.
+
+In: the tree with all its cuts, and a scene. Out: angles and rates of the tree's joints. A loop that does not fit is
+left open by its misfit, which the flexures take up; without this, angles given for some joints would tear it. Never:
+looks for equilibrium; a start is where the scene puts it.
+"""
+
+import numpy as np
+
+from lamc.errors import DesignError
+from lamc.loops.geometry import LoopGeometry
+from lamc.loops.misfit import rounded_up
+from lamc.loops.rank import count_loops
+from lamc.loops.starts import Starter
+from lamc.mechanism.records import Array
+from lamc.mechanism.tree import Tree
+from lamc.scene import Scene
+
+
+def yielding_start(tree: Tree, scene: Scene) -> Array:
+    """State (2 k,) of the k tree joints, rad and rad/s: what the scene gives, and the others as rigid loops had them.
+
+    Where rigid loops could not have what is given, the others are zero, and the flexures take up all of it.
+    """
+    count = len(tree.links)
+    if not any(scene.angles.values()) and not any(scene.rates.values()):
+        return np.zeros(2 * count)
+    found = count_loops(tree, scene.closure_tolerance)
+    if found.misfit is not None and not found.accepted_gap:
+        found = count_loops(tree, rounded_up(found.misfit.gap))
+    starter = Starter(LoopGeometry(tree), found)
+    try:
+        angles = starter.position(scene.angles)
+    except DesignError:
+        return np.concatenate([starter.given(scene.angles)[:count], starter.given(scene.rates)[:count]])
+    try:
+        rates = starter.rates(angles, scene.rates)
+    except DesignError:
+        rates = starter.given(scene.rates)
+    return np.concatenate([angles[:count], rates[:count]])

@@ -268,6 +268,8 @@ def test_compliance_that_cannot_be_is_refused_by_name() -> None:
         equations_of(mechanism, (Compliance((replace(closing, joint="h5"),)),))
     with pytest.raises(DesignError, match=f"two effects make joint '{cut}' compliant"):
         equations_of(mechanism, (Compliance((closing, closing)),))
+    with pytest.raises(DesignError, match=r"stiffness of .* is not positive semi-definite"):
+        replace(closing, stiffness=closing.stiffness - 1e3 * np.eye(6))
     with pytest.raises(DesignError, match="not symmetric"):
         replace(closing, stiffness=np.triu(closing.stiffness))
     with pytest.raises(DesignError, match="is not the joint's axis"):

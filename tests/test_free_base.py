@@ -281,6 +281,7 @@ def test_fixed_bodies_float_as_one() -> None:
     base = arrangement.base
     assert base is not None
     assert base.bodies == ("ground", "other")
+    assert "ground+other.mass" in [p.name for p in General(both, (FreeBase(),)).equations.parameters]
     assert base.mass == pytest.approx(2.5)  # type: ignore[union-attr]
     assert general_bodies(both) == ("body0", "ground", "other")
 
@@ -295,6 +296,11 @@ def test_bases_that_cannot_float_are_refused_by_name() -> None:
     flat = with_base(chain(1), inertia=np.diag([0.0, 0.1, 0.1]))
     with pytest.raises(DesignError, match="principal moment of inertia of 0 kg·m²"):
         equations_of(flat, (FreeBase(),))
+    named = replace(with_base(chain(1)), joints=(replace(chain(1).joints[0], name="base.x"),))
+    with pytest.raises(
+        DesignError, match=r"a joint is named 'base\.x', as a coordinate is that an effect adds"
+    ):
+        equations_of(named, (FreeBase(),))
     with pytest.raises(DesignError, match="the spin of a free base"):
         FreeBase(spin=(1.0, 2.0))  # type: ignore[arg-type]
 

@@ -17,8 +17,12 @@ import numpy as np
 
 from lamc.codegen.program import Coordinate
 from lamc.errors import DesignError, about
+from lamc.mechanics.compliant_hinge import CROSS_FREEDOMS as CROSS_FREEDOMS
+from lamc.mechanics.compliant_hinge import FREEDOMS as FREEDOMS
+from lamc.mechanics.compliant_hinge import CompliantHinge as CompliantHinge
+from lamc.mechanics.compliant_hinge import check_bushing
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanism.checks import Array, checked_array
+from lamc.mechanism.checks import Array
 from lamc.mechanism.network import some
 from lamc.mechanism.tree import Cut, Tree
 
@@ -26,9 +30,6 @@ if TYPE_CHECKING:
     from lamc.effects.base import Effect
     from lamc.mechanics.staging import Scalar
 
-# Freedoms of a compliant hinge beyond its angle, in the order of the rows of its matrices, where the angle is third.
-FREEDOMS = ("twist_x", "twist_y", "angle", "slide_x", "slide_y", "slide_z")
-CROSS_FREEDOMS = tuple(f for f in FREEDOMS if f != "angle")
 BASE_COORDINATES = (
     *((f"base.{axis}", "m") for axis in "xyz"),
     *((f"base.q{part}", "1") for part in "wxyz"),
@@ -72,46 +73,6 @@ class PrescribedBase:
     axis: Array
     point: Array
     effect: str = ""  # who asked for it; `Arranging` fills it in
-
-
-@dataclass(frozen=True, eq=False)
-class CompliantHinge:
-    """A hinge that yields across its axis as well, with potential ½ pᵀ stiffness p and forces -damping ṗ.
-
-    p = (twist_x, twist_y, angle, slide_x, slide_y, slide_z), rad and m, child relative to parent; twists and slides
-    are about and along `axes` at `point`, which ride on the parent; twist_x comes first, then twist_y, then the angle.
-    (Where the tree enters the hinge by its child they ride on the child: the same but for products of deflections.)
-
-    point      on the hinge line, (3,), m, world, drawn: where the strip's middle is
-    axes       (3, 3), columns x, y, z, world, drawn; z the joint's axis
-    stiffness  (6, 6): N·m/rad, N/rad, N/m; symmetric. Its angle-angle entry adds to what HingeStiffness gives
-    damping    (6, 6), the same by rates
-    freedoms   which of the five move; the others stay rigid, and their rows are not looked at
-    """
-
-    joint: str
-    point: Array
-    axes: Array
-    stiffness: Array
-    damping: Array
-    freedoms: tuple[str, ...] = CROSS_FREEDOMS
-    effect: str = ""  # who asked for it, and stores its energy; `Arranging` fills it in
-
-    def __post_init__(self) -> None:
-        what = f"the compliant hinge {self.joint!r}"
-        for name, shape in (("point", (3,)), ("axes", (3, 3)), ("stiffness", (6, 6)), ("damping", (6, 6))):
-            object.__setattr__(self, name, checked_array(getattr(self, name), shape, f"{name} of {what}"))
-        for matrix in (self.stiffness, self.damping):
-            size = float(np.abs(matrix).max())
-            if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * size):
-                raise DesignError(f"a matrix of {what} is not symmetric; energy would come from nothing")
-        if not np.allclose(self.axes.T @ self.axes, np.eye(3), atol=1e-9) or np.linalg.det(self.axes) < 0:
-            raise DesignError(
-                f"axes of {what} are not a right-handed set of unit vectors; give x, y, z as columns"
-            )
-        unknown = [f for f in self.freedoms if f not in FREEDOMS or f == "angle"]
-        if unknown:
-            raise DesignError(f"{what} has no freedom {unknown[0]!r}; there are {', '.join(CROSS_FREEDOMS)}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,9 +226,9 @@ class Arranging:
         yielding = {cut.joint.name for cut in cuts} & set(self._compliant)
         bushings = tuple(Bushing(c, self._compliant[c.joint.name]) for c in cuts if c.joint.name in yielding)
         for bushing in bushings:
-            _check_bushing(bushing.hinge)
+            check_bushing(bushing.hinge)
         tree = replace(self.tree, cuts=tuple(c for c in cuts if c.joint.name not in yielding))
-        return Arrangement(
+        arrangement = Arrangement(
             tree=tree if bushings else self.tree,
             base=self._base,
             compliant=tuple(self._compliant[n] for n in self.tree.joint_names if n in self._compliant),
@@ -277,6 +238,8 @@ class Arranging:
             ),
             inverse_dynamics=self._inverse_dynamics,
         )
+        _check_names(arrangement)
+        return arrangement
 
 
 def arrange(tree: Tree, effects: "Iterable[Effect | Any]") -> Arrangement:
@@ -291,21 +254,11 @@ def arrange(tree: Tree, effects: "Iterable[Effect | Any]") -> Arrangement:
     return arranging.arranged()
 
 
-def _check_bushing(hinge: CompliantHinge) -> None:
-    """Nothing else holds the sides of a cut hinge: all five freedoms have to be stiff."""
-    rigid = [f for f in CROSS_FREEDOMS if f not in hinge.freedoms]
-    if rigid:
+def _check_names(arrangement: Arrangement) -> None:
+    """Coordinates that effects add are named after joints and bodies, and must not meet a joint's own name."""
+    names = [c.name for c in arrangement.coordinates]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
         raise DesignError(
-            f"joint {hinge.joint!r} closes a loop and is compliant, but rigid in {', '.join(rigid)}; give it all "
-            "five freedoms with their stiffness, or none"
-        )
-    rows = [FREEDOMS.index(f) for f in CROSS_FREEDOMS]
-    block = hinge.stiffness[np.ix_(rows, rows)]
-    scale = np.sqrt(np.maximum(np.diag(block), 0.0))
-    loose = [f for f, s in zip(CROSS_FREEDOMS, scale, strict=True) if s == 0.0]
-    if loose or float(np.linalg.eigvalsh(block / np.outer(scale, scale))[0]) <= 0.0:
-        which = loose[0] if loose else "a combination of its freedoms"
-        raise DesignError(
-            f"joint {hinge.joint!r} closes a loop and is compliant, but {which} has no stiffness, so nothing would "
-            "hold the loop; give the stiffness of every freedom"
+            f"a joint is named {twice!r}, as a coordinate is that an effect adds; rename the joint"
         )

@@ -84,7 +84,7 @@ def float_base(
     """The floating base at the last seven of q and the last six of u."""
     x, y, z, *quaternion = q[-7:]
     vx, vy, vz, wx, wy, wz = u[-6:]
-    name = base.bodies[0] if len(base.bodies) == 1 else "base"
+    name = "+".join(base.bodies)
     with store.section("Rotation of the base", source="quaternion of any norm; Wittenburg 2008, 2.1.3"):
         rotation = quaternion_rotation(quaternion)
         velocity = Twist((wx, wy, wz), rotate_back(rotation, (vx, vy, vz)))

@@ -17,6 +17,7 @@ from lamc.design.records import Design
 from lamc.design.split import split
 from lamc.effects import (
     BaseMotion,
+    BladeElementDrag,
     Effect,
     FreeBase,
     Gravity,
@@ -52,6 +53,7 @@ from lamc.scene import Scene
 
 __all__ = [
     "BaseMotion",
+    "BladeElementDrag",
     "Body",
     "BuildError",
     "CompileOptions",

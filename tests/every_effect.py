@@ -20,6 +20,18 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
     {
         effect.name: effect
         for effect in (
+            lamc.BladeElementDrag(
+                "b",
+                1.3,
+                2,
+                lift=1.7,
+                rotation=3.0,
+                lift_point=0.4,
+                wind=(0.0, 0.0, 0.0),
+                line=((1.0, 0.0), (2.0, 0.1)),
+                leading=(0.0, 1.0),
+                outline=((1.0, -0.3), (2.0, -0.2), (2.0, 0.2), (1.0, 0.2)),
+            ),
             lamc.Gravity((0.1, 0.2, -9.7)),
             lamc.GroundContact(
                 0.4, points={"b": ((2.0, 0.1, 0.0), (2.0, -0.1, 0.0))}, stiffness=1e3, height=-1.0

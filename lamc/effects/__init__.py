@@ -3,6 +3,7 @@
 from lamc.effects.base import Effect
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
+from lamc.effects.blade_element import BladeElementDrag
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
@@ -16,6 +17,7 @@ from lamc.effects.twist import TwistCompliance
 
 __all__ = [
     "BaseMotion",
+    "BladeElementDrag",
     "Effect",
     "FreeBase",
     "Gravity",

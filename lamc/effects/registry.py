@@ -7,6 +7,7 @@ from typing import NamedTuple
 from lamc.effects.base import Effect, RegisteredEffect, claims_of
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
+from lamc.effects.blade_element import BladeElementDrag
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
@@ -37,6 +38,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     FreeBase,
     BaseMotion,
     TwistCompliance,
+    BladeElementDrag,
 )
 
 

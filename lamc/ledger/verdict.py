@@ -3,6 +3,7 @@
 In: points and the account. Out: a `Verdict`. It measures nothing.
 """
 
+import re
 from collections.abc import Sequence
 
 from lamc.ledger.records import TARGETS, Account, Cheapest, EffectRow, Point, Reference, Sweep, Verdict
@@ -38,15 +39,20 @@ def make_verdict(
     return Verdict(found, idle, saved, tuple(lines))
 
 
+def power(value: float) -> str:
+    """A number to one digit, as tolerances are written: 1e-6."""
+    return re.sub(r"e([+-])0", r"e\1", f"{value:.0e}")
+
+
 def percent(value: float) -> str:
     """A relative error in words: 1 %, 0.1 %, 1e-6."""
-    return f"{100 * value:.2g} %" if value >= 1e-4 else f"{value:.0e}"
+    return f"{100 * value:.2g} %" if value >= 1e-4 else power(value)
 
 
 def setting_text(point: Point) -> str:
     """Integrator and setting of a point, in the words of `Simulator.run`."""
     used = f" ({point.used})" if point.used and point.used != point.integrator else ""
-    amount = f"{duration(point.setting)} steps" if point.is_step else f"rtol {point.setting:.0e}"
+    amount = f"{duration(point.setting)} steps" if point.is_step else f"rtol {power(point.setting)}"
     return f"{point.integrator}{used}, {amount}"
 
 

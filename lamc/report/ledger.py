@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from lamc.ledger.records import Ledger, Point
+from lamc.ledger.verdict import power
 from lamc.report.ledger_effects import GRID, draw_effects, effect_rows
 from lamc.report.ledger_text import shown_name
 from lamc.report.plan_view import shortened
@@ -119,7 +120,17 @@ def _draw_precision(axis: Axes, ledger: Ledger) -> None:
     _end_labels(axis, curves)
     axis.set_xlabel("largest error of the outputs, over the largest range of one")
     axis.set_ylabel("processor time of a run [s]")
-    axis.set_title("Work against precision: rtol 1e-3 to 1e-12 along each curve", fontsize=9.5, loc="left")
+    loosest, tightest = max(ledger.sweep.tolerances), min(ledger.sweep.tolerances)
+    axis.set_title(
+        f"Work against precision: rtol {power(loosest)} to {power(tightest)} along each curve",
+        fontsize=9.5,
+        loc="left",
+    )
+    if any(curve.is_peer for curve in curves):
+        axis.text(
+            0.012, 0.985, "dashed: peers; scipy and CVODE call\nlamc's equations from Python", fontsize=7,
+            color="#777777", va="top", transform=axis.transAxes,
+        )  # fmt: skip
     _finish(axis)
 
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
 from lamc.ledger.records import Account, EffectRow, Ledger
-from lamc.ledger.verdict import percent
+from lamc.ledger.verdict import percent, power
 from lamc.report.plan_view import shortened
 from lamc.report.run_text import duration
 
@@ -90,7 +90,7 @@ def _draw_savings(axis: Axes, account: Account, rows: Sequence[EffectRow], place
             fontsize=7.5, va="center", ha="left" if value >= 0 else "right",
         )  # fmt: skip
     axis.set_title("and its time by", fontsize=9.5, loc="left", pad=14)
-    axis.set_xlabel(f"% of {duration(base)} ({account.integrator}, rtol {account.rtol:.0e})", fontsize=8)
+    axis.set_xlabel(f"% of {duration(base)} ({account.integrator}, rtol {power(account.rtol)})", fontsize=8)
 
 
 def _row_name(row: EffectRow) -> str:
@@ -102,4 +102,4 @@ def _change_text(row: EffectRow) -> str:
     value = row.change or 0.0
     if value >= 0.1:
         return f"{100 * value:.0f} %"
-    return f"{100 * value:.2g} %" if value >= 1e-3 else f"{value:.0e}"
+    return f"{100 * value:.2g} %" if value >= 1e-3 else power(value)

@@ -6,7 +6,7 @@ In: a `Ledger`. Out: plain text. It measures nothing.
 from collections.abc import Sequence
 
 from lamc.ledger.records import Account, ArithmeticRow, EffectRow, Ledger, Point
-from lamc.ledger.verdict import cheapest_of, percent, setting_text
+from lamc.ledger.verdict import cheapest_of, percent, power, setting_text
 from lamc.report.numbers import shown_number
 from lamc.report.plan_view import shortened
 from lamc.report.run_text import duration
@@ -38,7 +38,8 @@ def _head(ledger: Ledger) -> str:
     lines = [
         f"{shortened(ledger.design, 40)}: {ledger.sweep.t_end:g} s, effects: {', '.join(ledger.effects) or 'none'}",
         f"errors  {_relative_to(ledger)}, at {ledger.sweep.rows} times",
-        f"truth   {facts.integrator} and {facts.second} at rtol {facts.rtol:.0e} agree within {facts.uncertainty:.1e}; "
+        f"truth   {facts.integrator} and {facts.second} at rtol {power(facts.rtol)} agree within "
+        f"{facts.uncertainty:.1e}; "
         + (
             f"a small change of the start grows {facts.growth:.3g}-fold"
             if facts.growth > 1.05
@@ -126,7 +127,7 @@ def _failures(ledger: Ledger) -> str:
 
 
 def _amount(p: Point) -> str:
-    return duration(p.setting) if p.is_step else f"{p.setting:.0e}"
+    return duration(p.setting) if p.is_step else power(p.setting)
 
 
 def _account(account: Account) -> str:
@@ -143,7 +144,7 @@ def _account(account: Account) -> str:
         else:
             failed.append(f"{name}: {row.note}")
     lines = [aligned([head, *rows])]
-    lines.append(f"Costs at {account.integrator}, rtol {account.rtol:.0e}; changes at a tight tolerance.")
+    lines.append(f"Costs at {account.integrator}, rtol {power(account.rtol)}; changes at a tight tolerance.")
     return "\n".join([*lines, *failed])
 
 

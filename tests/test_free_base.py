@@ -18,6 +18,7 @@ from lamc.pipeline import equations_of
 from lamc.reference.check import check
 from lamc.reference.moving_base import MovingNewtonEuler
 from lamc.reference.newton_euler import NewtonEuler
+from lamc.report.equations_text import equations_tex, equations_txt, listing
 from lamc.scene import Scene
 from tests.closed_mechanisms import closed_mechanism
 from tests.ctools import needs_cc
@@ -271,6 +272,17 @@ def _mjcf(mechanism: Mechanism, gravity: tuple[float, float, float]) -> str:
         f'<mujoco><compiler angle="radian" autolimits="true" boundmass="0"/><option gravity="{pull}"/><worldbody>'
         f'<body name="base"><freejoint/>{inertial(base, np.zeros(3))}{inner}</body></worldbody></mujoco>'
     )
+
+
+def test_equations_are_written_with_all_their_coordinates() -> None:
+    found = listing(equations_of(with_base(chain(1)), (Gravity(), FreeBase())), "chain")
+    text, tex = equations_txt(found), equations_tex(found)
+    for name in ("base.x (m)", "base.qw (1)", "base.wz (rad/s)"):
+        assert name in text
+        assert name in tex
+    for line in ("qdot_base.qw = ", "M_6_6 = ", "f_6 = ", "energy_kinetic = "):
+        assert line in text
+    assert "Accelerations" not in text  # the runtime solves
 
 
 def test_fixed_bodies_float_as_one() -> None:

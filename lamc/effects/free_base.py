@@ -13,6 +13,7 @@ from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging, FloatingBase
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Array, Body, Mechanism, checked_array
+from lamc.mechanism.tree import snap
 
 _FIELDS = ("position", "rotation", "velocity", "spin")
 
@@ -65,7 +66,7 @@ class FreeBase:
                 bodies=tuple(body.name for body in bodies),
                 mass=mass,
                 com=com,
-                inertia=inertia,
+                inertia=snap(inertia, float(np.abs(inertia).max())),
                 position=np.array(com if self.position is None else self.position),
                 rotation=_quaternion(np.array(self.rotation)),
                 velocity=np.array(self.velocity),

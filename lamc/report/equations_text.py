@@ -102,22 +102,40 @@ class Listing:
 def listing(equations: "Equations", name: str) -> Listing:
     """Accelerations, mass matrix and forces, energies of `equations`; `name` is the device's."""
     energies = equations.staged({f"energy_{name}": value for name, value in equations.energies.items()})
-    flops = ", ".join(f"{way} {count}" for way, count in sorted(equations.solver_flops.items()))
-    chapters = [
-        _Chapter(
-            "Accelerations",
-            f"The joint accelerations udot, rad/s², as the generated C computes them: by {equations.solver} "
-            f"(operations: {flops}).",
-            equations.assignments,
-        )
-    ]
-    shows_matrix = 0 < len(equations.joints) <= _LARGEST_MATRIX
-    if shows_matrix:
+    chapters = [_motion(equations)]
+    if equations.coordinate_rates is not None:
+        names = (f"qdot_{c.name}" for c in equations.coordinates)
+        rates = equations.staged(dict(zip(names, equations.coordinate_rates, strict=True)))
+        chapters.append(_Chapter("Rates of the coordinates", "By q and u. The z are numbered anew.", rates))
+    shows_matrix = 0 < len(equations.rates) <= _LARGEST_MATRIX
+    if shows_matrix and equations.is_plain:
         about = "The same motion as M udot = f, with M in kg·m² and f in N·m. The z are numbered anew."
         chapters.append(_Chapter("Mass matrix and generalised forces", about, equations.mass_assignments))
     about = "In J, one for each effect that stores any. The z are numbered anew."
     chapters.append(_Chapter("Energies", about, energies))
     return Listing(name, equations, tuple(chapters), shows_matrix)
+
+
+def _motion(equations: "Equations") -> _Chapter:
+    if not equations.is_plain:
+        about = f"M and f of M udot = f by {equations.solver}, as the generated C computes them; its runtime solves."
+        return _Chapter("Mass matrix and generalised forces", about, equations.assignments)
+    flops = ", ".join(f"{way} {count}" for way, count in sorted(equations.solver_flops.items()))
+    about = (
+        f"The joint accelerations udot, rad/s², as the generated C computes them: by {equations.solver} "
+        f"(operations: {flops})."
+    )
+    return _Chapter("Accelerations", about, equations.assignments)
+
+
+def _added(equations: "Equations") -> str:
+    """Coordinates and rates that effects add, with their units; nothing where there are none."""
+    count = len(equations.joints)
+    groups = ((equations.coordinates[count:], "q"), (equations.rates[count:], "u"))
+    parts = [
+        f"{letter}: {', '.join(f'{c.name} ({c.unit})' for c in more)}" for more, letter in groups if more
+    ]
+    return f"Beside the joints there are {'; '.join(parts)}." if parts else ""
 
 
 # --- plain text -------------------------------------------------------------------------------------------------
@@ -128,6 +146,7 @@ def equations_txt(listing: Listing) -> str:
     equations = listing.equations
     lines = [f"Equations of motion of {listing.name}, by lamc {__version__}", ""]
     lines.append("q_NAME: angle of joint NAME, rad.  u_NAME: its rate, rad/s.  t: time, s.")
+    lines += [added] if (added := _added(equations)) else []
     lines += ["", "Parameters"]
     width = max((len(p.name) for p in equations.parameters), default=0)
     lines += [f"  {p.name:<{width}}  = {p.default!r} {p.unit}  ({p.meaning})" for p in equations.parameters]
@@ -157,12 +176,13 @@ def equations_tex(listing: Listing) -> str:
     """The equations as a LaTeX document, for pdflatex, lualatex or xelatex."""
     equations = listing.equations
     printer = _Printer({"mul_symbol": "dot", "order": _ORDER})
-    count = len(equations.joints)
+    count = len(equations.rates)
     parts = [_PREAMBLE.format(version=__version__, columns=max(count, 10))]
     parts += [rf"\section*{{Equations of motion of {escaped(listing.name)}}}", ""]
     parts += [
         r"$q$ are the joint angles, rad, $u$ their rates, rad/s, and $t$ is the time, s. "
         r"Hinge names stand as indices.",
+        escaped(_added(equations)),
         "",
     ]
     if equations.parameters:

@@ -54,8 +54,13 @@ def main(context: click.Context) -> None:
     metavar="N",
     help="Rows of the results, evenly spread; 0: every step.  [default: 200 a second]",
 )
-@click.option("--rtol", type=float, default=1e-9, help="Relative tolerance of a step.")
-@click.option("--atol", type=float, default=1e-11, help="Absolute tolerance of a step, rad and rad/s.")
+@click.option(
+    "--accuracy",
+    metavar="SHARE",
+    help="Error of the outputs that is wanted, of their range: 1e-3 or '0.1 %'. It finds integrator and tolerances.",
+)
+@click.option("--rtol", type=float, help="Relative tolerance of a step.  [default: 1e-9]")
+@click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11]")
 @click.option(
     "--integrator",
     default="auto",
@@ -82,8 +87,9 @@ def run(
     changes: "SceneChanges",
     t_end: float | None,
     points: int | None,
-    rtol: float,
-    atol: float,
+    accuracy: str | None,
+    rtol: float | None,
+    atol: float | None,
     integrator: str,
     max_steps: int,
     settings: tuple[str, ...],
@@ -105,6 +111,7 @@ def run(
       lamc run flaps.yaml --t-end 2 --angle left='20 deg' --set left.stiffness=0.002
       lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
       lamc run pendulum.yaml --scene driven
+      lamc run pendulum.yaml --accuracy '0.1 %'
       lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
       lamc run --example pendulum --books
     """
@@ -117,6 +124,7 @@ def run(
         changes=changes,
         settings=settings,
         t_end=t_end,
+        accuracy=accuracy,
         rtol=rtol,
         atol=atol,
         integrator=integrator,

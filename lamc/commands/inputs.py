@@ -211,6 +211,19 @@ def parameters_of(texts: Sequence[str], known: Iterable[str]) -> Mapping[str, fl
     return values
 
 
+def share_of(text: str, option: str) -> float:
+    """A share as a number: of "1e-3" or "0.1 %". Raises DesignError for what is no number."""
+    number, unit = text.strip(), 1.0
+    if number.endswith("%"):
+        number, unit = number[:-1].strip(), 1e-2
+    try:
+        return float(number) * unit
+    except ValueError as error:
+        raise DesignError(
+            f"{option} {text!r} is no number; it must be a share such as 1e-3 or '0.1 %'"
+        ) from error
+
+
 def split_pair(text: str, option: str, example: str) -> tuple[str, str]:
     """NAME and VALUE of "NAME=VALUE"; the last "=" divides, since names may hold one."""
     name, sign, value = text.rpartition("=")

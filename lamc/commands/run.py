@@ -21,6 +21,7 @@ from lamc.commands.inputs import (
     mechanism_of,
     output_folder,
     parameters_of,
+    share_of,
 )
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.base import conserves
@@ -63,8 +64,9 @@ class RunOrder:
     changes: SceneChanges
     settings: tuple[str, ...]  # NAME=NUMBER of parameters
     t_end: float | None  # s; None: the scene's duration, or `DEFAULT_DURATION`
-    rtol: float
-    atol: float
+    accuracy: str | None  # 1e-3 or "0.1 %"; None: rtol and atol say
+    rtol: float | None
+    atol: float | None
     integrator: str
     points: int | None  # rows; 0: one after every step; None: `default_rows`
     max_steps: int
@@ -134,6 +136,7 @@ def _simulate(
         t_end=order.t_end,
         rtol=order.rtol,
         atol=order.atol,
+        accuracy=None if order.accuracy is None else share_of(order.accuracy, "--accuracy"),
         t_eval=np.linspace(0.0, order.t_end, points) if spread else None,
         integrator=order.integrator,
         parameters=parameters,
@@ -245,6 +248,8 @@ def _data(report: RunReport) -> dict[str, Any]:
         "parameter_units": dict(simulator.parameter_units),
         "notes": list(report.notes),
         "stats": asdict(result.stats),
+        "error_estimate": result.error_estimate,
+        "accuracy": None if result.accuracy is None else asdict(result.accuracy),
         "seconds": dict(report.times.seconds),
         "from_cache": report.times.from_cache,
         "energy_drift": report.drift,

@@ -74,7 +74,8 @@ def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     rows += _scene(report)
     rows += _effects(report.account)
     rows += [("note", note) for note in report.notes]
-    rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_happenings(report.result)]
+    rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_accuracy(report.result)]
+    rows += _happenings(report.result)
     rows += [("books", line) for line in books_lines(report.result)]
     rows += [("times", _times(report.times))]
     if report.drift is not None:
@@ -153,6 +154,32 @@ def _steps(result: Result) -> str:
         f"{stats.accepted} accepted, {rejected}, {stats.evaluations} evaluations "
         f"({stats.integrator}, rtol {stats.rtol:g}, atol {stats.atol:g}); {len(result.t)} rows"
     )
+
+
+def _accuracy(result: Result) -> list[tuple[str, str]]:
+    """What a run to an accuracy came to: the error, how it is known, and what was chosen from what at which cost."""
+    facts = result.accuracy
+    if facts is None:
+        return []
+    known = "unknown" if math.isinf(facts.error) else f"{facts.error:.1e}"
+    met = "" if facts.reached else ": NOT REACHED"
+    how = (
+        "three runs bear it out"
+        if facts.proportionality is not None
+        else "runs differ by it at any tolerance"
+    )
+    rows = [f"error {known} of the outputs' range, {facts.asked:g} asked for{met}; {how}"]
+    rows.append(
+        f"{facts.integrator} at rtol {facts.rtol:.1e}; {len(facts.runs)} runs and probes took "
+        f"{facts.evaluations:.0f} evaluations"
+    )
+    if facts.candidates:
+        tried = (
+            f"{name} {effort:.0f}" if math.isfinite(effort) else f"{name} more"
+            for name, effort in facts.candidates.items()
+        )
+        rows.append(f"evaluations where it was probed: {', '.join(tried)}")
+    return [("accuracy", row) for row in rows]
 
 
 def _happenings(result: Result) -> list[tuple[str, str]]:

@@ -99,6 +99,11 @@ class Motion(Unchanging):
         assert status == model.lib.LAMC_OK
         return by_q, by_u
 
+    @property
+    def jacobian_cost(self) -> float:
+        """What a Jacobian costs an implicit method, in evaluations of the accelerations."""
+        return float(self.model.lib.lamc_motion_ode(self.handle).jacobian_cost)
+
     def energies(self, t: Array, y: Array) -> Array:
         """Energies, shape (m, len(model.energies)), J; kinetic first, then one for each effect that stores
         any."""

@@ -20,6 +20,7 @@ from lamc.run.request import Array, Request, Status, Trajectory
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
 EVENTS = 4096  # room for events in a chunk
+LINEAR_ALGEBRA = 3.0  # of an implicit step, in evaluations, as in runtime_c/src/watch.c
 METHODS = {"auto": 0, "rk45": 1, "dop853": 2, "rodas5p": 3, "radau5": 4}  # as in lamc_method
 NAMES = {number: name for name, number in METHODS.items()}
 CHUNK = 2**18  # numbers in a chunk of rows, 2 MiB; C needs longer to fill one than a slice lasts
@@ -109,7 +110,7 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         ode,
         METHODS[method],
         options,
-        0.0,
+        request.t_start,
         model.read(request.y0),
         request.t_end,
         ffi.NULL if times is None else model.read(times),
@@ -142,6 +143,7 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         rejected=int(run.rejected),
         last_step=float(run.h_last),
         work=kept_work if request.books else None,
+        effort=run.evaluations + run.jacobians * ode.jacobian_cost + run.factorisations * LINEAR_ALGEBRA,
         events=rows.events,
         switches=switches,
     )

@@ -42,7 +42,7 @@ class Request:
     """What to integrate to and how well. Made by `checked_request`."""
 
     y0: Array  # (nq + nu,): coordinates, then rates
-    t_end: float  # s; a run starts at t = 0
+    t_end: float  # s
     rtol: float
     atol: float  # rad and rad/s
     t_eval: Array | None  # (m,), s, ascending; None: a row at the start and after every step
@@ -50,6 +50,7 @@ class Request:
     max_step: float  # s; infinite: no limit
     progress: Progress | None
     books: bool = False  # whether the work of effects is kept
+    t_start: float = 0.0  # s, of y0
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,7 @@ class Trajectory:
     rejected: int | None  # None: not told by this integrator
     last_step: float  # s
     work: Array | None = None  # (m, effects and impacts), J, where books are kept
+    effort: float = 0.0  # evaluations, with those that Jacobians and factorisations would pay for
     events: tuple[tuple[float, int], ...] = ()  # s and which guard
     switches: tuple[tuple[float, str], ...] = ()  # s and the integrator taken from there on
 

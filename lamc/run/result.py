@@ -6,19 +6,21 @@ was made.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from lamc.codegen.program import Coordinate
 from lamc.errors import RequestError
 from lamc.files import checked_path
 from lamc.mechanism.records import Mechanism
 from lamc.run import files, frames
+from lamc.run.accuracy_record import Accuracy
 from lamc.run.books import IMPACTS, Books, Kept, books_of
 from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array, Status
@@ -81,6 +83,7 @@ class Result(Unchanging):
     stats    what it took
     events   limits reached and left, and impacts, in order
     marks    what pictures show besides the bodies, such as the ground
+    accuracy what a run to an accuracy came to; None for runs at a tolerance
 
     Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
@@ -98,6 +101,7 @@ class Result(Unchanging):
     motion: Motion = field(repr=False)
     events: tuple[Event, ...] = ()
     marks: "tuple[PlaneMark, ...]" = ()
+    accuracy: Accuracy | None = None
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     kept: Kept | None = field(default=None, repr=False)  # where the run kept books
@@ -114,6 +118,17 @@ class Result(Unchanging):
     def success(self) -> bool:
         """True if the run reached its end."""
         return self.status == Status.REACHED_END
+
+    @property
+    def error_estimate(self) -> float | None:
+        """Largest error of any output at any row, relative to the output's range over the run, as a run to an accuracy
+        estimates it; details are in `accuracy`. None for a run at a tolerance, which knows errors of steps only."""
+        return self.accuracy.error if self.accuracy is not None else None
+
+    def at_rows(self, keep: npt.NDArray[np.bool_]) -> "Result":
+        """The result with some of its rows only. keep: shape (m,), of bool."""
+        kept = self.kept and replace(self.kept, work=self.kept.work[keep])
+        return replace(self, t=self.t[keep], q=self.q[keep], u=self.u[keep], kept=kept)
 
     @property
     def nfev(self) -> int:

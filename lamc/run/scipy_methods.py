@@ -123,4 +123,6 @@ def _trajectory(
     if status < 0 and (not len(t) or t_reached > t[-1]):
         t, y = np.append(t, t_reached), np.vstack([y, y_reached])
     q, u = y[:, :nq].copy(), y[:, nq:].copy()
-    return Trajectory(t, q, u, t_reached, status, note, evaluations, accepted, None, last_step)
+    return Trajectory(
+        t, q, u, t_reached, status, note, evaluations, accepted, None, last_step, effort=float(evaluations)
+    )

@@ -29,16 +29,18 @@ from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.places import told_at
 from lamc.run import integrators
+from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
 from lamc.run.books import Kept
 from lamc.run.ending import message
 from lamc.run.model import CompiledModule, Model, Motion, Unchanging
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import with_limits
-from lamc.run.request import Array, Progress, checked_request
+from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Event, Provenance, Result, RunStats
 from lamc.scene import Scene
 
+RTOL, ATOL = 1e-9, 1e-11  # where none are given
 NO_PARAMETERS: Mapping[str, float] = MappingProxyType({})
 
 
@@ -180,8 +182,8 @@ class Simulator(Unchanging):
     def run(
         self,
         t_end: float = 10.0,
-        rtol: float = 1e-9,
-        atol: float = 1e-11,
+        rtol: float | None = None,
+        atol: float | None = None,
         t_eval: npt.ArrayLike | None = None,
         integrator: str = "auto",
         parameters: Mapping[str, float] = NO_PARAMETERS,
@@ -191,10 +193,12 @@ class Simulator(Unchanging):
         progress: Progress | None = None,
         baumgarte: float | None = None,
         books: bool = False,
+        accuracy: float | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end (s).
 
-        rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|)
+        rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|);
+                    None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
                     every step
         integrator  in C: "rk45", "dop853" (explicit), "rodas5p", "radau5" (implicit, for stiff hinges), or "auto":
@@ -209,12 +213,22 @@ class Simulator(Unchanging):
         books       whether the work of each effect is kept along the run, for `Result.work` and `Result.books`. The
                     first time that takes a compile of its own; the motion is the same to the last bit, and
                     `Result.nfev` counts what the books take as well
+        accuracy    error of the scene's outputs (None: of all coordinates) that is wanted at all rows, relative to the
+                    range of each over the run, instead of rtol and atol. Short probes choose the integrator, runs at
+                    falling tolerances follow until three of them bear it out, and the tightest is the result, with
+                    `Result.error_estimate` and `Result.accuracy`. It takes three to five times the work of the last run
+                    alone. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the message says
+                    so, and what was
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
         `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
         Raises RequestError for arguments that make no run, and DesignError for limits that leave the start outside.
         """
-        request = checked_request(self.start, t_end, rtol, atol, t_eval, max_steps, max_step, progress, books)
+        wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
+        tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
+        request = checked_request(
+            self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, books
+        )
         rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
         motion = self._motion(parameters, rate) if not books else self._telling.motion(parameters, rate)
         limited = with_limits(self.mechanism, parameters)
@@ -225,11 +239,24 @@ class Simulator(Unchanging):
             with told_at(self.scene.places):
                 check_drives(driven, *self._start_by_joint(self.start), request.t_end)
         self._check_poses(motion)
+        telling = (lambda: motion) if books else (lambda: self._telling.motion(parameters, rate))
+
+        def run(name: str, asked: Request) -> tuple[Result, float]:
+            return self._integrated(name, asked, motion, telling)
+
+        if wanted is None:
+            return run(integrator, request)[0]
+        return reach(wanted, integrator, motion, request, run, self.scene)
+
+    def _integrated(
+        self, integrator: str, request: Request, motion: Motion, telling: Callable[[], Motion]
+    ) -> tuple[Result, float]:
+        """One run, and what it took in evaluations. telling: makes the motion that tells powers."""
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
         provenance = self._provenance(motion)
-        return Result(
+        result = Result(
             t=trajectory.t,
             q=trajectory.q,
             u=trajectory.u,
@@ -252,10 +279,11 @@ class Simulator(Unchanging):
             provenance=provenance,
             mechanism=self.mechanism,
             motion=motion,
-            telling=lambda: motion if books else self._telling.motion(parameters, rate),
+            telling=telling,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks_of(self.effects, provenance.parameters),
         )
+        return result, trajectory.effort
 
     def acceleration(
         self,

@@ -176,6 +176,18 @@ def test_a_fluid_gives_back_what_it_took(base: Effect | None) -> None:
     assert np.abs(books.supplied["fluid"]).max() < 1e-8 * books.scale
 
 
+def test_a_fluid_gives_back_what_it_took_at_impacts_too() -> None:
+    """An elastic impact keeps the energy of links and fluid together, and moves some from one to the other."""
+    effects = (lamc.Gravity(), Fluid(), lamc.JointLimits(restitution=1.0))
+    sim = lamc.compile(mechanism(), lamc.Scene(effects=effects, angles=START, rates={"h1": 3.0}))
+    result = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, books=True)
+    books = result.books
+    assert len(result.events) > 1
+    assert books.balance < 1e-8
+    assert np.abs(books.supplied["fluid"]).max() < 1e-8 * books.scale
+    assert abs(books.work["impacts"][-1]) < 1e-12 * books.scale * len(result.events)
+
+
 def test_a_run_that_ends_early_has_books_up_to_there() -> None:
     sim = simulator("gravity")
     result = sim.run(t_end=5.0, max_steps=20, t_eval=np.linspace(0.0, 5.0, 11), books=True)

@@ -42,7 +42,7 @@ class Books:
     """Energies since t = 0, each of shape (m,), J.
 
     kinetic   T - T₀
-    work      by effect: of all its loads; of impacts: the kinetic energy they added
+    work      by effect: of all its loads; of impacts: the energy they added
     stored    by effect: change of what it stores; zero where it stores nothing
     supplied  by effect: work + stored, which is what it brought in from outside; negative: dissipated
     residual  kinetic less the sum of all work: what the integration lost or made, zero but for its error

@@ -193,7 +193,7 @@ typedef struct lamc_ode {
 
 /* The motion as an equation in y = [q, u], n = nq + nu; `motion` must outlive it. With guards a run changes the
  * motion's constants: one run at a time. A model that tells powers has their integrals, the work of each effect, J, and
- * after them what impacts added to the kinetic energy: power_count + 1. A caller who does not want them sets
+ * after them what impacts added to the energy: power_count + 1. A caller who does not want them sets
  * integral_count to 0. */
 lamc_ode lamc_motion_ode(const lamc_motion *motion);
 

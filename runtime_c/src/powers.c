@@ -7,9 +7,10 @@
 #include "motion.h"
 
 #include <stddef.h>
+#include <string.h>
 
 long long lamc_powers_work(const lamc_model *model) {
-  return model->power == NULL ? 0 : (long long)model->rate_count + model->energy_count;
+  return model->power == NULL ? 0 : (long long)model->rate_count + 2 * model->energy_count;
 }
 
 void lamc_powers(const lamc_motion *motion, double t, const double *y, double *power) {
@@ -33,9 +34,12 @@ void lamc_powers_jump(const void *context, double t, const double *before, const
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
   const int nq = model->coordinate_count;
-  double *energies = lamc_motion_power_work(motion) + model->rate_count;
-  model->energy(motion->constants, t, after, after + nq, energies);
-  const double kinetic = energies[0];
-  model->energy(motion->constants, t, before, before + nq, energies);
-  integrals[model->power_count] += kinetic - energies[0];
+  double *old = lamc_motion_power_work(motion) + model->rate_count, *now = old + model->energy_count;
+  model->energy(motion->constants, t, before, before + nq, old);
+  model->energy(motion->constants, t, after, after + nq, now);
+  for (int e = 0; e < model->energy_count; e++) integrals[model->power_count] += now[e] - old[e];
+  for (int e = 1; e < model->energy_count; e++) {
+    for (int p = 0; p < model->power_count; p++)
+      if (strcmp(model->energy_names[e], model->power_names[p]) == 0) integrals[p] -= now[e] - old[e];
+  }
 }

@@ -13,7 +13,8 @@ void lamc_powers(const lamc_motion *motion, double t, const double *y, double *p
 /* The same, and 0 for impacts: lamc_ode.integrands of a motion */
 void lamc_powers_integrands(const void *motion, double t, const double *y, double *values);
 
-/* Adds the kinetic energy that an impact brings to the last of the integrals: lamc_ode.jump of a motion */
+/* Adds the energy that an impact brings to the last of the integrals, and to those of the effects what they gave of what
+ * they store at that instant, as a fluid does that moves with a body: lamc_ode.jump of a motion */
 void lamc_powers_jump(const void *motion, double t, const double *before, const double *after,
                       double *integrals);
 

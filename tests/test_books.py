@@ -12,11 +12,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import lamc
+from lamc.codegen.lower import lower
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS
 from lamc.errors import RequestError
 from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Loads
+from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
 from tests.closed_mechanisms import closed_mechanism
 from tests.every_effect import SAMPLES, mechanism
@@ -58,6 +60,22 @@ def test_the_rate_of_the_kinetic_energy_is_the_sum_of_all_powers(name: str) -> N
         size = 1.0 + max(abs(v) for v in (*powers.values(), *changes.values()))
         # central differences over 1e-4 s: squares of 1e-4 and round-off over it, times numbers of some 10 per s
         assert total == pytest.approx(changes["kinetic"], abs=1e-5 * size)
+
+
+@pytest.mark.parametrize("name", names())
+def test_two_voices_tell_the_same_powers(name: str) -> None:
+    """The C, and the same program interpreted in Python."""
+    sim = simulator(name)
+    program = lower(sim.equations, books=True)
+    voice = Interpreter(program)
+    state = sim.start + 0.3 * np.random.default_rng(2).standard_normal(len(sim.start))
+    nq = len(sim.coordinates)
+    q, u = state[:nq], state[nq:]
+    constants = voice.constants()
+    theirs = voice.powers(0.7, q, u, sim.acceleration(q, u, t=0.7), constants)
+    mine = sim._telling.motion({}).powers(np.array([0.7]), state.reshape(1, -1))[0]
+    size = max(1.0, float(np.abs(mine).max(initial=0.0)))
+    assert mine == pytest.approx(theirs, rel=1e-12, abs=1e-12 * size)  # round-off of sums of some hundred
 
 
 @pytest.mark.parametrize("name", names())

@@ -90,6 +90,11 @@ class Interpreter:
             return np.array([self.energy(t, *row, constants) for row in zip(q, u, strict=True)])
         return self._evaluate("energy", t, q, u, self._sensed(t, q, u, constants))
 
+    def powers(self, t: float, q: Array, u: Array, udot: Array, constants: Array) -> Array:
+        """Power of the loads of each effect, W, shape (len(program.powers),), at one state q (nq,), u (nu,) with its
+        accelerations (nu,); of programs that tell them."""
+        return self._evaluate("power", t, q, u, self._sensed(t, q, u, constants), udot)
+
     def poses(self, q: Array, constants: Array, t: float = 0.0) -> tuple[Array, Array]:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
         flat = self._evaluate(
@@ -118,13 +123,17 @@ class Interpreter:
         mass += np.tril(mass, -1).T
         return constrained(mass, system[n * (n + 1) // 2 :], held[: m * n].reshape(m, n), held[m * n :])
 
-    def _evaluate(self, name: str, t: float, q: Array, u: Array, constants: Array) -> Array:
+    def _evaluate(
+        self, name: str, t: float, q: Array, u: Array, constants: Array, udot: Array | None = None
+    ) -> Array:
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
         program, alike = self.program, q.ndim in (1, 2) and q.shape[:-1] == u.shape[:-1]
         nq, nu = len(program.coordinates), len(program.rates)
         if not alike or (q.shape[-1], u.shape[-1]) != (nq, nu):
             raise DesignError(f"angles {q.shape} and rates {u.shape} must be (…, {nq}) and (…, {nu})")
         fixed = {Space.CONSTANT: np.asarray(constants).tolist(), Space.TIME: [float(t)]}
+        if udot is not None:
+            fixed[Space.ACCELERATION] = np.asarray(udot).tolist()
         if q.ndim == 1:
             listing = self._scalar[name]
             memory = run(listing, {**fixed, Space.ANGLE: q.tolist(), Space.RATE: u.tolist()})

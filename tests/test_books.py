@@ -247,8 +247,8 @@ def powers_and_changes(
     telling = sim._telling.motion({})
     rows, times = state.reshape(1, -1), np.array([t])
     powers = dict(zip(telling.model.powers, telling.powers(times, rows)[0].tolist(), strict=True))
-    step = 1e-4  # s
     ahead = telling.rhs(t, state)
+    step = 1e-4 / max(1.0, float(np.abs(ahead).max()) / 1e3)  # s; shorter where stiff springs pull
     there = np.array([state - step * ahead, state + step * ahead])
     before, after = telling.energies(np.array([t - step, t + step]), there)
     changes = dict(zip(telling.model.energies, ((after - before) / (2 * step)).tolist(), strict=True))

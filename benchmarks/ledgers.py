@@ -15,13 +15,13 @@ from benchmarks.measure import ROOT
 from lamc import examples
 from lamc.cli import main as lamc
 
-# Name → example, and the end of the run, s: long enough for the motion to show, short enough to be told.
+# Name → example, and the end of the run, s, None for its scene's own: long enough for the motion to show.
 LEDGERS = {
     "triple_pendulum": ("pendulum", 5.0),
     "four_bar": ("four_bar", 5.0),
     "miura": ("miura:3x3", 2.0),
     "stiff_triple": ("stiff_triple", 2.0),
-    "flapping_wing": ("flapping_wing", 0.2),
+    "flapping_wing": ("flapping_wing", None),
 }
 
 
@@ -40,19 +40,20 @@ def main() -> None:
         if example.partition(":")[0] not in examples.names():
             print(f"{name} is left out: there is no example {example!r}")
             continue
-        make(name, example, t_end, arguments.budget, arguments.out)
+        make(example, t_end, arguments.budget, arguments.out / name)
 
 
-def make(name: str, example: str, t_end: float, budget: str, out: Path) -> None:
-    """Measures one and puts its files into `out`."""
-    out.mkdir(parents=True, exist_ok=True)
+def make(example: str, t_end: float | None, budget: str, kept: Path) -> None:
+    """Measures one and keeps its files beside `kept`, which has no suffix."""
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    end = [] if t_end is None else ["--t-end", str(t_end)]
     with tempfile.TemporaryDirectory() as folder:
-        words = ["ledger", "--example", example, "--t-end", str(t_end), "--budget", budget, "--out", folder]
+        words = ["ledger", "--example", example, *end, "--budget", budget, "--out", folder]
         code = lamc.main(words, standalone_mode=False)
         if code:
             raise SystemExit(code)
         for kind in ("json", "png"):
-            shutil.copyfile(Path(folder) / f"ledger.{kind}", out / f"{name}.{kind}")
+            shutil.copyfile(Path(folder) / f"ledger.{kind}", kept.with_suffix(f".{kind}"))
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from lamc.run.simulator import Simulator
 from lamc.scene import Scene
 
 _STATES = 256  # evaluated in one call: few enough to stay in the cache, enough to hide the call
-_TURNS = 7
+_TURNS = 60  # of some 0.1 ms: spread over enough time that a busy machine lets some pass undisturbed
 
 
 @dataclass(frozen=True, eq=False)

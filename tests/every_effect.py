@@ -7,14 +7,16 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
+from shapely.geometry import box
 
 import lamc
 from lamc import plate
 from lamc.effects.base import Effect
-from lamc.mechanism.records import Body, Joint, Mechanism
+from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 
 PIEZO = plate.Material(62e9, 62e9, 0.31, 24e9, 7800.0, d31=-190e-12, d32=-190e-12, name="piezo")
 BIMORPH = plate.Laminate([plate.Ply(PIEZO, 127e-6), plate.Ply(PIEZO, 127e-6, 30.0)])
+SHEET = plate.Laminate([plate.Ply(plate.Material.isotropic(2e9, 0.3, 1500.0), 1e-3)])
 
 SAMPLES: Mapping[str, Effect] = MappingProxyType(
     {
@@ -66,6 +68,7 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 retardation=1e-4,
                 normal=(0.0, 0.1, 1.0),
             ),
+            lamc.FlexibleLinks(("a",), 1, 0.02, 0.15, "dkt", static=False, laminate=SHEET),
             lamc.FreeBase(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0), spin=(0.0, 0.2, 0.0)),
         )
     }
@@ -74,9 +77,10 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
 
 def mechanism() -> Mechanism:
     """Two links in a row from x = 0 to 2 m, with everything that effects ask of joints."""
+    sheet = Plate(box(0.0, -0.15, 1.0, 0.15), -5e-4, 5e-4)
     bodies = (
         Body("ground", 2.0, (-0.5, 0.0, 0.0), np.diag([0.1, 0.2, 0.2]), fixed=True),
-        Body("a", 1.0, (0.5, 0.0, 0.0), np.diag([0.01, 0.09, 0.1])),
+        Body("a", 1.0, (0.5, 0.0, 0.0), np.diag([0.01, 0.09, 0.1]), outline=(sheet,)),
         Body("b", 0.7, (1.5, 0.05, 0.0), np.diag([0.02, 0.06, 0.08])),
     )
     values = {"stiffness": 0.7, "damping": 0.03, "rest_angle": 0.2, "limits": (-1.0, 1.2)}

@@ -180,6 +180,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
     bare = account(pendulum(), Scene())
     assert bare == {
         "base_motion": (False, "the fixed bodies stay where they are"),
+        "flexible_links": (False, "bodies are rigid"),
         "free_base": (False, "the fixed bodies stay where they are"),
         "gravity": (True, "-9.81 m/s² along z unless a scene says otherwise"),
         "ground_contact": (False, "no ground is called for"),

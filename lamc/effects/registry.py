@@ -8,6 +8,7 @@ from lamc.effects.base import Effect, RegisteredEffect, claims_of
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
 from lamc.effects.ground_contact import GroundContact
@@ -39,6 +40,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     BaseMotion,
     TwistCompliance,
     BladeElementDrag,
+    FlexibleLinks,
 )
 
 

@@ -96,7 +96,9 @@ class PlateHinge:
         lines = [
             piece
             for part in self.free
-            for piece in _along(layer.boundary, _parallel(part, side * at * self.width), reach * self.width)
+            for piece in edges_along(
+                layer.boundary, _parallel(part, side * at * self.width), reach * self.width
+            )
         ]
         merged = shapely.line_merge(shapely.union_all(lines))
         kept = [line for line in shapely.get_parts(merged) if line.length > tolerance]
@@ -115,7 +117,7 @@ def _band(line: LineString, start: float, end: float) -> Polygon:
     return Polygon([*near, *far[::-1]])
 
 
-def _along(boundary: BaseGeometry, line: LineString, reach: float) -> list[BaseGeometry]:
+def edges_along(boundary: BaseGeometry, line: LineString, reach: float) -> list[BaseGeometry]:
     """The pieces of a boundary that run along a line within `reach` m of it."""
     near = shapely.intersection(boundary, shapely.buffer(line, reach, cap_style="flat"))
     a, b = np.array(line.coords)

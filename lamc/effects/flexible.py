@@ -1,0 +1,186 @@
+"""Bodies that bend: a few shapes of each body's own plate, by finite elements."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from lamc.effects.base import Effect
+from lamc.effects.bender_plies import laminate_of
+from lamc.effects.data import record
+from lamc.effects.flexible_plates import BodyPlate, body_plate
+from lamc.errors import DesignError
+from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.flexible import FlexibleBody
+from lamc.mechanics.loads import Loads
+from lamc.mechanism.checks import Array, checked_flag, checked_name, checked_number, shown
+from lamc.mechanism.records import Mechanism
+
+if TYPE_CHECKING:
+    from lamc.plate.answers.reduction import Reduction
+
+_MOST = 50  # modes of one body
+_CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
+_KEPT = 64  # reductions that are remembered
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class FlexibleLinks:
+    """Bodies bend in the lowest modes of their own plates, clamped along the hinge on the way to the fixed bodies.
+
+    bodies         names of those that bend; None: all that move
+    modes          natural modes of each
+    damping_ratio  of critical, of every mode
+    size           m, of the finite elements; None: a fifth of the plate's width, or thereabouts
+    element        of `lamc.plate.ELEMENTS`
+    static         besides, the shapes under a uniform acceleration and under force and moments at the other hinges, so
+                   that statics is that of the elements: one, and three for each other hinge; they count on as modes
+    laminate       of bodies that come from no drawing, all over their outline; None: as drawn
+
+    A body's frame rides on its hinge (floating frame), and its deflection n Σ φ_k η_k along the plate's normal is small
+    beside it; η_k is in m, φ_k at most 1. The plate is the body without what bends at its hinges, whose mass stays with
+    the frame. A neighbour is joined along an edge that stays straight; its own stiffness does not keep the edge so.
+
+    Left out is what is of second order in η: a link that turns is not stiffened by centrifugal forces, nor softened by
+    pressure along its plane (geometric stiffness). Turning at ω, that is right while ω is small beside the first mode.
+
+    Modes make the equations stiff: implicit integrators pay ("auto" finds out). Sources: A. A. Shabana, Dynamics of
+    Multibody Systems, 4th ed. 2013, chapters 5 and 6; those of `lamc.plate.answers.reduction`.
+
+    Raises DesignError for bodies that are not there, are fixed, or of which no laminate is known.
+    """
+
+    bodies: tuple[str, ...] | None = None
+    modes: int = 3
+    damping_ratio: float = 0.01
+    size: float | None = None
+    element: str = "dkt"
+    static: bool = True
+    laminate: Any = None  # lamc.plate.Laminate, which takes a while to import
+
+    name: ClassVar[str] = "flexible_links"
+    summary: ClassVar[str] = "Bodies that bend"
+    source: ClassVar[str] = "½ ηᵀ K η, modes of the plate in a floating frame, Shabana 2013, ch. 5"
+    units: ClassVar[Mapping[str, str]] = {"damping_ratio": "1", "size": "m"}
+
+    def __post_init__(self) -> None:
+        if self.bodies is not None:
+            names = self.bodies
+            if isinstance(names, str) or not isinstance(names, Sequence) or not names:
+                raise DesignError(
+                    f"bodies of flexible_links are {shown(names)}; give a list of names, or leave it out"
+                )
+            checked = tuple(checked_name(name, "a body of flexible_links") for name in names)
+            for name in checked:
+                if checked.count(name) > 1:
+                    raise DesignError(f"bodies of flexible_links have {name!r} twice; once is enough")
+            object.__setattr__(self, "bodies", checked)
+        whole = isinstance(self.modes, int) and not isinstance(self.modes, bool)
+        if not whole or not 1 <= self.modes <= _MOST:
+            raise DesignError(
+                f"modes of flexible_links is {shown(self.modes)}; give a whole number from 1 to {_MOST}, or leave the "
+                "effect out for rigid bodies"
+            )
+        ratio = checked_number(self.damping_ratio, "the damping_ratio of flexible_links", minimum=0.0)
+        object.__setattr__(self, "damping_ratio", ratio)
+        if self.size is not None:
+            size = checked_number(self.size, "the size of flexible_links", minimum=0.0)
+            if size == 0.0:
+                raise DesignError(
+                    "the size of flexible_links is 0 m; give the length of an edge of its cells"
+                )
+            object.__setattr__(self, "size", size)
+        checked_name(self.element, "the element of flexible_links")
+        checked_flag(self.static, "static of flexible_links")
+        if self.laminate is not None:
+            laminate = laminate_of(self.laminate, "the laminate of flexible_links")
+            object.__setattr__(self, "laminate", laminate)
+
+    def claims(self) -> tuple[str, ...]:
+        return ("bending of bodies",)
+
+    def arrange(self, arranging: Arranging) -> None:
+        """Lets the bodies bend, in the tree's order. Their plates are reduced once in a process."""
+        tree = arranging.tree
+        moving = [link.body.name for link in tree.links]
+        for name in self.bodies or moving:
+            plate = body_plate(tree, name, self.laminate)
+            reduced = _reduced(_Asked(plate, self.modes, self.size, self.element, self.static))
+            arranging.flexible_body(
+                flexible_body(name, reduced, tree.mechanism.body(name).com, plate.height, self.damping_ratio)
+            )
+
+    def contribute(self, loads: Loads) -> None:
+        """Nothing: the stiffness of what `arrange` adds comes with it."""
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "bodies are rigid"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "FlexibleLinks":
+        """From a scene file: a map of the fields above; the laminate is a list of plies, as for piezo_bender."""
+        if isinstance(value, Mapping) and value.get("laminate") is not None:
+            value = {**value, "laminate": laminate_of(value["laminate"], "the laminate", where)}
+        return record(cls, value, where)
+
+
+def flexible_body(name: str, reduction: "Reduction", com: Array, height: float, ratio: float) -> FlexibleBody:
+    """The record of a reduced plate at `height` m, world z; com: of the whole body, (3,), m."""
+    first = reduction.first_moment + np.outer(reduction.moment, np.array([0.0, 0.0, height]) - com)
+
+    def shape_at(point: Array) -> tuple[Array, Array]:
+        values, slopes = reduction.shape_at(float(point[0]), float(point[1]))
+        return values, np.column_stack([slopes, np.zeros(len(values))])
+
+    return FlexibleBody(
+        body=name,
+        normal=_UP,
+        moment=reduction.moment,
+        first_moment=first,
+        mass=reduction.mass,
+        stiffness=reduction.stiffness,
+        damping_ratios=np.full(len(reduction.moment), ratio),
+        shape_at=shape_at,
+    )
+
+
+class _Asked:
+    """A reduction that is asked for; two of the same content are one."""
+
+    def __init__(self, plate: BodyPlate, modes: int, size: float | None, element: str, static: bool) -> None:
+        self.plate, self.modes, self.element, self.static = plate, modes, element, static
+        self.size = size or _usual_size(plate)
+        regions = tuple((n, plate.regions[n].wkb, repr(plate.laminates[n])) for n in plate.regions)
+        joined = tuple((a.point, a.edge.wkb if a.edge is not None else b"") for a in plate.attachments)
+        self._content = (regions, plate.clamped.wkb, joined, modes, self.size, element, static)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+
+@lru_cache(maxsize=_KEPT)
+def _reduced(asked: _Asked) -> "Reduction":
+    from lamc.plate.answers.reduction import reduce_plate
+    from lamc.plate.meshing.mesher import mesh
+    from lamc.plate.problem import Problem
+    from lamc.plate.supports import Clamped
+
+    plate = asked.plate
+    named = {name: region for name, region in plate.regions.items() if name}
+    made = mesh(plate.outline, asked.size, regions=named or None, follow=[plate.clamped])
+    problem = Problem(made, dict(plate.laminates), element=asked.element, supports=[Clamped(plate.clamped)])
+    return reduce_plate(problem, asked.modes, plate.attachments, static=asked.static)
+
+
+def _usual_size(plate: BodyPlate) -> float:
+    outline = plate.outline
+    width = 2.0 * float(outline.area) / float(outline.length)
+    return float(f"{width / _CELLS:.2g}") if math.isfinite(width) and width > 0.0 else 1e-3

@@ -1,0 +1,280 @@
+"""Bodies that bend by their own plates: frequencies, statics, stiff limit, energy, convergence, refusals."""
+
+from dataclasses import replace
+from importlib.resources import as_file, files
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from shapely.geometry import LineString, box
+
+import lamc
+from lamc import Body, FlexibleLinks, Joint, Mechanism, Plate, Scene, plate
+from lamc.design.load_scene import scene_of_text
+from lamc.effects import Gravity, HingeStiffness
+from lamc.errors import DesignError
+from lamc.mechanics.arrangement import arrange
+from lamc.mechanism.tree import plan
+from lamc.pipeline import Times
+from tests.ctools import needs_cc
+
+Array = npt.NDArray[np.float64]
+A, B, T, RHO = 0.1, 0.03, 0.5e-3, 2700.0
+SHEET = plate.Laminate([plate.Ply(plate.Material.isotropic(70e9, 0.3, RHO), T)])
+MASS = RHO * T * A * B
+LOCKED = 1e7  # N·m/rad, beside some 10 of the plates
+
+pytestmark = needs_cc
+
+
+def scaled(factor: float) -> plate.Laminate:
+    return plate.Laminate([plate.Ply(plate.Material.isotropic(factor * 70e9, 0.3, RHO), T)])
+
+
+def flag(stiffness: float = 0.05, count: int = 1, z: float = 0.0) -> Mechanism:
+    """Thin plates in a row along x, hinged along y; thin ones, whose inertia about the middle has no t²."""
+    bodies, joints = [Body("ground", fixed=True)], []
+    inertia = MASS / 12 * np.diag([B**2, A**2, A**2 + B**2])
+    for k in range(count):
+        outline = Plate(box(k * A, -B / 2, (k + 1) * A, B / 2), z - T / 2, z + T / 2)
+        bodies.append(Body(f"b{k}", MASS, ((k + 0.5) * A, 0.0, z), inertia, outline=(outline,)))
+        joints.append(
+            Joint(f"h{k}", bodies[-2].name, f"b{k}", (k * A, 0.0, z), (0.0, 1.0, 0.0), stiffness=stiffness)
+        )
+    return Mechanism(tuple(bodies), tuple(joints))
+
+
+def simulated(mechanism: Mechanism, effect: FlexibleLinks, *others: Any) -> lamc.Simulator:
+    return lamc.compile(mechanism, Scene(effects=(HingeStiffness(), effect, *others)))
+
+
+def frequencies(sim: lamc.Simulator) -> Array:
+    """ω of small vibrations as drawn, rad/s, ascending."""
+    still = np.zeros(len(sim.coordinates))
+    values = np.linalg.eigvals(-sim.jacobian(still, still)[0])
+    assert np.abs(values.imag).max() <= 1e-7 * np.abs(values).max()
+    return np.sqrt(np.sort(values.real))
+
+
+def elements(size: float, loads: tuple[Any, ...] = (), spring: float | None = None) -> plate.Problem:
+    """The flag as a plate on its own: clamped, or on its hinge's spring, N·m/rad."""
+    end = LineString([(0.0, -B / 2), (0.0, B / 2)])
+    held = plate.Clamped(end) if spring is None else plate.Hinged(end, spring / B)
+    mesh = plate.mesh(box(0.0, -B / 2, A, B / 2), size, follow=[end])
+    return plate.Problem(mesh, SHEET, supports=[held], loads=loads)
+
+
+# --- against the plate's own finite elements -------------------------------------------------------------------------
+
+
+def test_a_link_on_a_locked_hinge_has_the_frequencies_of_its_plate() -> None:
+    sim = simulated(flag(LOCKED), FlexibleLinks(modes=4, size=6e-3, damping_ratio=0.0, laminate=SHEET))
+    expected = plate.modes(elements(6e-3), 4).omega
+    # The hinge still gives way by 10 / 1e7 of what the plate does.
+    assert frequencies(sim)[:4] == pytest.approx(expected, rel=3e-6)
+
+
+def test_a_drawn_link_has_the_frequencies_of_its_plate() -> None:
+    """The flaps: two materials, a body cut out of layers, the plate without the strip that bends at the hinge."""
+    with as_file(files("lamc.examples") / "flaps.yaml") as path:
+        design = lamc.load(path)
+    mechanism = lamc.split(design)
+    held = replace(
+        mechanism, joints=tuple(replace(j, stiffness=LOCKED, rest_angle=0.0) for j in mechanism.joints)
+    )
+    sim = simulated(held, FlexibleLinks(("link_1",), modes=3, size=1e-3, damping_ratio=0.0))
+    drawn = plate.plate_of(design, "link_1", hinges="lines")
+    line = drawn.hinges["left"].line
+    mesh = plate.mesh(drawn.outline, 1e-3, regions=drawn.regions, follow=[line])
+    problem = plate.Problem(mesh, drawn.laminates, supports=[plate.Clamped(line)])
+    assert [c.name for c in sim.coordinates[2:]] == [f"link_1.mode_{k}" for k in (1, 2, 3, 4)]
+    # The other flap is a pendulum on a locked hinge, beyond all of these.
+    assert frequencies(sim)[:3] == pytest.approx(plate.modes(problem, 3).omega, rel=1e-5)
+
+
+@pytest.mark.parametrize("spring", [0.02, 1.0])
+def test_a_link_on_a_spring_tends_to_the_plate_on_it(spring: float) -> None:
+    """A floating frame and modes against all of the elements with an elastic hinge: from above, as 1/modes² or faster.
+    Statics helps the first: what inertia does in it is nearly what weight does."""
+    expected = plate.modes(elements(6e-3, spring=spring), 3).omega
+    missed = []
+    for modes in (1, 3, 6):
+        effect = FlexibleLinks(modes=modes, size=6e-3, damping_ratio=0.0, static=False, laminate=SHEET)
+        found = frequencies(simulated(flag(spring), effect))[:2]
+        missed.append(np.abs(found / expected[:2] - 1.0).max())
+        assert (found >= expected[:2] * (1 - 1e-9)).all()
+    assert missed[1] < missed[0] / 9
+    assert missed[2] < 2e-3
+    with_static = FlexibleLinks(modes=1, size=6e-3, damping_ratio=0.0, laminate=SHEET)
+    assert frequencies(simulated(flag(spring), with_static))[0] == pytest.approx(expected[0], rel=2e-3)
+
+
+def test_finer_meshes_tend_to_one_frequency() -> None:
+    """Cells of 3, 5 and 10 to the width; DKT is of second order, with less than 1/10 of h²/b² here."""
+    sizes = (10e-3, 6e-3, 3e-3)
+    found = [
+        frequencies(
+            simulated(flag(LOCKED), FlexibleLinks(modes=1, size=s, damping_ratio=0.0, laminate=SHEET))
+        )[0]
+        for s in sizes
+    ]
+    for size, omega in zip(sizes, found, strict=True):
+        assert abs(omega / found[-1] - 1.0) < 0.1 * (size / B) ** 2
+    beam = 1.875104**2 * np.sqrt(70e9 * T**2 / 12 / RHO) / A**2
+    assert beam < found[-1] < beam / np.sqrt(1 - 0.3**2)  # it cannot narrow at its clamp
+
+
+def test_statics_is_the_deflection_of_the_plate() -> None:
+    """Under its weight, on a locked hinge, with one mode."""
+    g = (0.0, 0.0, -9.81)
+    sim = simulated(flag(LOCKED), FlexibleLinks(modes=1, size=6e-3, laminate=SHEET), Gravity(g))
+    still = np.zeros(len(sim.coordinates))
+    q = np.linalg.solve(sim.jacobian(still, still)[0], -sim.acceleration(still, still))
+    bent = arrange(plan(sim.mechanism), sim.effects).flexible[0]
+    phi, slopes = bent.shapes(np.array([A, 0.3 * B, 0.0]))
+    solution = plate.solve(elements(6e-3, (plate.Gravity(g),)))
+    assert phi @ q[1:] == pytest.approx(solution.deflection(A, 0.3 * B), rel=1e-6)
+    assert (slopes.T @ q[1:])[:2] == pytest.approx(solution.slope(A, 0.3 * B), rel=1e-6)
+
+
+def test_a_row_of_links_on_locked_hinges_sags_as_one_plate() -> None:
+    """Two plates end to end, b = 0.3 of their length, against one of both lengths: beams, but for the curling near the
+    clamp and the joint, which stays straight here and does not there."""
+    sim = simulated(flag(LOCKED, 2), FlexibleLinks(modes=1, size=6e-3, laminate=SHEET), Gravity((0, 0, -0.1)))
+    still = np.zeros(len(sim.coordinates))
+    q = np.linalg.solve(sim.jacobian(still, still)[0], -sim.acceleration(still, still))
+    one, two = arrange(plan(sim.mechanism), sim.effects).flexible
+    k = one.count
+    joint, slope = one.shapes(np.array([A, 0.0, 0.0]))
+    tip, _ = two.shapes(np.array([2 * A, 0.0, 0.0]))
+    found = joint @ q[2 : 2 + k] + A * (slope.T @ q[2 : 2 + k])[0] + tip @ q[2 + k :]
+    D = 70e9 * T**3 / 12
+    beam = -0.1 * RHO * T * (2 * A) ** 4 / 8 / D
+    plate_like = beam * (1 - 0.3**2)
+    assert beam < found < plate_like
+
+
+# --- motion ----------------------------------------------------------------------------------------------------------
+
+
+def test_stiff_links_are_rigid_ones() -> None:
+    """E times 1e6: bending is 1e-6 of what it was, and that was 1e-3 of the motion."""
+    scene = Scene(effects=(Gravity(), HingeStiffness()), angles={"h0": 0.4})
+    plain = lamc.compile(flag(), scene).run(0.5, t_eval=[0.25, 0.5])
+    effect = FlexibleLinks(modes=2, size=1e-2, damping_ratio=0.5, laminate=scaled(1e6))
+    stiff = lamc.compile(flag(), replace(scene, added=(effect,)))
+    result = stiff.run(0.5, rtol=1e-8, atol=1e-10, t_eval=[0.25, 0.5], integrator="radau5")
+    assert result.success, result.message
+    assert result.angle("h0") == pytest.approx(plain.angle("h0"), abs=1e-6)
+
+
+def test_energy_is_kept_by_modes_and_lost_by_their_damping() -> None:
+    scene = Scene(effects=(Gravity(), HingeStiffness()), angles={"h0": 0.4}, rates={"h0": 10.0, "h1": -20.0})
+    kept, lost = (
+        lamc.compile(
+            flag(count=2),
+            replace(scene, added=(FlexibleLinks(modes=2, size=1e-2, damping_ratio=ratio, laminate=SHEET),)),
+        ).run(0.02, rtol=1e-10, atol=1e-13)
+        for ratio in (0.0, 0.02)
+    )
+    scale = float(np.ptp(kept.energies["kinetic"]))
+    assert kept.energies["flexible_links"].max() > 1e-4 * scale
+    assert np.abs(kept.energy - kept.energy[0]).max() <= 1e-8 * scale
+    assert (np.diff(lost.energy) <= 1e-10 * scale).all()
+    assert lost.energy[-1] < lost.energy[0]
+
+
+def test_steps_stay_affordable() -> None:
+    """Damped links, highest mode some 5 kHz, half a second of a swing at 4 Hz: the implicit methods step over them."""
+    scene = Scene(effects=(Gravity(), HingeStiffness()), angles={"h0": 0.4})
+    sim = lamc.compile(flag(), replace(scene, added=(FlexibleLinks(modes=3, size=1e-2, laminate=SHEET),)))
+    implicit, chosen = (sim.run(1.0, rtol=1e-4, atol=1e-6, integrator=name) for name in ("radau5", "auto"))
+    fastest = float(frequencies(replace_damping(sim))[-1])
+    assert implicit.success
+    assert chosen.success
+    assert implicit.stats.steps < fastest * 1.0 / 10  # an explicit one takes a step for every 3 of ω t, or so
+    assert chosen.stats.integrator.split(", ")[-1] in ("rodas5p", "radau5")
+
+
+def replace_damping(sim: lamc.Simulator) -> lamc.Simulator:
+    (effect,) = (e for e in sim.effects if isinstance(e, FlexibleLinks))
+    return simulated(sim.mechanism, replace(effect, damping_ratio=0.0))
+
+
+def test_what_is_made_of_something_else_is_compiled_anew() -> None:
+    first, second = (
+        simulated(flag(), FlexibleLinks(modes=1, size=1e-2, laminate=sheet)) for sheet in (SHEET, scaled(2.0))
+    )
+    names = [n for n in first.parameters if "modal_stiffness" in n]
+    assert names
+    for name in names:
+        assert second.parameters[name] == pytest.approx(2.0 * first.parameters[name], rel=1e-9)
+    times = Times()
+    scene = Scene(effects=(HingeStiffness(), FlexibleLinks(modes=1, size=1e-2, laminate=SHEET)))
+    lamc.compile(flag(), scene, times=times)
+    assert times.from_cache
+
+
+# --- files and refusals ----------------------------------------------------------------------------------------------
+
+
+def test_a_scene_file_gives_it_with_units() -> None:
+    text = """
+    effects:
+      flexible_links:
+        bodies: [b0]
+        modes: 2
+        size: 10 mm
+        damping_ratio: 0.02
+        laminate: [{material: {E: 70 GPa, nu: 0.3, density: 2700 kg/m^3}, thickness: 0.5 mm}]
+    """
+    (effect,) = scene_of_text(text, "scene.yaml").effects or ()
+    assert isinstance(effect, FlexibleLinks)
+    assert replace(effect, laminate=None) == FlexibleLinks(("b0",), 2, 0.02, 0.01)
+    assert pytest.approx(SHEET.D) == effect.laminate.D
+    assert effect.laminate.areal_mass == pytest.approx(SHEET.areal_mass)
+
+
+def asked(mechanism: Mechanism, **fields: Any) -> object:
+    return arrange(plan(mechanism), (FlexibleLinks(**{"laminate": SHEET} | fields),))
+
+
+def bare() -> Mechanism:
+    made = flag()
+    return replace(made, bodies=tuple(replace(b, outline=()) for b in made.bodies))
+
+
+def upright() -> Mechanism:
+    made = flag()
+    return replace(made, joints=tuple(replace(j, axis=(0.0, 0.0, 1.0)) for j in made.joints))
+
+
+def off() -> Mechanism:
+    made = flag()
+    return replace(made, joints=tuple(replace(j, point=(-0.02, 0.0, 0.0)) for j in made.joints))
+
+
+HEAVY = plate.Laminate([plate.Ply(plate.Material.isotropic(70e9, 0.3, 2 * RHO), T)])
+BAD = {
+    "modes of flexible_links is 0; give a whole number from 1": lambda: FlexibleLinks(modes=0),
+    "modes of flexible_links is 2.5": lambda: FlexibleLinks(modes=2.5),  # type: ignore[arg-type]
+    r"bodies of flexible_links are \(\)": lambda: FlexibleLinks(()),
+    "bodies of flexible_links have 'a' twice": lambda: FlexibleLinks(("a", "a")),
+    "the damping_ratio of flexible_links is -0.1": lambda: FlexibleLinks(damping_ratio=-0.1),
+    "the size of flexible_links is 0 m": lambda: FlexibleLinks(size=0.0),
+    "no body is named 'b9'; known are b0": lambda: asked(flag(), bodies=("b9",)),
+    "body 'ground' is fixed": lambda: asked(flag(), bodies=("ground",)),
+    "what body 'b0' is made of is not known.*give its laminate": lambda: asked(flag(), laminate=None),
+    "body 'b0' has no outline": lambda: asked(bare()),
+    "hinge 'h0' of body 'b0' does not lie in the plane": lambda: asked(upright()),
+    "no edge of the outline of body 'b0' lies on the line of hinge 'h0'": lambda: asked(off()),
+    "weighs 0.0081 kg, more than the body": lambda: asked(flag(), laminate=HEAVY),
+    "element": lambda: asked(flag(), element="dktt", size=1e-2),
+}
+
+
+@pytest.mark.parametrize("message", BAD)
+def test_what_cannot_be_is_refused_by_name(message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        BAD[message]()

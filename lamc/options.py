@@ -5,20 +5,25 @@ from dataclasses import dataclass
 from lamc.errors import BuildError
 from lamc.mechanism.checks import shown
 
+PRECISIONS = ("double", "float")
+
 
 @dataclass(frozen=True)
 class CompileOptions:
     """How the generated C is compiled.
 
     compiler     command, e.g. "gcc" or "zig cc"; None: $LAMC_CC, $CC, cc, gcc, clang, then ziglang
-    fast         allow contraction to fused multiply-add and the instructions of this machine; results then differ
-                 from machine to machine in the last digits
+    fast         allow contraction to fused multiply-add and the instructions of this machine, and inline sine and
+                 cosine (2.5 units in the last place); results then differ from machine to machine in the last digits
+    precision    "double", or "float": accelerations are evaluated in single precision, everything else in double;
+                 errors then stay above some 1e-6, and tolerances below 1e-5 cost steps for nothing
 
     Raises BuildError for values of other types.
     """
 
     compiler: str | None = None
     fast: bool = False
+    precision: str = "double"
 
     def __post_init__(self) -> None:
         if self.compiler is not None and not isinstance(self.compiler, str):
@@ -27,11 +32,15 @@ class CompileOptions:
             )
         if not isinstance(self.fast, bool):
             raise BuildError(f"fast is {shown(self.fast)}; it must be True or False")
+        if self.precision not in PRECISIONS:
+            raise BuildError(f"precision is {shown(self.precision)}; it must be 'double' or 'float'")
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Compiler flags. -ffp-contract=off, so that results repeat from machine to machine."""
-        common = ("-std=c11", "-O2", "-fPIC")
-        return (
-            (*common, "-march=native", "-ffp-contract=fast") if self.fast else (*common, "-ffp-contract=off")
-        )
+        """Compiler flags. -ffp-contract=off, so that results repeat from machine to machine. NaN and infinity keep
+        their meaning in all of them: the runtime looks for them. LAMC_FLOAT changes nothing in C text that is float
+        already; it lets keys of the cache and the provenance of results tell."""
+        common = ("-std=c11", "-O2", "-fPIC", *(("-DLAMC_FLOAT",) if self.precision == "float" else ()))
+        if self.fast:
+            return (*common, "-march=native", "-ffp-contract=fast", "-DLAMC_INLINE_TRIG")
+        return (*common, "-ffp-contract=off")

@@ -80,9 +80,9 @@ def equations_of(
 
 
 def sources_of(
-    equations: "Equations", times: Times | None = None, *, books: bool = False
+    equations: "Equations", times: Times | None = None, *, books: bool = False, precision: str = "double"
 ) -> "tuple[Program, SourceTree]":
-    """lower and emit. books: with the power of every effect."""
+    """lower and emit. books: with the power of every effect; precision: of accelerations, "double" or "float"."""
     from lamc.codegen.emit import emit
     from lamc.codegen.lower import lower
 
@@ -90,7 +90,7 @@ def sources_of(
     with times.stage("lower"):
         program = lower(equations, books=books)
     with times.stage("emit"):
-        return program, emit(program)
+        return program, emit(program, precision)
 
 
 def compile(  # noqa: A001  the public name is lamc.compile
@@ -135,7 +135,7 @@ def _compiled(
 
     @memoise
     def sources(*, books: bool) -> "tuple[Program, SourceTree]":
-        return sources_of(equations(), times, books=books)
+        return sources_of(equations(), times, books=books, precision=options.precision)
 
     def module(*, books: bool) -> Module:
         alias = input_digest(mechanism, effects, loops, compiler, options, books=books)

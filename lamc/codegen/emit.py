@@ -26,6 +26,8 @@ _DECLARATIONS = re.compile(
     r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL
 )
 
+_AT_PRECISION = ("acceleration", "system", "dynamics")  # closure must be exact, and the rest costs little
+
 
 @dataclass(frozen=True)
 class SourceTree:
@@ -63,11 +65,11 @@ class CParameter:
 
 
 @collector_paused
-def emit(program: Program) -> SourceTree:
-    """C of `program`. Raises EmitError where an operation has no C form."""
+def emit(program: Program, precision: str = "double") -> SourceTree:
+    """C of `program`, accelerations in "double" or "float". Raises EmitError where an operation has no C form."""
     runtime = _runtime()
     prefix = identifier(program.name, taken=[Path(name).stem for name in runtime])
-    context = _context(program, prefix)
+    context = _context(program, prefix, precision)
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),
         f"{prefix}.c": environment().get_template("model.c.j2").render(context),
@@ -105,7 +107,7 @@ def environment() -> jinja2.Environment:
     )
 
 
-def _context(program: Program, prefix: str) -> dict[str, object]:
+def _context(program: Program, prefix: str, precision: str) -> dict[str, object]:
     fields = identifiers(p.name for p in program.parameters)
     parameters = [
         CParameter(
@@ -118,7 +120,7 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         )
         for f, p in zip(fields, program.parameters, strict=True)
     ]
-    printer = ShapePrinter()
+    printer, single = ShapePrinter(), ShapePrinter(single=True)
     return {
         "version": __version__,
         "title": comment(program.name),
@@ -156,7 +158,12 @@ def _context(program: Program, prefix: str) -> dict[str, object]:
         "jacobian_cost": literal(program.jacobian_cost),
         "present": sorted(program.functions),
         "tables": [_look_up(number, table) for number, table in program.tables.items()],
-        "functions": [arrange(f, printer, fields) for f in program.functions.values()],
+        "functions": [
+            arrange(f, single, fields, "float")
+            if precision == "float" and f.name in _AT_PRECISION
+            else arrange(f, printer, fields)
+            for f in program.functions.values()
+        ],
     }
 
 

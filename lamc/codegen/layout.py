@@ -31,7 +31,7 @@ def arrange(
 
 def _block(function: Function, printer: ShapePrinter, fields: list[str], number: str) -> CFunction:
     def name(operand: Operand) -> str:
-        return operand_name(operand, fields)
+        return operand_name(operand, fields, number)
 
     lines: list[str] = []
     section = -1

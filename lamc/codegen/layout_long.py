@@ -93,7 +93,7 @@ class Long:
     def _outside(self, operand: Operand) -> str:
         if operand.space is Space.LOCAL:
             return f"x[{self.layout.place[operand.index]}]"
-        return operand_name(operand, self.fields)
+        return operand_name(operand, self.fields, self.number)
 
     def _kernel(self, number: int, kernel: KernelClass) -> CRoutine:
         lines = heading(self.function, kernel.section)

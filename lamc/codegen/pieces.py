@@ -60,7 +60,7 @@ def output_lines(function: Function, name: Callable[[Operand], str], number: str
 
 def assigned(text: str, space: Space, number: str) -> str:
     """C for what is stored; where values are no doubles, EACH(…) makes one of a number."""
-    return f"EACH({text})" if space is Space.NUMBER and number != "double" else text
+    return f"EACH({text})" if space is Space.NUMBER and number not in ("double", "float") else text
 
 
 def unused(function: Function, used: set[Space]) -> tuple[str, ...]:
@@ -78,8 +78,10 @@ def heading(function: Function, section: int) -> list[str]:
     return [f"/* {comment(entry.title + source + effect)} */"]
 
 
-def operand_name(operand: Operand, fields: list[str]) -> str:
-    """C for a slot or a number."""
+def operand_name(operand: Operand, fields: list[str], number: str = "double") -> str:
+    """C for a slot or a number; in "float" all that is not computed there is brought to it."""
+    if number == "float" and operand.space is not Space.LOCAL:
+        return f"(float){operand_name(operand, fields)}"
     match operand.space:
         case Space.NUMBER:
             return literal(operand.value)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from fractions import Fraction
 
 import sympy as sp
+from sympy.codegen.ast import float32, real
 from sympy.printing.c import C99CodePrinter
 
 from lamc.codegen.program import Operand, Shape
@@ -40,11 +41,13 @@ class ShapePrinter:
     """Prints shapes; remembers each one.
 
     brackets: keep those of a - b*(c*d) too, which sympy writes as a - b*c*d: the same number but for its last bit.
+    single: numbers and functions of single precision, 1.0F and sinf.
     """
 
-    def __init__(self, *, brackets: bool = False) -> None:
+    def __init__(self, *, brackets: bool = False, single: bool = False) -> None:
         # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
-        self._printer = _Printer({"order": "none"})
+        types = {"type_aliases": {real: float32}} if single else {}
+        self._printer = _Printer({"order": "none", **types})
         self._brackets = brackets
         self._pieces: dict[Shape, tuple[list[str], list[int]]] = {}
 

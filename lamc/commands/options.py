@@ -77,7 +77,7 @@ design = together(
 )
 compiler = together(
     click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
-    click.option("--fast", is_flag=True, help="Let the compiler use this machine's own instructions."),
+    click.option("--fast", is_flag=True, help="This machine's own instructions, and inline sine and cosine."),
 )
 _effects = together(
     click.option(

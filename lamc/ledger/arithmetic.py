@@ -17,13 +17,19 @@ from lamc.ledger.runners import Own, grid
 from lamc.options import CompileOptions
 from lamc.scene import Scene
 
-_TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12)  # at which the floor is looked for
+_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # at which the floor is looked for
 _REPEATS = 0.3  # s
 
 
 def variants(options: CompileOptions) -> tuple[tuple[str, CompileOptions], ...]:
     """The ways to compile that are compared, by name; the ordinary one first."""
-    return (("double", replace(options, fast=False)), ("fast", replace(options, fast=True)))
+    plain = replace(options, fast=False, precision="double")
+    return (
+        ("double", plain),
+        ("fast", replace(plain, fast=True)),
+        ("float", replace(plain, precision="float")),
+        ("fast float", replace(plain, fast=True, precision="float")),
+    )
 
 
 def measure_arithmetic(

@@ -17,6 +17,12 @@
 #include <math.h>
 #include <stddef.h>
 
+#ifdef LAMC_INLINE_TRIG
+#include "trig.h"
+#define sin(x) lamc_sin(x)
+#define cos(x) lamc_cos(x)
+#endif
+
 /* The derivative of some order, at x, of a piecewise polynomial with `count` breaks. Rows of `pieces` hold `width`
  * coefficients by rising power: one row for x before the first break, then one from each break on. Powers are of the
  * distance from the row's break, in the first row from the first break. */

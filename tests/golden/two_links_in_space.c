@@ -17,6 +17,12 @@
 #include <math.h>
 #include <stddef.h>
 
+#ifdef LAMC_INLINE_TRIG
+#include "trig.h"
+#define sin(x) lamc_sin(x)
+#define cos(x) lamc_cos(x)
+#endif
+
 /* everything that depends on parameters only; once per change of parameters */
 void two_links_in_space_setup(const two_links_in_space_parameters *p, double *out) {
   /* Inertia about the hinges, base parameters (parallel axes; Gautier & Khalil 1990) */

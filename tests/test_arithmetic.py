@@ -1,0 +1,164 @@
+"""Other arithmetic than plain double: inline sine and cosine in their last place, single precision and its floor."""
+
+import ctypes
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+
+import lamc
+from lamc import CompileOptions, examples
+from lamc.codegen import layout
+from lamc.codegen.cache import Cache
+from lamc.codegen.toolchain import find_compiler
+from lamc.commands.examples import mechanism_of_example
+from lamc.errors import BuildError
+from lamc.ledger.arithmetic import variants
+from lamc.run.simulator import Simulator
+from tests.test_integrators import triple
+
+ROOT = Path(__file__).resolve().parents[1]
+FLOAT = CompileOptions(precision="float")
+EPS32 = float(np.finfo(np.float32).eps)
+PLACES = 2.5  # units in the last place: what trig.h promises
+
+_ROWS = """#include "trig.h"
+void sines(const double *x, double *y, long n) { for (long i = 0; i < n; i++) y[i] = lamc_sin(x[i]); }
+void cosines(const double *x, double *y, long n) { for (long i = 0; i < n; i++) y[i] = lamc_cos(x[i]); }
+"""
+
+
+@pytest.fixture(scope="module", params=["plain", "fast"])
+def inline(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """The inlined functions row by row, compiled as a plain and as a fast model is."""
+    folder = tmp_path_factory.mktemp("trig")
+    (folder / "rows.c").write_text(_ROWS, encoding="utf-8")
+    flags = [
+        *CompileOptions(fast=request.param == "fast").flags,
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Werror",
+    ]
+    words = [*find_compiler(None).command, *flags, f"-I{ROOT / 'runtime_c' / 'src'}", "-shared"]
+    subprocess.run([*words, "-o", "rows.so", "rows.c", "-lm"], cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "rows.so"))
+
+
+def values(function: Callable[..., None], x: np.ndarray) -> np.ndarray:
+    y = np.empty_like(x)
+    function(x.ctypes.data_as(ctypes.c_void_p), y.ctypes.data_as(ctypes.c_void_p), ctypes.c_long(len(x)))
+    return y
+
+
+def angles(most: float) -> np.ndarray:
+    """Angles anywhere up to `most`, and next to multiples of π/2, where digits cancel; fixed seed."""
+    rng = np.random.default_rng(7)
+    whole = rng.integers(-int(most / 1.5708), int(most / 1.5708) + 1, 800)
+    return np.concatenate([rng.uniform(-most, most, 2000), whole * (np.pi / 2), rng.uniform(-1e-8, 1e-8, 50)])
+
+
+@pytest.mark.parametrize("most", [1.0, 7.0, 1e3, 9.9e4])
+def test_inline_sine_and_cosine_are_right_to_the_last_places(inline: ctypes.CDLL, most: float) -> None:
+    x = angles(most)
+    with mpmath.workprec(200):
+        for function, exact in ((inline.sines, mpmath.sin), (inline.cosines, mpmath.cos)):
+            for angle, value in zip(x.tolist(), values(function, x).tolist(), strict=True):
+                off = abs(mpmath.mpf(value) - exact(mpmath.mpf(angle)))
+                assert off <= PLACES * np.spacing(abs(value)), (angle, value)
+
+
+def test_libm_gets_huge_angles_and_what_is_no_number(inline: ctypes.CDLL) -> None:
+    x = np.array([1e5, -3e7, 1e22, 1e308])
+    # numpy's own routines may differ from libm's in the last place.
+    np.testing.assert_allclose(values(inline.sines, x), np.sin(x), rtol=1e-15)
+    np.testing.assert_allclose(values(inline.cosines, x), np.cos(x), rtol=1e-15)
+    none = np.array([np.nan, np.inf, -np.inf])
+    assert np.isnan(values(inline.sines, none)).all()
+    assert np.isnan(values(inline.cosines, none)).all()
+    zero = values(inline.sines, np.array([0.0]))
+    assert zero[0] == 0.0
+    assert values(inline.cosines, np.array([0.0]))[0] == 1.0
+
+
+def test_no_variant_takes_nan_for_a_number() -> None:
+    for _, options in variants(CompileOptions()):
+        assert not {"-ffast-math", "-Ofast", "-ffinite-math-only"} & set(options.flags)
+
+
+def compiled(name: str, options: CompileOptions) -> Simulator:
+    return lamc.compile(mechanism_of_example(examples.find(name)), options=options)
+
+
+def states(sim: Simulator) -> tuple[np.ndarray, np.ndarray]:
+    rows = sim.run(1.0, 1e-8, 1e-10, np.linspace(0.0, 1.0, 40))
+    return rows.q, rows.u
+
+
+@pytest.mark.parametrize("name", ["pendulum", "four_bar", "flaps"])
+def test_fast_accelerations_are_those_of_double(name: str) -> None:
+    plain = compiled(name, CompileOptions())
+    q, u = states(plain)
+    fast = compiled(name, CompileOptions(fast=True))
+    exact = plain.acceleration(q, u)
+    # Round-off, as the mass matrix's condition makes of it: 1e4 at most in these.
+    np.testing.assert_allclose(fast.acceleration(q, u), exact, rtol=0, atol=1e-12 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("name", ["pendulum", "four_bar", "flaps"])
+def test_single_precision_is_single(name: str) -> None:
+    plain, single = compiled(name, CompileOptions()), compiled(name, FLOAT)
+    q, u = states(plain)
+    exact = plain.acceleration(q, u)
+    off = np.abs(single.acceleration(q, u) - exact).max() / np.abs(exact).max()
+    assert (
+        EPS32 / 100 < off < 1e4 * EPS32
+    )  # some digits go where the mass matrix is factored, and no double is left
+    assert single.program.digest == plain.program.digest
+    assert "-DLAMC_FLOAT" in single.run(0.01).provenance.flags
+
+
+def test_single_precision_has_a_floor_that_tolerances_do_not_lower() -> None:
+    """A pendulum's end after 2 s: errors of single accelerations stay, whatever the tolerance."""
+    plain = triple(0.0)
+    single = lamc.compile(plain.mechanism, plain.scene, FLOAT)
+    exact = plain.run(2.0, 1e-12, 1e-14, [2.0], "dop853").q
+    ends = [single.run(2.0, rtol, 1e-2 * rtol, [2.0], "rk45").q for rtol in (1e-6, 1e-7)]
+    errors = [float(np.abs(end - exact).max()) for end in ends]
+    assert all(1e-9 < error < 1e-3 for error in errors)
+    double = plain.run(2.0, 1e-9, 1e-11, [2.0], "rk45").q
+    assert np.abs(double - exact).max() < min(errors)
+
+
+def test_loops_close_in_double_whatever_the_accelerations_are() -> None:
+    sim = compiled("four_bar", FLOAT)
+    result = sim.run(1.0, 1e-5, 1e-7)
+    assert result.success, result.message
+    assert result.constraint_error.max() <= 1e-9 * sim.mechanism.size  # what lamc promises for any run
+
+
+def test_kernels_are_single_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Functions that are too long for one block, as those of a hundred hinges are."""
+    mechanism = mechanism_of_example(examples.find("pendulum"))
+    exact = lamc.compile(mechanism, options=CompileOptions())
+    monkeypatch.setattr(layout, "MAX_BLOCK_AT_EVERY_STEP", 10)
+    single = lamc.compile(mechanism, options=FLOAT, cache=Cache(tmp_path))
+    text = "".join(path.read_text(encoding="utf-8") for path in single.source_dir.glob("pendulum.c"))
+    assert "const float" in text
+    q, u = states(exact)
+    truth = exact.acceleration(q, u)
+    off = np.abs(single.acceleration(q, u) - truth).max() / np.abs(truth).max()
+    assert EPS32 / 100 < off < 1e4 * EPS32
+
+
+def test_the_ledger_compares_double_fast_and_float() -> None:
+    assert [name for name, _ in variants(CompileOptions())] == ["double", "fast", "float", "fast float"]
+
+
+@pytest.mark.parametrize("precision", ["half", 32, None])
+def test_an_unknown_precision_is_refused(precision: object) -> None:
+    with pytest.raises(BuildError, match="it must be 'double' or 'float'"):
+        CompileOptions(precision=precision)  # type: ignore[arg-type]

@@ -163,6 +163,18 @@ def test_energy_is_kept_by_strips_and_lost_by_their_retardation() -> None:
     assert kept.energies["twist_compliance"].max() > 0.0
 
 
+@needs_cc
+def test_books_close_and_retardation_only_takes() -> None:
+    """A ring on its bushing: the strips' damping, and that of the hinges, lose energy at every row."""
+    effects = (Gravity(tuple(G)), HingeStiffness(), HingeDamping(), TwistCompliance(**RING, retardation=1e-4))
+    books = lamc.compile(ring(), Scene(effects=effects)).run(0.02, rtol=1e-10, atol=1e-13, books=True).books
+    assert books is not None
+    assert np.abs(books.residual).max() <= 1e-10 * books.scale
+    for dissipative in ("twist_compliance", "hinge_damping"):
+        assert (np.diff(books.supplied[dissipative]) <= 1e-14 * books.scale).all()
+        assert books.supplied[dissipative][-1] < -1e-3 * books.scale
+
+
 # --- loops that do not fit -------------------------------------------------------------------------------------------
 
 CORNERS = {"A": (0.0, 0.0, 0.0), "B": (0.0, 0.0, 0.02), "C": (0.04, 0.0, 0.03), "D": (0.035, 0.0, 0.0)}

@@ -4,8 +4,9 @@ import contextlib
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from lamc.errors import DesignError, ExpressionError, LamcError
 from lamc.examples import __file__ as examples
 from lamc.mechanics.antiderivative import antiderivative
 from lamc.mechanics.derivative import derivative
+from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Store
 from lamc.mechanics.sympy_view import expression
 from lamc.mechanism.records import Joint, Mechanism
@@ -248,6 +250,29 @@ def test_a_hinge_comes_to_rest_on_a_point_of_its_table(damping: float, integrato
     assert result.success
     assert abs(result.q[-1, 0]) < 1e-8  # the tolerance of the run
     assert len(result.events) < 300  # it ends when the swing is too small for the event beside the rest
+
+
+@dataclass(frozen=True)
+class Zero:
+    """An event, and nothing else, where the hinge comes to rest."""
+
+    name: ClassVar[str] = "zero"
+    summary: ClassVar[str] = "Passage of the hinge through zero"
+
+    def contribute(self, loads: Loads) -> None:
+        loads.switch("zero of hip", loads.hinge("hip").angle)
+
+
+@needs_cc
+@pytest.mark.parametrize("damping", [0.02, 0.3, 0.6])
+@pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5"])
+def test_a_hinge_comes_to_rest_on_an_event(damping: float, integrator: str) -> None:
+    """Of the angle only round-off is left there, and of the corrections of implicit stages too."""
+    law = NonlinearStiffness({"hip": {**table("monotone"), "located": False}})
+    sim = simulator(pendulum(damping=damping), law, Zero(), lamc.HingeDamping(), angle=0.9)
+    result = sim.run(t_end=500.0, integrator=integrator)
+    assert result.success, result.message
+    assert abs(result.q[-1, 0]) < 1e-8  # the tolerance of the run
 
 
 @needs_cc

@@ -162,7 +162,7 @@ static void make_dense(lamc_run *run) {
   const int n = run->ode.n;
   const double h = run->h_last;
   const double *y = y_there(run), *y_new = y_here(run), *begin = slope_there(run), *end = slope_here(run);
-  double *s = slot(run, SLOT_STAGE);
+  double *s = slot(run, SLOT_DENSE); /* not SLOT_STAGE, of which eigenvalue() asks later */
   for (int k = STAGES + 1; k < ALL_STAGES; k++) {
     argument(run, k, h, y, begin, end, s);
     evaluate(run, run->t_old + C[k] * h, s, slot(run, SLOT_K_EXTRA + k - STAGES - 1));

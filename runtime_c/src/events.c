@@ -1,37 +1,48 @@
 /* events.c, of lamc: finds where a guard passes zero, and takes the run there.
  *
  * In: guards with their rates. Out: a step that ends on the event, and the state after it.
- * Never: lets a step cross an event, so that within a step the equation is smooth.
+ * Never: lets a step cross an event that it saw, so that within a step the equation is smooth; goes beyond the end of the
+ * step that was accepted, where no error was estimated.
  *
  * The place is found on the continuous extension, and the step is then taken again with its end there, corrected by
- * Newton's method: the state at the event is as accurate as the method, not as its interpolation. */
+ * Newton's method: the state at the event is as accurate as the method, not as its interpolation.
+ *
+ * A guard that its rates at the ends of a step could take to zero is looked at in PARTS parts of the step, and in each by
+ * the cubic through both ends. What that misses: a guard that is negative at both ends, farther from zero than the rates
+ * there reach, and yet positive between; and one that is positive for less than a part and bends more than a cubic. */
 #include "events.h"
 
 #include "integrals.h"
 
-enum { MAX_HALVINGS = 80, MAX_CORRECTIONS = 4, LONG_STREAK = 10 };
+enum { PARTS = 8, MAX_HALVINGS = 100, MAX_CORRECTIONS = 6, LONG_STREAK = 10 };
 
 static const double TOO_CLOSE = 1e-10; /* of the time of the run: events nearer to each other pile up */
 
 /* The parts of a run's room for events; k guards */
 typedef struct room {
   int k;
-  double *here;  /* (2, k): guards and their rates where the step began */
-  double *there; /* (2, k): where it ended */
+  double *here;  /* (PARTS + 1, 2, k): guards and their rates along the step; the first are where it began */
+  double *there; /* (2, k), the last of them: where it ended */
   double *trial; /* (2, k) */
   double *when;  /* (k,): s into the step; negative: no event */
   double *y;     /* (n,) */
 } room;
 
+/* Two ends of a part of the step: s into it, the guard and its rate there */
+typedef struct part {
+  double low, at_low, rate_low;
+  double high, at_high, rate_high;
+} part;
+
 long long lamc_events_size(const lamc_ode *ode) {
-  return ode->guard_count > 0 ? 7LL * ode->guard_count + ode->n : 0;
+  return ode->guard_count > 0 ? (2LL * (PARTS + 1) + 3) * ode->guard_count + ode->n : 0;
 }
 
 static room room_of(const lamc_run *run) {
   room r;
   r.k = run->ode.guard_count;
   r.here = run->guards;
-  r.there = r.here + 2 * r.k;
+  r.there = r.here + (ptrdiff_t)PARTS * 2 * r.k;
   r.trial = r.there + 2 * r.k;
   r.when = r.trial + 2 * r.k;
   r.y = r.when + r.k;
@@ -45,74 +56,111 @@ void lamc_events_start(lamc_run *run, double *memory) {
   run->ode.guards(run->ode.context, run->t, y_here(run), memory);
 }
 
-/* One guard at `after` s into the step just taken */
+/* ---- Where a guard becomes positive ------------------------------------------------------------------------ */
+
+/* All guards and their rates at `after` s into the step just taken */
+static void guards_at(lamc_run *run, const room *r, double after, double *values) {
+  const double t = smaller(run->t_old + after, run->t);
+  (void)lamc_run_interpolate(run, t, r->y);
+  run->ode.guards(run->ode.context, t, r->y, values);
+}
+
 static double guard_at(lamc_run *run, const room *r, int guard, double after) {
-  (void)lamc_run_interpolate(run, smaller(run->t_old + after, run->t), r->y);
-  run->ode.guards(run->ode.context, run->t_old + after, r->y, r->trial);
+  guards_at(run, r, after, r->trial);
   return r->trial[guard];
 }
 
-/* Where the cubic through both ends, times `sign`, has its maximum inside, as a part of the step; 0: nowhere */
-static double top_of_cubic(const room *r, int guard, double h, double sign, double *top) {
-  const double a = sign * r->here[guard], b = sign * r->there[guard];
-  const double sa = sign * h * r->here[r->k + guard], sb = sign * h * r->there[r->k + guard];
+/* 1 if a guard is positive where the step ended, or within reach of zero at the rates that it has at the ends */
+static int is_near(const lamc_run *run, const room *r) {
+  for (int g = 0; g < r->k; g++) {
+    const double rate = larger(fabs(r->here[r->k + g]), fabs(r->there[r->k + g]));
+    if (r->there[g] > 0.0 || smaller(fabs(r->here[g]), fabs(r->there[g])) <= run->h_last * rate) return 1;
+  }
+  return 0;
+}
+
+/* Where the cubic through both ends, times `sign`, has its maximum inside, s into the step; negative: nowhere */
+static double top_of_cubic(const part *p, double sign, double *top) {
+  const double h = p->high - p->low, a = sign * p->at_low, b = sign * p->at_high;
+  const double sa = sign * h * p->rate_low, sb = sign * h * p->rate_high;
   *top = -HUGE_VAL;
-  if (!(sa > 0.0 && sb < 0.0)) return 0.0;
+  if (!(sa > 0.0 && sb < 0.0)) return -1.0;
   const double c3 = 2.0 * (a - b) + sa + sb, c2 = 3.0 * (b - a) - 2.0 * sa - sb;
   /* 3 c3 s^2 + 2 c2 s + sa = 0; the root at which the slope goes from positive to negative */
   const double root = sqrt(larger(c2 * c2 - 3.0 * c3 * sa, 0.0));
   const double s = sa / (root - c2);
-  if (!(s > 0.0 && s < 1.0)) return 0.0;
+  if (!(s > 0.0 && s < 1.0)) return -1.0;
   *top = a + s * (sa + s * (c2 + s * c3));
-  return s;
+  return p->low + s * h;
 }
 
-/* The guard passes zero between low, where it is not positive, and high, where it is. Illinois: false position that
- * halves the weight of an end that stays. */
+/* The guard passes zero between low, where it is not positive, and high, where it is: s into the step at which it is. The
+ * bracket shrinks as by false position, and never takes more than one evaluation beyond halving: method ITP, I. F. D.
+ * Oliveira, R. H. C. Takahashi, ACM Trans. Math. Softw. 47 (2020) 5, with k1 = 0.2 / (high - low), k2 = 2, n0 = 1. */
 static double close_in(lamc_run *run, const room *r, int guard, double low, double at_low, double high,
                        double at_high) {
-  const double enough = 4.0 * DBL_EPSILON * larger(fabs(run->t), run->h_last);
-  for (int i = 0; i < MAX_HALVINGS && high - low > enough; i++) {
-    double middle =
-        at_high > at_low ? (low * at_high - high * at_low) / (at_high - at_low) : 0.5 * (low + high);
-    if (!(middle > low && middle < high)) middle = 0.5 * (low + high);
+  const double enough = 2.0 * DBL_EPSILON * larger(fabs(run->t), run->h_last);
+  const double first = high - low;
+  double reach = enough; /* enough 2^(halvings + 1): how wide the bracket may be yet */
+  while (reach < first) reach *= 2.0;
+  for (int i = 0; i < MAX_HALVINGS && high - low > 2.0 * enough; i++, reach *= 0.5) {
+    const double width = high - low, half = low + 0.5 * width;
+    const double line = at_high > at_low ? (low * at_high - high * at_low) / (at_high - at_low) : half;
+    const double sign = half >= line ? 1.0 : -1.0, shift = 0.2 / first * width * width;
+    const double aside = shift <= fabs(half - line) ? line + sign * shift : half;
+    const double radius = larger(reach - 0.5 * width, 0.0);
+    const double middle = fabs(aside - half) <= radius ? aside : half - sign * radius;
+    if (!(middle > low && middle < high)) break; /* round-off */
     const double value = guard_at(run, r, guard, middle);
     if (value > 0.0) {
       high = middle;
       at_high = value;
-      at_low *= 0.5;
     } else {
       low = middle;
       at_low = value;
-      at_high *= 0.5;
     }
   }
   return high;
 }
 
-/* s into the step at which the guard becomes positive; negative: it does not. A guard may begin a little above zero after
- * an event there, by round-off, and may be above zero inside the step only, or below it inside only. */
+/* s into the step at which the guard becomes positive within a part of it; negative: it does not. *is_below: whether the
+ * guard has been below zero before the part, then before its end. */
+static double find_in(lamc_run *run, const room *r, int guard, const part *p, int *is_below) {
+  const int was_below = *is_below;
+  double extreme;
+  *is_below = was_below || p->at_high <= 0.0;
+  if (!was_below) {
+    const double bottom = p->at_high > 0.0 ? top_of_cubic(p, -1.0, &extreme) : -1.0;
+    const double value = bottom > 0.0 ? guard_at(run, r, guard, bottom) : 1.0;
+    return value <= 0.0 ? close_in(run, r, guard, bottom, value, p->high, p->at_high) : -1.0;
+  }
+  if (p->at_high > 0.0) return close_in(run, r, guard, p->low, p->at_low, p->high, p->at_high);
+  const double top = top_of_cubic(p, 1.0, &extreme);
+  if (top < 0.0 || extreme < -0.1 * larger(fabs(p->at_low), fabs(p->at_high))) return -1.0;
+  const double value = guard_at(run, r, guard, top);
+  return value > 0.0 ? close_in(run, r, guard, p->low, p->at_low, top, value) : -1.0;
+}
+
+/* s into the step at which the guard becomes positive for the first time; negative: it does not. A guard may begin a little
+ * above zero after an event there, by round-off, and must have been below before it counts; one that only rises from
+ * there counts at once. */
 static double find(lamc_run *run, const room *r, int guard) {
   const double h = run->h_last;
-  const double begin = r->here[guard], end = r->there[guard];
-  double extreme;
-  if (begin > 0.0) {
-    if (!(end > 0.0)) return -1.0;
-    const double bottom = h * top_of_cubic(r, guard, h, -1.0, &extreme);
-    const double value = bottom > 0.0 ? guard_at(run, r, guard, bottom) : 1.0;
-    if (value <= 0.0) return close_in(run, r, guard, bottom, value, h, end);
-    return end > begin ? 0.0 : -1.0;
+  int is_below = r->here[guard] <= 0.0;
+  for (int i = 0; i < PARTS; i++) {
+    const double *a = r->here + (ptrdiff_t)2 * r->k * i + guard, *b = a + 2 * r->k;
+    const part p = {h * i / PARTS, a[0], a[r->k], h * (i + 1) / PARTS, b[0], b[r->k]};
+    const double when = find_in(run, r, guard, &p, &is_below);
+    if (when >= 0.0) return when;
   }
-  if (end > 0.0) return close_in(run, r, guard, 0.0, begin, h, end);
-  const double top = h * top_of_cubic(r, guard, h, 1.0, &extreme);
-  if (top == 0.0 || extreme < -0.1 * larger(fabs(begin), fabs(end))) return -1.0;
-  const double value = guard_at(run, r, guard, top);
-  return value > 0.0 ? close_in(run, r, guard, 0.0, begin, top, value) : -1.0;
+  return !is_below && r->there[guard] > r->here[guard] ? 0.0 : -1.0;
 }
 
 /* Fills when; the first guard to become positive, -1 if none does */
 static int find_first(lamc_run *run, const room *r) {
   int first = -1;
+  for (int i = 1; i < PARTS; i++)
+    guards_at(run, r, run->h_last * i / PARTS, r->here + (ptrdiff_t)2 * r->k * i);
   for (int g = 0; g < r->k; g++) {
     r->when[g] = find(run, r, g);
     if (r->when[g] >= 0.0 && (first < 0 || r->when[g] < r->when[first])) first = g;
@@ -120,13 +168,20 @@ static int find_first(lamc_run *run, const room *r) {
   return first;
 }
 
-/* Takes the step again so that it ends where the guard is zero. LAMC_PAUSED: the method refuses the shorter step. */
-static lamc_status step_to(lamc_run *run, const room *r, int guard) {
+/* ---- The step that ends there ------------------------------------------------------------------------------ */
+
+/* Takes the step again so that it ends where the guard is zero. LAMC_PAUSED: the method refuses the shorter step.
+ * *is_reached: 0 where the guard is still negative at the end of the step, since the continuous extension erred. */
+static lamc_status step_to(lamc_run *run, const room *r, int guard, int *is_reached) {
   const double shortest = 4.0 * DBL_EPSILON * fabs(run->t);
+  const double whole = run->h_last, t_whole = run->t;
   double h = r->when[guard];
+  /* no farther than a part of the step from where the continuous extension passes zero: another zero may lie there */
+  double low = larger(h - whole / PARTS, 0.0), high = smaller(h + whole / PARTS, whole);
   run->accepted--;
   run->rejected++;
-  for (int i = 0; i < MAX_CORRECTIONS; i++) {
+  *is_reached = 1;
+  for (int i = 1;; i++) {
     double squared;
     lamc_run_move_back(run);
     run->has_polynomial = 0;
@@ -139,12 +194,21 @@ static lamc_status step_to(lamc_run *run, const room *r, int guard) {
       run->rejected++;
     }
     if (taken != LAMC_OK) return taken;
-    run->ode.guards(run->ode.context, run->t, y_here(run), r->there);
-    const double rate = r->there[r->k + guard];
-    const double correction = rate > 0.0 ? -r->there[guard] / rate : 0.0;
-    if (fabs(correction) <= 4.0 * DBL_EPSILON * larger(fabs(run->t), h) || h + correction <= 0.0) break;
-    if (fabs(correction) > 0.5 * h || i + 1 == MAX_CORRECTIONS) break;
-    h += correction;
+    if (h == whole) run->t = t_whole; /* the end of a run, to the last digit */
+    run->ode.guards(run->ode.context, run->t, y_here(run), r->trial);
+    const double value = r->trial[guard], rate = r->trial[r->k + guard];
+    const double correction = rate > 0.0 ? -value / rate : 0.0;
+    const int is_there = rate > 0.0 && fabs(correction) <= 4.0 * DBL_EPSILON * larger(fabs(run->t), h);
+    *is_reached = value >= 0.0 || is_there;
+    if (is_there || !(rate > 0.0) || i == MAX_CORRECTIONS) break;
+    if (value > 0.0) {
+      high = h;
+    } else {
+      low = h;
+    }
+    const double next = h + correction > low && h + correction < high ? h + correction : 0.5 * (low + high);
+    if (!(next > 0.0)) break;
+    h = next;
     run->rejected++;
   }
   run->accepted++;
@@ -165,23 +229,35 @@ static lamc_status keep_count(lamc_run *run, int guard) {
                                                                                : LAMC_OK;
 }
 
+/* After a step without an event */
+static void go_on(lamc_run *run, const room *r, const double *guards) {
+  memcpy(r->here, guards, 2 * (size_t)r->k * sizeof *r->here);
+  lamc_integrals_step(run);
+}
+
 lamc_status lamc_events_after_step(lamc_run *run) {
   if (run->ode.guard_count == 0) {
     lamc_integrals_step(run);
     return LAMC_OK;
   }
   const room r = room_of(run);
+  const int dense = run->dense;
   run->ode.guards(run->ode.context, run->t, y_here(run), r.there);
-  const int first = find_first(run, &r);
+  const int first = is_near(run, &r) ? find_first(run, &r) : -1;
   if (first < 0) {
-    memcpy(r.here, r.there, 2 * (size_t)r.k * sizeof *r.here);
-    lamc_integrals_step(run);
+    if (run->ode.doubts != NULL) run->dense = dense; /* rows ask whether making it met doubts */
+    go_on(run, &r, r.there);
     return LAMC_OK;
   }
   const double together = r.when[first] + 64.0 * DBL_EPSILON * larger(fabs(run->t), run->h_last);
   const int is_here = r.when[first] <= 4.0 * DBL_EPSILON * fabs(run->t);
-  lamc_status status = step_to(run, &r, first);
+  int is_reached;
+  lamc_status status = step_to(run, &r, first, &is_reached);
   if (status != LAMC_OK) return status;
+  if (!is_reached) {
+    go_on(run, &r, r.trial);
+    return LAMC_OK;
+  }
   if (!is_here) { /* rows within the step are still to be written: the polynomial must not see what the event does */
     double *y = r.y;
     (void)lamc_run_interpolate(run, 0.5 * (run->t_old + run->t), y);

@@ -35,11 +35,10 @@ typedef struct room {
   double *coefficients; /* (MOST_NODES, k), of Legendre's polynomials over the last step */
   double *values;       /* (k,) */
   double *y;            /* (n,): within a step, or before an event */
-  double *stage;        /* (n,): the last stage of the step, which tells LAMC_AUTO of stiffness */
 } room;
 
 long long lamc_integrals_size(const lamc_ode *ode) {
-  return ode->integral_count > 0 ? (3LL + MOST_NODES) * ode->integral_count + 2LL * ode->n : 0;
+  return ode->integral_count > 0 ? (3LL + MOST_NODES) * ode->integral_count + ode->n : 0;
 }
 
 static room room_of(const lamc_run *run) {
@@ -50,7 +49,6 @@ static room room_of(const lamc_run *run) {
   r.coefficients = r.there + r.k;
   r.values = r.coefficients + (ptrdiff_t)MOST_NODES * r.k;
   r.y = r.values + r.k;
-  r.stage = r.y + run->ode.n;
   return r;
 }
 
@@ -71,9 +69,7 @@ void lamc_integrals_step(lamc_run *run) {
   const rule *q = lamc_method_of(run->method)->quadrature;
   const int dense = run->dense;
   const long long before = run->evaluations;
-  const size_t bytes = (size_t)run->ode.n * sizeof *r.stage;
   double p[MOST_NODES + 1];
-  memcpy(r.stage, slot(run, SLOT_STAGE), bytes); /* the continuous extension may take stages of its own */
   memset(r.coefficients, 0, (size_t)(MOST_NODES * r.k) * sizeof *r.coefficients);
   for (int j = 0; j < q->count; j++) {
     const double t = smaller(run->t_old + q->node[j] * run->h_last, run->t);
@@ -86,7 +82,6 @@ void lamc_integrals_step(lamc_run *run) {
       for (int m = 0; m < r.k; m++) r.coefficients[i * r.k + m] += weight * r.values[m];
     }
   }
-  memcpy(slot(run, SLOT_STAGE), r.stage, bytes);
   memcpy(r.there, r.here, (size_t)r.k * sizeof *r.there);
   for (int m = 0; m < r.k; m++) r.here[m] += run->h_last * r.coefficients[m];
   run->watch.mark_cost += (double)(run->evaluations - before); /* they must not sway LAMC_AUTO */

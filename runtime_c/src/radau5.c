@@ -86,7 +86,8 @@ static double iterate(lamc_run *run, const implicit *parts, double h) {
 static int solve_stages(lamc_run *run, const implicit *parts, double h) {
   const int n = run->ode.n;
   const double rtol = run->options.rtol;
-  const double enough = larger(10.0 * DBL_EPSILON / rtol, smaller(0.03, sqrt(rtol)));
+  const double noise = 10.0 * DBL_EPSILON / rtol; /* changes as small as this need not shrink any more */
+  const double enough = larger(noise, smaller(0.03, sqrt(rtol)));
   double before = 0.0;
   predict(run, h);
   change_basis(run, TI, SLOT_Z, SLOT_W);
@@ -94,15 +95,17 @@ static int solve_stages(lamc_run *run, const implicit *parts, double h) {
     const double change = iterate(run, parts, h);
     if (!is_finite(change)) return -1;
     const double rate = round > 0 ? change / before : 0.0;
-    if (rate >= 1.0) return 0;
-    if (round > 0 && pow(rate, MAX_ITERATIONS - round) / (1.0 - rate) * change > enough) return 0;
+    const int is_noise = change <= noise;
+    if (rate >= 1.0 && !is_noise) return 0;
+    if (round > 0 && !is_noise && pow(rate, MAX_ITERATIONS - round) / (1.0 - rate) * change > enough)
+      return 0;
     for (int k = 0; k < 3; k++) {
       double *w = slot(run, SLOT_W + k);
       const double *dw = slot(run, SLOT_F + k);
       for (int i = 0; i < n; i++) w[i] += dw[i];
     }
     change_basis(run, T, SLOT_W, SLOT_Z);
-    if (change == 0.0 || (round > 0 && rate / (1.0 - rate) * change < enough)) return 1;
+    if (is_noise || (round > 0 && rate / (1.0 - rate) * change < enough)) return 1;
     before = change;
   }
   return 0;

@@ -27,6 +27,7 @@ THEORY = {
     "crawler": (0, 0, 2),  # and six more that float
     "five_bar": (1, 3, 2),
     "flaps": (0, 0, 2),
+    "flapping_wing": (0, 0, 2),
     "folding_box": (4, 12, 4),  # four spherical loops of five creases; a freedom for each wall
     "four_bar": (1, 3, 1),
     "limit_stop": (0, 0, 2),

@@ -31,7 +31,7 @@ _COEFFICIENTS = {  # field: its meaning
     "lift": "greatest lift coefficient, at 45 degrees",
     "drag_edge_on": "drag coefficient of the wing edge-on",
     "drag_broadside": "drag coefficient of the wing broadside",
-    "rotation": "circulation of a wing that pitches, over (0.75 - x0) c^2 rate; pi in theory",
+    "rotation": "circulation of a wing that pitches, over (0.75 - x0) c^2 rate",
 }
 
 
@@ -67,7 +67,9 @@ class BladeElementDrag:
     lift            A
     drag_edge_on    C_0
     drag_broadside  C_90
-    rotation        k, π in theory (Sane & Dickinson 2002: C_rot = π (0.75 - x0))
+    rotation        k; π in theory (Sane & Dickinson 2002: C_rot = π (0.75 - x0)). It stands across the velocity, with
+                    suction at the leading edge, which a sharp edge does not bear where a wing turns over: there it
+                    doubles the lift of a hovering wing. Whitney & Wood 2010 leave it out, and their wings agree
     lift_point      where lift acts, as a fraction of the chord from the leading edge; None: as said above
     added_mass      False leaves the mass of the air out
     wind            velocity of the air, m/s, world; None: it rests
@@ -85,7 +87,7 @@ class BladeElementDrag:
     lift: float = 1.8
     drag_edge_on: float = 0.4
     drag_broadside: float = 3.4
-    rotation: float = math.pi
+    rotation: float = 0.0
     lift_point: float | None = None
     added_mass: bool = True
     wind: tuple[float, float, float] | None = None  # m/s

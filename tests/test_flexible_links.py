@@ -193,6 +193,8 @@ def test_energy_is_kept_by_modes_and_lost_by_their_damping() -> None:
     assert np.abs(kept.energy - kept.energy[0]).max() <= 1e-8 * scale
     assert (np.diff(lost.energy) <= 1e-10 * scale).all()
     assert lost.energy[-1] < lost.energy[0]
+    assert FlexibleLinks(damping_ratio=0.0).conservative
+    assert not FlexibleLinks().conservative
 
 
 def test_books_close_with_yielding_hinges_on_a_floating_base() -> None:
@@ -308,3 +310,11 @@ BAD = {
 def test_what_cannot_be_is_refused_by_name(message: str) -> None:
     with pytest.raises(DesignError, match=message):
         BAD[message]()
+
+
+def test_a_drawn_body_without_moduli_is_refused_with_the_way_out() -> None:
+    """The four-bar's tape has none, and its shelf is made of it in part."""
+    with as_file(files("lamc.examples") / "four_bar.yaml") as path:
+        mechanism = lamc.split(lamc.load(path))
+    with pytest.raises(DesignError, match=r"body 'shelf' is no plate here: moduli are needed .*'foam_tape'"):
+        arrange(plan(mechanism), (FlexibleLinks(("shelf",)),))

@@ -161,6 +161,8 @@ def test_energy_is_kept_by_strips_and_lost_by_their_retardation() -> None:
     assert (np.diff(lost.energy) <= 1e-9 * scale).all()
     assert lost.energy[-1] < lost.energy[0] - 1e-6 * scale
     assert kept.energies["twist_compliance"].max() > 0.0
+    assert TwistCompliance().conservative
+    assert not TwistCompliance(retardation=1e-4).conservative
 
 
 @needs_cc

@@ -100,6 +100,11 @@ class FlexibleLinks:
             laminate = laminate_of(self.laminate, "the laminate of flexible_links")
             object.__setattr__(self, "laminate", laminate)
 
+    @property
+    def conservative(self) -> bool:
+        """Nothing is lost by modes that are not damped."""
+        return not self.damping_ratio
+
     def claims(self) -> tuple[str, ...]:
         return ("bending of bodies",)
 

@@ -91,7 +91,10 @@ def _from_design(mechanism: Mechanism, name: str, hinge: Joint, others: list[Joi
             f"flexible_links: what body {name!r} is made of is not known, as mechanism {mechanism.name!r} comes from "
             "no drawing: give its laminate, or run the design itself"
         )
-    plate = plate_of(mechanism.design, name, hinges="lines")
+    try:
+        plate = plate_of(mechanism.design, name, hinges="lines")
+    except DesignError as error:
+        raise DesignError(f"flexible_links: body {name!r} is no plate here: {error.message}") from error
     clamped = plate.hinges[hinge.name].line
     if clamped.is_empty:
         raise DesignError(

@@ -103,6 +103,11 @@ class TwistCompliance:
         flat = (tuple(a.items()) if isinstance(a, Mapping) else a for a in amounts)
         return hash((self.joints, *flat, self.freedoms, self.retardation, self.normal))
 
+    @property
+    def conservative(self) -> bool:
+        """Nothing is lost where nothing retards."""
+        return not self.retardation
+
     def claims(self) -> tuple[str, ...]:
         return ("compliance across hinges",)
 

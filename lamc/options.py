@@ -16,7 +16,8 @@ class CompileOptions:
     fast         allow contraction to fused multiply-add and the instructions of this machine, and inline sine and
                  cosine (2.5 units in the last place); results then differ from machine to machine in the last digits
     precision    "double", or "float": accelerations are evaluated in single precision, everything else in double;
-                 errors then stay above some 1e-6, and tolerances below 1e-5 cost steps for nothing
+                 its round-off, some 1e-7 of an acceleration, stays whatever the tolerance (1e-8 of an angle in the
+                 pendulum), and steps that are to be more exact than that are tried in vain
 
     Raises BuildError for values of other types.
     """

@@ -15,7 +15,9 @@ from lamc.effects.base import Effect
 from lamc.effects.strips import wing
 from lamc.errors import DesignError
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
+from lamc.pipeline import equations_of
 from tests.ctools import needs_cc
+from tests.every_effect import SAMPLES, mechanism
 from tests.floating import lone_body, quaternion_matrix
 from tests.general_motion import General
 
@@ -309,9 +311,9 @@ def hinged(*effects: Effect, angle: float) -> lamc.Simulator:
     """A plate that swings broadside about y on a spring; hinge at x = 0, span along x from 0 to 1 m, chord 0.4 m."""
     plate = Body("plate", 0.05, np.array([0.4, 0.0, 0.0]), np.diag([0.002, HINGED - 0.05 * 0.16, 0.0125]))
     joint = Joint("h", "ground", "plate", axis=np.array([0.0, 1.0, 0.0]), stiffness=SPRING)
-    mechanism = Mechanism((Body("ground", fixed=True), plate), (joint,))
+    whole = Mechanism((Body("ground", fixed=True), plate), (joint,))
     scene = lamc.Scene(effects=(lamc.HingeStiffness(), *effects), angles={"h": angle})
-    return lamc.compile(mechanism, scene)
+    return lamc.compile(whole, scene)
 
 
 def swung(**fields: object) -> lamc.BladeElementDrag:
@@ -358,8 +360,8 @@ def drawn(*plates: Polygon, axis: tuple[float, float, float] = (-1.0, 0.0, 0.0))
 
 
 def test_wing_is_the_outline_of_its_body_and_pitches_about_its_hinge() -> None:
-    mechanism = drawn(shapely_box(0.0, -0.5, 0.6, 0.3), shapely_box(0.5, -0.5, 1.0, 0.3))
-    flat = wing(mechanism, "wing", 4, None, None, None)
+    made = drawn(shapely_box(0.0, -0.5, 0.6, 0.3), shapely_box(0.5, -0.5, 1.0, 0.3))
+    flat = wing(made, "wing", 4, None, None, None)
     assert flat.origin == (0.3, 0.2, 0.002)
     assert flat.axes[0] == (0.0, 1.0, 0.0)  # less of it lies on that side of the hinge
     assert [s.chord for s in flat.strips] == pytest.approx([0.8] * 4, abs=1e-15)
@@ -387,21 +389,30 @@ def shapely_box(left: float, bottom: float, right: float, top: float) -> Polygon
     ],
 )
 def test_what_is_no_wing_is_refused(change: dict[str, object], told: str) -> None:
-    mechanism = drawn(shapely_box(0.0, -0.5, 1.0, 0.3))
+    made = drawn(shapely_box(0.0, -0.5, 1.0, 0.3))
     with pytest.raises(DesignError, match=told):
-        lamc.BladeElementDrag(**{"body": "wing", **change}).wing(mechanism)  # type: ignore[arg-type]
+        lamc.BladeElementDrag(**{"body": "wing", **change}).wing(made)  # type: ignore[arg-type]
 
 
 def test_hinge_out_of_the_plane_is_refused() -> None:
-    mechanism = drawn(shapely_box(0.0, -0.5, 1.0, 0.3), axis=(0.0, 0.0, 1.0))
+    made = drawn(shapely_box(0.0, -0.5, 1.0, 0.3), axis=(0.0, 0.0, 1.0))
     with pytest.raises(DesignError, match="give two points of the line"):
-        lamc.BladeElementDrag("wing").wing(mechanism)
+        lamc.BladeElementDrag("wing").wing(made)
 
 
 @needs_cc
 def test_one_body_has_air_around_it_once() -> None:
-    mechanism = drawn(shapely_box(0.0, -0.5, 1.0, 0.3))
+    made = drawn(shapely_box(0.0, -0.5, 1.0, 0.3))
     with pytest.raises(DesignError, match="air around body 'wing'"):
-        lamc.compile(
-            mechanism, lamc.Scene(effects=(lamc.BladeElementDrag("wing"), lamc.BladeElementDrag("wing")))
-        )
+        lamc.compile(made, lamc.Scene(effects=(lamc.BladeElementDrag("wing"), lamc.BladeElementDrag("wing"))))
+
+
+def test_flexible_wing_is_refused() -> None:
+    wet = replace(blade(line=((0.0, 0.0), (1.0, 0.0))), body="a")
+    with pytest.raises(DesignError, match="'a' is flexible, and strips are those of a rigid one"):
+        equations_of(mechanism(), (wet, SAMPLES["flexible_links"]))
+
+
+def test_wing_that_does_not_move_is_refused() -> None:
+    with pytest.raises(DesignError, match="the wing 'ground' does not move"):
+        equations_of(mechanism(), (blade(added_mass=False),))

@@ -240,6 +240,31 @@ def test_polygons_have_holes_and_regions_with_laminates_of_their_own() -> None:
     assert region.laminate.plies[0].material.name == "Kapton HN"
 
 
+@pytest.mark.parametrize(
+    ("shape", "told"),
+    [
+        # Triangles of √3/4 (0.3 mm)² on 2e4 mm²: half a million.
+        ("rect: [0, 0, 200, 100], size: 0.3", r"plate.yaml:4:.* at least \d{6} cells of element 'dkt'"),
+        ("rect: [0, 0, 200, 100], grid: [600, 300]", r"plate.yaml:4:.* 360000 cells of element 'dkt'"),
+    ],
+)
+def test_memory_to_solve_is_asked_for_before_meshing(
+    shape: str, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a machine with 256 MiB free, where some hundred thousand triangles would be meshed and then not solved."""
+
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("meshed")
+
+    monkeypatch.setattr("lamc.plate.memory.available_memory", lambda: 2**28)
+    monkeypatch.setattr("lamc.plate.files.problem_make.mesh", never)
+    monkeypatch.setattr("lamc.plate.files.problem_make.grid", never)
+    head = "kind: plate\nunits: mm\nlaminate: {material: steel, thickness: 1}\n"
+    file = plate_of_text(f"{head}geometry: {{{shape}}}\nsupports: [{{clamped: left}}]\n", "plate.yaml")
+    with pytest.raises(DesignError, match=told + ".*GiB to solve with .* mesh coarser"):
+        problem_of(file, solver="superlu")
+
+
 def test_a_mesh_follows_the_lines_and_points_of_the_file() -> None:
     """So that a load along an inner line, which must be on edges, finds them."""
     shape = "geometry: {rect: [0, 0, 200, 100], size: 20, follow: [{line: [[30, 20], [150, 70]]}, {point: [20, 60]}]}\n"

@@ -15,7 +15,7 @@ from lamc import examples, plate
 from lamc.cli import main
 from lamc.design.load import load
 from lamc.design.records import Design
-from lamc.errors import DesignErrors
+from lamc.errors import DesignError, DesignErrors
 from lamc.plate.files.problem_file import plate_of_text
 from lamc.plate.files.problem_make import problem_of
 from tests.ctools import needs_cc
@@ -50,6 +50,46 @@ def test_links_reach_up_to_a_line_between_them() -> None:
     # No stiffness is drawn: E t³ / 12 (1 - ν²) of a strip two hinge widths, 1 mm, wide.
     assert line.stiffness == pytest.approx(E * t**3 / (12 * (1 - nu**2) * 1e-3), rel=1e-9)
     assert any("no stiffness of its own" in note for note in found.notes)
+
+
+def four_bar() -> Design:
+    design = load(examples.find("four_bar").path)
+    assert isinstance(design, Design)
+    return design
+
+
+TAPE = {"foam_tape": plate.Material(E1=5e6, E2=5e6, nu12=0.3, G12=5e6 / 2.6, density=720.0)}
+
+
+@pytest.mark.parametrize("hinges", ["none", "lines", "strips"])
+def test_bodies_above_one_another_are_no_plate(hinges: str) -> None:
+    """The arm is in the lower sheet, and the upper sheet of the ground hangs 6 mm over it, unjoined."""
+    with pytest.raises(
+        DesignError, match=r"'ground' and 'arm' lie above one another at \(.*nothing joins them"
+    ):
+        plate.plate_of(four_bar(), "all", hinges=hinges, materials=TAPE)
+
+
+def test_two_bars_in_one_sheet_fold_by_moment_over_stiffness() -> None:
+    """0.9 mN on the far edge of the shelf, 30 mm from its hinge with the arm of 0.023 N·mm/rad, which is clamped."""
+    found = plate.plate_of(four_bar(), ["arm", "shelf"], hinges="lines", materials=TAPE)
+    (line,) = found.lines.values()
+    mesh = plate.mesh(found.outline, 5e-3, regions=found.regions, follow=[line.where])
+    # The mesher's own promise; borders of neighbours that part by round-off make needles.
+    assert plate.mesh_report(mesh).angles[0] > 25.0
+    problem = plate.Problem(
+        mesh,
+        dict(found.laminates),
+        supports=[plate.Clamped(found.hinges["arm"].line)],
+        loads=[plate.EdgeLoad(LineString([(70e-3, 0), (70e-3, 30e-3)]), -0.03)],
+        hinges=[line],
+    )
+    solution = plate.solve(problem)
+    assert isinstance(solution, plate.Solution)
+    # Statics alone, on average along the line. The load's middle is 8 mm beside the line's, so the rotation differs
+    # along it by what the bars twist, whose D is 0.3 N·m: 0.9 mN · 8 mm · 30 mm / D (14 mm) < 1e-4 rad, of 1.2.
+    (turn,) = solution.hinges
+    assert turn.rotation.mean() == pytest.approx(-0.9e-3 * 30e-3 / 0.023e-3, rel=2e-3)
 
 
 def test_a_joints_stiffness_is_spread_along_its_line() -> None:
@@ -234,3 +274,20 @@ def test_a_hinge_of_the_design_may_be_given_another_stiffness(tmp_path: Path) ->
     one = text.replace("body: all", "body: link_1")
     with pytest.raises(DesignErrors, match="joins the plate to a body outside"):
         plate_of_text(one, str(tmp_path / "plate.yaml"))
+
+
+def test_the_command_tells_what_was_done_to_the_drawing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The sheets of the shelf are 2.3 mm apart beside the tape; the plate holds them at that distance, and says so."""
+    monkeypatch.chdir(tmp_path)
+    arguments = ["plate", str(examples.find("four_bar").path), "--body", "shelf", "--body", "arm"]
+    arguments += ["--hinges", "lines", "--material", "foam_tape={E: 5 MPa, nu: 0.3}", "--clamp", "hinge: arm"]
+    arguments += ["--load", "right=-1 mN", "--size", "5 mm", "--no-pictures", "--out", "out"]
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 0, result.output
+    assert "note      region 'all but tape' is empty in 'tape'" in result.stdout
+    (note,) = json.loads(Path("out/summary.json").read_text(encoding="utf-8"))["notes"]
+    assert note.endswith("its sheets count as held at their distance")
+    told = [line for line in result.stdout.splitlines() if "shear through the thickness" in line]
+    assert len(told) == len(set(told)) > 0

@@ -33,6 +33,7 @@ def on(*points: tuple[float, float], k: float = 0.0, name: str = "") -> Callable
         (on((0.5, 0), (0.5, 1), k=np.nan), "stiffness of a HingeLine"),
         (on((0.5, 0), (0.5, 1), name="a\nb"), "do not print"),
         (on((0.5, 0.5), (0.5, 0.5)), "has no length"),
+        (on((0.5, 0), (0.5, np.nan)), "geometry that is not valid"),
         (lambda: plate.HingeLine(LineString()), "empty geometry"),
         (lambda: plate.HingeLine(Point(0.5, 0.5)), "must be a shapely LineString inside"),
         (lambda: plate.HingeLine(SQUARE), "must be a shapely LineString inside"),
@@ -55,6 +56,14 @@ def on(*points: tuple[float, float], k: float = 0.0, name: str = "") -> Callable
 )
 def test_impossible_lines_are_named(make: Callable[[], object], message: str) -> None:
     assert_refused(make, message)
+
+
+@pytest.mark.parametrize(("x", "y"), [("a", 0.2), ([0.5, 0.5], [0.1, 0.2, 0.3]), (None, [{}])])
+def test_a_rotation_is_of_points(x: object, y: object) -> None:
+    load = plate.EdgeLoad(RIGHT, 1.0)
+    held = problem(plate.HingeLine(MIDDLE, 1.0), supports=[plate.Clamped(LEFT)], loads=[load])
+    with pytest.raises(DesignError, match="x and y must be numbers, or arrays of one shape"):
+        plate.solve(held).hinge_rotation(x, y)  # type: ignore[arg-type]
 
 
 def test_a_membrane_does_not_fold() -> None:

@@ -191,6 +191,23 @@ def test_a_prefix_suits_the_largest_of_many_numbers() -> None:
     assert prefixed(-0.02, "N/m") == (1e-3, "mN/m")
 
 
+def test_a_field_of_one_value_has_one_colour_and_one_tick(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A constant stress differs by its last bits from corner to corner: these are not to be seen."""
+    kept: list[Figure] = []
+    monkeypatch.setattr("lamc.report.plates.save", lambda figure, path: (kept.append(figure), path)[1])
+    problem = plate()
+    noise = 1.0 + 1e-15 * np.random.default_rng(2).integers(-9, 9, size=problem.mesh.cells.shape)
+    draw_fields(problem, [Field("stress", "Pa", 147.8434411528e6 * noise)], tmp_path / "s.png", "one value")
+    (figure,) = kept
+    axis, bar = figure.axes
+    (drawn,) = [each for each in axis.collections if each.get_array() is not None]
+    colours = drawn.norm(np.unique(drawn.get_array()))
+    assert len(colours) == 1
+    assert [label.get_text() for label in bar.get_yticklabels()] == ["147.843"]
+
+
 # --- files --------------------------------------------------------------------------------------------------------
 
 

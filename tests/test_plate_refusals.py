@@ -141,6 +141,7 @@ SOLVED = [
     ),
     (plate.Pressure(lambda x, y: int(x)), "is a function that fails: TypeError"),
     (plate.Pressure(lambda x: x), "is a function that fails: TypeError"),
+    (plate.Pressure(lambda x, y: x * 1j), "is a function that fails: TypeError: its values are complex"),
 ]
 
 

@@ -43,7 +43,7 @@ def answers(
     """
     origins = file.origins
     with times.stage("mesh"):
-        problem = problem_of(file, size=size)
+        problem = problem_of(file, size=size, solver=solver)
     with times.stage("element"):
         kernels(problem.dofs.element)
     with times.stage("assemble"), origins.told():

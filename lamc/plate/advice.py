@@ -35,7 +35,7 @@ def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> 
     if problem.dofs.element.bends:
         span = float(np.ptp(problem.mesh.points, axis=0).min())
         texts = (laminate.shear_warning(span) for laminate in dict.fromkeys(problem.laminates))
-        found.extend(text for text in texts if text)
+        found.extend(dict.fromkeys(text for text in texts if text))
         if _straight_curves(problem):
             found.append(
                 "a simply supported edge is a curve drawn as a polygon, and the mesh has nodes between the polygon's "

@@ -48,7 +48,7 @@ class HingeLine:
             raise DesignError(
                 f"a HingeLine is at {shown(self.where)}; it must be a shapely LineString inside the plate"
             )
-        if not self.where.is_empty and not self.where.length > 0.0:
+        if not self.where.is_empty and self.where.length == 0.0:
             raise DesignError(
                 f"a HingeLine at {where_text(self.where)} has no length; give two points that differ"
             )

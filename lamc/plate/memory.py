@@ -71,17 +71,22 @@ def estimate_memory(element: Element | str, cell_count: int) -> Memory:
     return Memory(int(unknowns), int(entries), int(matrix), int(kept + passing), int(factor))
 
 
-def check_memory(element: Element, cell_count: int, solver: str, available: int | None = None) -> None:
-    """Raises DesignError where solving needs more memory than is there; `available`, B, None: what the system tells."""
+def check_memory(
+    element: Element, cell_count: int, solver: str, available: int | None = None, *, least: bool = False
+) -> None:
+    """Raises DesignError where solving needs more memory than is there; `available`, B, None: what the system tells.
+
+    least  for the message: there will be so many cells or more
+    """
     free = available_memory() if available is None else available
     guessed = estimate_memory(element, cell_count)
     triangles = 2 if solver == "superlu" else 1
     needed = _MATRICES * guessed.matrix + guessed.assembly + triangles * guessed.factor
     if free is not None and needed > free:
         raise DesignError(
-            f"{cell_count} cells of element {shown(element.name)} have {guessed.unknowns} unknowns and take some "
-            f"{needed / 2**30:.2g} GiB to solve with {solver}; {free / 2**30:.2g} GiB are free: mesh coarser where "
-            "little happens"
+            f"{'at least ' * least}{cell_count} cells of element {shown(element.name)} have {guessed.unknowns} "
+            f"unknowns and take some {needed / 2**30:.2g} GiB to solve with {solver}; {free / 2**30:.2g} GiB are free: "
+            "mesh coarser where little happens"
         )
 
 

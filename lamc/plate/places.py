@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
@@ -119,3 +120,12 @@ class Places:
     def _on(self, where: BaseGeometry, points: Array) -> Flags:
         shapely.prepare(where)
         return np.asarray(shapely.dwithin(where, shapely.points(points), self.tolerance))
+
+
+def points_at(x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Array, tuple[int, ...]]:
+    """Points (k, 2) of coordinates that a user gives, m, and the shape of both. Raises DesignError for other things."""
+    try:
+        at_x, at_y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+    except (TypeError, ValueError) as error:
+        raise DesignError(f"x and y must be numbers, or arrays of one shape: {error}") from error
+    return np.stack([at_x.ravel(), at_y.ravel()], axis=1), at_x.shape

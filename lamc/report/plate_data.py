@@ -34,6 +34,7 @@ def data(report: PlateReport) -> dict[str, Any]:
         "laminates": {name: _laminate_data(stack) for name, stack in by_region(report.problem)},
         "cases": {case.name: _case_data(case) for case in report.cases},
         "failed_cases": list(report.failed),
+        "notes": list(report.file.notes),
         "modes": None if report.modes is None else _modes_data(report.modes),
         "buckling": {name: b.factors.tolist() for name, b in report.buckling.items()},
         "seconds": dict(report.times.seconds),

@@ -38,6 +38,7 @@ def summary(report: PlateReport, folder: Path, files: Sequence[str]) -> str:
         ("element", _element(report.problem)),
     ]
     head += [("laminate", text) for text in _laminates(report.problem)]
+    head += [("note", text) for text in report.file.notes]
     end = [("times", _times(report.times)), ("files", f"{folder}: {', '.join(files)}")]
     cases = [_block(case_rows(case)) for case in report.cases]
     cases += [

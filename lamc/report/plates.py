@@ -33,6 +33,7 @@ _LEVELS = 16  # at most, as many as round values allow
 _RARE = 0.005  # of the area, at each end of a field
 _SHARE = 1 / 3  # of the colours
 _BELOW = 1e-9  # of the colour bar: less than can be seen
+_SAME = 1e-9  # of the largest value: a field that varies by less is one number
 _VISIBLE = 50_000  # cells of a mesh that is drawn; more are smaller than four pixels
 _LINES = 40  # cells along the longer side, up to which contours show the mesh
 _COLUMNS = 4  # of a legend
@@ -165,18 +166,22 @@ def _contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: Scale
     unit_scale, unit = prefixed(max(abs(low), abs(high)), field.unit)
     shown = values / unit_scale + 0.0  # no -0
     low, high = low / unit_scale, high / unit_scale
+    same = high - low <= _SAME * max(abs(low), abs(high))
+    if same:  # round-off would take all colours
+        low = high = 0.5 * (low + high)
+        shown = np.full_like(shown, low)
     colours, norm = colours_of(low, high)
     if colours == ONE_SIGN and low * high < 0.0:  # a little of the other sign takes no colour
         low, high = (0.0, high) if high > -low else (low, 0.0)
         shown = np.clip(shown, *((0.0, None) if high > 0.0 else (None, 0.0)))
     drawn = triangulation(mesh, scale) if values.ndim == 1 else _loose(mesh, scale)
     cut = False
-    if high - low <= 1e-9 * max(abs(low), abs(high)):
+    if same:
         axis.tripcolor(drawn, shown.ravel(), cmap=colours, norm=norm, shading="gouraud")
         bar = figure.colorbar(
             mpl.cm.ScalarMappable(norm=norm, cmap=colours), ax=axis, pad=0.02, fraction=0.05
         )
-        bar.set_ticks([low])
+        bar.set_ticks([low], labels=[f"{low:.6g}"])
     else:
         levels = MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
         if colours == ONE_SIGN:

@@ -16,6 +16,7 @@ import shapely
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array
 from lamc.plate.hinge_lines import HingeLine
+from lamc.plate.places import points_at
 from lamc.plate.solving.hinge_sides import hinge_sides
 
 if TYPE_CHECKING:
@@ -75,8 +76,7 @@ def rotation_at(solution: "Solution", x: npt.ArrayLike, y: npt.ArrayLike) -> Arr
     problem = solution.problem
     if not problem.hinges:
         raise DesignError("the plate has no hinge lines, so nothing turns there; give Problem(…, hinges=[…])")
-    at_x, at_y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-    points = np.stack([at_x.ravel(), at_y.ravel()], axis=1)
+    points, shape = points_at(x, y)
     sides = hinge_sides(problem.dofs)
     lines = shapely.linestrings(
         np.stack([sides.begin, sides.begin + sides.length[:, None] * sides.along], axis=1)
@@ -92,4 +92,4 @@ def rotation_at(solution: "Solution", x: npt.ArrayLike, y: npt.ArrayLike) -> Arr
         )
     s = np.clip(shapely.line_locate_point(lines[nearest], places) / sides.length[nearest], 0.0, 1.0)
     turned = sides.turns(nearest.astype(np.int32), s) @ solution.exact
-    return np.asarray(turned, dtype=float).reshape(at_x.shape)
+    return np.asarray(turned, dtype=float).reshape(shape)

@@ -16,6 +16,7 @@ Splitting cuts a slit along every hinge line, which no one cuts in a device; wha
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -30,11 +31,21 @@ from lamc.mechanism.checks import checked_number, shown
 from lamc.plate.designs.hinge_edges import HingeEdge, PlateHinge
 from lamc.plate.designs.inner_lines import line_of, strip_name, without_strips
 from lamc.plate.designs.materials import plate_materials, ply_angle
-from lamc.plate.designs.overlay import Overlay, Stack, default_tolerance, overlay, polygons_of, stack_name
+from lamc.plate.designs.overlay import (
+    Overlay,
+    Stack,
+    areas_of,
+    default_tolerance,
+    is_sliver,
+    overlay,
+    polygons_of,
+    stack_name,
+)
 from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import Material
 from lamc.plate.laminates.plies import Ply
+from lamc.plate.meshing.checks import place
 from lamc.readonly import ReadOnlyDict
 
 HINGES = ("none", "lines", "strips")
@@ -85,8 +96,8 @@ def plate_of(
     height     m, of the reference surface above the bottom of the design; None: the middle of the largest region
     tolerance  m, what is narrower is given to its neighbour; None: 1e-6 of the drawing, at most 1/50 of a hinge width
 
-    Raises DesignError for an unknown body or choice, for materials without moduli, where nothing is left, and as
-    `split` does.
+    Raises DesignError for an unknown body or choice, for bodies above one another, for materials without moduli, where
+    nothing is left, and as `split` does.
     """
     if hinges not in HINGES:
         raise DesignError(f"hinges is {shown(hinges)}; it must be one of {', '.join(HINGES)}")
@@ -98,6 +109,7 @@ def plate_of(
         tolerance = default_tolerance(material_size(layers), narrowest)
     elif checked_number(tolerance, "the tolerance of a plate") <= 0.0:
         raise DesignError(f"the tolerance of a plate is {tolerance:g} m; it must be positive")
+    _check_one_sheet(bodies, tolerance)
     joined = [PlateHinge(steps, c, bodies) for c in steps.connections if _inside(c, bodies)]
     inner = [each for each in joined if not each.neighbour] if hinges == "lines" else []
     areas = [MultiPolygon([p for part in bodies for p in part.polygons[k]]) for k in range(len(layers))]
@@ -167,6 +179,24 @@ def _chosen(steps: SplitSteps, body: str | Sequence[str]) -> tuple[SplitBody, ..
     if not names:
         raise DesignError(f"no body of design {steps.design.name!r} is named; {did_you_mean('', known)}")
     return tuple(part for part in steps.bodies if part.name in names)
+
+
+def _check_one_sheet(bodies: Sequence[SplitBody], tolerance: float) -> None:
+    """Raises DesignError where two bodies cover the same place: what lies above one another unjoined is no plate."""
+    covered = [areas_of(shapely.union_all([p for sheet in part.polygons for p in sheet])) for part in bodies]
+    pairs = shapely.STRtree(covered).query(covered, predicate="intersects").T
+    for one, other in sorted((int(i), int(k)) for i, k in pairs if i < k):
+        shared = [
+            p
+            for p in polygons_of(shapely.intersection(covered[one], covered[other]))
+            if not is_sliver(p, tolerance)
+        ]
+        if shared:
+            at = place(np.array(shared[0].representative_point().coords[0]))
+            raise DesignError(
+                f"bodies {bodies[one].name!r} and {bodies[other].name!r} lie above one another at {at}, and nothing "
+                "joins them there; a plate is one sheet: name bodies that lie side by side, or one alone"
+            )
 
 
 def _inside(connection: Connection, bodies: Sequence[SplitBody]) -> bool:

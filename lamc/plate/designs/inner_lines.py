@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import shapely
-from shapely.geometry import LineString, MultiLineString, MultiPolygon
+from shapely.geometry import LineString, MultiLineString, MultiPoint, MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from lamc.design.records import Design
@@ -27,6 +27,7 @@ from lamc.plate.laminates.plies import Ply
 
 _WIDE = 1.5  # hinge widths beside the line that surely hold half a strip
 _STRAIGHT = 1e-10  # of the size: corners nearer to a straight edge are left over from a strip's ends
+_GRID = 1e-6  # hinge widths between coordinates of what is joined
 _BESIDE = 1e-2  # of a hinge width: what is nearer touches
 
 Stacks = Mapping[str, tuple[Stack, MultiPolygon]]
@@ -55,7 +56,11 @@ def without_strips(stacks: Stacks, hinges: Sequence[PlateHinge]) -> dict[str, tu
                 given.setdefault(key if most > 0.0 else name, []).append(piece)
         for key, pieces in given.items():
             stack, area = found.get(key, (layers, MultiPolygon()))
-            joined = shapely.union_all([area, *pieces], grid_size=1e-6 * hinge.width)
+            grid = _GRID * hinge.width
+            joined = shapely.union_all([area, *pieces], grid_size=grid)
+            # Back to where the neighbours' corners are: borders that part by a grid's step are meshed as gaps.
+            beside = shapely.get_coordinates([a for name, (_, a) in found.items() if name != key])
+            joined = shapely.snap(joined, MultiPoint(beside), grid)
             straight = _STRAIGHT * float(np.ptp(np.reshape(joined.bounds, (2, 2)), axis=0).max())
             found[key] = (stack, areas_of(shapely.simplify(joined, straight)))
     return found

@@ -108,6 +108,7 @@ def read_plate(node: Node) -> PlateFile:
         story=model.story.strip(),
         origins=Origins(Place(node.file), _keys(node), records),
         hinges=hinges,
+        notes=() if places.body is None else places.body.notes,
     )
 
 

@@ -64,6 +64,7 @@ class PlateFile:
     story      what the problem is about, a paragraph; nothing is computed from it
     origins    where the file says what
     hinges     lines inside the plate that fold, those of a design's joints first
+    notes      what was done to make a plate of a design and its drawing did not ask for
     """
 
     name: str
@@ -78,3 +79,4 @@ class PlateFile:
     story: str = ""
     origins: Origins = field(default_factory=Origins)
     hinges: Sequence[HingeLine] = ()
+    notes: Sequence[str] = ()

@@ -18,7 +18,8 @@ from lamc.plate.meshing.mesh import Integers, Mesh
 Geometries = NDArray[np.object_]
 Flags = NDArray[np.bool_]
 
-PATTERNS = ("one-diagonal", "criss-cross", "union-jack", "squares")
+PER_SQUARE = {"one-diagonal": 2, "criss-cross": 4, "union-jack": 2, "squares": 1}  # cells
+PATTERNS = tuple(PER_SQUARE)
 
 _UNEQUAL = 1e-9  # of the mean spacing: more than this apart, and the spacing is not equal
 _MISFIT = 1e-6  # of a region's area: more than this wrong, and its border does not follow the cells
@@ -99,7 +100,7 @@ def grid_of_lines(
         )
     across, up = _checked_lines(x, "x"), _checked_lines(y, "y")
     nx, ny = len(across) - 1, len(up) - 1
-    count = nx * ny * {"squares": 1, "criss-cross": 4}.get(pattern, 2)
+    count = nx * ny * PER_SQUARE[pattern]
     if count > checked_number(limit, "the limit of a grid", minimum=1.0):
         raise DesignError(_too_many(f"a grid of {nx} × {ny}", count, limit))
     points = np.stack([np.tile(across, ny + 1), np.repeat(up, nx + 1)], axis=1)

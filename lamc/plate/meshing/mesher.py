@@ -78,13 +78,68 @@ def mesh(
     that overlap, and regions, lines or points that lie outside; for sizes that are not positive or would give more
     triangles than the limit. Raises BuildError without a C compiler.
     """
+    plan = _planned(polygon, size, regions or {}, sizes or {}, follow, grading)
+    most = checked_number(limit, "the limit of a mesh", minimum=1.0)
+    _check_count(plan.expected, most, plan.wanted)
+    divided = divide(plan.lines, plan.at_corners, plan.grading)
+    return _mesh_of(_triangulate(plan, divided, most), plan)
+
+
+def expected_cells(
+    polygon: Area,
+    size: float,
+    *,
+    regions: Mapping[str, Area] | None = None,
+    sizes: Mapping[str, float] | None = None,
+    follow: Sequence[BaseGeometry] = (),
+    grading: float = GRADING,
+) -> float:
+    """About how many triangles `mesh` makes of the same, before it makes any; raises DesignError as it does."""
+    return _planned(polygon, size, regions or {}, sizes or {}, follow, grading).expected
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What is to be meshed, in the coordinates of `frame`.
+
+    sizes       of what is in no region, then of each region; wanted: the same, m, for messages
+    at_corners  size at each corner of the lines
+    expected    triangles, about
+    """
+
+    polygon: Area
+    regions: Mapping[str, Area]
+    sizes: Array
+    wanted: Array
+    grading: float
+    lines: Linework
+    at_corners: Array
+    expected: float
+    frame: Frame
+
+    def regions_at(self, points: Array) -> Integers:
+        """Number of the region, from 1; 0 for none, and -1 outside the plate."""
+        places = shapely.points(points)
+        index = np.where(shapely.contains(self.polygon, places), 0, -1).astype(np.int32)
+        for number, area in enumerate(self.regions.values(), start=1):
+            index[shapely.contains(area, places)] = number
+        return index
+
+
+def _planned(
+    polygon: Area,
+    size: float,
+    regions: Mapping[str, Area],
+    sizes: Mapping[str, float],
+    follow: Sequence[BaseGeometry],
+    grading: float,
+) -> _Plan:
     check_area(polygon, "the polygon of a mesh")
-    named = checked_regions(polygon, regions or {})
-    wanted = _checked_sizes(size, named, sizes or {})
+    named = checked_regions(polygon, regions)
+    wanted = _checked_sizes(size, named, sizes)
     slope = checked_number(grading, "the grading of a mesh")
     if not 0.05 <= slope <= 1.0:
         raise DesignError(f"the grading of a mesh is {slope:g}; it must be between 0.05 and 1: 0.3 is usual")
-    most = checked_number(limit, "the limit of a mesh", minimum=1.0)
     _check_digits(polygon, float(wanted.min()))
     try:
         paths = paths_of(polygon, named, wanted, checked_followed(polygon, follow))
@@ -96,10 +151,7 @@ def mesh(
         raise DesignError(f"the outlines cannot be compared: {error}; round their coordinates") from error
     at_corners = corner_sizes(lines, slope)
     expected = _expected(area, parts, sizes_there, count_of_parts(lines, at_corners, slope), slope)
-    _check_count(expected, most, wanted)
-    divided = divide(lines, at_corners, slope)
-    job = _Job(area, parts, sizes_there, slope, lines, divided, frame)
-    return _mesh_of(_triangulate(job, expected, most, wanted), job)
+    return _Plan(area, parts, sizes_there, wanted, slope, lines, at_corners, expected, frame)
 
 
 def _checked_sizes(size: float, regions: Mapping[str, Area], sizes: Mapping[str, float]) -> Array:
@@ -165,67 +217,46 @@ def _too_many(number: str, count: float, most: float, wanted: Array) -> str:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Job:
-    """What is to be meshed, in the coordinates of `frame`."""
-
-    polygon: Area
-    regions: Mapping[str, Area]
-    sizes: Array  # of what is in no region, then of each region
-    grading: float
-    lines: Linework
-    divided: Divided
-    frame: Frame
-
-    def regions_at(self, points: Array) -> Integers:
-        """Number of the region, from 1; 0 for none, and -1 outside the plate."""
-        places = shapely.points(points)
-        index = np.where(shapely.contains(self.polygon, places), 0, -1).astype(np.int32)
-        for number, area in enumerate(self.regions.values(), start=1):
-            index[shapely.contains(area, places)] = number
-        return index
-
-
-def _triangulate(job: _Job, expected: float, most: float, wanted: Array) -> Triangulation:
-    """Without the box and its points. Doubles the room until it is enough; `wanted`, m, for messages."""
+def _triangulate(plan: _Plan, divided: Divided, most: float) -> Triangulation:
+    """Without the box and its points. Doubles the room until it is enough."""
     box = _AROUND * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
     native = Lines(
-        np.concatenate([box, job.divided.points]),
-        np.concatenate([np.full(4, 2.0 * _AROUND), job.divided.sizes]),
-        np.concatenate([np.full(4, -1, dtype=np.int32), job.divided.segment_of]),
-        job.divided.parts + np.int32(4),
-        job.lines.segments + np.int32(4),
+        np.concatenate([box, divided.points]),
+        np.concatenate([np.full(4, 2.0 * _AROUND), divided.sizes]),
+        np.concatenate([np.full(4, -1, dtype=np.int32), divided.segment_of]),
+        divided.parts + np.int32(4),
+        plan.lines.segments + np.int32(4),
     )
-    capacity = int(1.2 * expected) + 1000
+    capacity = int(1.2 * plan.expected) + 1000
     while True:
         try:
-            made = triangulate(native, job.regions_at, job.sizes, job.grading, _LEAST, capacity)
+            made = triangulate(native, plan.regions_at, plan.sizes, plan.grading, _LEAST, capacity)
             break
         except MesherError as error:
             raise DesignError(
-                f"lines of the polygon or of regions cross near {place(job.frame.metres(error.at))}; they must meet in "
-                "corners: give both the same corners there"
+                f"lines of the polygon or of regions cross near {place(plan.frame.metres(error.at))}; they must meet "
+                "in corners: give both the same corners there"
             ) from error
         except Full:
             if capacity > 2.0 * most + 1000:
-                raise DesignError(_too_many(f"more than {most:.0f}", most, most, wanted)) from None
+                raise DesignError(_too_many(f"more than {most:.0f}", most, most, plan.wanted)) from None
             capacity *= 2
     if len(made.cells) > most:
-        raise DesignError(_too_many(str(len(made.cells)), len(made.cells), most, wanted))
+        raise DesignError(_too_many(str(len(made.cells)), len(made.cells), most, plan.wanted))
     return Triangulation(made.points[4:], made.segment_of[4:], made.cells - np.int32(4), made.regions)
 
 
-def _mesh_of(made: Triangulation, job: _Job) -> Mesh:
+def _mesh_of(made: Triangulation, plan: _Plan) -> Mesh:
     """In m, without what is outside; given points exactly where they were."""
     if not len(made.cells):
         raise DesignError(
             f"the polygon of a mesh is thinner than {TOLERANCE:g} of its length; it has no area to mesh"
         )
-    points = job.frame.placed(made.points, len(job.lines.corners), made.segment_of, job.lines.segments)
+    points = plan.frame.placed(made.points, len(plan.lines.corners), made.segment_of, plan.lines.segments)
     used, cells = np.unique(made.cells, return_inverse=True)
     cells = cells.reshape(-1, 3)
     present = np.unique(made.regions)
-    names = ("", *job.regions)
+    names = ("", *plan.regions)
     index = np.searchsorted(present, made.regions).astype(np.int32)
     result = Mesh(points[used], cells.astype(np.int32), index, [names[k] for k in present])
     _check_connected(result)

@@ -18,7 +18,10 @@ def values_at(given: float | Callable[[Array, Array], Array], points: Array, wha
         return np.full(shape, float(given))
     x, y = points[..., 0].ravel(), points[..., 1].ravel()
     try:
-        values = np.asarray(given(x.copy(), y.copy()), dtype=float)
+        found = np.asarray(given(x.copy(), y.copy()))
+        if np.iscomplexobj(found):
+            raise TypeError("its values are complex")  # numpy would drop the imaginary parts
+        values = found.astype(float)
     except ExpressionError as error:  # of a file, whose words suit its reader
         raise DesignError(f"{what}: {error.message}") from error
     except Exception as error:  # whatever a user's own function raises

@@ -21,6 +21,7 @@ from lamc.plate.answers.recovery import RecoveredStrains
 from lamc.plate.laminates.plies import PlyState
 from lamc.plate.loads import LoadRecord
 from lamc.plate.meshing.mesh import Integers
+from lamc.plate.places import points_at
 from lamc.plate.problem import Problem
 from lamc.plate.solving.climate import RegionClimate
 from lamc.plate.solving.expansion import Expansion
@@ -220,13 +221,9 @@ class Solution:
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
 
     def _located(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Integers, Array, tuple[int, ...]]:
-        try:
-            at_x, at_y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        except (TypeError, ValueError) as error:
-            raise DesignError(f"x and y must be numbers, or arrays of one shape: {error}") from error
-        points = np.stack([at_x.ravel(), at_y.ravel()], axis=1)
+        points, shape = points_at(x, y)
         cells, xi = self.problem.places.cells_under(points, "a point of the solution")
-        return cells, xi, at_x.shape
+        return cells, xi, shape
 
     def _fields(self, x: npt.ArrayLike, y: npt.ArrayLike, wanted: str = "") -> Array:
         if wanted and not self.problem.dofs.element.bends:

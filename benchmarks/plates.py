@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from shapely.geometry import Point, box
+from shapely.geometry import LineString, Point, box
 
 from benchmarks.measure import environment, interleaved, write_json
 from benchmarks.peers import ccx_peer
@@ -63,6 +63,7 @@ def main() -> None:
         report["assembly"] = show("Stiffness matrix of a mesh", assemblies(triangles, repeats))
         title = "From polygon to deflection, clamped plate with a hole under pressure; once, s"
         report["solving"] = show(title, solving(triangles))
+        report["hinges"] = show("What hinge lines cost, SuperLU; s", hinged(triangles // 10, repeats // 3))
         if ccx_peer.is_there():
             report["calculix"] = show(
                 "Clamped square beside CalculiX; once", beside_calculix(arguments.quick)
@@ -204,6 +205,40 @@ def solving(triangles: int) -> Rows:
                 "other laminate": other,
                 "deflection m": deflection,
                 "forward error": solution.report.accuracy.forward_error,
+            }
+        )
+    return rows
+
+
+def hinged(triangles: int, repeats: int) -> Rows:
+    """A clamped square that lines across fold in equal panels: processor time from the problem to the deflection."""
+    side = 20 * round((triangles / 2) ** 0.5 / 20)  # a multiple of all numbers of panels
+    mesh = plate.grid(1.0, 1.0, side, side)
+    laminate = plate.Laminate([plate.Ply(ALUMINIUM, 10e-3, 0.0)])
+    rows: Rows = []
+    for count in (0, 1, 4, 19):
+        places = [LineString([(k / (count + 1), 0.0), (k / (count + 1), 1.0)]) for k in range(1, count + 1)]
+        seconds = []
+        for _ in range(repeats + 1):  # the first also loads what a process loads once
+            started = time.process_time()
+            problem = plate.Problem(
+                mesh,
+                laminate,
+                supports=[plate.Clamped("boundary")],
+                loads=[plate.Pressure(1e3)],
+                hinges=[plate.HingeLine(line, 100.0) for line in places],
+            )
+            Model(problem, "superlu").solve()
+            seconds.append(time.process_time() - started)
+        best = min(seconds)
+        first = rows[0]["s"] if rows else best
+        rows.append(
+            {
+                "lines": count,
+                "triangles": len(mesh.cells),
+                "unknowns": problem.dofs.count,
+                "s": best,
+                "times none": best / first,
             }
         )
     return rows

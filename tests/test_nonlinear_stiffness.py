@@ -225,6 +225,22 @@ def test_located_points_keep_the_order_of_the_integrator(between: str, integrato
 
 
 @needs_cc
+@pytest.mark.parametrize("rtol", [1e-7, 1e-9])
+def test_auto_keeps_its_tolerance_with_a_table(rtol: float) -> None:
+    """A spline without located points, of which estimates of high order do not see the jumps; another has none."""
+    x = np.linspace(-1.0, 1.0, 21)
+    rows = list(zip(x.tolist(), (ALPHA * x + BETA * x**3).tolist(), strict=True))
+    plain = simulator(pendulum(), NonlinearStiffness({"hip": [ALPHA, 0, BETA]}), angle=0.93)
+    assert plain.run(t_end=0.1, rtol=rtol).stats.integrator == "dop853"
+    exact = simulator(pendulum(), NonlinearStiffness({"hip": {"table": rows, "located": True}}), angle=0.93)
+    truth = exact.run(t_end=20.0, t_eval=[20.0], rtol=1e-12, atol=1e-14).q[-1, 0]
+    sim = simulator(pendulum(), NonlinearStiffness({"hip": {"table": rows}}), angle=0.93)
+    result = sim.run(t_end=20.0, t_eval=[20.0], rtol=rtol, atol=rtol)
+    assert abs(result.q[-1, 0] - truth) < 30.0 * rtol  # some 15 swings of a hundred steps each
+    assert result.stats.integrator == "rk45"
+
+
+@needs_cc
 @pytest.mark.parametrize("rate", [0.0, 1.5])
 def test_a_start_on_a_point_of_the_table_is_no_trouble(rate: float) -> None:
     sim = simulator(pendulum(), NonlinearStiffness({"hip": table("monotone")}), rate=rate)

@@ -197,4 +197,5 @@ def _counts(program: Program) -> dict[str, int]:
         "constants": program.constant_count,
         "energies": len(program.energies),
         "guards": len(program.guards),
+        "tables": len(program.tables),
     }

@@ -62,7 +62,8 @@ class NonlinearStiffness:
     is not smooth: of 21 points of a cubic, at a tolerance of 1e-9 over 15 swings, rk45 left 7e-9 with a spline and 1e-5
     with "monotone", dop853 5e-6 and 4e-6. With "located": true (the default of "monotone" with up to 50 points, and not
     possible with more) points are events, at which steps end: that left 3e-8 with rk45 and 1e-10 with dop853, for two
-    to five times the evaluations. Outside its points a table goes on straight, with the slope that it ends with.
+    to five times the evaluations. integrator="auto" takes rk45 where there is a table. Outside its points a table goes
+    on straight, with the slope that it ends with.
 
     Raises DesignError for tables that do not ascend or are not finite, ExpressionError for expressions outside the
     language, and for torques whose energy has no closed form here: give the energy then.

@@ -58,6 +58,7 @@ typedef struct lamc_model {
   int energy_count;               /* kinetic first, then one for each effect that stores energy */
   int guard_count;                /* conditions whose passing of zero is an event */
   int power_count;                /* effects whose power is told; 0: none */
+  int table_count;                /* piecewise cubics in the equations, whose higher derivatives jump */
   const char *const *joint_names; /* (joint_count,), UTF-8 */
   const char *const *coordinate_names; /* (nq,), UTF-8 */
   const char *const *coordinate_units; /* (nq,), UTF-8; NULL: all rad */
@@ -167,6 +168,7 @@ typedef struct lamc_ode {
   /* How many evaluations of rhs so far are not to be relied on between the ends of a step. NULL: all are. */
   long long (*doubts)(const void *context);
   int coordinate_count; /* y = [q, u], of which q are so many; 0: half of them */
+  int is_rough;         /* 1: rhs has few continuous derivatives, so that LAMC_AUTO takes no high order */
   /* Implicit methods need one of two. Where dq/dt = u, k = n / 2: of udot at a state its derivatives by q (k, k), by
    * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size doubles. */
   void (*jacobian)(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,

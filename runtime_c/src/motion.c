@@ -49,6 +49,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   memset(&ode, 0, sizeof ode);
   ode.n = model->coordinate_count + model->rate_count;
   ode.coordinate_count = model->coordinate_count;
+  ode.is_rough = model->table_count > 0;
   ode.rhs = motion_rhs;
   ode.context = motion;
   if (model->cut_count > 0 && motion->baumgarte == 0.0) {

@@ -30,7 +30,10 @@ static const double WORTH_IT = 1.25;         /* times as fast */
 static const double PART_OF_EXTENT =
     0.45; /* of the stable extent: where explicit steps come to be limited by it */
 
+/* The error estimate of a method of high order does not see a jump of a higher derivative within its long steps (measured
+ * with a cubic spline of 21 points at 1e-9: rk45 errs by 7e-9, dop853 by 5e-6). */
 static int explicit_choice(const lamc_run *run) {
+  if (run->ode.is_rough) return LAMC_RK45;
   return run->options.rtol < TIGHT ? LAMC_DOP853 : LAMC_RK45;
 }
 

@@ -175,6 +175,7 @@ const lamc_model *driven_model(void) {
       1,
       0,
       0,
+      0,
       joint_names,
       joint_names,
       NULL,

@@ -229,6 +229,7 @@ const lamc_model *measured_model(void) {
       2,
       0,
       0,
+      1,
       joint_names,
       joint_names,
       NULL,

@@ -505,6 +505,7 @@ const lamc_model *pendulum_model(void) {
       3,
       0,
       0,
+      0,
       joint_names,
       joint_names,
       NULL,

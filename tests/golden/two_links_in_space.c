@@ -451,6 +451,7 @@ const lamc_model *two_links_in_space_model(void) {
       3,
       0,
       0,
+      0,
       joint_names,
       joint_names,
       NULL,

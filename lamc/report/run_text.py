@@ -164,11 +164,11 @@ def _accuracy(result: Result) -> list[tuple[str, str]]:
     known = "unknown" if math.isinf(facts.error) else f"{facts.error:.1e}"
     met = "" if facts.reached else ": NOT REACHED"
     how = (
-        "three runs bear it out"
+        "runs at other tolerances bear it out"
         if facts.proportionality is not None
         else "runs differ by it at any tolerance"
     )
-    rows = [f"error {known} of the outputs' range, {facts.asked:g} asked for{met}; {how}"]
+    rows = [f"{known} of the outputs' range, {facts.asked:g} asked for{met}; {how}"]
     rows.append(
         f"{facts.integrator} at rtol {facts.rtol:.1e}; {len(facts.runs)} runs and probes took "
         f"{facts.evaluations:.0f} evaluations"
@@ -179,7 +179,7 @@ def _accuracy(result: Result) -> list[tuple[str, str]]:
             for name, effort in facts.candidates.items()
         )
         rows.append(f"evaluations where it was probed: {', '.join(tried)}")
-    return [("accuracy", row) for row in rows]
+    return [("error", row) for row in rows]
 
 
 def _happenings(result: Result) -> list[tuple[str, str]]:

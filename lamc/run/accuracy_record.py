@@ -22,7 +22,8 @@ class Accuracy:
     reached            whether it is at most what was asked for, at the end of the run
     by_output          the same for each output by name
     integrator, rtol   of the run that the result is
-    proportionality    k of error ~ rtol^k, near 1 where the estimate can be relied on; None: errors do not follow the
+    proportionality    k of error ~ rtol^k, near 1 where the estimate can be relied on, and taken for 1 where two runs
+                       are all that could be had; None: errors do not follow the
                        tolerance, as in chaos, at singular positions or at round-off, and the error is the difference
                        of the two tightest runs
     runs               all of them, in order

@@ -11,7 +11,6 @@ import sympy
 from scipy.special import ellipk
 
 import lamc
-import lamc.plate
 from lamc.effects import Effect, Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
 from lamc.effects.registry import EFFECTS, by_name, choose
 from lamc.errors import DesignError, ExpressionError
@@ -19,6 +18,7 @@ from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.scene import Scene
 from tests.ctools import needs_cc
+from tests.every_effect import SAMPLES
 from tests.mechanisms import chain
 
 MASS, ARM, MOMENT, G = 0.8, 0.35, 0.02, 9.81  # kg, m, kg·m² about the centre of mass, m/s²
@@ -180,6 +180,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
     bare = account(pendulum(), Scene())
     assert bare == {
         "base_motion": (False, "the fixed bodies stay where they are"),
+        "blade_element_drag": (False, "no air is called for"),
         "flexible_links": (False, "bodies are rigid"),
         "free_base": (False, "the fixed bodies stay where they are"),
         "gravity": (True, "-9.81 m/s² along z unless a scene says otherwise"),
@@ -221,26 +222,15 @@ def test_an_effect_acts_once() -> None:
         Scene(effects=(Gravity(), HingeDamping(), Gravity((0, 0, -1.62))))
 
 
-def piezo_bender_fields() -> tuple[object, ...]:
-    material = lamc.plate.Material(60e9, 60e9, 0.3, 23e9, 7800.0, d31=-2e-10, d32=-2e-10)
-    laminate = lamc.plate.Laminate([lamc.plate.Ply(material, 1e-4)] * 2)
-    return ("a", (0, 0, 0), "b", (1e-2, 0, 0), (0, 0, 1), 1e-3, laminate, (1, -1), 10.0)
-
-
 def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
-    needs = {  # those that cannot stand alone
-        "spring": ("a", (0, 0, 0), "b", (1, 0, 0), 1.0),
-        "base_motion": ((0, 0, "0.01*sin(t)"),),
-        "piezo_bender": piezo_bender_fields(),
-        "linear_motor": ("h", 1.0, None, None, None, 1.0, 1.0),
-    }
     assert len(by_name()) == len(EFFECTS)
     for name, kind in by_name().items():
         assert name == kind.name
         assert name.isidentifier()
         assert name == name.lower()
         assert kind.summary
-        assert isinstance(kind(*needs.get(name, ())), Effect)
+        assert isinstance(SAMPLES[name], kind)
+        assert isinstance(SAMPLES[name], Effect)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ from lamc.effects.free_base import FreeBase
 from lamc.mechanics.derivative import derivatives
 from tests.floating import with_base
 from tests.general_motion import General, compiled
+from tests.mechanisms import chain
+from tests.test_added_inertia import Fluid
 from tests.test_compliant_hinges import Compliance, all_compliant, compliant, ring
 from tests.test_flexible_bodies import Bending, closed, skewed
 
@@ -23,10 +25,15 @@ def everything(floats: bool) -> General:
     return General(with_base(mechanism), effects)
 
 
-@pytest.mark.parametrize("name", ["still", "floating", "ring", "loop"])
+@pytest.mark.parametrize("name", ["still", "floating", "ring", "loop", "fluid"])
 def test_composite_bodies_give_the_derivative_of_the_residual(name: str) -> None:
     if name in ("still", "floating"):
         general = everything(name == "floating")
+    elif name == "fluid":
+        matrix = np.diag([0.1, 0.4, 2.0, 0.02, 0.03, 0.01])
+        matrix[0, 4] = matrix[4, 0] = 0.05
+        wet = with_base(chain(2, "space", seed=3))
+        general = General(wet, (Fluid("body1", (0.1, 0.2, 0.3), matrix), FreeBase()))
     elif name == "ring":
         general = General(with_base(ring()), (all_compliant(ring()), FreeBase()))
     else:

@@ -2,9 +2,9 @@
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -14,11 +14,14 @@ import lamc
 from lamc.errors import SimulationError
 from lamc.ledger import Ledger, Sweep, measure
 from lamc.ledger.clock import Clock
+from lamc.ledger.effects_account import Accounting, Setting
+from lamc.ledger.making import Workshop
 from lamc.ledger.precision import observed_orders, slope
 from lamc.ledger.records import Point
 from lamc.ledger.reference import make_reference
 from lamc.ledger.schema import ledger_schema, read_ledger
 from lamc.ledger.verdict import cheapest
+from lamc.mechanics.loads import Loads
 from lamc.options import CompileOptions
 from lamc.report.ledger import draw_ledger, spread
 from lamc.report.ledger_text import ledger_text
@@ -244,9 +247,6 @@ def test_scene_that_cannot_be_simulated_is_a_row_with_the_reason(tmp_path: Path)
         def contribute(self, loads: object) -> None:
             raise lamc.DesignError("needy needs gravity")
 
-    from lamc.ledger.effects_account import Accounting, Setting
-    from lamc.ledger.making import Workshop
-
     truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1.0), Clock(5.0), 5.0)
     workshop = Workshop(rod(), CompileOptions(), tmp_path)
     accounting = Accounting(workshop, FREE, (lamc.Gravity(), Needy()), truth, Sweep(t_end=1.0), Clock(20.0))
@@ -258,6 +258,37 @@ def test_scene_that_cannot_be_simulated_is_a_row_with_the_reason(tmp_path: Path)
     assert without_needy.succeeded
     assert without_needy.change is not None
     assert without_needy.change < 1e-9  # nothing but the integrator at 1e-10
+
+
+@dataclass(frozen=True)
+class Brake:
+    """Damping of the rod's hinge, which can be had halved."""
+
+    coefficient: float  # N·m·s/rad
+    name: ClassVar[str] = "brake"
+    summary: ClassVar[str] = "Damper beside the hinge"
+
+    def contribute(self, loads: Loads) -> None:
+        loads.hinge_torque("h", -(self.coefficient * loads.hinge("h").rate))
+
+    def alternatives(self) -> dict[str, "Brake"]:
+        return {"half as strong": Brake(0.5 * self.coefficient)}
+
+
+def test_other_form_of_an_effect_is_measured_in_its_place(tmp_path: Path) -> None:
+    scene = lamc.Scene(effects=(lamc.Gravity(), Brake(1e-3)), angles={"h": 0.5})
+    truth = make_reference(lamc.compile(rod(), scene), Sweep(t_end=1.0), Clock(20.0), 5.0)
+    workshop = Workshop(rod(), CompileOptions(), tmp_path)
+    accounting = Accounting(workshop, scene, scene.effects or (), truth, Sweep(t_end=1.0), Clock(20.0))
+    account = accounting.account(Setting("rk45", 1e-6), 1.0, lambda _done, _total: None)
+    half, none = (
+        next(r for r in account.rows if r.effects == ("brake",) and r.form == f)
+        for f in ("half as strong", "")
+    )
+    assert half.change is not None
+    assert none.change is not None
+    # to first order in so faint a damping (c t / 2 I = 1.5e-3) half of it is missing: half of the change
+    assert half.change == pytest.approx(0.5 * none.change, rel=1e-2)
 
 
 # ---- verdict, budget, forms -----------------------------------------------------------------------------------

@@ -51,6 +51,9 @@ class Effect(Protocol):
     An effect is taken to keep the energy of a run if it stores some. One for which this is not so says it by
     `conservative`, true or false: a spring with a damper, a bender under a voltage that changes.
 
+    An effect that comes in cheaper or finer forms, such as with fewer modes of a plate, tells them by alternatives():
+    effects of its kind by a few words each. `lamc ledger` puts each in its place, to see what it changes and costs.
+
     An effect with something to show has marks(parameters): what pictures of a run show besides the bodies, given the
     run's parameters by name; so far planes, as `PlaneMark`s.
 
@@ -93,6 +96,12 @@ def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tupl
     """What the effects of a run have to show, at the run's parameters."""
     shown = (getattr(effect, "marks", None) for effect in effects)
     return tuple(mark for marks in shown if marks is not None for mark in marks(parameters))
+
+
+def alternatives_of(effect: Effect) -> Mapping[str, Effect]:
+    """Other forms of the effect by a few words each; none for one that does not say."""
+    alternatives = getattr(effect, "alternatives", None)
+    return dict(alternatives()) if alternatives is not None else {}
 
 
 def conserves(effect: Effect, energies: Container[str]) -> bool:

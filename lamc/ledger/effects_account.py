@@ -9,7 +9,7 @@ cannot be simulated (an effect that others need) is a row with the reason.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from lamc.effects.base import Effect
+from lamc.effects.base import Effect, alternatives_of
 from lamc.effects.registry import EFFECTS, choose
 from lamc.errors import LamcError
 from lamc.ledger.clock import Clock, OutOfTime, processor_seconds, shortest
@@ -38,11 +38,12 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class _Variant:
-    """A scene beside the ledger's own: without `effects`, or with them if is_added."""
+    """A scene beside the ledger's own: without `effects`, with them if is_added, or with another form of them."""
 
     effects: tuple[str, ...]
     is_added: bool
     scene: Scene
+    form: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +72,8 @@ class Accounting:
         )
 
     def account(self, setting: Setting, share: float, tell: Told) -> Account:
-        """Every effect of the scene left out in turn, and every one added that the design asks for and the scene
-        lacks; until `share` of the clock's budget is spent."""
+        """Every effect of the scene left out in turn, its other forms in its place, and every one added that the design
+        asks for and the scene lacks; until `share` of the clock's budget is spent."""
         variants = self._variants()
         base = self._measure(_Variant((), False, self._scene), setting, share)
         rows = []
@@ -101,16 +102,21 @@ class Accounting:
         for name in dict.fromkeys(effect.name for effect in kept):
             rest = tuple(effect for effect in kept if effect.name != name)
             found.append(_Variant((name,), False, replace(self._scene, effects=rest)))
+        for k, effect in enumerate(kept):
+            for form, other in alternatives_of(effect).items():
+                effects = (*kept[:k], other, *kept[k + 1 :])
+                scene = replace(self._scene, effects=effects)
+                found.append(_Variant((effect.name,), False, scene, form))
         present = {choice.name for choice in choose(self._workshop.mechanism, self._scene) if choice.effect}
         for kind in EFFECTS:
             if kind.name not in present:
-                effect, _ = kind.default_for(self._workshop.mechanism)
-                if effect is not None:
-                    found.append(_Variant((kind.name,), True, replace(self._scene, effects=(*kept, effect))))
+                asked, _ = kind.default_for(self._workshop.mechanism)
+                if asked is not None:
+                    found.append(_Variant((kind.name,), True, replace(self._scene, effects=(*kept, asked))))
         return found
 
     def _measure(self, variant: _Variant, setting: Setting, share: float) -> _Row:
-        empty = EffectRow(variant.effects, variant.is_added, succeeded=False)
+        empty = EffectRow(variant.effects, variant.is_added, succeeded=False, form=variant.form)
         left = self._clock.left(share)
         if left <= 0.0:
             return _Row(replace(empty, note="left out: the budget is spent"), None)
@@ -160,7 +166,10 @@ class Accounting:
         idle = [
             row
             for row in rows
-            if not row.is_added and row.change is not None and row.change < self._sweep.accuracy
+            if not row.is_added
+            and not row.form
+            and row.change is not None
+            and row.change < self._sweep.accuracy
         ]
         idle.sort(key=lambda row: row.change or 0.0)
         while idle:

@@ -46,11 +46,11 @@ class Made:
 
 
 class Workshop:
-    """Makes variants of one mechanism."""
+    """Makes variants of one mechanism. folder: of a cache of its own; None: the user's, where times mean nothing."""
 
-    def __init__(self, mechanism: Mechanism, options: CompileOptions, folder: Path) -> None:
+    def __init__(self, mechanism: Mechanism, options: CompileOptions, folder: Path | None) -> None:
         self.mechanism, self.options = mechanism, options
-        self._cache = Cache(folder / "cache")
+        self._cache = None if folder is None else Cache(folder / "cache")
         self._ready: set[CompileOptions] = set()
         self._seconds: dict[str, float] = {}  # of the first making, by digest and flags
 
@@ -58,7 +58,7 @@ class Workshop:
         """A scene that was made before is loaded, and has the time of then. Raises LamcError where the scene or the
         options cannot be compiled."""
         options = options or self.options
-        if options not in self._ready:
+        if self._cache is not None and options not in self._ready:
             compile_design(_flap(), Scene(effects=()), options, cache=self._cache)
             self._ready.add(options)
         started = time.perf_counter()

@@ -1,7 +1,7 @@
 """`measure`: the ledger of one design in one scene.
 
 In: a mechanism, a scene, a sweep. Out: a `Ledger`: work against precision of every integrator, the account of effects,
-arithmetic, and a verdict. It prints nothing, and leaves the compiler's cache alone.
+arithmetic, and a verdict. It prints nothing; the account compiles in a cache of its own.
 """
 
 import platform
@@ -57,7 +57,7 @@ def measure(
     clock = Clock(sweep.budget)
     effects = effects_of(mechanism, scene)
     with tempfile.TemporaryDirectory(prefix="lamc-ledger-") as folder:
-        workshop = Workshop(mechanism, options, Path(folder))
+        workshop = Workshop(mechanism, options, Path(folder) if with_account else None)
         progress.stage("compile")
         simulator = workshop.make(scene).simulator
         progress.stage("reference")

@@ -116,6 +116,7 @@ class EffectRow:
     """A scene that differs from the ledger's by one effect or some, and what that does.
 
     is_added        True: an effect that the design asks for and the scene lacks was added
+    form            the other form of the effect that took its place, in its own words; empty: the effect was left out
     change          of the outputs, relative: model error of leaving it out; both runs at a tight tolerance
     changes         the same by output
     discretisation  what of `change` may be the integrator's doing
@@ -126,6 +127,7 @@ class EffectRow:
     effects: tuple[str, ...]
     is_added: bool
     succeeded: bool
+    form: str = ""
     note: str = ""
     change: float | None = None
     changes: dict[str, float] | None = None

@@ -36,6 +36,7 @@ def make_verdict(
         if together is not None:
             idle, saved = together.effects, _saved(account.scene, together)
         lines.append(_effects_line(account, idle, saved, sweep))
+        lines += [line for row in account.rows if (line := _form_line(row, account, sweep))]
     return Verdict(found, idle, saved, tuple(lines))
 
 
@@ -83,6 +84,18 @@ def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sw
         f"saves {100 * saved:.0f} % of the time" if saved is not None and saved >= 0.01 else "saves no time"
     )
     return f"{names}: changes the outputs by less than {limit}{change}; leaving it out {saves}"
+
+
+def _form_line(row: EffectRow, account: Account, sweep: Sweep) -> str:
+    """A word on another form of an effect that is as good and cheaper; nothing where it is not."""
+    saved = _saved(account.scene, row)
+    if not row.form or row.change is None or row.change >= sweep.accuracy or saved is None or saved < 0.01:
+        return ""
+    limit = percent(sweep.accuracy)
+    return (
+        f"{row.effects[0]}: {row.form} changes the outputs by less than {limit} ({row.change:.1e}) and saves "
+        f"{100 * saved:.0f} % of the time"
+    )
 
 
 def _saved(scene: EffectRow, without: EffectRow) -> float | None:

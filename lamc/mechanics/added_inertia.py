@@ -41,6 +41,11 @@ class AddedInertia:
             add(moment, cross(omega, spin)), cross(velocity, momentum)
         )
 
+    def projected(self, columns: Sequence[Sequence[Scalar]]) -> dict[tuple[int, int], Scalar]:
+        """JᵀAJ, lower triangle, for w = J u, J given by columns."""
+        moved = [self._times(column) for column in columns]
+        return {(i, j): dot(columns[j], moved[i]) for i in range(len(columns)) for j in range(i + 1)}
+
     def _times(self, w: Sequence[Scalar]) -> Six:
         return tuple(dot(row, w) for row in self.matrix)
 

@@ -1,13 +1,12 @@
 """`InverseDynamics`: the equations of what moves by more than hinges on a fixed world, as residuals.
 
 Goes in: kinematics in the general form, masses, loads. Comes out: M u̇ - f for given u̇ by one pass outwards and one
-inwards; f from nought for u̇, M by the staged derivative. It solves nothing.
+inwards; f from nought for u̇; M, which is their derivative by u̇, from composite bodies. It solves nothing.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from lamc.codegen.program import Space
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot
 from lamc.mechanics.chain_kinematics import ChainKinematics
@@ -21,6 +20,7 @@ from lamc.mechanics.loads import Loads
 from lamc.mechanics.modal import ModalInertia
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import local_point, rotate, rotate_back
+from lamc.mechanics.powers import point_motion
 from lamc.mechanics.staging import Scalar, Value
 from lamc.mechanism.tree import WORLD
 
@@ -39,9 +39,7 @@ class Masses:
 class InverseDynamics:
     """M u̇ = f by inverse dynamics. Rates in the order of the arrangement's."""
 
-    def __init__(
-        self, kinematics: ChainKinematics, masses: Masses, u: Sequence[Scalar], loads: Loads
-    ) -> None:
+    def __init__(self, kinematics: ChainKinematics, masses: Masses, u: Sequence[Value], loads: Loads) -> None:
         self.kinematics, self._masses, self._u, self._loads = kinematics, masses, u, loads
         self._count = len(kinematics.arrangement.plain_coordinates)
 
@@ -70,21 +68,19 @@ class InverseDynamics:
         return [-value for value in self.residual(None)]
 
     def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
-        """Lower triangle of M."""
-        store, rates = self.kinematics.store, self.kinematics.arrangement.rates
-        if not self._loads.added:
-            with store.section("Mass matrix", source="composite bodies; Walker & Orin 1982"):
-                masses = self._masses
-                entries = composite_mass_matrix(self.kinematics, masses.inertias, masses.modal)
-            return {key: v for key, v in sorted(entries.items()) if isinstance(v, Value) or v != 0}
-        udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(rates)]
-        residual = self.residual(udot)
-        entries = {}
-        with store.section("Mass matrix", source="∂(M u̇ - f)/∂u̇"):
-            for j, symbol in enumerate(udot):
-                column = derivatives(residual[j:], {symbol: 1})
-                entries |= {(i, j): v for i, v in enumerate(column, j) if isinstance(v, Value) or v != 0}
-        return entries
+        """Lower triangle of M: composite bodies, and what a fluid adds."""
+        kinematics, masses, loads = self.kinematics, self._masses, self._loads
+        store = kinematics.store
+        with store.section("Mass matrix", source="composite bodies; Walker & Orin 1982"):
+            entries = composite_mass_matrix(kinematics, masses.inertias, masses.modal)
+        motions = kinematics.motions(self._u)
+        for added in loads.added:
+            with store.section("Added inertia", effect=added.effect, source="JᵀAJ"):
+                velocity, omega = point_motion(loads.placement, added, motions)
+                columns = [derivatives([*velocity, *omega], {u: 1}) for u in self._u]
+                for (i, j), value in added.projected(columns).items():
+                    entries[i, j] = entries.get((i, j), 0) + value
+        return {key: v for key, v in sorted(entries.items()) if isinstance(v, Value) or v != 0}
 
     def _passed(self, accelerations: Sequence[Scalar] | None) -> tuple[dict[int, Scalar], Wrench]:
         """Generalised inertia forces less those of wrenches, by coordinate; the wrench that reaches the base."""

@@ -95,6 +95,7 @@ def _draw_savings(axis: Axes, account: Account, rows: Sequence[EffectRow], place
 
 def _row_name(row: EffectRow) -> str:
     words = " and ".join(name.replace("_", " ") for name in row.effects)
+    words += f": {row.form}" if row.form else ""
     return shortened(("with " if row.is_added else "") + words, 32)
 
 

@@ -138,7 +138,8 @@ def _account(account: Account) -> str:
     together = account.together
     last = (together,) if together is not None and len(together.effects) > 1 else ()
     for row in (*account.rows, *last):
-        name = f"{'with' if row.is_added else 'without'} {', '.join(row.effects)}"
+        name = f"{'with' if row.is_added or row.form else 'without'} {', '.join(row.effects)}"
+        name += f": {row.form}" if row.form else ""
         if row.succeeded:
             rows.append(_effect_cells(name, row, account.scene))
         else:

@@ -8,14 +8,12 @@ import time
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
-from lamc.codegen.program import Coordinate
 from lamc.effects.base import marks_of
 from lamc.effects.drives import check_drives
 from lamc.errors import DesignError, RequestError, about
@@ -30,10 +28,11 @@ from lamc.mechanism.tree import plan
 from lamc.places import told_at
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
-from lamc.run.arguments import check_names, checked_rate, drawn_start, numbers, states
+from lamc.run.arguments import check_names, checked_rate, drawn_start
 from lamc.run.books import Kept
 from lamc.run.ending import message
-from lamc.run.model import CompiledModule, Model, Motion, Unchanging
+from lamc.run.evaluations import NO_PARAMETERS, Evaluations
+from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, Request, checked_request
@@ -41,10 +40,9 @@ from lamc.run.result import Event, Provenance, Result, RunStats
 from lamc.scene import Scene
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
-NO_PARAMETERS: Mapping[str, float] = MappingProxyType({})
 
 
-class Simulator(Unchanging):
+class Simulator(Evaluations):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from
@@ -76,6 +74,7 @@ class Simulator(Unchanging):
 
         Raises RequestError if the scene starts a joint that is not there.
         """
+        super().__init__(Model(module))
         self.mechanism = mechanism
         self.scene = scene
         self.effects = tuple(effects)
@@ -84,37 +83,12 @@ class Simulator(Unchanging):
         self._module = module
         self._loops = loops
         self._books = books
-        self._model = Model(module)
         known = (*self.joints, *self.cut_joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         check_outputs(scene, [*(c.name for c in self.coordinates), *self.cut_joints], self.bodies)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        return self._model.joints
-
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """Names and units of q: the joints, then what effects add."""
-        return self._model.coordinates
-
-    @property
-    def rates(self) -> tuple[Coordinate, ...]:
-        """Names and units of u."""
-        return self._model.rates
-
-    @property
-    def freedoms(self) -> int:
-        """Degrees of freedom: rates that loops leave independent."""
-        return len(self.rates) - self._model.rank
-
-    @property
-    def cut_joints(self) -> tuple[str, ...]:
-        """Names of the joints that close loops; their angles follow from the others."""
-        return self._model.cuts
 
     @cached_property
     def loops(self) -> LoopCount:
@@ -158,14 +132,6 @@ class Simulator(Unchanging):
     @property
     def bodies(self) -> tuple[str, ...]:
         return tuple(body.name for body in self.mechanism.bodies)
-
-    @cached_property
-    def parameters(self) -> Mapping[str, float]:
-        return MappingProxyType(dict(zip(self._model.parameters, self._model.defaults, strict=True)))
-
-    @cached_property
-    def parameter_units(self) -> Mapping[str, str]:
-        return MappingProxyType(dict(zip(self._model.parameters, self._model.parameter_units, strict=True)))
 
     @property
     def source_dir(self) -> Path:
@@ -285,59 +251,6 @@ class Simulator(Unchanging):
         )
         return result, trajectory.effort
 
-    def acceleration(
-        self,
-        q: npt.ArrayLike,
-        u: npt.ArrayLike,
-        t: npt.ArrayLike = 0.0,
-        parameters: Mapping[str, float] = NO_PARAMETERS,
-    ) -> Array:
-        """Derivatives of the rates, shape (…, nu), of joints rad/s², at coordinates q (…, nq), of joints rad, rates
-        u (…, nu) and times t (…), s. The leading shapes broadcast. Raises RequestError for other shapes."""
-        times, rows, shape = states(q, u, t, self._model)
-        return self._motion(parameters).accelerations(times, rows).reshape(*shape, len(self.rates))
-
-    def jacobian(
-        self,
-        q: npt.ArrayLike,
-        u: npt.ArrayLike,
-        t: float = 0.0,
-        parameters: Mapping[str, float] = NO_PARAMETERS,
-    ) -> tuple[Array, Array]:
-        """Derivatives of the accelerations by the coordinates, shape (nu, nq), of joints 1/s², and by the rates, shape
-        (nu, nu), of joints 1/s, at coordinates q (nq,), rates u (nu,) and time t, s: [i, j] is that of i by j.
-
-        Loops hold: the derivatives are those of the accelerations under closure. Raises RequestError for other
-        shapes."""
-        times, rows, shape = states(q, u, t, self._model)
-        if shape:
-            raise RequestError(f"jacobian takes one state; these are {shape} of them")
-        return self._motion(parameters).jacobian(float(times[0]), rows[0])
-
-    def energy(
-        self,
-        q: npt.ArrayLike,
-        u: npt.ArrayLike,
-        t: npt.ArrayLike = 0.0,
-        parameters: Mapping[str, float] = NO_PARAMETERS,
-    ) -> Array:
-        """Kinetic plus stored energy, shape (…), J, at coordinates q (…, nq), rates u (…, nu) and times t (…)."""
-        times, rows, shape = states(q, u, t, self._model)
-        total: Array = self._motion(parameters).energies(times, rows).sum(axis=1).reshape(shape)
-        return total
-
-    def closure(self, q: npt.ArrayLike) -> tuple[Array, Array]:
-        """Residuals φ, shape (m,), m, of the loops' equations and their Jacobian J, shape (m, nu), of joints m/rad, by
-        which φ̇ = J u, at coordinates q (nq,); m is 0 for a tree. Raises RequestError for another shape."""
-        angles = numbers(q, "q")
-        nq, nu, m = len(self.coordinates), len(self.rates), self._model.closure_count
-        if angles.shape != (nq,):
-            what = "one angle per joint" if nq == len(self.joints) else "one number per coordinate"
-            raise RequestError(f"q has shape {angles.shape}; it must be ({nq},), {what}")
-        row = np.concatenate([angles, np.zeros(nu)]).reshape(1, -1)
-        flat = self._motion(NO_PARAMETERS).closures(row)[0]
-        return flat[:m], flat[m:].reshape(m, nu)
-
     def _check_start(self, start: Array, mechanism: Mechanism) -> None:
         """Shows the start and the mechanism with the limits of the run to the effects that ask for it. Raises
         DesignError if one of them refuses it."""
@@ -384,15 +297,6 @@ class Simulator(Unchanging):
     @cached_property
     def _arrangement(self) -> Arrangement:
         return arrange(plan(self.mechanism), self.effects)
-
-    @cached_property
-    def _default_motion(self) -> Motion:
-        return self._model.motion(NO_PARAMETERS)
-
-    def _motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
-        if parameters is not NO_PARAMETERS or self._model.needs_work:
-            return self._model.motion(parameters, baumgarte)
-        return self._default_motion
 
     def _provenance(self, motion: Motion) -> Provenance:
         names = self._model.parameters

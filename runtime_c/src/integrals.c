@@ -64,8 +64,8 @@ static void legendre(int count, double x, double *p) {
 }
 
 void lamc_integrals_step(lamc_run *run) {
+  if (run->ode.integral_count == 0 || run->dense == LAMC_DENSE_NONE) return;
   const room r = room_of(run);
-  if (r.k == 0 || run->dense == LAMC_DENSE_NONE) return;
   const rule *q = lamc_method_of(run->method)->quadrature;
   const int dense = run->dense;
   const long long before = run->evaluations;

@@ -39,6 +39,15 @@ static void motion_rhs(const void *context, double t, const double *y, double *d
   lamc_motion_accelerate(motion, t, y, y + nq, dydt + nq);
 }
 
+/* The same where the model gives both as they are: most mechanisms, and the call that a run makes most often */
+static void plain_rhs(const void *context, double t, const double *y, double *dydt) {
+  const lamc_motion *motion = (const lamc_motion *)context;
+  const int n = motion->model->rate_count;
+  const double *u = y + n;
+  for (int i = 0; i < n; i++) dydt[i] = u[i];
+  motion->model->acceleration(motion->constants, t, y, u, dydt + n);
+}
+
 static lamc_status motion_settle(const void *context, double t, double *y, double *moved) {
   return lamc_motion_settle((const lamc_motion *)context, t, y, moved);
 }
@@ -50,7 +59,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.n = model->coordinate_count + model->rate_count;
   ode.coordinate_count = model->coordinate_count;
   ode.is_rough = model->table_count > 0;
-  ode.rhs = motion_rhs;
+  ode.rhs = model->rates == NULL && model->acceleration != NULL ? plain_rhs : motion_rhs;
   ode.context = motion;
   if (model->cut_count > 0 && motion->baumgarte == 0.0) {
     ode.settle = motion_settle;

@@ -119,6 +119,14 @@ def test_what_is_equivalent_is_taken() -> None:
         ("link_1.inertia_xx", -1e-9, "a moment of inertia must be zero or more"),
         ("link_1.inertia_yy", -1e-9, "a moment of inertia must be zero or more"),
         ("link_1.inertia_zz", -1e-9, "a moment of inertia must be zero or more"),
+        ("h1.motor.resistance", 0.0, "a resistance must be above zero"),
+        ("h1.motor.2.torque_constant", -0.1, "the torque constant of a motor must be above zero"),
+        ("h1.motor.no_load_speed", 0.0, "the no-load speed of a motor must be above zero"),
+        ("wing.air.density", -1.2, "a density must be zero or more"),
+        ("wing.air.drag_edge_on", -0.4, "a coefficient of drag must be zero or more"),
+        ("h.cross_stiffness.slide_z", -1.0, "a stiffness must be zero or more"),
+        ("b.modal_damping.12_12", -1.0, "a damping must be zero or more"),
+        ("h.cross_damping.twist_x", -1.0, "a damping must be zero or more"),
     ],
 )
 def test_a_parameter_that_nature_forbids_is_refused(name: str, value: float, rule: str) -> None:
@@ -134,8 +142,17 @@ def test_parameters_that_nature_allows_are_taken() -> None:
         "b.inertia_xx": 0.0,
         "b.inertia_xy": -1.0,
         "gravity_z": -9.81,
+        "lift": -1.0,
+        "b.modal_damping.1_2": -1.0,
+        "h.cross_stiffness.twist_y_slide_z": -1.0,
     }
     assert checked_parameters(wanted, dict.fromkeys(wanted, "SI")) == wanted
+
+
+def test_true_is_no_value_of_a_parameter() -> None:
+    for value in (True, np.bool_(False)):
+        with pytest.raises(RequestError, match=r"parameter 'h\.angle' is .*; it must be a number in rad"):
+            checked_parameters({"h.angle": value}, {"h.angle": "rad"})
 
 
 def test_compiled_parameters_follow_the_rules() -> None:

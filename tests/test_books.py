@@ -1,5 +1,6 @@
 """The books of a run: power and work of every effect, their balance, and that keeping them changes nothing."""
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -15,7 +16,7 @@ import lamc
 from lamc.codegen.lower import lower
 from lamc.effects.base import Effect, conserves
 from lamc.effects.registry import EFFECTS
-from lamc.errors import RequestError
+from lamc.errors import DesignError, RequestError
 from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.reference.interpreter import Interpreter
@@ -93,6 +94,27 @@ def test_only_what_is_driven_brings_energy_in(name: str, seed: int) -> None:
             assert supplied == pytest.approx(0.0, abs=1e-5 * size)  # of differences, as above
         elif effect not in DRIVEN:
             assert supplied <= 1e-5 * size
+
+
+@pytest.mark.parametrize("name", names())
+def test_no_swept_parameter_makes_a_passive_effect_feed_energy(name: str) -> None:
+    """With any one of its parameters turned round, an effect takes energy as before, or the run is refused."""
+    sim = simulator(name)
+    bare = simulator("gravity" if name != "gravity" else "hinge_damping")
+    for parameter in sorted(set(sim.parameters) - set(bare.parameters)):
+        turned = {parameter: -sim.parameters[parameter]}
+        with contextlib.suppress(RequestError, DesignError):
+            books = sim.run(t_end=0.05, rtol=1e-9, parameters=turned, books=True, max_steps=5000).books
+            gained = books.supplied.get(name, np.zeros(1)).max()
+            assert name in DRIVEN or gained < 1e-8 * books.scale, parameter  # at the tolerance of the run
+
+
+def test_a_motor_of_impossible_data_is_refused_in_sweeps() -> None:
+    sim = simulator("linear_motor")
+    for field in ("resistance", "torque_constant"):
+        for value in (0.0, -1.0):
+            with pytest.raises(RequestError, match=rf"'h1\.motor\.{field}' is .* must be above zero"):
+                sim.run(t_end=0.1, parameters={f"h1.motor.{field}": value})
 
 
 @pytest.mark.parametrize("name", names())

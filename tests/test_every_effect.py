@@ -7,6 +7,7 @@ import pickle
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -236,6 +237,30 @@ def test_any_data_is_an_effect_or_an_error_of_one_line(name: str) -> None:
         attempt(name, data)
 
     every()
+
+
+EXTREMES = (
+    *(np.array(1.0), np.array([]), np.arange(3.0), np.array([[np.nan]]), np.float32(2.0), np.bool_(True)),
+    *(1e300, -1e300, 1e-320, 1j, b"x", object(), {}, {"h1": 1e300}, (1e300,) * 3, ("h1", "h1")),
+)
+
+
+@each_effect
+def test_any_value_of_a_field_in_python_acts_or_is_an_error_of_one_line(name: str) -> None:
+    """Arrays of any shape, and numbers at the ends of what floats hold."""
+    effect, whole = SAMPLES[name], mechanism()
+    for field in [f.name for f in dataclasses.fields(effect)]:  # type: ignore[arg-type]
+        for value in EXTREMES:
+            made: list[Effect] = []
+            told = outcome(lambda f=field, v=value, m=made: m.append(dataclasses.replace(effect, **{f: v})))  # type: ignore[misc]
+            if made:
+                assert isinstance(hash(made[0]), int)
+                with np.errstate(all="ignore"):
+                    told = outcome(
+                        lambda m=made: equations_of(whole, effects_of(whole, Scene(effects=(*m,))))
+                    )  # type: ignore[misc]
+            assert "\n" not in told
+            assert len(told) < 1000
 
 
 @each_effect

@@ -192,6 +192,20 @@ def test_a_swept_parameter_that_would_feed_energy_is_refused(name: str, value: f
         sim.run(t_end=0.1, parameters={f"ground_contact.{name}": value})
 
 
+def test_a_swept_static_friction_below_that_of_sliding_is_refused() -> None:
+    sim = on_ground(contact(friction=0.1, static_friction=0.2))
+    for swept in ({"static_friction": 0.05}, {"friction": 0.3}):
+        with pytest.raises(DesignError, match=r"ground_contact\.static_friction' is .*, below"):
+            sim.run(t_end=0.1, parameters={f"ground_contact.{field}": v for field, v in swept.items()})
+    assert sim.run(t_end=0.01, parameters={"ground_contact.friction": 0.2}).success
+
+
+def test_ground_above_all_measure_is_refused_as_any_that_flings() -> None:
+    sim = on_ground(contact())
+    with pytest.raises(DesignError, match="deep in the ground"):
+        sim.run(t_end=0.1, parameters={"ground_contact.height": 1e300})
+
+
 @pytest.mark.parametrize(
     ("fields", "message"),
     [

@@ -15,7 +15,7 @@ from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging, PrescribedBase
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import shown
+from lamc.mechanism.checks import is_list, shown
 from lamc.mechanism.records import Mechanism, checked_array, checked_number
 
 Told = float | str
@@ -46,7 +46,7 @@ class BaseMotion:
 
     def __post_init__(self) -> None:
         given = self.displacement
-        if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 3:
+        if not is_list(given) or len(given) != 3:
             raise DesignError(
                 f"the displacement of base_motion is {shown(given)}; give three numbers or expressions in t: (x, y, z)"
             )

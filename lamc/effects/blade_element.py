@@ -21,7 +21,7 @@ from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, dot, scale
 from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Scalar, call
-from lamc.mechanism.checks import checked_flag, checked_name, checked_number, shown
+from lamc.mechanism.checks import checked_flag, checked_name, checked_number, is_list, shown
 from lamc.mechanism.records import Mechanism, checked_array
 
 AIR = 1.2  # kg/m³, at 20 °C at sea level
@@ -310,7 +310,7 @@ def _composed(axes: Sequence[Vector3], components: Vector3) -> Vector3:
 
 def _corners(value: object, what: str) -> Corners:
     """Points in the plane as tuples. Raises DesignError for anything else."""
-    if isinstance(value, str | Mapping) or not isinstance(value, Sequence | np.ndarray):
+    if not is_list(value):
         raise DesignError(f"{what} is {shown(value)}; give a list of points [x, y]")
     points = [checked_array(each, (2,), f"a point of {what}") for each in value]
     return tuple((float(x), float(y)) for x, y in points)

@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import shown
+from lamc.mechanism.checks import is_list, shown
 from lamc.mechanism.records import Body, Mechanism, checked_array, checked_name
 from lamc.readonly import ReadOnlyDict
 
@@ -31,7 +30,7 @@ class ContactPoint:
 
 def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]] | Literal["drawn"]:
     """Points by body, in the order of the bodies' names, or DRAWN. Raises DesignError for anything else."""
-    if value == DRAWN:
+    if isinstance(value, str) and value == DRAWN:
         return DRAWN
     if not isinstance(value, Mapping) or not value:
         raise DesignError(
@@ -41,11 +40,7 @@ def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]] 
     points: dict[str, tuple[Point, ...]] = {}
     for body, given in sorted(value.items(), key=lambda item: str(item[0])):
         checked_name(body, f"a body in {what}")
-        if (
-            isinstance(given, str | Mapping)
-            or not isinstance(given, Sequence | np.ndarray)
-            or len(given) == 0
-        ):
+        if not is_list(given) or len(given) == 0:
             raise DesignError(
                 f"{what} of body {body!r} is {shown(given)}; give a list of points [x, y, z] in m"
             )

@@ -144,13 +144,16 @@ class GroundContact:
     def check_poses(
         self, mechanism: Mechanism, poses: Mapping[str, tuple[Array, Array]], parameters: Mapping[str, float]
     ) -> None:
-        """Refuses a start so deep in the ground that it would fling all that moves higher than its own size."""
+        """Refuses a start so deep in the ground that it would fling all that moves higher than its own size, and a
+        static friction of the run below its friction."""
+        self._check_static(parameters)
         points = contact_points(mechanism, tuple(poses), self.bodies, self.points, self.corners)
         coms = {body.name: body.com for body in mechanism.bodies}
         height, stiffness = (parameters[f"{self.name}.{field}"] for field in ("height", "stiffness"))
         placed = [poses[p.body][0] + poses[p.body][1] @ (np.array(p.point) - coms[p.body]) for p in points]
         depths = [max(height - float(np.dot(self.normal, point)), 0.0) for point in placed]
-        stored = math.fsum(stiffness * d ** (self.exponent + 1.0) / (self.exponent + 1.0) for d in depths)
+        with np.errstate(over="ignore"):  # what overflows is deep enough
+            stored = float(np.sum(stiffness * np.power(depths, self.exponent + 1.0))) / (self.exponent + 1.0)
         thrown = stored / _weight(mechanism, tuple(poses))
         size = _size(mechanism, points)
         if thrown > size:
@@ -160,6 +163,14 @@ class GroundContact:
                 f"at the start a point of body {body!r} is {deepest * 1e3:.3g} mm deep in the ground, which would "
                 f"fling all that moves {thrown / size:.3g} times its size high: start it higher, or lower the ground "
                 f"from its height of {height * 1e3:.4g} mm"
+            )
+
+    def _check_static(self, parameters: Mapping[str, float]) -> None:
+        sliding, static = (parameters.get(f"{self.name}.{f}") for f in ("friction", "static_friction"))
+        if sliding is not None and static is not None and static < sliding:
+            raise DesignError(
+                f"parameter '{self.name}.static_friction' is {static:g}, below '{self.name}.friction' of {sliding:g}; "
+                "what begins to slide is held at least as much as what slides: change both"
             )
 
     def marks(self, parameters: Mapping[str, float]) -> tuple[PlaneMark, ...]:

@@ -95,6 +95,17 @@ def _strips_drawn(
 
 
 def _strip(joint: Joint, given: Given, drawn: "FlexibleStrip | None") -> Strip:
+    """Raises DesignError for sizes and moduli whose stiffness no float holds."""
+    try:
+        return _clamped(joint, given, drawn)
+    except ArithmeticError as error:
+        raise DesignError(
+            f"the strip of hinge {joint.name!r} has a stiffness that no float holds ({error}): check its width, "
+            "length, thickness and moduli, m and Pa"
+        ) from error
+
+
+def _clamped(joint: Joint, given: Given, drawn: "FlexibleStrip | None") -> Strip:
     from lamc.plate.answers.strip_stiffness import about, strip_stiffness
 
     laminate, width = _laminate(given, drawn), given.width if drawn is None else given.width or drawn.width

@@ -32,15 +32,18 @@ def operations_by_effect(equations: "Equations") -> Mapping[str, Operations]:
     result = {MECHANISM: before}
     for count, effect in enumerate(ordered, start=1):
         with_it = equations if count == len(ordered) else derive(tree, ordered[:count], loops)
-        result[effect.name] = _less(with_it.operations, before)
+        # Several motors, springs or wings have one name, and one line.
+        so_far = result.get(effect.name, Operations())
+        result[effect.name] = _changed(so_far, with_it.operations, before)
         before = with_it.operations
     return MappingProxyType(result)
 
 
-def _less(a: Operations, b: Operations) -> Operations:
+def _changed(count: Operations, after: Operations, before: Operations) -> Operations:
+    """`count` and what came after more than before."""
     return Operations(
-        a.additions - b.additions,
-        a.multiplications - b.multiplications,
-        a.reciprocals - b.reciprocals,
-        a.calls - b.calls,
+        count.additions + after.additions - before.additions,
+        count.multiplications + after.multiplications - before.multiplications,
+        count.reciprocals + after.reciprocals - before.reciprocals,
+        count.calls + after.calls - before.calls,
     )

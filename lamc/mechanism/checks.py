@@ -7,7 +7,7 @@ names the value and the rule. Never: knows what the value is for.
 import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeVar
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -88,6 +88,13 @@ def checked_number(value: object, what: str, *, minimum: float = -math.inf) -> f
         rule = "finite" if minimum == -math.inf else f"finite and at least {minimum:g}"
         raise DesignError(f"{what} is {number!r}; it must be {rule}")
     return number
+
+
+def is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    """True for sequences, and arrays with an axis; text is none."""
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0
+    return isinstance(value, Sequence) and not isinstance(value, str | bytes)
 
 
 def checked_flag(value: object, what: str) -> bool:

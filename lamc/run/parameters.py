@@ -1,7 +1,8 @@
 """Values of parameters that a run may change: numbers that nature allows.
 
 In: parameters by name and the names a model has. Out: floats, or a RequestError with name, value and rule. Which
-quantity a parameter is follows from the end of its name, as `link_1.mass`. Never: looks at defaults.
+quantity a parameter is follows from the end of its name, as `link_1.mass` or `wing.air.density`. Never: looks at
+defaults.
 """
 
 import math
@@ -9,7 +10,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from lamc.errors import DesignError, RequestError
+from lamc.mechanics.compliant_hinge import CROSS_FREEDOMS
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Joint, Mechanism
 from lamc.run.request import did_you_mean, finite
@@ -32,6 +36,21 @@ _RULES: Mapping[str, _Rule] = {
     "static_friction": _Rule("a coefficient of friction", may_be_zero=True),
     "slip_speed": _Rule("a slip speed", may_be_zero=False),
     "restitution": _Rule("a restitution", may_be_zero=False, most=1.0),
+    "resistance": _Rule("a resistance", may_be_zero=False),
+    "torque_constant": _Rule("the torque constant of a motor", may_be_zero=False),
+    "stall_torque": _Rule("the stall torque of a motor", may_be_zero=False),
+    "no_load_speed": _Rule("the no-load speed of a motor", may_be_zero=False),
+    "nominal_voltage": _Rule("the nominal voltage of a motor", may_be_zero=False),
+    "rotor_inertia": _Rule("a moment of inertia", may_be_zero=True),
+    "air.density": _Rule("a density", may_be_zero=True),
+    "air.lift": _Rule("the lift of a wing", may_be_zero=True),
+    "air.drag_edge_on": _Rule("a coefficient of drag", may_be_zero=True),
+    "air.drag_broadside": _Rule("a coefficient of drag", may_be_zero=True),
+    "air.rest_speed": _Rule("a rest speed", may_be_zero=False),
+    **{f"cross_stiffness.{f}": _Rule("a stiffness", may_be_zero=True) for f in CROSS_FREEDOMS},
+    **{f"cross_damping.{f}": _Rule("a damping", may_be_zero=True) for f in CROSS_FREEDOMS},
+    "modal_stiffness.n_n": _Rule("a stiffness", may_be_zero=True),
+    "modal_damping.n_n": _Rule("a damping", may_be_zero=True),
 }
 
 
@@ -51,8 +70,10 @@ def checked_parameters(wanted: object, units: Mapping[str, str]) -> dict[str, fl
 def _value(name: str, value: object, units: Mapping[str, str]) -> float:
     if name not in units:
         raise RequestError(f"no parameter is named {shown(name)}; {did_you_mean(name, units)}")
+    if isinstance(value, bool | np.bool_):
+        raise RequestError(f"parameter {name!r} is {shown(value)}; it must be a number in {units[name]}")
     number = finite(value, f"parameter {name!r}", f"a number in {units[name]}")
-    rule = _RULES.get(name.rpartition(".")[2])
+    rule = _rule(name)
     if rule is None:
         return number
     if number < 0.0 or (number == 0.0 and not rule.may_be_zero) or number > rule.most:
@@ -62,6 +83,13 @@ def _value(name: str, value: object, units: Mapping[str, str]) -> float:
         unit = "" if units[name] == "1" else f" {units[name]}"
         raise RequestError(f"parameter {name!r} is {number:g}{unit}; {rule.what} must be {bound}")
     return number
+
+
+def _rule(name: str) -> _Rule | None:
+    """By the last part of the name, or the last two, in which 3_3 is n_n: on the diagonal of a matrix."""
+    *_, before, last = ("", *name.split("."))
+    row, _, column = last.partition("_")
+    return _RULES.get(last) or _RULES.get(f"{before}.{'n_n' if row == column else last}")
 
 
 def with_limits(mechanism: Mechanism, parameters: Mapping[str, float]) -> Mechanism:

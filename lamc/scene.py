@@ -34,7 +34,8 @@ def _effects(values: "Iterable[Effect]", argument: str) -> "tuple[Effect, ...]":
         name = values.__name__ if isinstance(values, type) else type(values).__name__
         raise DesignError(f"{argument} of a scene is {shown(values)}, no tuple; write {argument}=({name}(),)")
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise DesignError(f"{argument} of a scene is {shown(values)}; it must be a tuple of effects")
+        rule = "None or a tuple" if argument == "effects" else "a tuple"
+        raise DesignError(f"{argument} of a scene is {shown(values)}; it must be {rule} of effects")
     effects = tuple(values)
     for effect in effects:
         if isinstance(effect, type):

@@ -1,5 +1,6 @@
 """Hinges that also give way across their axis: the strip that bends, as a short plate between its links."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -92,9 +93,9 @@ class TwistCompliance:
         time = checked_number(self.retardation, "the retardation of twist_compliance", minimum=0.0)
         object.__setattr__(self, "retardation", time)
         normal = checked_array(self.normal, (3,), "the normal of twist_compliance")
-        if not float(np.linalg.norm(normal)) > 0.0:
+        if not 0.0 < math.hypot(*normal) < math.inf:
             raise DesignError(
-                f"the normal of twist_compliance is {normal.tolist()}; it must have a direction"
+                f"the normal of twist_compliance is {normal.tolist()}; it must have a direction and a length"
             )
         object.__setattr__(self, "normal", tuple(float(v) + 0.0 for v in normal))
 
@@ -148,7 +149,7 @@ class TwistCompliance:
 
     def _axes(self, joint: Joint) -> Array:
         """Columns x, y, z: y the normal, as near as a right angle to the hinge allows."""
-        z, normal = joint.axis, np.array(self.normal) / np.linalg.norm(self.normal)
+        z, normal = joint.axis, np.array(self.normal) / math.hypot(*self.normal)
         x = np.cross(normal, z)
         if float(np.linalg.norm(x)) < _ALONG:
             raise DesignError(

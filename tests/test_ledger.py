@@ -12,13 +12,14 @@ from scipy.special import ellipj, ellipk
 
 import lamc
 from lamc.errors import SimulationError
-from lamc.ledger import Ledger, Sweep, measure
+from lamc.ledger import Ledger, Sweep, measure, reference
 from lamc.ledger.clock import Clock
 from lamc.ledger.effects_account import Accounting, Setting
 from lamc.ledger.making import Workshop
 from lamc.ledger.precision import observed_orders, slope
 from lamc.ledger.records import Point
 from lamc.ledger.reference import make_reference
+from lamc.ledger.runners import Trace
 from lamc.ledger.schema import ledger_schema, read_ledger
 from lamc.ledger.verdict import cheapest
 from lamc.mechanics.loads import Loads
@@ -154,6 +155,27 @@ def test_chaos_is_told_and_the_horizon_is_not_shortened_in_silence() -> None:
 def test_without_two_runs_that_arrive_there_is_no_ledger() -> None:
     with pytest.raises(SimulationError, match="--t-end"):
         make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1e5), Clock(0.2), 0.05)
+
+
+def test_a_reference_that_takes_too_long_is_made_looser_and_for_longer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first round of runs is stopped at once, as a busy machine would."""
+    simulator, trace, tried = lamc.compile(rod(), FREE), reference.Own.trace, []
+
+    def impatient(run: reference.Own, rtol: float, clock: Clock, seconds: float) -> Trace:
+        tried.append((run.name, rtol, seconds))
+        return trace(run, rtol, clock, seconds if rtol > 2e-13 else 0.0)
+
+    monkeypatch.setattr(reference.Own, "trace", impatient)
+    truth = make_reference(simulator, Sweep(t_end=4.0), Clock(10.0), 5.0)
+    rounds = sorted({(rtol, seconds) for _, rtol, seconds in tried})
+    assert [rtol for rtol, _ in rounds] == pytest.approx([1e-13, 1e-12], rel=1e-12)
+    assert [seconds for _, seconds in rounds] == [5.0, 10.0]
+    assert truth.facts.rtol == truth.facts.second_rtol == rounds[1][0]
+    exact = swing(truth.result.t, 1.5)
+    found = np.abs(truth.result.angle("h") - exact).max() / np.ptp(exact)
+    assert found < truth.facts.uncertainty + 1e-11  # ten times the tolerance, over some 20 steps a swing
 
 
 # ---- orders ---------------------------------------------------------------------------------------------------

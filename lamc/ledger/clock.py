@@ -11,7 +11,11 @@ _MOST_TURNS = 9
 
 
 class OutOfTime(Exception):  # noqa: N818 - a signal, not an error
-    """A run has used up what it may take."""
+    """A run has used up what it may take. `reached` is the time of its motion by then, s."""
+
+    def __init__(self, reached: float = 0.0) -> None:
+        super().__init__(reached)
+        self.reached = reached
 
 
 class Clock:
@@ -34,9 +38,9 @@ class Clock:
         """A progress function for `Simulator.run` that ends the run by OutOfTime after `seconds` from now."""
         until = time.perf_counter() + seconds
 
-        def check(_t: float, _t_end: float) -> None:
+        def check(t: float, _t_end: float) -> None:
             if time.perf_counter() > until:
-                raise OutOfTime
+                raise OutOfTime(t)
 
         return check
 

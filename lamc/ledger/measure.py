@@ -27,7 +27,7 @@ from lamc.run.simulator import Simulator
 from lamc.scene import Scene
 
 # Shares of the budget, up to the end of each part.
-_SWEEP, _EFFECTS = 0.6, 0.9
+_REFERENCE, _SWEEP, _EFFECTS = 0.5, 0.6, 0.9
 _ONE_REFERENCE, _LEAST_REFERENCE = (
     0.1,
     0.5,
@@ -50,19 +50,20 @@ def measure(
     *,
     with_account: bool = True,
 ) -> Ledger:
-    """Measures everything within the sweep's budget, but for one run of each thing.
+    """Measures everything within the sweep's budget, but for compiling and one run of each thing. Where making the
+    reference takes most of the budget, the rest has another one: a reference alone tells nothing.
 
     Raises LamcError as `lamc.compile` does, and SimulationError where no reference can be had.
     """
-    clock = Clock(sweep.budget)
     effects = effects_of(mechanism, scene)
     with tempfile.TemporaryDirectory(prefix="lamc-ledger-") as folder:
         workshop = Workshop(mechanism, options, Path(folder) if with_account else None)
         progress.stage("compile")
         simulator = workshop.make(scene).simulator
         progress.stage("reference")
-        clock = Clock(sweep.budget)
+        clock = whole = Clock(sweep.budget)
         truth = make_reference(simulator, sweep, clock, max(_ONE_REFERENCE * sweep.budget, _LEAST_REFERENCE))
+        clock = clock if clock.left(_REFERENCE) > 0.0 else Clock(sweep.budget)
         progress.stage("work and precision")
         runners, notes = peers.make_runners(simulator, truth.result, sweep)
         measured = measure_points(runners, truth, clock, _SWEEP, progress.part)
@@ -90,7 +91,7 @@ def measure(
         arithmetic=arithmetic,
         verdict=make_verdict(points, account, truth.facts, sweep),
         notes=(*_notes(truth), *notes),
-        seconds=clock.spent,
+        seconds=whole.spent,
         versions=_versions(simulator, truth),
     )
 

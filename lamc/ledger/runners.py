@@ -32,7 +32,8 @@ ORDERS = {
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """One run. result: on the grid, or None with the reason in `note`. used: what "auto" took."""
+    """One run. result: on the grid, or None with the reason in `note`. used: what "auto" took. reached: s of motion, of
+    a run that was stopped because it took too long."""
 
     result: Result | None
     note: str = ""
@@ -40,6 +41,7 @@ class Trace:
     steps: int | None = None
     rejected: int | None = None
     evaluations: int | None = None
+    reached: float | None = None
 
 
 class Runner(Protocol):
@@ -89,8 +91,8 @@ class Own:
                 max_steps=MOST_STEPS,
                 progress=clock.guard(seconds),
             )
-        except OutOfTime:
-            return Trace(None, f"stopped after {seconds:.2g} s")
+        except OutOfTime as out:
+            return Trace(None, f"stopped after {seconds:.2g} s", reached=out.reached)
         if result.status == Status.CANCELLED:
             raise KeyboardInterrupt
         stats = result.stats

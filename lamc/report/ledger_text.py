@@ -5,7 +5,7 @@ In: a `Ledger`. Out: plain text. It measures nothing.
 
 from collections.abc import Sequence
 
-from lamc.ledger.records import Account, ArithmeticRow, EffectRow, Ledger, Point
+from lamc.ledger.records import Account, ArithmeticRow, EffectRow, Ledger, Point, Reference
 from lamc.ledger.verdict import cheapest_of, percent, power, setting_text
 from lamc.report.numbers import shown_number
 from lamc.report.plan_view import shortened
@@ -33,12 +33,18 @@ def ledger_text(ledger: Ledger, *, full: bool = False) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
+def _tolerances(facts: Reference) -> str:
+    """Of both runs of the reference."""
+    first, second = power(facts.rtol), power(facts.second_rtol)
+    return first if first == second else f"{first} and {second}"
+
+
 def _head(ledger: Ledger) -> str:
     facts = ledger.reference
     lines = [
         f"{shortened(ledger.design, 40)}: {ledger.sweep.t_end:g} s, effects: {', '.join(ledger.effects) or 'none'}",
         f"errors  {_relative_to(ledger)}, at {ledger.sweep.rows} times",
-        f"truth   {facts.integrator} and {facts.second} at rtol {power(facts.rtol)} agree within "
+        f"truth   {facts.integrator} and {facts.second} at rtol {_tolerances(facts)} agree within "
         f"{facts.uncertainty:.1e}; "
         + (
             f"a small change of the start grows {facts.growth:.3g}-fold"

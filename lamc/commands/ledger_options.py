@@ -28,7 +28,10 @@ if TYPE_CHECKING:
     help="What matters to you, of the outputs' range: 1e-3 or '0.1 %'; effects below it are told.",
 )
 @click.option(
-    "--budget", default="30s", metavar="TIME", help="Time for measuring, after compiling; what does not fit is told."
+    "--budget",
+    default="30s",
+    metavar="TIME",
+    help="Time for measuring, after compiling; what does not fit is told.",
 )
 @click.option(
     "--tightest", type=float, default=1e-12, metavar="RTOL", help="Tightest tolerance of the sweep."

@@ -17,11 +17,11 @@ from lamc.ledger.clock import Clock
 from lamc.ledger.effects_account import Accounting, Setting
 from lamc.ledger.making import Workshop
 from lamc.ledger.precision import observed_orders, slope
-from lamc.ledger.records import Point
+from lamc.ledger.records import Account, EffectRow, Point, Reference
 from lamc.ledger.reference import make_reference
 from lamc.ledger.runners import Trace
 from lamc.ledger.schema import ledger_schema, read_ledger
-from lamc.ledger.verdict import cheapest
+from lamc.ledger.verdict import cheapest, make_verdict
 from lamc.mechanics.loads import Loads
 from lamc.options import CompileOptions
 from lamc.report.ledger import draw_ledger, spread
@@ -176,6 +176,21 @@ def test_a_reference_that_takes_too_long_is_made_looser_and_for_longer(
     exact = swing(truth.result.t, 1.5)
     found = np.abs(truth.result.angle("h") - exact).max() / np.ptp(exact)
     assert found < truth.facts.uncertainty + 1e-11  # ten times the tolerance, over some 20 steps a swing
+
+
+def test_the_verdict_claims_nothing_of_effects_that_were_not_measured() -> None:
+    def row(name: str, change: float | None) -> EffectRow:
+        return EffectRow((name,), is_added=False, succeeded=change is not None, change=change)
+
+    facts = Reference("dop853", 1e-13, "rk45", 1e-13, 1e-14, 1e-14, 1.0, None)
+
+    def verdict(*rows: EffectRow) -> str:
+        account = Account("rk45", 1e-3, row("", None), rows, None)
+        return make_verdict((), account, facts, Sweep(t_end=1.0)).lines[-1]
+
+    assert verdict(row("gravity", 0.5)).startswith("every effect changes the outputs")
+    assert verdict(row("gravity", None)).endswith("not known of gravity")
+    assert "the 1 measured" in verdict(row("gravity", 0.5), row("torque", None))
 
 
 # ---- orders ---------------------------------------------------------------------------------------------------

@@ -73,6 +73,11 @@ def _cheapest_line(each: Cheapest, points: Sequence[Point], reference: Reference
 
 def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sweep: Sweep) -> str:
     limit = percent(sweep.accuracy)
+    unknown = [", ".join(row.effects) for row in account.rows if _is_open(row)]
+    told = f"; not known of {', '.join(unknown)}" if unknown else ""
+    if not idle and unknown:
+        known = sum(not row.is_added and not row.form for row in account.rows) - len(unknown)
+        return f"no effect of the {known} measured changes the outputs by less than {limit}{told}"
     if not idle:
         return f"every effect changes the outputs by {limit} or more: none can be left out"
     names = ", ".join(idle)
@@ -83,7 +88,12 @@ def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sw
     saves = (
         f"saves {100 * saved:.0f} % of the time" if saved is not None and saved >= 0.01 else "saves no time"
     )
-    return f"{names}: changes the outputs by less than {limit}{change}; leaving it out {saves}"
+    return f"{names}: changes the outputs by less than {limit}{change}; leaving it out {saves}{told}"
+
+
+def _is_open(row: EffectRow) -> bool:
+    """Whether leaving an effect of the scene out was to be measured, and could not be."""
+    return not row.is_added and not row.form and row.change is None
 
 
 def _form_line(row: EffectRow, account: Account, sweep: Sweep) -> str:

@@ -177,6 +177,12 @@ def test_a_bimorph_bends_towards_the_plate_that_shortens() -> None:
     assert np.abs(forces).max() < 1e-12  # N: nothing pushes; moments at the clamp are 0.1 N
 
 
+@pytest.mark.parametrize("name", ["four_bar", "pendulum.cad", "miura:4x5"])
+def test_a_design_asked_for_as_an_example_of_a_plate_says_what_it_is(name: str) -> None:
+    with pytest.raises(DesignError, match=f"'{name}' is an example of a design.*lamc examples {name} .*--body"):
+        plates.find(name)
+
+
 @pytest.mark.parametrize("name", plates.names())
 def test_each_example_has_a_story_and_one_line(name: str) -> None:
     example = plates.find(name)

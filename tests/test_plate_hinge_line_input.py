@@ -52,6 +52,13 @@ def on(*points: tuple[float, float], k: float = 0.0, name: str = "") -> Callable
             ),
             r"'two' at .* lies upon the HingeLine 'one' at .* \(0.5, 0\.\d+\)",
         ),
+        (
+            lambda: problem(
+                plate.HingeLine(LineString([(0.25, 0), (0.25, 1)]), name="fold"),
+                plate.HingeLine(LineString([(0.75, 0), (0.75, 1)]), name="fold"),
+            ),
+            r"'fold' at the line from \(0\.75.* has the name of the one at the line from \(0\.25.*MultiLineString",
+        ),
     ],
 )
 def test_impossible_lines_are_named(make: Callable[[], object], message: str) -> None:

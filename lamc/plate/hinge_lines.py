@@ -72,14 +72,21 @@ class HingeLine:
 def hinge_edges(places: Places, hinges: Sequence[HingeLine]) -> tuple[Integers, ...]:
     """For every hinge the numbers of the mesh's edges on it, ascending.
 
-    Raises DesignError for a line off the plate, along its edge, beside the mesh's edges or upon another hinge line;
-    UnsupportedError for an element without slopes.
+    Raises DesignError for a line off the plate, along its edge, beside the mesh's edges or upon another hinge line, and
+    for the name of another one; UnsupportedError for an element without slopes.
     """
     mesh = places.dofs.mesh
     owner = np.full(len(mesh.edges), -1, dtype=np.int32)
     found = []
+    named: dict[str, HingeLine] = {}
     for number, hinge in enumerate(hinges):
         with about(hinge):
+            if hinge.name and hinge.name in named:
+                raise DesignError(
+                    f"{hinge.text} has the name of the one at {where_text(named[hinge.name].where)}; results are told "
+                    "by it: give each line a name of its own, or both as one line, a MultiLineString"
+                )
+            named[hinge.name] = hinge
             _check_element(places.dofs.element, hinge)
             edges = _edges_of(places, hinge)
             taken = edges[owner[edges] >= 0]

@@ -39,6 +39,12 @@ class Places:
         return np.stack(np.divmod(first, corners), axis=1).astype(np.int32)
 
     @cached_property
+    def edge_boxes(self) -> tuple[Array, Array]:
+        """The least and the greatest x and y of each of `edges`, two of shape (2, e), m."""
+        one, other = np.ascontiguousarray(self.dofs.mesh.points.T)[:, self.dofs.mesh.edges.T].swapaxes(0, 1)
+        return np.minimum(one, other), np.maximum(one, other)
+
+    @cached_property
     def on_boundary(self) -> Flags:
         """Which of `edges` belong to one cell only, shape (e,)."""
         mesh = self.dofs.mesh

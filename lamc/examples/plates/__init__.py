@@ -21,8 +21,13 @@ def names() -> tuple[str, ...]:
 
 
 def find(name: str) -> Example:
-    """The example of that name. Raises DesignError with the nearest names."""
+    """The example of that name. Raises DesignError with the nearest names, and says so where a design has this one."""
     if name not in names():
+        if name.partition(":")[0] in examples.names():
+            raise DesignError(
+                f"{name[:60]!r} is an example of a design, not of a plate; write its file by `lamc examples "
+                f"{name[:60]} --copy DIR` and solve one of its bodies: lamc plate DIR/FILE --body NAME"
+            )
         raise DesignError(f"there is no plate example {name[:60]!r}; {did_you_mean(name, names())}")
     path = _FOLDER / f"{name}.yaml"
     text = path.read_text(encoding="utf-8")

@@ -19,9 +19,10 @@ from lamc.mechanism.checks import Array
 from lamc.plate.dofs import Dofs
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
+from lamc.plate.solving.blocks import placed
 from lamc.plate.solving.directions import PARALLEL, Indices, gram, principal
 from lamc.plate.solving.equations import ACROSS, PLANE, SLOPE, Equations
-from lamc.plate.solving.joints import held, numbers, spread
+from lamc.plate.solving.joints import held, slope_numbers, spread
 from lamc.plate.solving.ties import Ties, ties
 
 _FIRST = np.array([0, 2, 3, 5])  # column in the table of unknowns of the first of a kind
@@ -93,7 +94,8 @@ def _alone(dofs: Dofs, equations: Equations, there: Indices) -> Equations:
 def _with_joints(problem: Problem, base: Constraints, equations: Equations) -> Constraints:
     """`base` and the slopes of nodes that have copies."""
     dofs, count = problem.dofs, problem.dofs.count
-    rows, columns = [base.fixed], [base.free]
+    fixed: list[Array] = []
+    free: list[Array] = []
     values, owners, nodes = [base.values], [base.owners], [base.nodes]
     slopes = np.flatnonzero(equations.kind == SLOPE)
     slopes = slopes[np.argsort(equations.owner[slopes], kind="stable")]
@@ -101,7 +103,11 @@ def _with_joints(problem: Problem, base: Constraints, equations: Equations) -> C
     for k, origin in zip(slopes.tolist(), dofs.origin[equations.node[slopes]].tolist(), strict=True):
         by_origin.setdefault(origin, []).append(k)
     for joint in base.ties.joints:
-        mine = np.array(by_origin.get(int(joint.nodes[0]), []), dtype=np.intp)
+        if int(joint.nodes[0]) not in by_origin:
+            fixed.append(np.zeros((0, len(joint.columns))))
+            free.append(joint.columns.T)
+            continue
+        mine = np.array(by_origin[int(joint.nodes[0])], dtype=np.intp)
         asked = np.zeros((len(mine), len(joint.nodes), 2))
         asked[np.arange(len(mine)), np.searchsorted(joint.nodes, equations.node[mine])] = equations.direction[
             mine
@@ -109,26 +115,20 @@ def _with_joints(problem: Problem, base: Constraints, equations: Equations) -> C
         found = held(joint, asked.reshape(len(mine), 2 * len(joint.nodes)), equations.value[mine])
         if found.wrong >= 0:
             _refuse(problem, equations, mine, int(mine[found.wrong]))
-        where = numbers(dofs, joint)
-        rows.append(_placed(found.fixed, where, count))
-        columns.append(sp.csr_array(_placed(found.free.T, where, count).T))
+        fixed.append(found.fixed)
+        free.append(found.free.T)
         values.append(found.values)
         owners.append(equations.owner[mine[found.first]])
         nodes.append(np.full(len(found.first), joint.nodes[0], dtype=np.int32))
+    where = slope_numbers(dofs, base.ties)
     return Constraints(
-        sp.csr_array(sp.vstack(rows)),
+        sp.csr_array(sp.vstack([base.fixed, placed(fixed, where, count)])),
         np.concatenate(values),
         np.concatenate(owners),
         np.concatenate(nodes),
-        sp.csr_array(sp.hstack(columns)),
+        sp.csr_array(sp.hstack([base.free, placed(free, where, count).T])),
         base.ties,
     )
-
-
-def _placed(block: Array, columns: Integers, count: int) -> sp.csr_array:
-    """Dense rows (k, len(columns)) at these columns of `count`; zeros are left out."""
-    row, column = np.nonzero(block)
-    return sp.csr_array((block[row, column], (row, columns[column])), shape=(len(block), count))
 
 
 def _held_values(

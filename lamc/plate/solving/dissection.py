@@ -11,13 +11,11 @@ factors in half the time.
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from lamc.mechanism.checks import Array
+from lamc.plate.solving.blocks import Indices, runs
 
 _LEAF = 40  # nodes that are not split further: from 20 to 100 the time is the same
-
-Indices = NDArray[np.int64]
 
 
 def nested_dissection(matrix: sp.csc_array, points: Array) -> Indices:
@@ -33,13 +31,7 @@ def nested_dissection(matrix: sp.csc_array, points: Array) -> Indices:
     order = _Halves(points[firsts], graph.indptr, graph.indices).order()
     starts = np.flatnonzero(is_first)
     counts = np.diff(np.append(starts, len(points)))
-    return np.asarray(by_place[_runs(starts[order], counts[order])])
-
-
-def _runs(starts: Indices, counts: Indices) -> Indices:
-    """start, start + 1, … for each start, `counts` of each, one after the other."""
-    begins = np.cumsum(counts) - counts
-    return np.asarray(np.repeat(starts - begins, counts) + np.arange(int(counts.sum())))
+    return np.asarray(by_place[runs(starts[order], counts[order])])
 
 
 class _Halves:
@@ -72,7 +64,7 @@ class _Halves:
         first, second = nodes[halves[:half]], nodes[halves[half:]]
         self.side[second] = True
         counts = self.indptr[first + 1] - self.indptr[first]
-        neighbours = self.indices[_runs(self.indptr[first], counts)]
+        neighbours = self.indices[runs(self.indptr[first], counts)]
         touching = np.zeros(len(first), dtype=bool)
         touching[np.repeat(np.arange(len(first)), counts)[self.side[neighbours]]] = True
         self.side[second] = False

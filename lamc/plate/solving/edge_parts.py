@@ -87,13 +87,13 @@ def _segments(where: BaseGeometry) -> Array:
 
 def _near(places: Places, segments: Array) -> NDArray[np.intp]:
     """Edges whose bounding box touches that of a segment, or, of many segments, that of all."""
-    ends = places.dofs.mesh.points[places.dofs.mesh.edges]
-    least, most = ends.min(axis=1), ends.max(axis=1)
+    least, most = places.edge_boxes
     boxes = segments if len(segments) <= _FEW else segments.reshape(1, -1, 2)
-    touched = np.zeros(len(ends), dtype=bool)
+    touched = np.zeros(least.shape[1], dtype=bool)
     for box in boxes:
         low, high = box.min(axis=0) - places.tolerance, box.max(axis=0) + places.tolerance
-        touched |= ((most >= low) & (least <= high)).all(axis=1)
+        across, up = (most >= low[:, None]) & (least <= high[:, None])
+        touched |= across & up
     return np.flatnonzero(touched)
 
 

@@ -67,21 +67,24 @@ def spread(dofs: Dofs, tied: Ties) -> tuple[sp.csr_array, Array]:
     there, (N,); slopes of joints are none of them."""
     there, weight = np.ones(dofs.count, dtype=bool), np.ones(dofs.count)
     every: Integers = np.arange(dofs.count, dtype=np.int32)
-    rows, columns = [every], [every]
-    for joint in tied.joints:
-        table = dofs.table[joint.nodes]
-        slopes = table[:, _SLOPE : _SLOPE + 2].ravel()
-        moves = table[:, :_SLOPE][:, table[0, :_SLOPE] >= 0]
-        weight[moves] = 1.0 / np.sqrt(len(joint.nodes))
-        there[slopes], there[moves[1:]] = False, False
-        rows.append(moves[1:].ravel())
-        columns.append(np.broadcast_to(moves[:1], moves[1:].shape).ravel())
-    row, column = np.concatenate(rows), np.concatenate(columns)
+    nodes = _nodes(tied)
+    origin, several = dofs.origin[nodes], np.bincount(dofs.origin)
+    moves, first = dofs.table[nodes, :_SLOPE], dofs.table[origin, :_SLOPE]
+    has = first >= 0
+    weight[moves[has]] = np.broadcast_to(1.0 / np.sqrt(several[origin])[:, None], has.shape)[has]
+    copied = has & (nodes != origin)[:, None]
+    there[slope_numbers(dofs, tied)], there[moves[copied]] = False, False
+    row, column = np.concatenate([every, moves[copied]]), np.concatenate([every, first[copied]])
     kept = there[column]
     entries = (weight[column[kept]], (row[kept], column[kept]))
     return sp.csr_array(sp.coo_array(entries, shape=(dofs.count,) * 2)), there
 
 
-def numbers(dofs: Dofs, joint: Joint) -> Integers:
-    """Of the slopes of a joint's nodes, (2s,)."""
-    return np.asarray(dofs.table[joint.nodes, _SLOPE : _SLOPE + 2].ravel())
+def slope_numbers(dofs: Dofs, tied: Ties) -> Integers:
+    """Of the slopes of all joints' nodes, joint by joint, (Σ2s,)."""
+    return np.asarray(dofs.table[_nodes(tied), _SLOPE : _SLOPE + 2].ravel())
+
+
+def _nodes(tied: Ties) -> Integers:
+    """Of all joints, one after the other, (Σs,)."""
+    return np.concatenate([joint.nodes for joint in tied.joints])

@@ -19,6 +19,7 @@ from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import DOFS
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
+from lamc.plate.solving.blocks import groups
 from lamc.plate.solving.constraints import Constraints
 from lamc.plate.solving.equations import Equations, equations_of, joined
 from lamc.plate.solving.panels import Panels, Piece, piece_of
@@ -53,12 +54,13 @@ def pieces(
     graph = sp.coo_array(links, shape=(panels, panels)).tocsr()
     count, group = connected_components(graph, directed=False)
     label = group[panel]
-    rows_of = _groups(label[np.concatenate(first)], count)
+    rows_of = groups(label[np.concatenate(first)], count)
     folds = hinged.turns[: len(dofs.hinges)]  # at one point of each edge: panels are rigid
-    folds_of = _groups(label[node_of[folds.indices[folds.indptr[:-1]]]], count)
-    texts = [problem.hinges[owner].text for owner in hinged.owners[: len(dofs.hinges)].tolist()]
+    folds_of = groups(label[node_of[folds.indices[folds.indptr[:-1]]]], count)
+    titles = [hinge.text for hinge in problem.hinges]
+    texts = [titles[owner] for owner in hinged.owners[: len(dofs.hinges)].tolist()]
     found = []
-    for k, (nodes, rows, fold) in enumerate(zip(_groups(label, count), rows_of, folds_of, strict=True)):
+    for k, (nodes, rows, fold) in enumerate(zip(groups(label, count), rows_of, folds_of, strict=True)):
         panels_of = Panels(dofs, nodes, panel[nodes])
         found.append(piece_of((k + 1, count), panels_of, held[rows], folds[fold], [texts[f] for f in fold]))
     return tuple(found)
@@ -72,12 +74,6 @@ def _components(dofs: Dofs) -> tuple[Integers, int]:
     graph = sp.coo_array(links, shape=(len(dofs.points),) * 2).tocsr()
     count, label = connected_components(graph, directed=False)
     return label, int(count)
-
-
-def _groups(label: Integers, count: int) -> list[Integers]:
-    """For each label, where it stands, ascending."""
-    order = np.argsort(label, kind="stable")
-    return np.split(order, np.searchsorted(label[order], np.arange(1, count)))
 
 
 def pin_joints(dofs: Dofs) -> Array:

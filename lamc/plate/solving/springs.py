@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lamc.mechanism.checks import Array
 from lamc.plate.elements.kernels import ElementKernels
 from lamc.plate.problem import Problem
+from lamc.plate.solving.blocks import runs
 from lamc.plate.solving.edge_parts import edge_parts_on
 from lamc.plate.solving.hinge_sides import hinge_sides
 from lamc.plate.solving.load_vectors import along_edges
@@ -61,8 +62,9 @@ def with_added(matrix: sp.csc_array, own: sp.csc_array) -> sp.csc_array:
     own.sort_indices()
     count = np.int64(matrix.shape[0])
     columns = np.flatnonzero(np.diff(own.indptr))
-    places = np.concatenate([np.arange(*matrix.indptr[c : c + 2]) for c in columns])
-    keys = np.repeat(columns, np.diff(matrix.indptr)[columns]) * count + matrix.indices[places]
+    sizes = np.diff(matrix.indptr)[columns]
+    places = runs(matrix.indptr[columns].astype(np.int64), sizes)
+    keys = np.repeat(columns, sizes) * count + matrix.indices[places]
     wanted = np.repeat(columns, np.diff(own.indptr)[columns]) * count + own.indices
     at = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
     if not len(keys) or (keys[at] != wanted).any():

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 from lamc.mechanism.checks import Array
 from lamc.plate.dofs import Dofs
 from lamc.plate.meshing.mesh import Integers
+from lamc.plate.solving.blocks import Indices, groups
 from lamc.plate.solving.directions import PARALLEL, gram, principal
 from lamc.plate.solving.hinge_sides import HingeSides, hinge_sides
 
@@ -59,19 +60,32 @@ def ties(dofs: Dofs) -> Ties:
     if not len(copies):
         return Ties((), sp.csr_array((0, dofs.count)), np.zeros((0, 2), dtype=np.int32))
     pairs, directions = _held(hinge_sides(dofs))
-    of_origin: dict[int, list[int]] = {}
-    for k, node in enumerate(dofs.origin[pairs[:, 0]].tolist()):
-        of_origin.setdefault(node, []).append(k)
-    members: dict[int, list[int]] = {}
-    for copy in copies.tolist():
-        members.setdefault(int(dofs.origin[copy]), []).append(copy)
-    joints = []
-    for origin in sorted(members):
-        nodes = np.array([origin, *members[origin]], dtype=np.int32)
-        mine = of_origin[origin]
-        joints.append(Joint(nodes, _columns(nodes, pairs[mine], directions[mine])))
     rows, between = _rows(dofs, copies.astype(np.int32), pairs, directions)
-    return Ties(tuple(joints), rows, between)
+    return Ties(_joints(dofs, copies, pairs, directions), rows, between)
+
+
+def _joints(dofs: Dofs, copies: Indices, pairs: Integers, directions: Array) -> tuple[Joint, ...]:
+    """Of nodes of which there are `copies`."""
+    originals, joint = np.unique(dofs.origin[copies], return_inverse=True)
+    count = len(originals)
+    members = np.concatenate([originals, copies]).astype(np.int32)
+    nodes_of = [members[k] for k in groups(np.concatenate([np.arange(count), joint]), count)]
+    rows_of = groups(np.searchsorted(originals, dofs.origin[pairs[:, 0]]), count)
+    plain = [k for k in range(count) if len(nodes_of[k]) == 2 and len(rows_of[k]) == 1]
+    columns = dict(zip(plain, _fold_columns(directions[[rows_of[k][0] for k in plain]]), strict=True))
+    for k in range(count):
+        if k not in columns:
+            columns[k] = _columns(nodes_of[k], pairs[rows_of[k]], directions[rows_of[k]])
+    return tuple(Joint(nodes_of[k], columns[k]) for k in range(count))
+
+
+def _fold_columns(directions: Array) -> Array:
+    """Where a line passes, of two nodes each, (k, 4, 3): see `Joint`. Nearly all are such, and are made at once."""
+    columns = np.zeros((len(directions), 4, 3))
+    columns[:, (0, 1, 2, 3), (0, 1, 0, 1)] = 1.0 / np.sqrt(2.0)
+    x, y = directions.T
+    columns[:, :, 2] = np.stack([-y, x, y, -x], axis=1) / np.sqrt(2.0)
+    return columns
 
 
 def _held(sides: HingeSides) -> tuple[Integers, Array]:
@@ -95,11 +109,8 @@ def _columns(nodes: Integers, pairs: Integers, directions: Array) -> Array:
     """See `Joint`."""
     count = len(nodes)
     means: Array = np.tile(np.eye(2), (count, 1)) / np.sqrt(count)
-    if count == 2:  # without the round-off of a decomposition
-        if len(directions) > 1:
-            return means
-        x, y = directions[0]
-        return np.asarray(np.column_stack([means, np.array([-y, x, y, -x]) / np.sqrt(2.0)]))
+    if count == 2 and len(directions) > 1:  # without the round-off of a decomposition
+        return means
     held = np.zeros((len(pairs), count, 2))
     place = np.searchsorted(nodes, pairs)
     held[np.arange(len(pairs)), place[:, 0]] = directions

@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 from lamc import examples
 from lamc.cli import main
 from lamc.commands import plate_files, plate_work
+from lamc.errors import DesignError
 from lamc.examples import plates
 from lamc.plate.files.problem_file import load_plate
 from tests.ctools import needs_cc
@@ -179,7 +180,9 @@ def test_a_bimorph_bends_towards_the_plate_that_shortens() -> None:
 
 @pytest.mark.parametrize("name", ["four_bar", "pendulum.cad", "miura:4x5"])
 def test_a_design_asked_for_as_an_example_of_a_plate_says_what_it_is(name: str) -> None:
-    with pytest.raises(DesignError, match=f"'{name}' is an example of a design.*lamc examples {name} .*--body"):
+    with pytest.raises(
+        DesignError, match=f"'{name}' is an example of a design.*lamc examples {name} .*--body"
+    ):
         plates.find(name)
 
 

@@ -241,6 +241,23 @@ def test_auto_keeps_its_tolerance_with_a_table(rtol: float) -> None:
 
 
 @needs_cc
+@pytest.mark.parametrize(("t_end", "is_probed"), [(0.2, False), (150.0, True)])
+def test_a_run_to_an_accuracy_takes_no_high_order_with_a_table(t_end: float, is_probed: bool) -> None:
+    """As "auto", be the run long enough for probes or not; the same spring as a polynomial gets order 8."""
+    x = np.linspace(-1.0, 1.0, 21)
+    rows = list(zip(x.tolist(), (ALPHA * x + BETA * x**3).tolist(), strict=True))
+    for law, name in (([ALPHA, 0, BETA], "dop853"), ({"table": rows}, "rk45")):
+        facts = (
+            simulator(pendulum(), NonlinearStiffness({"hip": law}), angle=0.93)
+            .run(t_end, accuracy=1e-7)
+            .accuracy
+        )
+        assert facts is not None
+        assert facts.integrator == name
+        assert bool(facts.candidates) == is_probed
+
+
+@needs_cc
 @pytest.mark.parametrize("rate", [0.0, 1.5])
 def test_a_start_on_a_point_of_the_table_is_no_trouble(rate: float) -> None:
     sim = simulator(pendulum(), NonlinearStiffness({"hip": table("monotone")}), rate=rate)

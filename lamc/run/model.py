@@ -104,6 +104,11 @@ class Motion(Unchanging):
         """What a Jacobian costs an implicit method, in evaluations of the accelerations."""
         return float(self.model.lib.lamc_motion_ode(self.handle).jacobian_cost)
 
+    @property
+    def is_rough(self) -> bool:
+        """Whether accelerations have few continuous derivatives: methods of high order misjudge errors then."""
+        return bool(self.model.lib.lamc_motion_ode(self.handle).is_rough)
+
     def energies(self, t: Array, y: Array) -> Array:
         """Energies, shape (m, len(model.energies)), J; kinetic first, then one for each effect that stores
         any."""

@@ -97,11 +97,11 @@ def choose(motion: Motion, request: Request, rough: Result, accuracy: float, rto
     """
     windows = _windows(motion, rough, request)
     if not windows:
-        return Choice(_unprobed(rough, rtol), rtol, (), 0.0)
+        return Choice(_unprobed(motion, rough, rtol), rtol, (), 0.0)
     scale = float(np.ptp(rough.q, axis=0).max(initial=0.0)) or 1.0
     probes = [_Probe(motion, request, window, rtol, scale) for window in windows]
     for probe in probes:
-        probe.measure(EXPLICIT)
+        probe.measure(_explicit(motion))
     if rough.stats.switches or any(each.growth < _HELD_BACK for p in probes for each in p.found.values()):
         for probe in probes:
             probe.measure(IMPLICIT)
@@ -133,7 +133,13 @@ def _windows(motion: Motion, rough: Result, request: Request) -> list[_Window]:
     return [_Window(0.0, length, request.y0, steps), _Window(float(rough.t[middle]), length, y, steps)]
 
 
-def _unprobed(rough: Result, rtol: float) -> str:
+def _explicit(motion: Motion) -> tuple[str, ...]:
+    """The explicit methods to try. A window may lie between the knots of a table, where order 8 looks better than it
+    is over the run."""
+    return ("rk45",) if motion.is_rough else EXPLICIT
+
+
+def _unprobed(motion: Motion, rough: Result, rtol: float) -> str:
     """The integrator for a short run: an implicit one where the rough run took one. Never "auto", whose methods depend
     on the tolerance: errors at two tolerances would tell little of each other."""
     times = [*(t for t, _ in rough.stats.switches), float(rough.t[-1]) if len(rough.t) else 0.0]
@@ -143,7 +149,7 @@ def _unprobed(rough: Result, rtol: float) -> str:
             used[name] += end - start
     if any(used.values()):
         return "rodas5p" if rtol < _TIGHT_FOR_RADAU else max(used, key=lambda name: used[name])
-    return "dop853" if rtol < _TIGHT else "rk45"
+    return "dop853" if rtol < _TIGHT and not motion.is_rough else "rk45"
 
 
 class _Probe:

@@ -178,6 +178,21 @@ def test_the_box_folds_its_corners_alike() -> None:
     assert corners.max() > 1.5
 
 
+def test_radau_comes_to_rest_in_few_steps() -> None:
+    """At rest round-off of the slopes, large as the loops are nearly singular, is what is left to solve for."""
+    loose, tight = (
+        simulator("folding_box").run(10.0, rtol, 1e-2 * rtol, integrator="radau5") for rtol in (1e-7, 1e-9)
+    )
+    assert loose.success
+    assert tight.success
+    # Steps by an estimate of order 3 grow by 100^(1/4) = 3.2. Noise refuses some and may take four times as many; where
+    # the iteration takes noise for a failure, they are 59 times as many.
+    assert tight.stats.accepted < 4.0 * 100.0**0.25 * loose.stats.accepted
+    other = simulator("folding_box").run(10.0, 1e-9, 1e-11, integrator="dop853")
+    # Both are at rest by then, where the errors of single steps have died away.
+    assert np.abs(tight.q[-1] - other.q[-1]).max() < 1e-8
+
+
 def test_stiff_hinges_hardly_bend() -> None:
     """Largest static moment of the weight of what hangs below, 2 m g L, over the stiffness of 10^4 m g L."""
     result = folded("stiff_triple", 2.0, 1e-8)

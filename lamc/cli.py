@@ -11,7 +11,7 @@ import click
 
 from lamc._version import __version__
 from lamc.commands.ledger_options import ledger
-from lamc.commands.options import SETTINGS, Cli, compiler, design, folder, speaking, staged
+from lamc.commands.options import SETTINGS, Cli, compiler, design, folder, precision, speaking, staged
 from lamc.commands.plate_options import plate
 from lamc.commands.terminal import Terminal
 
@@ -75,6 +75,7 @@ def main(context: click.Context) -> None:
 )
 @staged()
 @compiler
+@precision
 @click.option(
     "--books", is_flag=True, help="Keep the work of every effect: who stored, supplied, dissipated."
 )
@@ -95,6 +96,7 @@ def run(
     settings: tuple[str, ...],
     cc: str | None,
     fast: bool,
+    precision: str,
     books: bool,
     no_animation: bool,
     out: str | None,
@@ -103,7 +105,8 @@ def run(
     """Simulate a design; write results, pictures and a film.
 
     Writes results.npz, results.csv, angles_energy.png, folded.png, an animation and manifest.json. Ctrl-C ends the
-    run and keeps what was computed.
+    run and keeps what was computed. A run that reaches its end but not its --accuracy says so and ends with exit
+    code 0; manifest.json has the error that it reached.
 
     \b
     Examples:
@@ -120,7 +123,7 @@ def run(
     from lamc.commands.run import run as work
 
     order = RunOrder(
-        source=Source(file, example, cc, fast),
+        source=Source(file, example, cc, fast, precision),
         changes=changes,
         settings=settings,
         t_end=t_end,
@@ -248,6 +251,7 @@ def split(
 @design
 @staged()
 @compiler
+@precision
 @folder
 @speaking
 def bench(
@@ -256,6 +260,7 @@ def bench(
     changes: "SceneChanges",
     cc: str | None,
     fast: bool,
+    precision: str,
     out: str | None,
     terminal: Terminal,
 ) -> int:
@@ -271,7 +276,7 @@ def bench(
     from lamc.commands.bench import bench as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast), changes, out, terminal)
+    return work(Source(file, example, cc, fast, precision), changes, out, terminal)
 
 
 main.add_command(ledger)

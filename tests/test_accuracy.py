@@ -308,3 +308,18 @@ def test_the_command_tells_error_choice_and_cost(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, [*words[:5], "--accuracy", "much"], standalone_mode=False)
     assert done.return_value == 2
     assert "--accuracy 'much' is no number" in done.stderr
+
+
+def test_an_accuracy_that_is_not_reached_is_told_and_no_failure(tmp_path: Path) -> None:
+    """Single precision leaves errors of some 1e-8 of an angle: 1e-10 is out of reach, and all else is there."""
+    words = ["run", "--example", "pendulum", "--t-end", "1", "--accuracy", "1e-10", "--precision", "float"]
+    done = CliRunner().invoke(
+        main,
+        [*words, "--max-steps", "20000", "--no-animation", "--out", str(tmp_path)],
+        standalone_mode=False,
+    )
+    assert done.return_value == 0, done.output
+    assert "NOT REACHED" in done.stdout
+    manifest = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["accuracy"]["reached"] is False
+    assert "-DLAMC_FLOAT" in manifest["flags"]

@@ -40,10 +40,11 @@ class Source:
     example: str | None = None
     compiler: str | None = None
     fast: bool = False
+    precision: str = "double"
 
     @property
     def options(self) -> CompileOptions:
-        return CompileOptions(compiler=self.compiler, fast=self.fast)
+        return CompileOptions(self.compiler, self.fast, self.precision)
 
     def check(self) -> None:
         """Raises LamcError if no design is named, or two."""

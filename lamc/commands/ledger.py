@@ -5,7 +5,15 @@ import math
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of, output_folder
+from lamc.commands.inputs import (
+    SceneChanges,
+    Source,
+    changed_scene,
+    load_source,
+    mechanism_of,
+    output_folder,
+    share_of,
+)
 from lamc.commands.run import DEFAULT_DURATION
 from lamc.commands.terminal import Terminal, plain
 from lamc.errors import LamcError
@@ -99,10 +107,7 @@ def _sweep(order: LedgerOrder) -> Sweep:
 
 def _accuracy(text: str) -> float:
     """A share of the range: "1e-3" or "0.1 %"."""
-    number, sign = text.strip(), 1.0
-    if number.endswith("%"):
-        number, sign = number[:-1].strip(), 1e-2
-    value = _number(number, f"--accuracy {text!r}", "a share such as 1e-3 or '0.1 %'") * sign
+    value = share_of(text, "--accuracy")
     if not 0.0 < value <= 1.0:
         raise LamcError(f"--accuracy is {text!r}; it must lie above 0 and be at most 1, or 100 %")
     return value
@@ -113,17 +118,12 @@ def _budget(text: str) -> float:
     words = text.strip()
     unit = next((u for u in ("min", "ms", "s") if words.endswith(u)), "")
     number = words.removesuffix(unit).strip()
-    value = _number(number, f"--budget {text!r}", "a time such as 30s or '2 min'") * _SECONDS[unit or "s"]
+    try:
+        value = float(number) * _SECONDS[unit or "s"]
+    except ValueError as error:
+        raise LamcError(f"--budget {text!r} is no number; write a time such as 30s or '2 min'") from error
+    if not math.isfinite(value):
+        raise LamcError(f"--budget {text!r} is not finite; write a time such as 30s or '2 min'")
     if value <= 0.0:
         raise LamcError(f"--budget is {text!r}; it must be above zero")
-    return value
-
-
-def _number(text: str, what: str, rule: str) -> float:
-    try:
-        value = float(text)
-    except ValueError as error:
-        raise LamcError(f"{what} is no number; write {rule}") from error
-    if not math.isfinite(value):
-        raise LamcError(f"{what} is not finite; write {rule}")
     return value

@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from lamc.commands.terminal import INTERRUPTED, Terminal, printable
+from lamc.options import PRECISIONS
 
 Function = Callable[..., Any]
 
@@ -78,6 +79,12 @@ design = together(
 compiler = together(
     click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
     click.option("--fast", is_flag=True, help="This machine's own instructions, and inline sine and cosine."),
+)
+precision = click.option(
+    "--precision",
+    type=click.Choice(PRECISIONS),
+    default="double",
+    help="Arithmetic of accelerations; float leaves errors of some 1e-7 in them, whatever the tolerance.",
 )
 _effects = together(
     click.option(

@@ -14,6 +14,7 @@ from lamc import (
     Body,
     FlexibleLinks,
     FreeBase,
+    GroundContact,
     Joint,
     Mechanism,
     Plate,
@@ -217,6 +218,76 @@ def test_books_close_with_yielding_hinges_on_a_floating_base() -> None:
         assert np.abs(books.supplied[conservative]).max() <= 1e-10 * books.scale
 
 
+def test_other_forms_have_the_frequencies_that_more_modes_and_finer_meshes_give() -> None:
+    """Without static shapes, modes are nested: the lowest of one is among those of three. On cells of twice and of half
+    the size, frequencies are those of the plate's own elements of that size."""
+    effect = FlexibleLinks(size=1e-2, static=False, laminate=SHEET)
+    forms = effect.alternatives()
+    assert list(forms) == ["1 mode", "6 modes", "coarser mesh", "finer mesh"]
+    mechanism = flag(LOCKED)
+    three = frequencies(simulated(mechanism, effect))[:3]
+    one, six = (frequencies(simulated(mechanism, forms[name])) for name in ("1 mode", "6 modes"))
+    assert one[0] == pytest.approx(three[0], rel=3e-6)  # the hinge still gives way by 10 / 1e7
+    assert six[:3] == pytest.approx(three, rel=3e-6)
+    for name, size in (("coarser mesh", 2e-2), ("finer mesh", 5e-3)):
+        expected = plate.modes(elements(size), 3).omega
+        assert frequencies(simulated(mechanism, forms[name]))[:3] == pytest.approx(expected, rel=3e-6)
+
+
+def test_a_sagging_link_rests_on_the_ground_at_its_tip() -> None:
+    """A propped cantilever: ground half as deep as the tip sags, where a rigid link would not come. The prop bears
+    R = k (sag - gap) with the tip's k, which is 3 E I / L³ of a beam, and of a plate that stays flat across up to
+    1 / (1 - ν²) as much; what sagging does at the prop pushes the modes, or there would be another R."""
+    bending = FlexibleLinks(modes=6, size=6e-3, damping_ratio=0.2, static=False, laminate=SHEET)
+    scene = Scene(effects=(HingeStiffness(), Gravity(), bending))
+    hanging = lamc.compile(flag(LOCKED), scene)
+    sag = -tip(hanging, hanging.run(1.0, rtol=1e-8, atol=1e-12, integrator="radau5"))
+    beam = RHO * 9.81 * T * A**4 / (8 * 70e9 * T**3 / 12)
+    assert (1 - 0.3**2) * beam < sag < beam
+    height, k = -T / 2 - sag / 2, 1e7  # N/m^1.5: sinks in by some 1e-6 m, beside a gap of 1e-4
+    ground = GroundContact(height=height, stiffness=k, friction=0.0)
+    sim = lamc.compile(flag(LOCKED), replace(scene, added=(ground,)))
+    rest = sim.run(1.0, rtol=1e-8, atol=1e-12, integrator="radau5", books=True)
+    assert rest.success
+    assert np.abs(rest.u[-1]).max() < 1e-6
+    depth = (height + T / 2) - tip(sim, rest)
+    pushed = 2 * k * depth**1.5  # of the two lower corners at the tip
+    assert 0.0 < depth < 1e-5
+    stiffness = pushed / (sag - (sag / 2 + depth))
+    plain = 3 * 70e9 * B * T**3 / 12 / A**3
+    assert plain < stiffness < plain / (1 - 0.3**2)
+    assert rest.books is not None
+    assert rest.books.balance < 1e-8
+    assert rest.books.supplied["ground_contact"][-1] < 0.0
+
+
+def tip(sim: lamc.Simulator, result: lamc.Result) -> float:
+    """Height of the corners of the flag's end over where they are drawn, m, at the end of a run."""
+    (body,) = arrange(plan(sim.mechanism), sim.effects).flexible
+    shapes = np.array([body.shape_at(np.array([A, side * B / 2, 0.0]))[0] for side in (-1, 1)])
+    heights = shapes @ result.q[-1, 1:] - A * np.sin(result.q[-1, 0])  # a turn about y lowers x
+    assert heights[0] == pytest.approx(heights[1], rel=1e-2)  # on a mesh that is not quite symmetric
+    return float(heights.mean())
+
+
+def test_what_floats_and_bends_falls_on_the_ground_with_its_books_in_order() -> None:
+    """The crawler thrown on the ground: contact and modes only take energy, and what acts adds up."""
+    with as_file(files("lamc.examples") / "crawler.yaml") as path:
+        mechanism = lamc.split(lamc.load(path))
+    drop = mechanism.scenes["drop"]
+    bending = FlexibleLinks(modes=1, damping_ratio=0.02)
+    sim = lamc.compile(mechanism, replace(drop, added=(*drop.added, bending)))
+    result = sim.run(0.2, rtol=1e-8, atol=1e-11, integrator="rodas5p", books=True)
+    books = result.books
+    assert books is not None
+    assert result.events  # it has touched the ground
+    assert books.balance < 1e-8
+    for effect in ("ground_contact", "flexible_links"):
+        assert books.supplied[effect][-1] < -1e-6 * books.scale
+        assert np.diff(books.supplied[effect]).max() <= 1e-9 * books.scale
+    assert np.abs(books.supplied["gravity"]).max() <= 1e-9 * books.scale
+
+
 def test_steps_stay_affordable() -> None:
     """Damped links, highest mode some 5 kHz, half a second of a swing at 4 Hz: the implicit methods step over them."""
     scene = Scene(effects=(Gravity(), HingeStiffness()), angles={"h0": 0.4})
@@ -302,6 +373,7 @@ BAD = {
     "hinge 'h0' of body 'b0' does not lie in the plane": lambda: asked(upright()),
     "no edge of the outline of body 'b0' lies on the line of hinge 'h0'": lambda: asked(off()),
     "weighs 0.0081 kg, more than the body": lambda: asked(flag(), laminate=HEAVY),
+    "the refinement of flexible_links is 0": lambda: FlexibleLinks(refinement=0.0),
     "element": lambda: asked(flag(), element="dktt", size=1e-2),
 }
 

@@ -370,3 +370,12 @@ def test_a_film_without_moduli_is_refused_with_the_way_out() -> None:
     with pytest.raises(DesignError, match=r"moduli .*; twist_compliance takes E and nu of the strips, too"):
         arranged(mechanism, TwistCompliance())
     assert arranged(mechanism, TwistCompliance(E=2.5e9, nu=0.34)).compliant
+
+
+def test_strips_that_turn_only_or_slide_only_are_other_forms() -> None:
+    forms = TwistCompliance().alternatives()
+    assert {name: form.freedoms for name, form in forms.items()} == {
+        "only twist": ("twist_x", "twist_y"),
+        "only slide": ("slide_x", "slide_y", "slide_z"),
+    }
+    assert not TwistCompliance(freedoms=("twist_x",)).alternatives()

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
 _KEPT = 64  # reductions that are remembered
+_FORMS = (1, 3, 6)  # modes of other forms
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -37,6 +38,7 @@ class FlexibleLinks:
     damping_ratio  of critical, of every mode
     size           m, of the finite elements; None: a fifth of the plate's width, or thereabouts
     element        of `lamc.plate.ELEMENTS`
+    refinement     cells are smaller by that: 2 halves them, whether their size is given or not
     static         besides, the shapes under a uniform acceleration and under force and moments at the other hinges, so
                    that statics is that of the elements: one, and three for each other hinge; they count on as modes
     laminate       of bodies that come from no drawing, all over their outline; None: as drawn
@@ -58,6 +60,7 @@ class FlexibleLinks:
     modes: int = 3
     damping_ratio: float = 0.01
     size: float | None = None
+    refinement: float = 1.0
     element: str = "dkt"
     static: bool = True
     laminate: Any = None  # lamc.plate.Laminate, which takes a while to import
@@ -65,7 +68,7 @@ class FlexibleLinks:
     name: ClassVar[str] = "flexible_links"
     summary: ClassVar[str] = "Bodies that bend"
     source: ClassVar[str] = "½ ηᵀ K η, modes of the plate in a floating frame, Shabana 2013, ch. 5"
-    units: ClassVar[Mapping[str, str]] = {"damping_ratio": "1", "size": "m"}
+    units: ClassVar[Mapping[str, str]] = {"damping_ratio": "1", "size": "m", "refinement": "1"}
 
     def __post_init__(self) -> None:
         if self.bodies is not None:
@@ -94,6 +97,10 @@ class FlexibleLinks:
                     "the size of flexible_links is 0 m; give the length of an edge of its cells"
                 )
             object.__setattr__(self, "size", size)
+        refinement = checked_number(self.refinement, "the refinement of flexible_links", minimum=0.0)
+        if refinement == 0.0:
+            raise DesignError("the refinement of flexible_links is 0; give 2 for cells of half the size")
+        object.__setattr__(self, "refinement", refinement)
         checked_name(self.element, "the element of flexible_links")
         checked_flag(self.static, "static of flexible_links")
         if self.laminate is not None:
@@ -114,13 +121,22 @@ class FlexibleLinks:
         moving = [link.body.name for link in tree.links]
         for name in self.bodies or moving:
             plate = body_plate(tree, name, self.laminate)
-            reduced = _reduced(_Asked(plate, self.modes, self.size, self.element, self.static))
+            reduced = _reduced(_Asked(plate, self))
             arranging.flexible_body(
                 flexible_body(name, reduced, tree.mechanism.body(name).com, plate.height, self.damping_ratio)
             )
 
     def contribute(self, loads: Loads) -> None:
         """Nothing: the stiffness of what `arrange` adds comes with it."""
+
+    def alternatives(self) -> Mapping[str, "FlexibleLinks"]:
+        """With fewer and with more modes, and on meshes with cells of twice and of half the size."""
+        counts = {f"{count} mode{'s' if count > 1 else ''}": count for count in _FORMS if count != self.modes}
+        return {
+            **{words: replace(self, modes=count) for words, count in counts.items()},
+            "coarser mesh": replace(self, refinement=0.5 * self.refinement),
+            "finer mesh": replace(self, refinement=2.0 * self.refinement),
+        }
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
@@ -157,12 +173,12 @@ def flexible_body(name: str, reduction: "Reduction", com: Array, height: float, 
 class _Asked:
     """A reduction that is asked for; two of the same content are one."""
 
-    def __init__(self, plate: BodyPlate, modes: int, size: float | None, element: str, static: bool) -> None:
-        self.plate, self.modes, self.element, self.static = plate, modes, element, static
-        self.size = size or _usual_size(plate)
+    def __init__(self, plate: BodyPlate, by: FlexibleLinks) -> None:
+        self.plate, self.modes, self.element, self.static = plate, by.modes, by.element, by.static
+        self.size = (by.size or _usual_size(plate)) / by.refinement
         regions = tuple((n, plate.regions[n].wkb, repr(plate.laminates[n])) for n in plate.regions)
         joined = tuple((a.point, a.edge.wkb if a.edge is not None else b"") for a in plate.attachments)
-        self._content = (regions, plate.clamped.wkb, joined, modes, self.size, element, static)
+        self._content = (regions, plate.clamped.wkb, joined, self.modes, self.size, self.element, self.static)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Asked) and self._content == other._content

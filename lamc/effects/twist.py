@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -139,6 +139,18 @@ class TwistCompliance:
 
     def contribute(self, loads: Loads) -> None:
         """Nothing: the stiffness of what `arrange` adds comes with it."""
+
+    def alternatives(self) -> Mapping[str, "TwistCompliance"]:
+        """Only turning or only sliding, where both yield."""
+        kinds = {
+            f"only {kind}": tuple(f for f in self.freedoms if f.startswith(kind))
+            for kind in ("twist", "slide")
+        }
+        return {
+            words: replace(self, freedoms=kept)
+            for words, kept in kinds.items()
+            if 0 < len(kept) < len(self.freedoms)
+        }
 
     def _given(self, joint: str) -> Given:
         values = {}

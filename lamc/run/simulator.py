@@ -36,7 +36,8 @@ from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, Request, checked_request
-from lamc.run.result import Event, Provenance, Result, RunStats
+from lamc.run.result import Result
+from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.scene import Scene
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given

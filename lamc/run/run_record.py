@@ -1,0 +1,47 @@
+"""What a run tells besides its rows: its cost, its events, and where it comes from.
+
+In: plain values. Out: frozen records, which a `Result` carries and files keep. Never: computes.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class RunStats:
+    """What a run took."""
+
+    integrator: str
+    rtol: float
+    atol: float  # rad and rad/s
+    steps: int  # tried
+    accepted: int
+    rejected: int | None  # None: this integrator does not tell
+    evaluations: int  # of the right-hand side
+    last_step: float  # s
+    wall_time: float  # s
+    real_time_factor: float  # simulated seconds per second of wall time
+    switches: tuple[
+        tuple[float, str], ...
+    ] = ()  # of "auto": s, and the integrator from there on; the first ones
+
+
+@dataclass(frozen=True)
+class Event:
+    """A limit reached or left, or an impact."""
+
+    t: float  # s
+    name: str
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a result comes from; written to the manifest beside each file."""
+
+    design: str
+    digest: str  # of the program
+    lamc_version: str
+    compiler: str
+    flags: tuple[str, ...]
+    effects: tuple[str, ...]
+    parameters: Mapping[str, float] = field(default_factory=dict)  # every one, as used

@@ -218,12 +218,13 @@ def books_lines(result: Result) -> list[str]:
     noise = max(10.0 * books.balance, 1e-12) * books.scale  # what is not worth a digit
     rows = [
         ("", "stored", "supplied", "dissipated"),
-        ("kinetic", _joules(float(books.kinetic[-1]), noise), "", ""),
+        ("kinetic", _joules(float(books.kinetic[-1]), noise) or "0 J", "", ""),
     ]
     for entry in books.entries:
         gave = _joules(entry.supplied, noise) if entry.supplied > 0.0 else ""
         took = _joules(-entry.supplied, noise) if entry.supplied < 0.0 else ""
-        rows.append((entry.effect, _joules(entry.stored, noise), gave, took))
+        stored = _joules(entry.stored, noise) or ("" if gave or took else "0 J")
+        rows.append((entry.effect, stored, gave, took))
     width = max(len(row[0]) for row in rows)
     lines = [f"{row[0]:<{width}}" + "".join(f"{cell:>14}" for cell in row[1:]).rstrip() for row in rows]
     return [*lines, f"they balance within {books.balance:.1e} of the {books.scale:.4g} J in play"]

@@ -3,10 +3,11 @@
     python -m benchmarks.precision [--quick] [--out FOLDER]
 
 Peers in the same run: C written by hand for three equal links (closed form, DOPRI5; as textbooks print it, and tuned),
-and CasADi with CVODES, its best of four ways. Everyone is run at many tolerances; the error is the largest of any hinge
-angle at ten times, rad, against lamc's DOP853 at 1e-13, and the time for an error of 1e-6 and of 1e-9 is read off each
-curve. Times are processor time of a whole run of 10 s, the shortest of repeats that take turns; lamc's include the call
-from Python. Prints tables and writes JSON.
+with the flags of lamc's modules and, beside lamc's `fast` modules, with theirs; and CasADi with CVODES, its best of
+four ways. Everyone is run at many tolerances; the error is the largest of any hinge angle at ten times, rad, against
+lamc's DOP853 at 1e-13, and the time for an error of 1e-6 and of 1e-9 is read off each curve. Times are processor time
+of a whole run of 10 s, the shortest of repeats that take turns; lamc's include the call from Python. Prints tables and
+writes JSON.
 """
 
 import argparse
@@ -22,7 +23,7 @@ import numpy.typing as npt
 import lamc
 from benchmarks.devices import SCENE, plates
 from benchmarks.measure import environment, write_json
-from benchmarks.peers.closed_triple import ClosedTriple
+from benchmarks.peers.closed_triple import FLAGS, ClosedTriple
 from benchmarks.spine import fresh_folder, show, target
 from lamc.ledger.clock import processor_seconds, shortest
 
@@ -38,8 +39,11 @@ T_END = 10.0  # s
 TIMES = np.array([0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, T_END])  # s, when errors are looked at
 TARGETS = (1e-6, 1e-9)  # rad
 TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(4, 24))
-LAMC, AUTO = "lamc, rk45", "lamc, auto"
+LAMC, AUTO, FAST = "lamc, rk45", "lamc, auto", "lamc fast, rk45"
 TUNED, TEXTBOOK, CASADI = "C by hand, tuned", "C by hand, textbook", "CasADi, CVODES"
+TUNED_FAST, TEXTBOOK_FAST = f"{TUNED}, fast flags", f"{TEXTBOOK}, fast flags"
+RIVALS = {LAMC: (TUNED, TEXTBOOK), AUTO: (TUNED, TEXTBOOK), FAST: (TUNED_FAST, TEXTBOOK_FAST)}
+FAST_OPTIONS = lamc.CompileOptions(fast=True)
 
 
 @dataclass(frozen=True)
@@ -58,23 +62,28 @@ def main() -> None:
     arguments = parser.parse_args()
     report: dict[str, Any] = {"environment": environment(), "t_end": T_END}
     with fresh_folder() as folder:
-        sim = lamc.compile(plates(3), SCENE)
+        sim, fast = (lamc.compile(plates(3), SCENE, options) for options in (None, FAST_OPTIONS))
         reference = sim.run(T_END, 1e-13, 1e-15, TIMES, "dop853").q
-        curves = measure(tools(sim, folder), reference, 2.0 if arguments.quick else 20.0)
+        curves = measure(tools(sim, fast, folder), reference, 2.0 if arguments.quick else 20.0)
     report["curves"] = {name: [list(point) for point in curve] for name, curve in curves.items()}
     report["equal_error"] = show("Time for an error of at most …, ms", equal_errors(curves))
     report["targets"] = show("Targets", targets(report["equal_error"]))
     write_json(arguments.out / "precision.json", report)
 
 
-def tools(sim: Any, folder: Path) -> dict[str, Tool]:
+def tools(sim: Any, fast: Any, folder: Path) -> dict[str, Tool]:
     """Every tool that is there."""
     found = {
-        name: Tool(partial(_own, sim, integrator), partial(_own_job, sim, integrator))
-        for name, integrator in ((LAMC, "rk45"), (AUTO, "auto"))
+        name: Tool(partial(_own, own, integrator), partial(_own_job, own, integrator))
+        for name, own, integrator in ((LAMC, sim, "rk45"), (AUTO, sim, "auto"), (FAST, fast, "rk45"))
     }
-    for name, textbook in ((TUNED, False), (TEXTBOOK, True)):
-        peer = ClosedTriple(folder, textbook=textbook)
+    for name, textbook, flags in (
+        (TUNED, False, FLAGS),
+        (TEXTBOOK, True, FLAGS),
+        (TUNED_FAST, False, FAST_OPTIONS.flags),
+        (TEXTBOOK_FAST, True, FAST_OPTIONS.flags),
+    ):
+        peer = ClosedTriple(folder / name.replace(" ", "_"), textbook=textbook, flags=flags)
         found[name] = Tool(partial(_by_hand, peer), partial(_by_hand_job, peer))
     if casadi_peer is not None:
         for label, method in (("BDF", casadi_peer.BDF), ("Adams", casadi_peer.ADAMS)):
@@ -153,7 +162,7 @@ def equal_errors(curves: Mapping[str, list[tuple[float, ...]]]) -> Rows:
         for error in TARGETS:
             taken = time_for(curve, error)
             row[f"{error:g} rad"] = 1e3 * taken
-            for own in (LAMC, AUTO):
+            for own in RIVALS:
                 row[f"{own} / it at {error:g}"] = time_for(curves[own], error) / taken
         rows.append(row)
     return rows
@@ -163,8 +172,8 @@ def targets(rows: Rows) -> Rows:
     by_name = {row["tool"]: row for row in rows}
     found: Rows = []
     for error, limit in zip(TARGETS, (0.8, 1.8), strict=True):
-        for own in (LAMC, AUTO):
-            for name in (TUNED, TEXTBOOK):
+        for own, rivals in RIVALS.items():
+            for name in rivals:
                 ratio = by_name[name][f"{own} / it at {error:g}"]
                 found.append(target(f"{own} / {name}, {error:g} rad", ratio, limit, at_most=True))
             best = [1 / row[f"{own} / it at {error:g}"] for row in rows if row["tool"].startswith(CASADI)]

@@ -35,6 +35,7 @@ class ClosedTriple:
     def __init__(
         self, folder: Path, *, textbook: bool = False, compiler: str = "cc", flags: Sequence[str] = FLAGS
     ) -> None:
+        folder.mkdir(exist_ok=True)
         library = folder / f"closed_triple_{int(textbook)}.so"
         more = ["-DTEXTBOOK"] if textbook else []
         command = [compiler, *flags, *more, "-shared", "-o", str(library), str(SOURCE), "-lm"]

@@ -68,7 +68,7 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 retardation=1e-4,
                 normal=(0.0, 0.1, 1.0),
             ),
-            lamc.FlexibleLinks(("a",), 1, 0.02, 0.15, "dkt", static=False, laminate=SHEET),
+            lamc.FlexibleLinks(("a",), 1, 0.02, 0.15, 1.25, static=False, laminate=SHEET),
             lamc.FreeBase(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0), spin=(0.0, 0.2, 0.0)),
         )
     }

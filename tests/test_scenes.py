@@ -259,7 +259,7 @@ def test_what_does_not_fit_the_mechanism_is_refused_with_its_place(
 
 def test_angles_of_a_design_are_refused_where_they_stand(tmp_path: Path) -> None:
     """Only after splitting is it known which joints a drawing has."""
-    text = examples.find("flaps").text + "\nscenes: {a: {angles: {lift: 1}}}\n"
+    text = examples.find("flaps").text.partition("\nscenes:")[0] + "\nscenes: {a: {angles: {lift: 1}}}\n"
     (tmp_path / "flaps.yaml").write_text(text, encoding="utf-8")
     design = lamc.load(tmp_path / "flaps.yaml")
     with pytest.raises(

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from lamc.mechanics.functions import FUNCTIONS
+from lamc.mechanics.functions import ARITHMETIC, FUNCTIONS
 from lamc.mechanics.staging import LEAVES, Scalar, Store, Symbol, Value
 
 
@@ -26,16 +26,8 @@ def evaluate(store: Store, values: Sequence[Scalar], inputs: Mapping[Value, floa
 
 
 def _applied(operation: str, a: Sequence[float]) -> float:
-    match operation:
-        case "+":
-            return a[0] + a[1]
-        case "-":
-            return a[0] - a[1]
-        case "*":
-            return a[0] * a[1]
-        case "neg":
-            return -a[0]
-        case "reciprocal":
-            return 1.0 / a[0] if a[0] else math.inf
-        case name:
-            return FUNCTIONS[name].value(*a)
+    if operation in ARITHMETIC:
+        return float(ARITHMETIC[operation](*a))
+    if operation == "reciprocal":
+        return 1.0 / a[0] if a[0] else math.inf
+    return FUNCTIONS[operation].value(*a)

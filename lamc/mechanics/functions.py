@@ -5,9 +5,11 @@ expression language refuse what is not in it.
 """
 
 import math
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -17,6 +19,12 @@ class Elementary:
     arity: int
     value: Callable[..., float]
     sympy_name: str
+
+
+# What sums, products and signs of a store are, on whatever adds and multiplies: numbers, staged values, sympy.
+ARITHMETIC: Mapping[str, Callable[..., Any]] = MappingProxyType(
+    {"+": operator.add, "-": operator.sub, "*": operator.mul, "neg": operator.neg}
+)
 
 
 def _sign(x: float) -> float:

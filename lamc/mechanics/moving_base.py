@@ -4,6 +4,7 @@ Goes in: what `arrange` says of the base, and symbols. Comes out: where the base
 as twists in its own (drawn) axes. It knows no link.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -28,7 +29,7 @@ STILL = Twist(ZERO, ZERO)
 
 
 @dataclass(frozen=True)
-class MovingBase:
+class MovingBase(ABC):
     """A base at one place. `reference` is the drawn point that is at `position`, m.
 
     rotation  world from drawn axes
@@ -40,9 +41,9 @@ class MovingBase:
     position: Vector3
     velocity: Twist
 
+    @abstractmethod
     def acceleration(self, accelerations: Sequence[Scalar] | None) -> Twist:
         """Of the reference, axes of the base; a floating base's for u̇ (nu,), None: nothing accelerates."""
-        raise NotImplementedError
 
     def point(self, drawn: Vector3) -> Vector3:
         """World position, m, of a drawn point."""

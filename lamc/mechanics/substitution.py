@@ -1,8 +1,11 @@
 """Other scalars in the place of some: staged values rebuilt, with folding, so that what becomes zero disappears."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
+from lamc.mechanics.functions import ARITHMETIC
 from lamc.mechanics.staging import LEAVES, Scalar, Store, Value, call, cos, reciprocal, sin
+
+_FOLDED: Mapping[str, Callable[[Scalar], Scalar]] = {"reciprocal": reciprocal, "sin": sin, "cos": cos}
 
 
 def substitute(values: Sequence[Scalar], replacements: Mapping[Value, Scalar]) -> list[Scalar]:
@@ -24,20 +27,8 @@ def _node(store: Store, index: int, a: list[Scalar]) -> Scalar:
         return store.scalar(index)
     if (found := store.table_of(operation)) is not None:
         return store.table(found[0], a[0], found[1])
-    match operation:
-        case "+":
-            return a[0] + a[1]
-        case "-":
-            return a[0] - a[1]
-        case "*":
-            return a[0] * a[1]
-        case "neg":
-            return -a[0]
-        case "reciprocal":
-            return reciprocal(a[0])
-        case "sin":
-            return sin(a[0])
-        case "cos":
-            return cos(a[0])
-        case name:
-            return call(name, *a)
+    if operation in ARITHMETIC:
+        result: Scalar = ARITHMETIC[operation](*a)
+        return result
+    special = _FOLDED.get(operation)
+    return special(a[0]) if special else call(operation, *a)

@@ -86,6 +86,10 @@ class EmitError(LamcError):
     exit_code = 4
 
 
+class ExportError(LamcError):
+    """What an export was asked for makes no sense, or something is in the way of its files."""
+
+
 class BuildError(LamcError):
     """No C compiler, a compiler that fails, or a cache that cannot be used."""
 

@@ -52,7 +52,7 @@ def replacing(path: Path) -> Iterator[Path]:
         yield temporary
         with temporary.open("rb") as written:
             os.fsync(written.fileno())  # else a crash of the system may leave the new name with no content
-        temporary.chmod(0o666 & ~_umask())  # mkstemp gives 0600
+        temporary.chmod(0o666 & ~umask())  # mkstemp gives 0600
         temporary.replace(path)
     except OSError as error:
         raise LamcError(
@@ -69,7 +69,7 @@ def write_text(path: Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _umask() -> int:
+def umask() -> int:
     """The process's file mode mask; the system lets it be read only by setting it."""
     mask = os.umask(0o077)
     os.umask(mask)

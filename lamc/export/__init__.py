@@ -1,0 +1,1 @@
+"""`lamc export`: a mechanism in its scene as files for other programs."""

@@ -17,7 +17,7 @@ from click.testing import CliRunner, Result
 import lamc
 from lamc.cli import main
 from lamc.commands.inputs import folder_name
-from lamc.commands.run import default_rows
+from lamc.run.defaults import default_rows
 
 ROOT = Path(__file__).resolve().parent.parent
 VERBS = ("run", "build", "check", "split", "bench", "ledger", "plate", "schema", "doctor")

@@ -10,7 +10,7 @@ from lamc import Gravity, GroundContact, Scene
 from lamc.effects.base import PlaneMark
 from lamc.report.folded import instants
 from lamc.report.planes import GRID, SHADOW, SHEET, Sheet
-from lamc.report.stage import Stage
+from lamc.report.stage import stage_of
 from tests.ctools import needs_cc
 from tests.mechanisms import chain
 
@@ -44,7 +44,7 @@ def test_a_picture_shows_the_ground_where_an_effect_has_one() -> None:
     grounded = lamc.compile(mechanism, Scene((Gravity(), ground))).run(0.2)
     assert bare.marks == ()
     assert grounded.marks == (PlaneMark((0.0, 0.0, -3.0), (0.0, 0.0, 1.0)),)
-    without, with_ground = (Stage(result, result.t[:1], 240).draw(0) for result in (bare, grounded))
+    without, with_ground = (stage_of(result, result.t[:1], 240).draw(0) for result in (bare, grounded))
     assert pixels(without, SHEET) == pixels(without, SHADOW) == pixels(without, GRID) == 0
     assert pixels(with_ground, SHEET) > 0.1 * with_ground.shape[0] * with_ground.shape[1]
 

@@ -18,7 +18,7 @@ from lamc.report.plots import draw_angles_energy
 from lamc.report.raster import Camera, Canvas
 from lamc.report.run_text import duration
 from lamc.report.solid import solid_of
-from lamc.report.stage import Stage, poses_at
+from lamc.report.stage import poses_at, stage_of
 from lamc.report.style import body_colours
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -162,7 +162,7 @@ def test_crossing_faces_hide_each_other_by_halves() -> None:
 
 
 def test_one_metre_is_as_long_across_as_it_is_up(result: Result) -> None:
-    camera = Stage(result, result.t[[0]], 300).camera
+    camera = stage_of(result, result.t[[0]], 300).camera
     axes = np.stack([camera.right, camera.up, camera.towards])
     assert axes @ axes.T == pytest.approx(
         np.eye(3), abs=1e-12

@@ -14,7 +14,6 @@ from lamc.commands.inputs import (
     output_folder,
     share_of,
 )
-from lamc.commands.run import DEFAULT_DURATION
 from lamc.commands.terminal import Terminal, plain
 from lamc.errors import LamcError
 from lamc.files import write_text
@@ -25,6 +24,7 @@ from lamc.ledger.schema import ledger_schema
 from lamc.pipeline import Times
 from lamc.report.ledger import draw_ledger
 from lamc.report.ledger_text import ledger_text
+from lamc.run.defaults import DURATION
 from lamc.run.integrators import NAMES
 from lamc.run.request import MIN_RTOL, did_you_mean
 
@@ -38,7 +38,7 @@ class LedgerOrder:
 
     source: Source
     changes: SceneChanges
-    t_end: float | None  # s; None: the scene's duration, or `DEFAULT_DURATION`
+    t_end: float | None  # s; None: the scene's duration, or `DURATION`
     accuracy: str  # 1e-3 or "0.1 %"
     budget: str  # 30 or "30 s" or "2 min"
     tightest: float  # rtol
@@ -97,7 +97,7 @@ def _sweep(order: LedgerOrder) -> Sweep:
             raise LamcError(f"--integrator: none is named {name[:40]!r}; {did_you_mean(name, known)}")
     tolerances = tuple(rtol for rtol in DECADES if rtol >= 0.999 * order.tightest)
     return Sweep(
-        t_end=order.t_end or DEFAULT_DURATION,
+        t_end=order.t_end or DURATION,
         accuracy=_accuracy(order.accuracy),
         tolerances=tolerances,
         integrators=order.integrators or Sweep.integrators,

@@ -35,6 +35,7 @@ from lamc.report.folded import draw_folded
 from lamc.report.loops_text import loops_data
 from lamc.report.plots import draw_angles_energy
 from lamc.report.run_text import RunReport, energy_drift, summary
+from lamc.run.defaults import DURATION, default_rows
 from lamc.run.files import books_data, write_csv, write_npz
 from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
@@ -51,8 +52,6 @@ FILES = (
     "manifest.json",
 )
 
-DEFAULT_DURATION = 10.0  # s
-_FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result, by default
 _LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
 
 
@@ -63,7 +62,7 @@ class RunOrder:
     source: Source
     changes: SceneChanges
     settings: tuple[str, ...]  # NAME=NUMBER of parameters
-    t_end: float | None  # s; None: the scene's duration, or `DEFAULT_DURATION`
+    t_end: float | None  # s; None: the scene's duration, or `DURATION`
     accuracy: str | None  # 1e-3 or "0.1 %"; None: rtol and atol say
     rtol: float | None
     atol: float | None
@@ -86,7 +85,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
             mechanism = mechanism_of(loaded, times, progress)
             scene, account = changed_scene(mechanism, order.changes)
             if order.t_end is None:
-                order = replace(order, t_end=scene.duration or DEFAULT_DURATION)
+                order = replace(order, t_end=scene.duration or DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
             _check_points(order.points, len(simulator.start))
             parameters = parameters_of(order.settings, simulator.parameters)
@@ -144,14 +143,6 @@ def _simulate(
         progress=progress.part,
         books=order.books,
     )
-
-
-def default_rows(t_end: float, size: int) -> int:
-    """200 rows a second and 2001 at least, as long as states of this size make no file of a size that nobody wants."""
-    if not np.isfinite(t_end):
-        return 0
-    most = max(_FEWEST, min(100_001, _MOST_NUMBERS // (size + 2)))
-    return int(min(max(_FEWEST, 200 * t_end + 1), most))
 
 
 def _report(

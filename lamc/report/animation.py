@@ -18,7 +18,7 @@ from lamc.files import replacing
 from lamc.mechanism.records import Array
 from lamc.report.plan_view import shortened
 from lamc.report.raster import Pixels
-from lamc.report.stage import Stage
+from lamc.report.stage import stage_of
 from lamc.run.result import Result
 
 FRAMES_PER_SECOND = 25  # the fastest that GIF players keep to: 40 ms a frame
@@ -66,7 +66,7 @@ class _Frames:
     """The frames, drawn one by one as they are asked for."""
 
     def __init__(self, result: Result, times: Array, speed: float, progress: Progress | None) -> None:
-        self._stage = Stage(result, times, _SIDE)
+        self._stage = stage_of(result, times, _SIDE)
         self._progress = progress
         self._times = times
         self._name = shortened(result.provenance.design, 40)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lamc.report.folded import instants
-from lamc.report.stage import Stage
+from lamc.report.stage import stage_of
 from lamc.report.style import save
 from lamc.run.result import Result
 
@@ -31,7 +31,7 @@ def draw_contact_sheet(results: Sequence[tuple[str, Result]], path: Path) -> Pat
     for axis in axes:
         axis.set_axis_off()
     for axis, (title, result) in zip(axes, results, strict=False):
-        stage = Stage(result, result.t[[_row(result)]], _LONGEST)
+        stage = stage_of(result, result.t[[_row(result)]], _LONGEST)
         axis.imshow(stage.draw(0), interpolation="antialiased")
         axis.set_title(title, fontsize=10, parse_math=False)
     return save(figure, path)

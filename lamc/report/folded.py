@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from lamc.mechanism.records import Array
 from lamc.report.plan_view import length_text, shortened
 from lamc.report.raster import Pixels
-from lamc.report.stage import HINGE, Stage
+from lamc.report.stage import HINGE, Stage, stage_of
 from lamc.report.style import body_colours, save
 from lamc.run.result import Result
 
@@ -32,7 +32,7 @@ _NAMED = 8  # bodies and joints beyond this are not named
 def draw_folded(result: Result, path: Path) -> Path:
     """The device at up to four instants, the start and the end among them. Raises LamcError if it cannot write."""
     rows = instants(result)
-    stage = Stage(result, result.t[rows], _LONGEST)
+    stage = stage_of(result, result.t[rows], _LONGEST)
     columns = min(2, len(rows))
     lines = math.ceil(len(rows) / columns)
     width = _PANEL_WIDTH if columns == 2 else 1.6 * _PANEL_WIDTH
@@ -46,9 +46,9 @@ def draw_folded(result: Result, path: Path) -> Path:
         axis.imshow(picture, interpolation="antialiased")
         axis.set_title(_title(result, row), fontsize=9.5, parse_math=False)
         if panel == 0:
-            corners = _free_corners(picture)
-            _scale(axis, stage, corners[0])
-            _triad(axis, stage, corners[1])
+            corners = free_corners(picture)
+            scale_bar(axis, stage, corners[0])
+            triad(axis, stage, corners[1])
     figure.suptitle(shortened(result.provenance.design, 60), parse_math=False, fontsize=13)
     _legend(figure, result)
     return save(figure, path)
@@ -82,7 +82,7 @@ def _title(result: Result, row: int) -> str:
     return title
 
 
-def _scale(axis: Axes, stage: Stage, corner: Array) -> None:
+def scale_bar(axis: Axes, stage: Stage, corner: Array) -> None:
     """A bar of a round length around `corner`, pixels."""
     length = round_length(0.2 * stage.width / stage.camera.scale)
     half, y = length * stage.camera.scale / 2, corner[1] + 0.02 * stage.height
@@ -92,7 +92,7 @@ def _scale(axis: Axes, stage: Stage, corner: Array) -> None:
     axis.text(corner[0], y - 0.02 * stage.height, length_text(length), fontsize=8, ha="center", va="bottom")
 
 
-def _free_corners(picture: Pixels) -> list[Array]:
+def free_corners(picture: Pixels) -> list[Array]:
     """Middles of the picture's corners, columns and rows; empty corners first."""
     height, width, _ = picture.shape
     reach = np.array([0.24 * width, 0.24 * height])
@@ -113,7 +113,7 @@ def round_length(longest: float) -> float:
     return power * max(k for k in (1.0, 2.0, 5.0) if k * power <= longest * (1 + 1e-9))
 
 
-def _triad(axis: Axes, stage: Stage, corner: Array) -> None:
+def triad(axis: Axes, stage: Stage, corner: Array) -> None:
     """The world's axes around `corner`, pixels."""
     camera = stage.camera
     length = 0.09 * min(stage.width, 2 * stage.height)

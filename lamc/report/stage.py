@@ -1,16 +1,18 @@
 """A mechanism in motion before a camera: poses, the choice of view, and the drawing of one instant.
 
-In: a `Result` and times. Out: pixels. It writes no files; numbers between two rows of the result are interpolated for
-the eye, not for measurement.
+In: a mechanism and its poses, or a `Result` and times. Out: pixels. It writes no files; numbers between two rows of the
+result are interpolated for the eye, not for measurement.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from shapely.geometry import MultiPoint
 
-from lamc.mechanism.records import Array
+from lamc.effects.base import PlaneMark
+from lamc.mechanism.records import Array, Mechanism
 from lamc.report.planes import Sheet
 from lamc.report.raster import Camera, Canvas, Pixels
 from lamc.report.solid import Lines, Solid, solid_of
@@ -62,20 +64,40 @@ def poses_at(result: Result, times: Array) -> Poses:
     return Poses(times, centres, rotations)
 
 
+def as_drawn(mechanism: Mechanism) -> Poses:
+    """The one instant at which all angles are zero."""
+    bodies = mechanism.bodies
+    centres = np.array([[b.com for b in bodies]])
+    return Poses(np.zeros(1), centres, np.tile(np.eye(3), (1, len(bodies), 1, 1)))
+
+
+def stage_of(result: Result, times: Array, longest_side: int) -> "Stage":
+    """A run at the given times, s."""
+    return Stage(result.mechanism, poses_at(result, times), longest_side, result.marks)
+
+
 class Stage:
     """A mechanism's shape, its poses, and one camera for all of them. `draw` gives the picture of an instant."""
 
-    def __init__(self, result: Result, times: Array, longest_side: int, *, oversampling: int = 2) -> None:
-        self.poses = poses_at(result, times)
-        self.solid: Solid = solid_of(result.mechanism)
-        self._drawn = np.array([b.com for b in result.mechanism.bodies])
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        poses: Poses,
+        longest_side: int,
+        marks: Sequence[PlaneMark] = (),
+        *,
+        oversampling: int = 2,
+    ) -> None:
+        self.poses = poses
+        self.solid: Solid = solid_of(mechanism)
+        self._drawn = np.array([b.com for b in mechanism.bodies])
         self._oversampling = oversampling
         spans = np.linalg.norm(np.diff(self.solid.hinges.segments, axis=1), axis=2)
         self._hinge_length = float(np.median(spans)) if spans.size else 0.0  # m
         self._gather()
-        self._colours = _rgb(result)
-        above = np.concatenate([self._outline(k) for k in range(len(times))])
-        self._sheets = [Sheet(mark, above) for mark in result.marks]
+        self._colours = _rgb(mechanism)
+        above = np.concatenate([self._outline(k) for k in range(len(poses.t))])
+        self._sheets = [Sheet(mark, above) for mark in marks]
         self.camera, self.width, self.height = self._compose(longest_side)
 
     def _gather(self) -> None:
@@ -188,9 +210,9 @@ def _axes(azimuth: float, elevation: float) -> tuple[Array, Array, Array]:
     return right, np.cross(towards, right), towards
 
 
-def _rgb(result: Result) -> Array:
+def _rgb(mechanism: Mechanism) -> Array:
     """Colours of the bodies, (bodies, 3), 0 to 255."""
-    colours = body_colours(result.mechanism)
+    colours = body_colours(mechanism)
     return np.array(
-        [[int(colours[b.name][k : k + 2], 16) for k in (1, 3, 5)] for b in result.mechanism.bodies], float
+        [[int(colours[b.name][k : k + 2], 16) for k in (1, 3, 5)] for b in mechanism.bodies], float
     )

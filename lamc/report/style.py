@@ -4,6 +4,7 @@ In: matplotlib figures and names from a design. Out: image files, written whole 
 itself and keeps no state; names are shown as they are, never read as markup or mathematics.
 """
 
+import io
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -69,9 +70,16 @@ def add_legend(axis: Axes, handles: Sequence[object], names: Sequence[str], colu
 
 def save(figure: Figure, path: Path) -> Path:
     """Writes the figure as PNG in one step. Raises LamcError if it cannot."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(png_of(figure))
+    return path
+
+
+def png_of(figure: Figure) -> bytes:
+    """The figure as PNG, without a date."""
+    stream = io.BytesIO()
     with mpl.rc_context({"axes.unicode_minus": True}), warnings.catch_warnings():
         # A name may hold characters that the font lacks; they appear as boxes, and that is no news for a terminal.
         warnings.filterwarnings("ignore", message="Glyph .* missing", category=UserWarning)
-        with replacing(path) as temporary:
-            figure.savefig(temporary, dpi=DPI, format="png", metadata={"Software": "lamc"})
-    return path
+        figure.savefig(stream, dpi=DPI, format="png", metadata={"Software": "lamc"})
+    return stream.getvalue()

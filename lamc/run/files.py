@@ -7,7 +7,7 @@ renamed). Never: pickles; leaves a half-written file.
 import csv
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -18,21 +18,43 @@ from lamc.files import replacing
 from lamc.run.request import Array
 
 if TYPE_CHECKING:
+    from lamc.codegen.program import Coordinate
     from lamc.run.result import Result
 
 
 def columns(result: "Result") -> dict[str, Array]:
     """The table of a result: column title with unit → values (m,). Titles of distinct columns are distinct,
     since joint names are."""
-    table = {"t (s)": result.t}
-    table |= {f"{joint} angle (rad)": result.angle(joint) for joint in result.joints}
-    table |= {f"{joint} rate (rad/s)": result.rate(joint) for joint in result.joints}
-    table |= {f"{title} ({unit})": values for title, unit, values in others(result)}
-    table |= {f"{name} energy (J)": values for name, values in result.energies.items()}
-    table["energy (J)"] = result.energy
+    count = len(result.joints)
+    values = [result.t, *(result.angle(j) for j in result.joints), *(result.rate(j) for j in result.joints)]
+    values += [*result.q.T[count:], *result.u.T[count:], *result.energies.values(), result.energy]
+    named = titles(result.joints, result.coordinates, result.rates, list(result.energies))
+    table = dict(zip(named, values, strict=True))
     if result.kept is not None:
         table |= {f"{name} work (J)": values for name, values in result.work.items()}
     return table
+
+
+def titles(
+    joints: Sequence[str],
+    coordinates: "Sequence[Coordinate]",
+    rates: "Sequence[Coordinate]",
+    energies: Sequence[str],
+) -> list[str]:
+    """Titles of the table's columns, with units."""
+    named = [f"{joint} angle (rad)" for joint in joints] + [f"{joint} rate (rad/s)" for joint in joints]
+    named += [f"{title} ({unit})" for title, unit in _other_titles(len(joints), coordinates, rates)]
+    return ["t (s)", *named, *(f"{name} energy (J)" for name in energies), "energy (J)"]
+
+
+def _other_titles(
+    count: int, coordinates: "Sequence[Coordinate]", rates: "Sequence[Coordinate]"
+) -> list[tuple[str, str]]:
+    """Title and unit of each coordinate and rate beyond the first `count`. A rate named as its coordinate is told
+    apart by the word."""
+    known = {c.name for c in coordinates}
+    others = [(c.name, c.unit) for c in coordinates[count:]]
+    return others + [(f"{r.name} rate" if r.name in known else r.name, r.unit) for r in rates[count:]]
 
 
 def books_data(result: "Result") -> dict[str, Any] | None:
@@ -49,16 +71,11 @@ def books_data(result: "Result") -> dict[str, Any] | None:
 
 
 def others(result: "Result") -> list[tuple[str, str, Array]]:
-    """Title, unit and values (m,) of each coordinate and rate that is no joint's. A rate named as its coordinate is
-    told apart by the word."""
-    count, known = len(result.joints), {c.name for c in result.coordinates}
-    q = [(c.name, c.unit, result.q[:, k]) for k, c in enumerate(result.coordinates) if k >= count]
-    u = [
-        (f"{r.name} rate" if r.name in known else r.name, r.unit, result.u[:, k])
-        for k, r in enumerate(result.rates)
-        if k >= count
-    ]
-    return [*q, *u]
+    """Title, unit and values (m,) of each coordinate and rate that is no joint's."""
+    count = len(result.joints)
+    named = _other_titles(count, result.coordinates, result.rates)
+    values = [*result.q.T[count:], *result.u.T[count:]]
+    return [(title, unit, each) for (title, unit), each in zip(named, values, strict=True)]
 
 
 def write_csv(result: "Result", path: Path, *, manifest: bool = True) -> Path:

@@ -38,6 +38,7 @@ from lamc.errors import (
     BuildError,
     DesignError,
     EmitError,
+    ExportError,
     ExpressionError,
     LamcError,
     RequestError,
@@ -45,6 +46,8 @@ from lamc.errors import (
     TopologyError,
     UnsupportedError,
 )
+from lamc.export import export
+from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 from lamc.options import CompileOptions
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
@@ -62,6 +65,8 @@ __all__ = [
     "DesignError",
     "Effect",
     "EmitError",
+    "ExportError",
+    "ExportOptions",
     "ExpressionError",
     "FlexibleLinks",
     "FreeBase",
@@ -90,6 +95,7 @@ __all__ = [
     "UnsupportedError",
     "__version__",
     "compile",
+    "export",
     "load",
     "load_scene",
     "split",

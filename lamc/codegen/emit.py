@@ -65,10 +65,13 @@ class CParameter:
 
 
 @collector_paused
-def emit(program: Program, precision: str = "double") -> SourceTree:
-    """C of `program`, accelerations in "double" or "float". Raises EmitError where an operation has no C form."""
+def emit(program: Program, precision: str = "double", prefix: str = "") -> SourceTree:
+    """C of `program`, accelerations in "double" or "float". Raises EmitError where an operation has no C form.
+
+    prefix: of the model's names and of its files; empty: from the name of the program
+    """
     runtime = _runtime()
-    prefix = identifier(program.name, taken=[Path(name).stem for name in runtime])
+    prefix = prefix or identifier(program.name, taken=[Path(name).stem for name in runtime])
     context = _context(program, prefix, precision)
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),

@@ -1,1 +1,88 @@
-"""`lamc export`: a mechanism in its scene as files for other programs."""
+"""`lamc.export`: a mechanism in its scene as files for programs that have neither Python nor lamc.
+
+In: a design, what to make of it, options. Out: files, as a mapping first and as a folder then. The same design gives
+the same bytes. Never: writes over what it did not write.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from lamc.codegen.names import identifier
+from lamc.design.records import Design
+from lamc.design.split import split
+from lamc.errors import ExportError
+from lamc.export.folder import Origin, write_folder
+from lamc.export.options import ExportOptions, options_from
+from lamc.mechanism.records import Mechanism
+from lamc.scene import Scene
+
+Files = Mapping[str, bytes]  # relative path, parts joined by / → content
+
+
+@dataclass(frozen=True)
+class Target:
+    """Something that a mechanism can be exported to.
+
+    files  the export itself: pure but for temporary files of a compiler
+    """
+
+    name: str
+    summary: str
+    files: Callable[[Mechanism, Scene, ExportOptions], Files]
+
+
+def _c(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.c import c_source
+    from lamc.pipeline import compile as compile_
+
+    source = c_source(compile_(mechanism, scene), options)
+    return {name: text.encode() for name, text in source.files.items()}
+
+
+TARGETS: Mapping[str, Target] = MappingProxyType(
+    {
+        target.name: target
+        for target in (Target("c", "one header and one source file in C99, valid C++ too", _c),)
+    }
+)
+
+
+def files_of(
+    design: Design | Mechanism,
+    to: str = "c",
+    scene: Scene | None = None,
+    options: ExportOptions | None = None,
+) -> Files:
+    """The files of an export, by relative path. Raises ExportError for an unknown target."""
+    if to not in TARGETS:
+        raise ExportError(f"there is no export to {to!r}; there are {', '.join(TARGETS)}")
+    mechanism = split(design) if isinstance(design, Design) else design
+    return TARGETS[to].files(mechanism, scene or mechanism.scene or Scene(), options or ExportOptions())
+
+
+def export(
+    design: Design | Mechanism,
+    to: str = "c",
+    scene: Scene | None = None,
+    out: str | Path | None = None,
+    options: ExportOptions | None = None,
+    *,
+    force: bool = False,
+    **values: object,
+) -> Path:
+    """Writes an export into the folder `out` (None: NAME_c in the present folder, by target) and returns its path.
+
+    scene    None: the design's own, else what the design asks for
+    options  or their fields by name
+    force    replace files too that are not lamc's or were edited
+
+    Raises ExportError for options, targets and folders that cannot be.
+    """
+    if options is not None and values:
+        raise ExportError(f"give options or their fields ({', '.join(values)}), not both")
+    files = files_of(design, to, scene, options or options_from(**values))
+    folder = Path(out) if out is not None else Path(f"{identifier(design.name)}_{to}")
+    write_folder(folder, files, Origin(design.name, to), force=force)
+    return folder

@@ -26,6 +26,11 @@ class Evaluations(Unchanging):
         self._model = model
 
     @property
+    def model(self) -> Model:
+        """The compiled model, for what is made of it."""
+        return self._model
+
+    @property
     def joints(self) -> tuple[str, ...]:
         return self._model.joints
 

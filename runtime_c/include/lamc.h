@@ -317,6 +317,26 @@ const double *lamc_run_state(const lamc_run *run);
  * LAMC_BAD_ARGUMENT outside, before the first step, and where a later step was tried and rejected. */
 lamc_status lamc_run_interpolate(lamc_run *run, double t, double *y);
 
+/* Without rows: one step further, however many are tried for it, to t_end at the most. LAMC_OK, also where the run stands
+ * at t_end already, or what ended it. */
+lamc_status lamc_run_step(lamc_run *run);
+
+/* y (n,) at a time within the last accepted step, t_old < t <= run->t, as a row has it: what must hold does. At most once
+ * per time and in ascending order, if the steps after it are to be those of a run with rows. */
+lamc_status lamc_run_at(lamc_run *run, double t, double *y);
+
+/* The run goes on from y (n,) at t, within t0 .. t_end, or under an equation that has changed: steps keep method and length.
+ * One evaluation. LAMC_OK; LAMC_BAD_ARGUMENT; LAMC_NOT_FINITE if y or rhs(t, y) is not finite. */
+lamc_status lamc_run_put(lamc_run *run, double t, const double *y);
+
+/* Doubles of scratch for the function below */
+long long lamc_fixed_scratch(const lamc_ode *ode);
+
+/* One step of length h != 0 from (t, y) to (t + h, y), without looking at errors: the classical Runge-Kutta method of order
+ * 4, four evaluations. What must hold is settled and events are looked at at its end only, each guard once.
+ * LAMC_NOT_FINITE, or what settling says; y is then spoilt. */
+lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch);
+
 /* lamc: declarations end */
 
 #ifdef __cplusplus

@@ -217,7 +217,8 @@ static lamc_status step_to(lamc_run *run, const room *r, int guard, int *is_reac
 
 /* Counts events that follow each other ever faster. */
 static lamc_status keep_count(lamc_run *run, int guard) {
-  const double limit = TOO_CLOSE * larger(fabs(run->t), fabs(run->t_end));
+  const double whole = run->t_end < DBL_MAX ? fabs(run->t_end) : 0.0; /* a run without an end has no length */
+  const double limit = TOO_CLOSE * larger(fabs(run->t), whole);
   const double gap = run->events > 0 ? run->t - run->t_event : HUGE_VAL;
   run->event_streak = gap < limit || gap < run->event_gap ? run->event_streak + 1 : 0;
   run->event_gap = gap;

@@ -77,6 +77,25 @@ static lamc_status row_between(lamc_run *run, double t, double *y) {
   return run->ode.settle == NULL ? LAMC_OK : run->ode.settle(run->ode.context, t, y, &moved);
 }
 
+/* y at a time within the last step or at its end */
+static lamc_status state_at(lamc_run *run, double t, double *y) {
+  if (t == run->t) {
+    memcpy(y, lamc_run_state(run), (size_t)run->ode.n * sizeof *y);
+    return LAMC_OK;
+  }
+  const long long before = run->evaluations;
+  const lamc_status settled = row_between(run, t, y);
+  run->watch.mark_cost += (double)(run->evaluations - before); /* rows must not sway LAMC_AUTO */
+  return settled;
+}
+
+lamc_status lamc_run_at(lamc_run *run, double t, double *y) {
+  if (run == NULL || y == NULL) return LAMC_BAD_ARGUMENT;
+  if (!(t == run->t || (run->dense != LAMC_DENSE_NONE && t > run->t_old && t < run->t)))
+    return LAMC_BAD_ARGUMENT;
+  return state_at(run, t, y);
+}
+
 /* Integrals of the row just begun, if they are wanted */
 static void write_integrals(const lamc_run *run, const lamc_rows *rows, double t) {
   const int k = run->ode.integral_count;
@@ -100,16 +119,10 @@ lamc_status lamc_rows_write(lamc_run *run, lamc_rows *rows) {
     double *y = next_row(rows, n, t);
     if (y == NULL) return LAMC_OUTPUT_FULL;
     write_integrals(run, rows, t);
-    if (t == run->t) {
-      memcpy(y, lamc_run_state(run), (size_t)n * sizeof *y);
-    } else {
-      const long long before = run->evaluations;
-      const lamc_status settled = row_between(run, t, y);
-      run->watch.mark_cost += (double)(run->evaluations - before); /* rows must not sway LAMC_AUTO */
-      if (settled != LAMC_OK) {
-        rows->count--; /* a row that does not close is no result */
-        return settled;
-      }
+    const lamc_status settled = state_at(run, t, y);
+    if (settled != LAMC_OK) {
+      rows->count--; /* a row that does not close is no result */
+      return settled;
     }
     run->t_eval_next++;
   }

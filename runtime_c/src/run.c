@@ -334,3 +334,29 @@ lamc_status lamc_run_advance(lamc_run *run, lamc_rows *rows, long long budget, c
     } while (run->status == LAMC_PAUSED);
   }
 }
+
+lamc_status lamc_run_step(lamc_run *run) {
+  if (run == NULL) return LAMC_BAD_ARGUMENT;
+  if (run->status < 0) return run->status;
+  if (run->t >= run->t_end) return LAMC_OK;
+  do {
+    run->status = try_step(run);
+  } while (run->status == LAMC_PAUSED);
+  return run->status;
+}
+
+lamc_status lamc_run_put(lamc_run *run, double t, const double *y) {
+  if (run == NULL || y == NULL || !(t <= run->t_end)) return LAMC_BAD_ARGUMENT;
+  run->t = run->t_old = t;
+  run->dense = LAMC_DENSE_NONE;
+  run->log_error_old = LOG_LEAST_ERROR;
+  run->has_jacobian = run->has_polynomial = run->was_rejected = 0;
+  run->was_finite = run->was_closed = 1;
+  run->row_due = run->t_eval == NULL;
+  run->watch.mark_t = smaller(run->watch.mark_t, t); /* a trial under way fails */
+  memcpy(y_here(run), y, (size_t)run->ode.n * sizeof *y);
+  if (run->ode.guard_count > 0) run->ode.guards(run->ode.context, t, y_here(run), run->guards);
+  evaluate(run, t, y_here(run), slope_here(run));
+  run->status = all_finite(run, y) && all_finite(run, slope_here(run)) ? LAMC_PAUSED : LAMC_NOT_FINITE;
+  return run->status == LAMC_PAUSED ? LAMC_OK : run->status;
+}

@@ -1,0 +1,259 @@
+"""Several C files as one, with nothing in it that is not needed and no name that could meet another's.
+
+In: files by name, the order of the sources, the names that stay as they are. Out: the declarations that the public ones
+reach, in an order in which each stands before its use, all others static under a prefix; the system headers that they
+need. Never: compiles, or changes an expression.
+
+Files see each other's names as a linker would let them: a name of a header or with external linkage is one for all, a
+static one, a type or a macro of a source is its own. Members of structs keep their names.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from lamc.export.ctokens import QUIET, Item, Token, head_comment, items, names_in, tokens
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One file, without its includes and guards."""
+
+    name: str  # without suffix
+    is_header: bool
+    head: str  # the comment it opens with
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Amalgam:
+    text: str
+    system_headers: tuple[str, ...]  # that the files include, in order of their names
+
+
+class _Reader:
+    """Files in the order in which a compiler would meet them, each once."""
+
+    def __init__(
+        self, files: Mapping[str, str], replaced: Mapping[str, str], defined: Collection[str]
+    ) -> None:
+        self._files, self._replaced, self._defined = files, replaced, defined
+        self.units: dict[str, Unit] = {}
+        self.system: set[str] = set()
+
+    def read(self, file: str) -> None:
+        if file in self.units or file not in self._files:
+            return
+        name, _, suffix = file.rpartition(".")
+        text = self._files[file]
+        head = head_comment(text)
+        stream = tokens(text)
+        if head:
+            stream = stream[next(i for i, t in enumerate(stream) if t.kind == "comment") + 1 :]
+        kept = list(self._without_guards(stream))
+        found = [self._put_in_place(item) for item in items(name, kept)]
+        self.units[file] = Unit(name, suffix == "h", head, tuple(found))
+
+    def _put_in_place(self, item: Item) -> Item:
+        """An item, or what stands in its place."""
+        for name in item.declares:
+            key = f"{item.unit}.{name}"
+            if key in self._replaced:
+                (other,) = items(item.unit, tokens(self._replaced[key]))
+                return replace(other, gap=item.gap)
+        return item
+
+    def _without_guards(self, stream: Sequence[Token]) -> Iterator[Token]:
+        """Includes are read and left out, and so are include guards, extern "C" and groups that `defined` decides."""
+        skipping: list[bool] = []  # for each group that is decided here, whether its text is left out
+        kept = 0  # groups inside that are left as they are
+        for position, token in enumerate(stream):
+            if token.kind != "directive":
+                if not any(skipping):
+                    yield token
+                continue
+            word, _, rest = token.text[1:].strip().partition(" ")
+            subject = rest.strip().split(" ")[0]
+            if word in ("if", "ifdef", "ifndef"):
+                decided = self._decide(word, subject, stream, position)
+                if decided is None or kept:
+                    kept += 1
+                else:
+                    skipping.append(not decided)
+                    continue
+            elif word == "endif" and not kept:
+                skipping.pop()
+                continue
+            elif word == "endif":
+                kept -= 1
+            elif word == "else" and not kept:
+                skipping[-1] = not skipping[-1]
+                continue
+            if any(skipping):
+                continue
+            if word == "include":
+                self._include(subject)
+            elif not (word == "define" and subject.endswith("_H")):
+                yield token
+
+    def _include(self, subject: str) -> None:
+        if subject.startswith("<"):
+            self.system.add(subject.strip("<>"))
+        else:
+            self.read(subject.strip('"'))
+
+    def _decide(self, word: str, subject: str, stream: Sequence[Token], position: int) -> bool | None:
+        """Whether the text of a group counts; None: the compiler decides."""
+        if word == "ifndef" and subject.endswith("_H"):
+            return True
+        if subject == "__cplusplus":
+            after = [token for token in stream[position + 1 : position + 4] if token.kind not in QUIET]
+            return False if after and after[0].text in ("extern", "}") else None
+        if word in ("ifdef", "ifndef") and subject.startswith("LAMC_"):
+            return (subject in self._defined) == (word == "ifdef")
+        return None
+
+
+def amalgamate(
+    files: Mapping[str, str],
+    sources: Sequence[str],
+    public: Collection[str],
+    prefix: str,
+    *,
+    replaced: Mapping[str, str] | None = None,
+    defined: Collection[str] = (),
+) -> Amalgam:
+    """One text of `sources` and the headers that they include.
+
+    files     name → text, flat; what is not among them and included by "" is left to the caller
+    sources   in an order in which objects stand before their use
+    public    names of the functions that stay as they are; what they do not reach is left out
+    prefix    of all other names: prefix_rt_…
+    replaced  "unit.name" → declaration that takes the place of the one of that name
+    defined   macros that groups of directives may ask for; all other LAMC_… are not
+    """
+    reader = _Reader(files, replaced or {}, defined)
+    for source in sources:
+        reader.read(source)
+    units = sorted(reader.units.values(), key=lambda unit: not unit.is_header)
+    names = _Names(units, public, prefix)
+    reached = _reached(units, names, public)
+    parts = []
+    for unit in units:
+        texts = [
+            ("\n" if item.gap else "") + _printed(item, names, public)
+            for item in unit.items
+            if id(item) in reached and item.kind != "extern"
+        ]
+        if texts:
+            head = names.renamed_words(unit.head, unit.name) + "\n" if unit.head else ""
+            parts.append(head + "\n".join(texts).strip("\n") + "\n")
+    return Amalgam("\n".join(parts), tuple(sorted(reader.system)))
+
+
+class _Names:
+    """Which names there are, and what they become."""
+
+    def __init__(self, units: Sequence[Unit], public: Collection[str], prefix: str) -> None:
+        self._own: dict[str, dict[str, str]] = {unit.name: {} for unit in units}
+        self._shared: dict[str, str] = {}
+        self._prefix = prefix
+        taken: set[str] = set(public)
+        for unit in units:
+            for item in unit.items:
+                is_shared = unit.is_header or (
+                    item.kind in ("function", "prototype", "object", "extern") and not item.is_static
+                )
+                table = self._shared if is_shared else self._own[unit.name]
+                for name in item.declares:
+                    if name in table or name in public:
+                        continue
+                    table[name] = self._fresh(name, "" if is_shared else unit.name, taken)
+
+    def _fresh(self, name: str, unit: str, taken: set[str]) -> str:
+        core = name.removeprefix("lamc_").removeprefix("LAMC_")
+        whole = f"{self._prefix}_rt_{unit}_{core}" if unit else f"{self._prefix}_rt_{core}"
+        if core.isupper():
+            whole = whole.upper()
+        candidate, number = whole, 1
+        while candidate in taken:
+            number += 1
+            candidate = f"{whole}_{number}"
+        taken.add(candidate)
+        return candidate
+
+    def key(self, name: str, unit: str) -> str | None:
+        """What a name means in a unit: "unit.name" for its own, the name for a shared one, None for any other."""
+        if name in self._own[unit]:
+            return f"{unit}.{name}"
+        return name if name in self._shared else None
+
+    def renamed(self, name: str, unit: str) -> str:
+        return self._own[unit].get(name) or self._shared.get(name, name)
+
+    def renamed_words(self, text: str, unit: str) -> str:
+        """Comments: only names that say that they are lamc's, since others are English words too."""
+
+        def word(match: re.Match[str]) -> str:
+            is_ours = match.group().startswith(("lamc_", "LAMC_"))
+            return self.renamed(match.group(), unit) if is_ours else match.group()
+
+        return _WORD.sub(word, text)
+
+
+def _reached(units: Sequence[Unit], names: _Names, public: Collection[str]) -> set[int]:
+    """Identities of the items that the public ones reach."""
+    by_key: dict[str, list[Item]] = {}
+    waiting: list[Item] = []
+    for unit in units:
+        for item in unit.items:
+            for name in item.declares:
+                if name in public:
+                    waiting.append(item)
+                key = names.key(name, unit.name)
+                if key is not None:
+                    by_key.setdefault(key, []).append(item)
+    reached: set[int] = set()
+    while waiting:
+        item = waiting.pop()
+        if id(item) in reached:
+            continue
+        reached.add(id(item))
+        for name in names_in(item):
+            key = names.key(name, item.unit)
+            waiting += by_key.get(key, []) if key is not None else []
+    return reached
+
+
+def _printed(item: Item, names: _Names, public: Collection[str]) -> str:
+    """The text of an item under its new names; static unless it is public."""
+    out: list[str] = []
+    is_struct = item.kind == "type" and any(token.text == "struct" for token in item.significant[:2])
+    needs_static = item.kind in ("function", "prototype", "object") and not item.is_static
+    if needs_static and any(name in public for name in item.declares):
+        needs_static = False
+    depth = 0
+    for position, token in enumerate(item.tokens):
+        text = token.text
+        if token.kind == "comment":
+            text = names.renamed_words(text, item.unit)
+        elif token.kind == "directive":
+            text = _WORD.sub(lambda match: names.renamed(match.group(), item.unit), text)
+        elif token.kind == "name" and not _is_member(item.tokens, position, is_struct and depth > 0):
+            text = names.renamed(text, item.unit)
+        if needs_static and token.kind not in QUIET:
+            text, needs_static = f"static {text}", False
+        depth += (token.text == "{") - (token.text == "}")
+        out.append(text)
+    return "".join(out)
+
+
+def _is_member(stream: Sequence[Token], position: int, is_in_struct: bool) -> bool:
+    """Whether a name is that of a member: after . or ->, or where a struct declares it."""
+    before = next((t.text for t in reversed(stream[:position]) if t.kind not in QUIET), "")
+    if before in (".", "->"):
+        return True
+    after = next((t.text for t in stream[position + 1 :] if t.kind not in QUIET), "")
+    return is_in_struct and after in (";", "[", ",", ")", ":")

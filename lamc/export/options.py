@@ -1,0 +1,65 @@
+"""`ExportOptions`: everything a user can choose of an export. What is not here cannot be chosen."""
+
+import re
+from dataclasses import dataclass, fields
+from typing import Any, cast
+
+from lamc.codegen.names import MAX_IDENTIFIER, RESERVED
+from lamc.errors import ExportError
+from lamc.mechanism.checks import shown
+
+PRECISIONS = ("double",)
+INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")
+
+_PREFIX = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*")
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """What is exported, and how.
+
+    prefix      of all public names and of the files; None: from the name of the design
+    precision   of all numbers: "double"
+    integrator  of the adaptive step: "auto" links all four methods; "rk45", "dop853" (explicit), "rodas5p", "radau5"
+                (implicit) that one only
+    real_time   no adaptive step: steps of fixed length and bounded cost only
+    jacobian    with a function for the derivatives of the accelerations
+    lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
+
+    Raises ExportError for values of other kinds.
+    """
+
+    prefix: str | None = None
+    precision: str = "double"
+    integrator: str = "auto"
+    real_time: bool = False
+    jacobian: bool = True
+    lossy: bool = False
+
+    def __post_init__(self) -> None:
+        if self.prefix is not None:
+            _check_prefix(self.prefix)
+        for name, allowed in (("precision", PRECISIONS), ("integrator", INTEGRATORS)):
+            if getattr(self, name) not in allowed:
+                told = ", ".join(map(repr, allowed))
+                raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be one of {told}")
+        for name in ("real_time", "jacobian", "lossy"):
+            if not isinstance(getattr(self, name), bool):
+                raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")
+
+
+def options_from(**values: object) -> ExportOptions:
+    """Options by name. Raises ExportError for a name that is none."""
+    known = [field.name for field in fields(ExportOptions)]
+    for name in values:
+        if name not in known:
+            raise ExportError(f"there is no option {name!r} of an export; there are {', '.join(known)}")
+    return ExportOptions(**cast(Any, values))  # __post_init__ looks at the values
+
+
+def _check_prefix(prefix: object) -> None:
+    rule = f"letters, digits and single _, a letter first, {MAX_IDENTIFIER} characters at most"
+    if not isinstance(prefix, str) or not _PREFIX.fullmatch(prefix) or len(prefix) > MAX_IDENTIFIER:
+        raise ExportError(f"the prefix is {shown(prefix)}; it must be a C name: {rule}")
+    if prefix.lower() in RESERVED:
+        raise ExportError(f"the prefix is {prefix!r}, which C, C++ or lamc uses itself; take another")

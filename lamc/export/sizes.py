@@ -1,0 +1,48 @@
+"""How long the arrays of an instance are: as the compiled runtime says."""
+
+from dataclasses import dataclass
+
+from lamc.run.model import Model
+from lamc.run.native import METHODS
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Lengths of arrays in C, at least 1 each, since C has no empty ones."""
+
+    q: int
+    u: int
+    y: int  # state, q and u
+    joints: int  # those that close loops too
+    bodies: int
+    energies: int
+    parameters: int
+    constants: int
+    modes: int  # of guards
+    motion: int  # what a motion works with
+    work: int  # what a run works with
+    fixed: int  # what a step of fixed length works with
+    scratch: int  # what derivatives work with
+
+
+def sizes_of(model: Model, integrator: str) -> Sizes:
+    """Lengths for `model` run by `integrator`."""
+    lib, motion = model.lib, model.motion({})
+    ode = model.ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
+    ode.integral_count = 0
+    lengths = {
+        "q": len(model.coordinates),
+        "u": len(model.rates),
+        "y": model.state_size,
+        "joints": len(model.joints) + len(model.cuts),
+        "bodies": len(model.bodies),
+        "energies": len(model.energies),
+        "parameters": len(model.parameters),
+        "constants": model.constant_count,
+        "modes": len(model.guards),
+        "motion": lib.lamc_motion_work_size(model.handle),
+        "work": lib.lamc_run_work_size(ode, METHODS[integrator]),
+        "fixed": lib.lamc_fixed_scratch(ode),
+        "scratch": lib.lamc_motion_jacobian_scratch(model.handle),
+    }
+    return Sizes(**{name: max(1, int(length)) for name, length in lengths.items()})

@@ -1,0 +1,16 @@
+/* events.c where an equation has no guards and no integrals. Only lamc's amalgamation reads it. */
+#include "events.h"
+
+long long lamc_events_size(const lamc_ode *ode) {
+  (void)ode;
+  return 0;
+}
+
+void lamc_events_start(lamc_run *run, double *memory) {
+  run->guards = memory;
+}
+
+lamc_status lamc_events_after_step(lamc_run *run) {
+  (void)run;
+  return LAMC_OK;
+}

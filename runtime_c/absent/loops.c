@@ -1,0 +1,50 @@
+/* loops.c where a model has no loops: what motion.c and others ask of it, at no cost. Only lamc's amalgamation reads it. */
+#include "loops.h"
+
+long long lamc_loops_work(const lamc_model *model) {
+  (void)model;
+  return 0;
+}
+
+int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
+                            double *udot, double *lambda) {
+  (void)motion, (void)t, (void)q, (void)u, (void)udot, (void)lambda;
+  return 0;
+}
+
+void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x) {
+  (void)motion, (void)count, (void)goal, (void)x;
+}
+
+void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
+                       const double *gradient, double restitution) {
+  (void)motion, (void)t, (void)q, (void)u, (void)gradient, (void)restitution;
+}
+
+void lamc_loops_keep(const lamc_motion *motion, double *kept) {
+  (void)motion, (void)kept;
+}
+
+void lamc_loops_put_back(const lamc_motion *motion, const double *kept) {
+  (void)motion, (void)kept;
+}
+
+void lamc_loops_begin(const lamc_motion *motion) {
+  (void)motion;
+}
+
+long long lamc_loops_doubts(const void *motion) {
+  (void)motion;
+  return 0;
+}
+
+lamc_status lamc_loops_judge(const void *motion) {
+  (void)motion;
+  return LAMC_OK;
+}
+
+lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved) {
+  (void)motion, (void)t, (void)y;
+  *moved = 0.0;
+  return LAMC_OK;
+}

@@ -1,0 +1,20 @@
+/* powers.c where a model tells no powers. Only lamc's amalgamation reads it. */
+#include "powers.h"
+
+long long lamc_powers_work(const lamc_model *model) {
+  (void)model;
+  return 0;
+}
+
+void lamc_powers(const lamc_motion *motion, double t, const double *y, double *power) {
+  (void)motion, (void)t, (void)y, (void)power;
+}
+
+void lamc_powers_integrands(const void *motion, double t, const double *y, double *values) {
+  (void)motion, (void)t, (void)y, (void)values;
+}
+
+void lamc_powers_jump(const void *motion, double t, const double *before, const double *after,
+                      double *integrals) {
+  (void)motion, (void)t, (void)before, (void)after, (void)integrals;
+}

@@ -57,6 +57,9 @@ class Effect(Protocol):
     An effect with something to show has marks(parameters): what pictures of a run show besides the bodies, given the
     run's parameters by name; so far planes, as `PlaneMark`s.
 
+    An effect that other engines can have says what it is there by carry_over(engine): see `EngineLoads` in
+    `lamc/export/engine_loads.py`. Exports to them refuse a scene with one that does not, or leave it out by request.
+
     An effect that adds coordinates or moves the fixed bodies has arrange(arranging), asked before `contribute`: see
     `Arranging` in `lamc/mechanics/arrangement.py`. Its method inverse_dynamics() is for those that add fluid's mass.
     """

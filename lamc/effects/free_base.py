@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from lamc.mechanics.arrangement import Arranging, FloatingBase
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Array, Body, Mechanism, checked_array
 from lamc.mechanism.tree import snap
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 _FIELDS = ("position", "rotation", "velocity", "spin")
 
@@ -76,6 +79,9 @@ class FreeBase:
 
     def contribute(self, loads: Loads) -> None:
         """Nothing: its coordinates are all there is."""
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """Nothing: `arrange` says it all."""
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

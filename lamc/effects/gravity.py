@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import record
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Mechanism, checked_array
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 STANDARD = (0.0, 0.0, -9.81)  # m/s², the value of popupCAD and of the paper
 
@@ -38,6 +41,10 @@ class Gravity:
             for axis, value in zip("xyz", self.acceleration, strict=True)
         ]
         loads.uniform_field(components)
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same field."""
+        engine.gravity = self.acceleration
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

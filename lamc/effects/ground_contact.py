@@ -7,7 +7,7 @@ ground, one switch per point. Points do not know of each other, and the ground h
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Scalar, call, power
 from lamc.mechanism.checks import checked_number, shown
 from lamc.mechanism.records import Array, Mechanism, checked_array, checked_name
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 STANDARD_GRAVITY = 9.81  # m/s², for a ground of which the scene does not say how stiff it is
 SINKING = 1e-3  # of the size: how deep all the weight presses one point into the ground
@@ -141,6 +144,18 @@ class GroundContact:
             counts[each.body] = counts.get(each.body, 0) + 1
             ground.act(each.body, each.point, f"contact {counts[each.body]} of {each.body}")
 
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same plane, points and friction; how the ground yields is an engine's own."""
+        points = contact_points(
+            engine.mechanism, engine.moving_bodies, self.bodies, self.points, self.corners
+        )
+        weight = _weight(engine.mechanism, engine.moving_bodies)
+        stiffness, damping, _ = _constants(self, _size(engine.mechanism, points), weight)
+        law = stiffness, self.exponent, damping
+        engine.add_ground(points, (self.normal, self.height), self.friction, law, weight)
+        if self.static_friction is not None:
+            engine.lose("the static friction of the ground (its sliding friction stays)")
+
     def check_poses(
         self, mechanism: Mechanism, poses: Mapping[str, tuple[Array, Array]], parameters: Mapping[str, float]
     ) -> None:
@@ -198,30 +213,17 @@ class _Ground:
         self.exponent = effect.exponent
         size = _size(loads.mechanism, points)
         weight = _weight(loads.mechanism, loads.moving_bodies)
-        speed = math.sqrt(STANDARD_GRAVITY * size)
-        stiffness = weight / (SINKING * size) ** effect.exponent
+        stiffness, damping, slip = _constants(effect, size, weight)
 
         def parameter(field: str, value: float, unit: str, meaning: str) -> Scalar:
             return loads.parameter(f"{effect.name}.{field}", value, unit, meaning)
 
-        def given(value: float | None, default: float) -> float:
-            return default if value is None else value
-
         unit = "N/m^1.5" if effect.exponent == 1.5 else "N/m"
         self.height = parameter("height", effect.height, "m", "of the ground along its normal")
-        self.stiffness = parameter(
-            "stiffness", given(effect.stiffness, stiffness), unit, "force over depth to the exponent"
-        )
-        self.damping = parameter(
-            "damping", given(effect.damping, 1.0 / speed), "s/m", "loss of restitution per speed of impact"
-        )
+        self.stiffness = parameter("stiffness", stiffness, unit, "force over depth to the exponent")
+        self.damping = parameter("damping", damping, "s/m", "loss of restitution per speed of impact")
         self.friction = parameter("friction", effect.friction, "1", "coefficient of friction of what slides")
-        self.slip = parameter(
-            "slip_speed",
-            given(effect.slip_speed, SLIP * speed),
-            "m/s",
-            "at which friction has 0.7 of its strength",
-        )
+        self.slip = parameter("slip_speed", slip, "m/s", "at which friction has 0.7 of its strength")
         self.extra: Scalar | None = None  # of the static coefficient above that of sliding
         if effect.static_friction is not None:
             static = parameter(
@@ -270,6 +272,15 @@ def _size(mechanism: Mechanism, points: Sequence[ContactPoint]) -> float:
 def _weight(mechanism: Mechanism, moving: Sequence[str]) -> float:
     """Of all that moves, N, on the surface of the earth."""
     return STANDARD_GRAVITY * math.fsum(body.mass for body in mechanism.bodies if body.name in moving)
+
+
+def _constants(effect: GroundContact, size: float, weight: float) -> tuple[float, float, float]:
+    """Stiffness, N/mⁿ, damping, s/m, and slip speed, m/s: as said, or as suits the mechanism."""
+    speed = math.sqrt(STANDARD_GRAVITY * size)
+    defaults = (weight / (SINKING * size) ** effect.exponent, 1.0 / speed, SLIP * speed)
+    said = (effect.stiffness, effect.damping, effect.slip_speed)
+    stiffness, damping, slip = (d if s is None else s for s, d in zip(said, defaults, strict=True))
+    return stiffness, damping, slip
 
 
 def _push(w: Scalar) -> Scalar:

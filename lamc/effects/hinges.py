@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from lamc.effects.base import Effect
 from lamc.effects.data import refusal
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanics.staging import Scalar
 from lamc.mechanism.checks import shown
-from lamc.mechanism.records import Mechanism
+from lamc.mechanism.records import Joint, Mechanism
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 
 def _no_value(kind: str, value: object, where: str) -> None:
@@ -28,6 +31,13 @@ def _sprung(loads: Loads) -> Iterator[Hinge]:
     """Hinges with a stiffness that no other effect has taken over."""
     return (
         h for h in loads.hinges() if h.joint.stiffness and stiffness_claim(h.joint.name) not in loads.claims
+    )
+
+
+def _sprung_elsewhere(engine: "EngineLoads") -> Iterator[Joint]:
+    """As `_sprung`, for other engines."""
+    return (
+        j for j in engine.mechanism.joints if j.stiffness and stiffness_claim(j.name) not in engine.claims
     )
 
 
@@ -52,6 +62,11 @@ class HingeStiffness:
             k = _stiffness(loads, hinge)
             loads.hinge_torque(hinge.joint.name, -(k * hinge.angle))
             loads.stored_energy(0.5 * (k * (hinge.angle * hinge.angle)))
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same springs."""
+        for joint in _sprung_elsewhere(engine):
+            engine.hinge_spring(joint.name, joint.stiffness)
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
@@ -89,6 +104,12 @@ class RestAngle:
                 loads.hinge_torque(name, k * rest)
                 loads.stored_energy(k * rest * (0.5 * rest - hinge.angle))
 
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same springs' rest."""
+        for joint in _sprung_elsewhere(engine):
+            if joint.rest_angle:
+                engine.hinge_rest(joint.name, joint.stiffness, joint.rest_angle)
+
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         count = sum(1 for j in mechanism.joints if j.stiffness and j.rest_angle)
@@ -119,6 +140,12 @@ class HingeDamping:
             if value:
                 c = loads.parameter(f"{name}.damping", value, "N·m·s/rad", "viscous damping of the hinge")
                 loads.hinge_torque(name, -(c * hinge.rate))
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same dampers."""
+        for joint in engine.mechanism.joints:
+            if joint.damping:
+                engine.hinge_damper(joint.name, joint.damping)
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

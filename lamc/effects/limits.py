@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import record
@@ -13,6 +13,9 @@ from lamc.mechanics.staging import Scalar
 from lamc.mechanism.checks import checked_number, shown
 from lamc.mechanism.limits import outside_limits
 from lamc.mechanism.records import FREE_LIMITS, Joint, Mechanism
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 STANDARD_GRAVITY = 9.81  # m/s², for the stiffness of a stop of which the scene says nothing
 STOP_STIFFNESS = (
@@ -91,6 +94,18 @@ class JointLimits:
                 "joint_limits is called for, but no joint has limits narrower than ±180°; give joints limits, ask for "
                 "flat_fold, or leave the effect out"
             )
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """Stops; engines have none that strike."""
+        if self.restitution is not None:
+            engine.lose(
+                f"the restitution of joint limits, {self.restitution:g} (stops that yield take their place)"
+            )
+        stiffness, damping = self._stop(engine.mechanism)
+        for joint in engine.mechanism.joints:
+            ends = dict(_limits(joint, flat_fold=self.flat_fold))
+            if ends:
+                engine.hinge_stop(joint.name, ends.get(-1), ends.get(1), stiffness, damping)
 
     def check_start(self, mechanism: Mechanism, angles: Mapping[str, float]) -> None:
         """Refuses a start beyond a limit: a stop would fling the joint back, and an impact would never come."""

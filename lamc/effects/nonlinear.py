@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import is_measured, quantity, refusal
@@ -15,6 +15,9 @@ from lamc.mechanics.staging import Value
 from lamc.mechanism.checks import checked_name, shown
 from lamc.mechanism.records import Mechanism
 from lamc.readonly import ReadOnlyDict
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 _NUMBER = {"type": ["number", "string"], "description": "a number (SI), or text with a unit"}
 LAW_SCHEMA: Mapping[str, Any] = {
@@ -116,6 +119,16 @@ class NonlinearStiffness:
             torque, energy = law.staged(loads, joint, angle)
             loads.hinge_torque(joint, -torque)
             loads.stored_energy(energy)
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """Laws that are straight lines; engines have no others."""
+        for joint, data in self.laws.items():
+            hinge = engine.mechanism.joint(joint)
+            if isinstance(data, tuple) and not any(data[1:]):
+                engine.hinge_spring(joint, data[0])
+                engine.hinge_rest(joint, data[0], hinge.rest_angle)
+            else:
+                engine.lose(f"the nonlinear stiffness of hinge {joint!r}")
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import record
@@ -10,6 +10,9 @@ from lamc.mechanics.algebra import Vector3, dot
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.staging import Scalar, call
 from lamc.mechanism.records import Mechanism, checked_array, checked_name, checked_number
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,11 @@ class Spring:
         force = [pull * x for x in between]
         loads.force(self.body_a, self.point_a, force)
         loads.force(self.body_b, self.point_b, [-f for f in force])
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same spring."""
+        ends = (self.body_a, self.point_a), (self.body_b, self.point_b)
+        engine.add_spring(*ends, self.stiffness, self.rest_length, self.damping)
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

@@ -2,17 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
+from lamc.effects.linear_drive import linear_drive
 from lamc.errors import DesignError
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism, checked_name, checked_number
 from lamc.readonly import ReadOnlyDict
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,15 @@ class Torque:
             else:
                 loads.hinge(joint)
                 loads.hinge_torque(joint, loads.parameter(f"{joint}.torque", torque, "N·m", "applied torque"))
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """The same torques; expressions that are not linear are left to whoever runs the engine."""
+        for joint, torque in self.torques.items():
+            linear = linear_drive(torque) if isinstance(torque, str) else (torque, 0.0, 0.0)
+            if linear is not None:
+                engine.hinge_torque(joint, *linear)
+            else:
+                engine.hinge_drive(joint, str(torque))
 
     def drives(self) -> tuple[Drive, ...]:
         """The torques that are expressions."""

@@ -15,12 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
 from lamc.files import replacing
-from lamc.mechanism.records import Mechanism
+from lamc.report.palette import PALETTE as PALETTE
+from lamc.report.palette import WORLD as WORLD
+from lamc.report.palette import body_colours as body_colours
 from lamc.report.plan_view import shortened
 
-# Okabe and Ito's palette, which readers of all kinds of colour vision can tell apart; grey is for the world.
-PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")
-WORLD = "#9A9A9A"
 LINE_STYLES = ("-", "--", "-.", ":")
 DPI = 160
 
@@ -29,25 +28,6 @@ def curve_style(index: int) -> tuple[str, str]:
     """Colour and line style of curve `index`; the pairs repeat after 24. Yellow is too pale for lines."""
     colours = PALETTE[:-1]
     return colours[index % len(colours)], LINE_STYLES[index // len(colours) % len(LINE_STYLES)]
-
-
-def body_colours(mechanism: Mechanism) -> dict[str, str]:
-    """A colour per body: grey for the world, and different ones for bodies that share a hinge."""
-    neighbours: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
-    for joint in mechanism.joints:
-        neighbours[joint.parent].add(joint.child)
-        neighbours[joint.child].add(joint.parent)
-    colours: dict[str, str] = {}
-    moving = 0
-    for body in mechanism.bodies:
-        if body.fixed:
-            colours[body.name] = WORLD
-            continue
-        near = {colours[name] for name in neighbours[body.name] if name in colours}
-        turned = [PALETTE[(moving + k) % len(PALETTE)] for k in range(len(PALETTE))]
-        colours[body.name] = next((c for c in turned if c not in near), turned[0])
-        moving += 1
-    return colours
 
 
 def add_legend(axis: Axes, handles: Sequence[object], names: Sequence[str], columns: int = 1) -> Legend:

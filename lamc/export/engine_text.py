@@ -1,0 +1,55 @@
+"""Text that models for other engines have in common: numbers, README files, tables of names.
+
+In: numbers and names. Out: text that reads back exactly, and Markdown in which a name is a name. Never: lays out XML.
+"""
+
+import html
+import json
+import re
+from collections.abc import Iterable
+from xml.etree import ElementTree
+
+from lamc.codegen.emit import environment
+from lamc.export.engine_model import EngineModel
+
+_MARKDOWN = re.compile(r"[|`*\[\]\\]|(?<![^\W_])_|_(?![^\W_])")  # an underscore within a word is plain
+
+
+def number(value: float) -> str:
+    """The shortest text that reads back as `value`; no negative zero, and no exponent where none is needed."""
+    text = repr(float(value) + 0.0)
+    return text.removesuffix(".0")
+
+
+def row(values: Iterable[float]) -> str:
+    """Numbers with spaces between them."""
+    return " ".join(number(value) for value in values)
+
+
+def markdown(text: str) -> str:
+    """`text` so that Markdown shows it as it is."""
+    return _MARKDOWN.sub(lambda found: f"&#{ord(found[0])};", html.escape(text, quote=False))
+
+
+def readme(template: str, model: EngineModel, facts: dict[str, object]) -> str:
+    """The README of an exported model: the template's text with the model's names and `facts`."""
+    renamed = [
+        (kind, markdown(name), made)
+        for kind, names in (("body", model.body_names), ("joint", model.joint_names))
+        for name, made in names.items()
+        if name != made
+    ]
+    context = {"design": markdown(model.mechanism.name), "model": model.name, "renamed": renamed}
+    return environment().get_template(template).render(context | facts)
+
+
+def names_json(model: EngineModel) -> str:
+    """The engine's names by those of the design."""
+    names = {"bodies": dict(model.body_names), "joints": dict(model.joint_names)}
+    return json.dumps(names, indent=2, ensure_ascii=False) + "\n"
+
+
+def xml_text(root: "ElementTree.Element[str]") -> str:
+    """The document, indented."""
+    ElementTree.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"

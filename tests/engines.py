@@ -6,7 +6,6 @@ In: files as an export gives them, or a mechanism and a scene. Out: numbers of M
 import importlib
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import pytest
 
 import lamc
 from lamc.export import mjcf
+from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Array, Mechanism
 
 mujoco: Any = None
@@ -22,25 +22,17 @@ with suppress(ImportError):
     mujoco = importlib.import_module("mujoco")
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What is asked of an export."""
-
-    lossy: bool = False
-    step: float | None = None
-
-
-def written(files: Mapping[str, bytes | str], folder: Path) -> Path:
+def written(files: Mapping[str, bytes], folder: Path) -> Path:
     """The files in a folder; returns the model's."""
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        path.write_bytes(content)
     (model,) = (folder / name for name in files if name.endswith((".xml", ".urdf")) and name != "package.xml")
     return model
 
 
-def load(files: Mapping[str, bytes | str], folder: Path) -> Any:
+def load(files: Mapping[str, bytes], folder: Path) -> Any:
     """The model as MuJoCo compiles it; skips the test where MuJoCo is missing."""
     if mujoco is None:
         pytest.skip("MuJoCo is not installed: pip install lamc[bench]")
@@ -51,9 +43,10 @@ class InMujoco:
     """A mechanism in its scene as MuJoCo simulates it. Joints of the design are of the same names here."""
 
     def __init__(
-        self, mechanism: Mechanism, scene: lamc.Scene, folder: Path, asked: Asked | None = None
+        self, mechanism: Mechanism, scene: lamc.Scene, folder: Path, options: ExportOptions | None = None
     ) -> None:
-        self.files = mjcf.files(mechanism, scene, asked or Asked())
+        self.files = mjcf.files(mechanism, scene, options or ExportOptions())
+        self.readme = self.files["README.md"].decode()
         self.model = load(self.files, folder)
         self.data = mujoco.MjData(self.model)
         mujoco.mj_resetDataKeyframe(self.model, self.data, 0)

@@ -8,11 +8,12 @@ import pytest
 from shapely.geometry import box
 
 import lamc
-from lamc.errors import UnsupportedError
+from lamc.errors import ExportError, UnsupportedError
 from lamc.export import mjcf
+from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Array, Body, Joint, Mechanism, Plate
 from tests.closed_mechanisms import closed_mechanism
-from tests.engines import Asked, InMujoco, load, mujoco
+from tests.engines import InMujoco, load, mujoco
 from tests.every_effect import SAMPLES
 from tests.every_effect import mechanism as two_links
 from tests.floating import with_base
@@ -166,7 +167,7 @@ def test_a_torque_in_time_is_left_to_a_control_callback(tmp_path: Path) -> None:
     simulator = lamc.compile(two_links(), scene)
     result = simulator.run(0.5, rtol=1e-12, atol=1e-14, t_eval=[0.0, 0.5])
     engine = InMujoco(two_links(), scene, tmp_path)
-    assert "3&#42;sin(5&#42;t) - rate&#42;rate" in str(engine.files["README.md"])
+    assert "3&#42;sin(5&#42;t) - rate&#42;rate" in engine.readme
 
     def control(_model: object, data: "mujoco.MjData") -> None:
         data.ctrl[0] = 3.0 * np.sin(5.0 * data.time) - data.qvel[0] ** 2
@@ -208,15 +209,15 @@ def test_no_effect_is_left_out_unnoticed(tmp_path: Path, name: str) -> None:
     with pytest.raises(
         UnsupportedError, match=name if name != "nonlinear_stiffness" else "stiffness of hinge 'h1'"
     ):
-        mjcf.files(two_links(), scene, Asked())
-    engine = InMujoco(two_links(), scene, tmp_path, Asked(lossy=True))
-    assert "Left out" in str(engine.files["README.md"])
+        mjcf.files(two_links(), scene, ExportOptions())
+    engine = InMujoco(two_links(), scene, tmp_path, ExportOptions(lossy=True))
+    assert "Left out" in engine.readme
 
 
 def test_limits_that_strike_are_refused_and_named() -> None:
     scene = lamc.Scene(added=(lamc.JointLimits(restitution=0.5),))
     with pytest.raises(UnsupportedError, match=r"restitution of joint limits, 0\.5"):
-        mjcf.files(two_links(), scene, Asked())
+        mjcf.files(two_links(), scene, ExportOptions())
 
 
 def test_bodies_too_light_for_mujoco_are_named() -> None:
@@ -224,7 +225,7 @@ def test_bodies_too_light_for_mujoco_are_named() -> None:
     with pytest.raises(
         UnsupportedError, match=r"'speck' has a mass of 1e-09 kg and a principal moment of 1e-17"
     ):
-        mjcf.files(Mechanism(bodies, (Joint("h", "ground", "speck"),)), lamc.Scene(), Asked())
+        mjcf.files(Mechanism(bodies, (Joint("h", "ground", "speck"),)), lamc.Scene(), ExportOptions())
 
 
 def test_hostile_names_load_and_are_told_apart(tmp_path: Path) -> None:
@@ -237,7 +238,7 @@ def test_hostile_names_load_and_are_told_apart(tmp_path: Path) -> None:
             Joint(name, bodies[k].name, name, (float(k), 0.0, 0.0), (0.0, 1.0, 0.0), stiffness=k + 1.0)
         )
     mechanism = Mechanism(tuple(bodies), tuple(joints), name="<!-- & '\" ]]>")
-    files = mjcf.files(mechanism, lamc.Scene(), Asked())
+    files = mjcf.files(mechanism, lamc.Scene(), ExportOptions())
     assert all(
         set(name) <= set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./")
         for name in files
@@ -253,4 +254,15 @@ def test_hostile_names_load_and_are_told_apart(tmp_path: Path) -> None:
 
 def test_the_same_design_gives_the_same_bytes() -> None:
     mechanism = closed_mechanism("several", 3).mechanism
-    assert mjcf.files(mechanism, lamc.Scene(), Asked()) == mjcf.files(mechanism, lamc.Scene(), Asked())
+    assert mjcf.files(mechanism, lamc.Scene(), ExportOptions()) == mjcf.files(
+        mechanism, lamc.Scene(), ExportOptions()
+    )
+
+
+def test_a_folder_is_written_by_the_public_name(tmp_path: Path) -> None:
+    folder = lamc.export(two_links(), "mjcf", lamc.Scene(), tmp_path / "out", prefix="arm", step=1e-3)
+    model = (folder / "arm.xml").read_text(encoding="utf-8")
+    assert 'timestep="0.001"' in model
+    assert {path.name for path in folder.iterdir()} >= {"README.md", "names.json", "meshes"}
+    with pytest.raises(ExportError, match="the step of an export is 0"):
+        lamc.export(two_links(), "mjcf", out=tmp_path / "none", step=0.0)

@@ -9,10 +9,11 @@ import pytest
 import lamc
 from lamc.errors import TopologyError, UnsupportedError
 from lamc.export import urdf
+from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.reference.newton_euler import NewtonEuler
 from tests.closed_mechanisms import closed_mechanism
-from tests.engines import Asked, load, mujoco
+from tests.engines import load, mujoco
 from tests.every_effect import mechanism as two_links
 from tests.floating import with_base
 from tests.mechanisms import random_state, random_tree
@@ -24,7 +25,7 @@ BARE = lamc.Scene(effects=(GRAVITY, lamc.HingeDamping()))
 def test_trees_accelerate_in_mujoco_as_they_do_in_lamc(tmp_path: Path) -> None:
     for n, kind in ((1, "space"), (6, "mixed"), (5, "laminate")):
         mechanism = random_tree(n, n, kind)
-        model = load(urdf.files(mechanism, BARE, Asked()), tmp_path / kind)
+        model = load(urdf.files(mechanism, BARE, ExportOptions()), tmp_path / kind)
         data = mujoco.MjData(model)
         joints = tuple(joint.name for joint in mechanism.joints)
         assert np.allclose(
@@ -43,7 +44,7 @@ def test_trees_accelerate_in_mujoco_as_they_do_in_lamc(tmp_path: Path) -> None:
 
 def test_links_have_the_masses_and_centres_of_the_bodies() -> None:
     mechanism = random_tree(5, 3, "space")
-    root = ElementTree.fromstring(_text(urdf.files(mechanism, BARE, Asked())))
+    root = ElementTree.fromstring(_text(urdf.files(mechanism, BARE, ExportOptions())))
     joints = {joint.find("child").get("link"): joint for joint in root.findall("joint")}  # type: ignore[union-attr]
     for body in mechanism.bodies:
         link = next(each for each in root.findall("link") if each.get("name") == body.name)
@@ -61,14 +62,16 @@ def test_links_have_the_masses_and_centres_of_the_bodies() -> None:
 
 
 def test_limits_are_the_joints_and_joints_without_turn_for_ever() -> None:
-    limited = urdf.files(two_links(), lamc.Scene(effects=(lamc.JointLimits(),)), Asked())
+    limited = urdf.files(two_links(), lamc.Scene(effects=(lamc.JointLimits(),)), ExportOptions())
     joint = ElementTree.fromstring(_text(limited)).find("joint[@name='h1']")
     assert joint is not None
     assert joint.get("type") == "revolute"
     limit = joint.find("limit")
     assert limit is not None
     assert [float(limit.get(side, "")) for side in ("lower", "upper")] == [-1.0, 1.2]
-    free = ElementTree.fromstring(_text(urdf.files(two_links(), BARE, Asked()))).find("joint[@name='h1']")
+    free = ElementTree.fromstring(_text(urdf.files(two_links(), BARE, ExportOptions()))).find(
+        "joint[@name='h1']"
+    )
     assert free is not None
     assert free.get("type") == "continuous"
 
@@ -76,22 +79,22 @@ def test_limits_are_the_joints_and_joints_without_turn_for_ever() -> None:
 def test_loops_are_refused_with_the_joints_that_close_them() -> None:
     mechanism = closed_mechanism("planar", 1).mechanism
     with pytest.raises(TopologyError, match=r"joint '\w+' closes a loop: .*--to mjcf") as refusal:
-        urdf.files(mechanism, lamc.Scene(), Asked(lossy=True))
+        urdf.files(mechanism, lamc.Scene(), ExportOptions(lossy=True))
     simulator = lamc.compile(mechanism)
     assert all(repr(name) in str(refusal.value) for name in simulator.cut_joints)
 
 
 def test_springs_are_refused_unless_they_may_be_lost() -> None:
     with pytest.raises(UnsupportedError, match=r"the stiffness of hinges 'h1', 'h2'.*lossy.*--to mjcf"):
-        urdf.files(two_links(), lamc.Scene(), Asked())
-    files = urdf.files(two_links(), lamc.Scene(), Asked(lossy=True))
-    assert "- the stiffness of hinges 'h1', 'h2'" in str(files["README.md"])
+        urdf.files(two_links(), lamc.Scene(), ExportOptions())
+    files = urdf.files(two_links(), lamc.Scene(), ExportOptions(lossy=True))
+    assert "- the stiffness of hinges 'h1', 'h2'" in files["README.md"].decode()
 
 
 def test_a_floating_base_is_the_root() -> None:
     mechanism = with_base(random_tree(3, 2, "space"))
     scene = lamc.Scene(effects=(GRAVITY, lamc.FreeBase()))
-    root = ElementTree.fromstring(_text(urdf.files(mechanism, scene, Asked())))
+    root = ElementTree.fromstring(_text(urdf.files(mechanism, scene, ExportOptions())))
     children = {joint.find("child").get("link") for joint in root.findall("joint")}  # type: ignore[union-attr]
     (base,) = [link for link in root.findall("link") if link.get("name") not in children]
     assert base.get("name") == "ground"
@@ -108,18 +111,18 @@ def test_hostile_names_are_told_apart(tmp_path: Path) -> None:
         Joint("g_fixed", 'g"<', "a<b", (0, 0, 0), (0, 1, 0)),
         Joint("🦋", "a<b", "a>b", (1, 0, 0), (0, 1, 0)),
     )
-    files = urdf.files(Mechanism(bodies, joints, name="💥 & co"), BARE, Asked())
+    files = urdf.files(Mechanism(bodies, joints, name="💥 & co"), BARE, ExportOptions())
     root = ElementTree.fromstring(_text(files))
     for tag in ("link", "joint"):
         names = [each.get("name") for each in root.findall(tag)]
         assert len(set(names)) == len(names)
-    assert ElementTree.fromstring(str(files["package.xml"])).find("name").text == "co"  # type: ignore[union-attr]
+    assert ElementTree.fromstring(files["package.xml"].decode()).find("name").text == "co"  # type: ignore[union-attr]
     assert load(files, tmp_path).njnt == 2
 
 
-def _text(files: dict[str, bytes | str]) -> str:
+def _text(files: dict[str, bytes]) -> str:
     (text,) = (content for name, content in files.items() if name.endswith(".urdf"))
-    return str(text)
+    return text.decode()
 
 
 def _vector(element: "ElementTree.Element | None") -> "np.typing.NDArray[np.float64]":

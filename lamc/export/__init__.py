@@ -41,10 +41,28 @@ def _c(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     return {name: text.encode() for name, text in source.files.items()}
 
 
+def _mjcf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.mjcf import files
+
+    return files(mechanism, scene, options)
+
+
+def _urdf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.urdf import files
+
+    return files(mechanism, scene, options)
+
+
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
-        for target in (Target("c", "one header and one source file in C99, valid C++ too", _c),)
+        for target in (
+            Target("c", "one header and one source file in C99, valid C++ too", _c),
+            Target("mjcf", "a model for MuJoCo, loops included, with meshes", _mjcf),
+            Target(
+                "urdf", "links, hinges and inertias of a mechanism without loops, as a ROS package", _urdf
+            ),
+        )
     }
 )
 

@@ -4,26 +4,12 @@ In: what is lost, in words. Out: an error that names all of it, or nothing. Neve
 """
 
 from collections.abc import Sequence
-from typing import Protocol
 
 from lamc.errors import UnsupportedError
+from lamc.export.options import ExportOptions
 
 
-class EngineOptions(Protocol):
-    """What the models for other engines ask of the options of an export.
-
-    lossy  leave out what the format cannot hold, and list it in the README, instead of refusing
-    step   time step, s; None: one that suits the mechanism
-    """
-
-    @property
-    def lossy(self) -> bool: ...
-
-    @property
-    def step(self) -> float | None: ...
-
-
-def check_losses(target: str, lost: Sequence[str], options: EngineOptions, way_out: str = "") -> None:
+def check_losses(target: str, lost: Sequence[str], options: ExportOptions, way_out: str = "") -> None:
     """Raises UnsupportedError if something is lost that was not given up. way_out: one more, if there is one."""
     if lost and not options.lossy:
         raise UnsupportedError(

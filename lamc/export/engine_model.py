@@ -102,8 +102,11 @@ class EngineModel:
         return [k for k, piece in enumerate(self.pieces) if piece.parent == index]
 
 
-def engine_model(mechanism: Mechanism, scene: Scene) -> EngineModel:
-    """What other engines make of `mechanism` in `scene`. Raises DesignError where the scene does not fit."""
+def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) -> EngineModel:
+    """What other engines make of `mechanism` in `scene`, named `name` or, by default, as it is itself.
+
+    Raises DesignError where the scene does not fit.
+    """
     effects = [choice.effect for choice in choose(mechanism, scene) if choice.effect is not None]
     tree = plan(mechanism)
     base = _floating(tree, effects)
@@ -120,7 +123,7 @@ def engine_model(mechanism: Mechanism, scene: Scene) -> EngineModel:
     angles, rates = joint_start(tree, scene)
     mass_matrix = drawn_mass_matrix(pieces)
     return EngineModel(
-        name=engine_names([mechanism.name])[0],
+        name=engine_names([name or mechanism.name])[0],
         mechanism=mechanism,
         pieces=pieces,
         places=ReadOnlyDict(builder.places),

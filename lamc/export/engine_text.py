@@ -31,7 +31,7 @@ def markdown(text: str) -> str:
     return _MARKDOWN.sub(lambda found: f"&#{ord(found[0])};", html.escape(text, quote=False))
 
 
-def readme(template: str, model: EngineModel, facts: dict[str, object]) -> str:
+def readme(template: str, model: EngineModel, facts: dict[str, object]) -> bytes:
     """The README of an exported model: the template's text with the model's names and `facts`."""
     renamed = [
         (kind, markdown(name), made)
@@ -40,16 +40,17 @@ def readme(template: str, model: EngineModel, facts: dict[str, object]) -> str:
         if name != made
     ]
     context = {"design": markdown(model.mechanism.name), "model": model.name, "renamed": renamed}
-    return environment().get_template(template).render(context | facts)
+    return environment().get_template(template).render(context | facts).encode()
 
 
-def names_json(model: EngineModel) -> str:
+def names_json(model: EngineModel) -> bytes:
     """The engine's names by those of the design."""
     names = {"bodies": dict(model.body_names), "joints": dict(model.joint_names)}
-    return json.dumps(names, indent=2, ensure_ascii=False) + "\n"
+    return (json.dumps(names, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-def xml_text(root: "ElementTree.Element[str]") -> str:
+def xml_text(root: "ElementTree.Element[str]") -> bytes:
     """The document, indented."""
     ElementTree.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+    declaration = b'<?xml version="1.0" encoding="UTF-8"?>\n'
+    return declaration + ElementTree.tostring(root, encoding="unicode").encode() + b"\n"

@@ -15,12 +15,13 @@ from lamc._version import __version__
 from lamc.errors import UnsupportedError
 from lamc.export.engine_inertia import freedoms
 from lamc.export.engine_loads import Stop
-from lamc.export.engine_losses import EngineOptions, check_losses
+from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_text import markdown, names_json, number, readme, row, xml_text
 from lamc.export.meshes import body_meshes
 from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds, hinges_of
+from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import WORLD
 from lamc.report.palette import body_colours
@@ -31,19 +32,19 @@ SOFTEST = 1e-4  # MuJoCo's smallest impedance (mjMINIMP): a constraint is then a
 FAR = 1e3  # rad, the limit on a side that has none
 
 
-def files(mechanism: Mechanism, scene: Scene, options: EngineOptions) -> dict[str, bytes | str]:
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
     """The model, its meshes, names.json and README.md by relative path.
 
     Raises UnsupportedError for what MJCF cannot hold (all of it, unless options.lossy) and for bodies too light for
     MuJoCo, and DesignError where the scene does not fit the mechanism.
     """
-    model = engine_model(mechanism, scene)
+    model = engine_model(mechanism, scene, options.prefix)
     check_losses("MJCF", model.lost, options)
     _check_inertia(model)
     step = options.step or model.time_step
     origins = {name: model.origin(index) for name, index in model.places.items()}
     meshes = {model.body_names[name]: stl for name, stl in body_meshes(mechanism, origins).items()}
-    written: dict[str, bytes | str] = {f"{model.name}.xml": xml_text(_document(model, step, meshes))}
+    written: dict[str, bytes] = {f"{model.name}.xml": xml_text(_document(model, step, meshes))}
     written |= {f"meshes/{name}.stl": stl for name, stl in sorted(meshes.items())}
     written["names.json"] = names_json(model)
     written["README.md"] = readme("export/mjcf.md.j2", model, _facts(model, step))

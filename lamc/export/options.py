@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 from typing import Any, cast
 
 from lamc.codegen.names import MAX_IDENTIFIER, RESERVED
-from lamc.errors import ExportError
-from lamc.mechanism.checks import shown
+from lamc.errors import DesignError, ExportError
+from lamc.mechanism.checks import checked_number, shown
 
 PRECISIONS = ("double",)
 INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")
@@ -25,6 +25,7 @@ class ExportOptions:
     real_time   no adaptive step: steps of fixed length and bounded cost only
     jacobian    with a function for the derivatives of the accelerations
     lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
+    step        s, time step of models for other engines; None: one that suits the mechanism
 
     Raises ExportError for values of other kinds.
     """
@@ -35,6 +36,7 @@ class ExportOptions:
     real_time: bool = False
     jacobian: bool = True
     lossy: bool = False
+    step: float | None = None  # s
 
     def __post_init__(self) -> None:
         if self.prefix is not None:
@@ -43,6 +45,14 @@ class ExportOptions:
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be one of {told}")
+        if self.step is not None:
+            try:
+                step = checked_number(self.step, "the step of an export", minimum=0.0)
+            except DesignError as error:
+                raise ExportError(error.message) from error
+            if step == 0.0:
+                raise ExportError("the step of an export is 0; give seconds above zero, or None")
+            object.__setattr__(self, "step", step)
         for name in ("real_time", "jacobian", "lossy"):
             if not isinstance(getattr(self, name), bool):
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")

@@ -11,11 +11,12 @@ from xml.etree.ElementTree import Comment, Element, SubElement
 
 from lamc._version import __version__
 from lamc.errors import TopologyError
-from lamc.export.engine_losses import EngineOptions, check_losses
+from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_text import markdown, names_json, number, readme, row, xml_text
 from lamc.export.meshes import body_meshes
+from lamc.export.options import ExportOptions
 from lamc.mechanism.network import some
 from lamc.mechanism.records import Array, Mechanism
 from lamc.mechanism.tree import WORLD
@@ -26,13 +27,13 @@ FAR = 1e3  # rad, the limit on a side that has none
 EFFORT, VELOCITY = 1e6, 1e6  # N·m and rad/s: URDF asks for a bound of either, and a mechanism has none
 
 
-def files(mechanism: Mechanism, scene: Scene, options: EngineOptions) -> dict[str, bytes | str]:
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
     """The model, its meshes, package.xml, CMakeLists.txt, names.json and README.md by relative path.
 
     Raises TopologyError for loops, UnsupportedError for what URDF cannot hold (all of it, unless options.lossy), and
     DesignError where the scene does not fit the mechanism.
     """
-    model = engine_model(mechanism, scene)
+    model = engine_model(mechanism, scene, options.prefix)
     _check_tree(model)
     lost = (*model.lost, *_own_losses(model))
     check_losses("URDF", lost, options, "; MJCF holds springs, torques and the ground: --to mjcf")
@@ -40,7 +41,7 @@ def files(mechanism: Mechanism, scene: Scene, options: EngineOptions) -> dict[st
     meshes = {model.body_names[name]: stl for name, stl in body_meshes(mechanism, origins).items()}
     package = model.name.lower().replace("-", "_")
     package = package if package[0].isalpha() else f"lamc_{package}"
-    written: dict[str, bytes | str] = {f"{model.name}.urdf": xml_text(_robot(model, meshes, package))}
+    written: dict[str, bytes] = {f"{model.name}.urdf": xml_text(_robot(model, meshes, package))}
     written |= {f"meshes/{name}.stl": stl for name, stl in sorted(meshes.items())}
     written["package.xml"] = xml_text(_package(package, model))
     written["CMakeLists.txt"] = readme("export/urdf_cmake.txt.j2", model, {"package": package})

@@ -99,10 +99,11 @@ class _Reader:
                 yield token
 
     def _include(self, subject: str) -> None:
-        if subject.startswith("<"):
-            self.system.add(subject.strip("<>"))
+        file = subject.strip('<>"')
+        if subject.startswith("<") and file not in self._files:
+            self.system.add(file)
         else:
-            self.read(subject.strip('"'))
+            self.read(file)
 
     def _decide(self, word: str, subject: str, stream: Sequence[Token], position: int) -> bool | None:
         """Whether the text of a group counts; None: the compiler decides."""
@@ -127,7 +128,8 @@ def amalgamate(
 ) -> Amalgam:
     """One text of `sources` and the headers that they include.
 
-    files     name → text, flat; what is not among them and included by "" is left to the caller
+    files     name → text, flat; one under the name of a system header takes its place, and what is not among them and
+              included by "" is left to the caller
     sources   in an order in which objects stand before their use
     public    names of the functions that stay as they are; what they do not reach is left out
     prefix    of all other names: prefix_rt_…
@@ -145,10 +147,10 @@ def amalgamate(
         texts = [
             ("\n" if item.gap else "") + _printed(item, names, public)
             for item in unit.items
-            if id(item) in reached and item.kind != "extern"
+            if id(item) in reached
         ]
         if texts:
-            head = names.renamed_words(unit.head, unit.name) + "\n" if unit.head else ""
+            head = "" if unit.is_header else names.renamed_words(unit.head, unit.name) + "\n"
             parts.append(head + "\n".join(texts).strip("\n") + "\n")
     return Amalgam("\n".join(parts), tuple(sorted(reader.system)))
 
@@ -174,7 +176,8 @@ class _Names:
 
     def _fresh(self, name: str, unit: str, taken: set[str]) -> str:
         core = name.removeprefix("lamc_").removeprefix("LAMC_")
-        whole = f"{self._prefix}_rt_{unit}_{core}" if unit else f"{self._prefix}_rt_{core}"
+        is_said = not unit or core.lower().startswith(f"{unit}_")
+        whole = f"{self._prefix}_rt_{core}" if is_said else f"{self._prefix}_rt_{unit}_{core}"
         if core.isupper():
             whole = whole.upper()
         candidate, number = whole, 1
@@ -213,7 +216,7 @@ def _reached(units: Sequence[Unit], names: _Names, public: Collection[str]) -> s
                 if name in public:
                     waiting.append(item)
                 key = names.key(name, unit.name)
-                if key is not None:
+                if key is not None and item.kind != "extern":
                     by_key.setdefault(key, []).append(item)
     reached: set[int] = set()
     while waiting:

@@ -179,5 +179,5 @@ def test_options_that_cannot_be(values: dict[str, object], told: str) -> None:
 
 
 def test_an_unknown_target_names_those_there_are() -> None:
-    with pytest.raises(ExportError, match="'fortran'; there are c"):
+    with pytest.raises(ExportError, match="'fortran'; there are c, "):
         files_of(hostile(), "fortran")

@@ -197,9 +197,8 @@ def _context(
     inputs: tuple[CMember, ...],
 ) -> dict[str, object]:
     run = run_fields(_runtime(program, options)["lamc.h"])
-    mark = hashlib.sha256(
-        "\0".join((program.digest, __version__, repr(replace(options, prefix=None)))).encode()
-    )
+    layout = (program.digest, __version__, options.integrator, options.precision, str(options.real_time))
+    mark = hashlib.sha256("\0".join(layout).encode())
     return {
         "P": prefix,
         "PU": prefix.upper(),

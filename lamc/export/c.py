@@ -246,10 +246,32 @@ def _entry(coordinate: Coordinate) -> str:
 
 
 def _bound(program: Program) -> str:
-    """What a step of fixed length takes at most, without the linear algebra of loops and impacts."""
-    name = next(n for n in ("dynamics", "acceleration", "system") if n in program.functions)
-    operations = program.functions[name].operations
-    n = len(program.coordinates) + len(program.rates)
-    flops, calls = 4 * operations.flops + 14 * n, 4 * operations.calls
-    linear = " and the linear algebra of the loops" if program.cuts else ""
+    """What a step of fixed length takes at most, without the linear algebra of loops and impacts.
+
+    Beside its four evaluations a step takes 14 operations for each component. Where there are loops, one evaluation may
+    settle them first, in eight iterations (`runtime_c/src/loops.c`), and the end of the step does; with guards, each
+    may bring about an impact there.
+    """
+    functions, guards = program.functions, len(program.guards)
+    times = (
+        {"acceleration": 4}
+        if "acceleration" in functions
+        else {"dynamics": 8}
+        if program.cuts
+        else {"system": 4}
+    )
+    if program.cuts:
+        times |= {
+            "system": 5,
+            "closure": 45,
+        }  # settling: once M, and closure at its start and after each iteration
+    if guards:
+        times |= {"guards": 2 + guards, "impacts": guards}
+        mass = next(name for name in ("dynamics", "inertia", "system", "acceleration") if name in functions)
+        times[mass] = times.get(mass, 0) + guards
+    times |= {"rates": 4 + (40 if program.cuts else 0)}
+    counted = [(count, functions[name].operations) for name, count in times.items() if name in functions]
+    flops = 14 * (len(program.coordinates) + len(program.rates)) + sum(k * o.flops for k, o in counted)
+    calls = sum(k * o.calls for k, o in counted)
+    linear = " and the linear algebra of loops and impacts" if program.cuts or guards else ""
     return f"{flops} operations (+ - * /), {calls} calls of sin, cos and the like{linear}"

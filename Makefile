@@ -44,6 +44,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.hard_cases
 	$(BIN)/python -m benchmarks.plates
 	$(BIN)/python -m benchmarks.precision
+	$(BIN)/python -m benchmarks.other_engines
 
 ledgers: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

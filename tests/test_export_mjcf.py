@@ -82,7 +82,7 @@ def test_trees_accelerate_in_mujoco_as_they_do_in_lamc(tmp_path: Path, kind: str
             # 1e-11 of the largest: sheets without thickness are made thicker by 1e-12, the others stay at round-off
             assert np.abs(engine.mass_matrix(simulator, q) - M).max() < 1e-11 * np.abs(M).max()
             expected = simulator.acceleration(q, u)
-            # 1e-10: the same, times the condition of M where it shows; 2e-12 was the worst of sixty states
+            # 1e-10: the same, times the condition of M where it shows; 2e-12 was the worst of eighty states
             error = np.abs(engine.accelerations(simulator, q, u) - expected).max()
             assert error < 1e-10 * np.abs(expected).max()
 
@@ -212,6 +212,29 @@ def test_no_effect_is_left_out_unnoticed(tmp_path: Path, name: str) -> None:
         mjcf.files(two_links(), scene, ExportOptions())
     engine = InMujoco(two_links(), scene, tmp_path, ExportOptions(lossy=True))
     assert "Left out" in engine.readme
+
+
+def test_a_linear_law_of_a_hinge_is_its_spring(tmp_path: Path) -> None:
+    scene = lamc.Scene(added=(lamc.NonlinearStiffness({"h1": [5.0], "h2": [5.0, 0.0]}),))
+    engine = InMujoco(two_links(), scene, tmp_path)
+    assert list(engine.model.jnt_stiffness) == [5.0, 5.0]
+    assert list(engine.model.qpos_spring) == [0.2, 0.2]  # the joints' rest angle
+
+
+def test_a_rest_angle_without_its_spring_is_a_torque(tmp_path: Path) -> None:
+    engine = InMujoco(two_links(), lamc.Scene(effects=(lamc.RestAngle(),)), tmp_path)
+    mujoco.mj_forward(engine.model, engine.data)
+    # k q₀ = 0.7 · 0.2 N·m; 1e-15: round-off of that product
+    assert np.abs(engine.data.qfrc_actuator - 0.14).max() < 1e-15
+
+
+def test_floating_loops_move_as_in_lamc(tmp_path: Path) -> None:
+    mechanism = with_base(closed_mechanism("spherical", 11, sprung=True).mechanism)
+    free = lamc.FreeBase(velocity=(0.5, 0.1, -0.2), spin=(0.3, 1.0, -0.6))
+    scene = lamc.Scene(added=(free,))
+    coarse, fine = end_errors(mechanism, scene, tmp_path, 0.5, (1e-3, 5e-4))
+    assert 3.0 < coarse / fine < 6.0  # 2² = 4, as on a fixed world
+    assert fine < 1e-5  # rad
 
 
 def test_limits_that_strike_are_refused_and_named() -> None:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
@@ -29,6 +30,17 @@ def robust_inertia(inertia: Array) -> Array:
     low, middle, high = (float(moment) for moment in np.linalg.eigvalsh(symmetric))
     thicker = max(THINNEST * high - (low + middle - high), SLENDEREST * high - low, 0.0)
     return symmetric + thicker * np.eye(3) if thicker else symmetric
+
+
+def principal_inertia(inertia: Array) -> tuple[Array, Array]:
+    """Principal moments (3,), kg·m², and the quaternion (w, x, y, z) that turns to their axes; no turn for a matrix
+    that is diagonal."""
+    if not np.any(inertia - np.diag(np.diag(inertia))):
+        return np.diag(inertia), np.array([1.0, 0.0, 0.0, 0.0])
+    moments, axes = np.linalg.eigh(inertia)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    x, y, z, w = Rotation.from_matrix(axes).as_quat()
+    return moments, np.array([w, x, y, z])
 
 
 def freedoms(pieces: "Sequence[Piece]") -> list[list[int]]:

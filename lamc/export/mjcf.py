@@ -13,7 +13,7 @@ import numpy as np
 
 from lamc._version import __version__
 from lamc.errors import UnsupportedError
-from lamc.export.engine_inertia import freedoms
+from lamc.export.engine_inertia import freedoms, principal_inertia
 from lamc.export.engine_loads import Stop
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
@@ -97,8 +97,13 @@ def _document(model: EngineModel, step: float, meshes: Mapping[str, bytes]) -> E
 def _body(parent: Element, model: EngineModel, index: int) -> Element:
     piece = model.pieces[index]
     body = SubElement(parent, "body", name=piece.name, pos=row(piece.origin - model.origin(piece.parent)))
-    moments = piece.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    SubElement(body, "inertial", pos=row(piece.com), mass=number(piece.mass), fullinertia=row(moments))
+    # Not `fullinertia`, which MuJoCo itself turns to principal axes: in 3.3 only to 1e-8.
+    moments, turn = principal_inertia(piece.inertia)
+    inertial = SubElement(
+        body, "inertial", pos=row(piece.com), mass=number(piece.mass), diaginertia=row(moments)
+    )
+    if np.any(turn[1:]):
+        inertial.set("quat", row(turn))
     if piece.joint is None:
         (name,) = engine_names([f"{piece.name}_free"], reserved=model.joint_names.values())
         SubElement(body, "freejoint", name=name)

@@ -238,7 +238,8 @@ class PiezoBender:
         back = (-force[0], -force[1], -force[2])
         loads.force(self.body_b, self.tip, force)
         loads.force(self.body_a, self.tip, back)
-        loads.moment(self.body_a, cross(apart, back))  # both forces act where the tip of body_b is
+        # Both forces act where the tip of body_b is; the normal rides on the frame of body_a.
+        loads.moment(self.body_a, cross(apart, back), on_frame=True)
 
     @property
     def conservative(self) -> bool:

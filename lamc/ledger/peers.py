@@ -117,8 +117,8 @@ class Mujoco:
         if simulator.cut_joints:
             raise LamcError("it holds loops by soft constraints, which converge to another motion")
         loads = numeric_loads(simulator.mechanism, simulator.effects, simulator.joints)
-        if loads.torques or loads.springs:
-            raise LamcError("torques by formula and springs between points are not translated for it")
+        if loads.torques or loads.at_points:
+            raise LamcError("torques by formula and forces at points are not translated for it")
         self._mujoco.set_mju_user_warning(_unheard)  # else it prints, and writes a file
         self._truth, self._times = truth, times
         span = float(times[1] - times[0])

@@ -196,11 +196,16 @@ class Loads(BodyPoints):
         if index != WORLD or self.placement.base is not None:
             self._add_wrench(index, self._vector(force), ZERO, drawn)
 
-    def moment(self, body: str, moment: Sequence["Scalar | sp.Expr"]) -> None:
-        """Adds a moment, N·m, world axes, on the body (eq. 17); on a flexible body at its centre of mass as drawn."""
+    def moment(
+        self, body: str, moment: Sequence["Scalar | sp.Expr"], *, on_frame: bool = False
+    ) -> None:
+        """Adds a moment, N·m, world axes, on the body (eq. 17); on a flexible body at its centre of mass as drawn.
+
+        on_frame: of a flexible body on its frame at the inboard hinge, of which `rotation` tells.
+        """
         index = self.link_of(body)
         if index != WORLD or self.placement.base is not None:
-            bent = index in self.kinematics.flexible
+            bent = index in self.kinematics.flexible and not on_frame
             drawn = self.tree.links[index].body.com if bent else None
             self._add_wrench(index, ZERO, self._vector(moment), drawn)
 

@@ -11,20 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.codegen.program import Program
-from lamc.errors import UnsupportedError
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.reference.check_general import check_general
 from lamc.reference.check_loops import closures, cut_hinges
 from lamc.reference.check_motion import Budget, Progress, motions
-from lamc.reference.check_moving import check_moving
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.closing import WELL_CONDITIONED, State, random_states
 from lamc.reference.integrate import Acceleration
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.loads import told_apart
 from lamc.reference.maximal import MaximalCoordinates
-from lamc.reference.moving_base import MOVING
 from lamc.reference.newton_euler import NewtonEuler
 
 Array = npt.NDArray[np.float64]
@@ -71,22 +69,15 @@ def check(
     end after a few seconds each, and the report says how far they came. Effects that the independent voices do not
     know are named in its notes, and only the C and the interpreter are then compared in what they act on.
 
-    Where the fixed bodies move, the run of the C is not repeated by other voices.
-
-    Raises UnsupportedError, with its name, for an effect that adds coordinates in any other way.
+    Where fixed bodies move, hinges yield, bodies bend or air goes with them, the run of the C is not repeated by other
+    voices.
     """
     program = simulator.program
     tell = progress or (lambda _stage, _fraction: None)
     tree = plan(simulator.mechanism)
     general = [effect.name for effect in simulator.effects if not arrange(tree, (effect,)).is_plain]
-    beyond = [repr(name) for name in general if name not in MOVING]
-    if beyond:
-        raise UnsupportedError(
-            f"the independent voices know hinges between rigid bodies only, and {', '.join(beyond)} goes beyond them; "
-            "leave it out of the scene to check the rest"
-        )
     if general:
-        return check_moving(simulator, states, t_end, seed, tell)
+        return check_general(simulator, general, states, t_end, seed, tell)
     joints = program.joints
     interpreter = Interpreter(program)
     constants = interpreter.constants()
@@ -206,7 +197,7 @@ def _energies_and_poses(
         where = f"t = {t:.3g} s"
         q, u = result.q[k], result.u[k]
         ours = interpreter.energy(t, q, u, constants)
-        theirs = newton.energy(q, u)
+        theirs = newton.energy(q, u, t)
         size = sum(abs(v) for v in theirs.values())
         split.add(ours, np.array([theirs.get(name, 0.0) for name in names]), where, size)
         total.add(np.array([result.energy[k]]), np.array([sum(theirs.values())]), where, size)

@@ -5,7 +5,7 @@ and the effect's text; shares nothing with the symbolic form but the choice of t
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,11 +14,9 @@ import numpy.typing as npt
 
 from lamc.effects.contact_points import contact_points
 from lamc.mechanism.records import Mechanism
+from lamc.reference.point_loads import Place, Push
 
 Array = npt.NDArray[np.float64]
-Place = Callable[
-    [str, Array], tuple[int, Array, Array]
-]  # body, point as drawn → place in the walk, position, velocity
 
 
 @dataclass(frozen=True)
@@ -36,10 +34,13 @@ class Ground:
     bodies: tuple[str, ...]
     points: Array
 
-    def forces(self, place: Place) -> list[tuple[int, Array, Array]]:
-        """(place in the walk, where, m, force, N) of each point that touches."""
+    effect = "ground_contact"
+
+    def pushes(self, t: float, place: Place) -> list[Push]:
+        """On each point that touches."""
         found = []
-        for index, position, velocity in self._placed(place):
+        for body, point in zip(self.bodies, self.points, strict=True):
+            position, velocity = place.point(body, point)
             depth = self.height - self.normal @ position
             if depth > 0.0:
                 speed = -float(self.normal @ velocity)
@@ -49,18 +50,14 @@ class Ground:
                 )
                 push = self.stiffness * depth**self.exponent * factor
                 along = velocity + speed * self.normal
-                found.append((index, position, push * self.normal - push * self._drag(along)))
+                found.append(Push(body, point, push * self.normal - push * self._drag(along)))
         return found
 
-    def stored(self, place: Place) -> float:
+    def stored(self, t: float, place: Place) -> float:
         """J."""
-        depths = [
-            max(self.height - float(self.normal @ position), 0.0) for _, position, _ in self._placed(place)
-        ]
+        places = [place.point(body, point)[0] for body, point in zip(self.bodies, self.points, strict=True)]
+        depths = [max(self.height - float(self.normal @ position), 0.0) for position in places]
         return math.fsum(self.stiffness * d ** (self.exponent + 1.0) / (self.exponent + 1.0) for d in depths)
-
-    def _placed(self, place: Place) -> list[tuple[int, Array, Array]]:
-        return [place(body, point) for body, point in zip(self.bodies, self.points, strict=True)]
 
     def _drag(self, along: Array) -> Array:
         """Friction over the pushing force, (3,)."""

@@ -1,9 +1,10 @@
-"""Nonlinear stiffness of hinges as numbers: torque and energy of each law, from its plain data.
+"""Nonlinear stiffness and stops of hinges as numbers: torque and energy of each law, from its plain data.
 
 An independent reading: curves come from scipy, energies of formulas from quadrature, torques of energies from
 differences of order 8. Nothing is shared with the staged form.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -13,9 +14,10 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from lamc.errors import DesignError
-from lamc.mechanism.records import Joint
+from lamc.mechanism.records import Joint, Mechanism
 from lamc.reference.expression import Formula, Values, parse
 
+STANDARD_GRAVITY = 9.81  # m/s², as the text of stops says that weight is counted
 _STEP = 2e-3  # rad; differences of order 8 then have errors of 1e-13, by round-off and by the ninth derivative alike
 _WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 
@@ -37,6 +39,42 @@ def laws(
         torques.append((index[name], _at(restoring, rest, -1.0)))
         energies.append((index[name], _at(energy, rest, 1.0)))
     return torques, energies
+
+
+def stops(
+    mechanism: Mechanism, effect: Any, joints: Sequence[Joint]
+) -> tuple[list[tuple[int, Formula]], list[tuple[int, Formula]]]:
+    """Of an effect `joint_limits`: (index of the joint, torque on it, N·m), and (index, energy, J), beyond each limit.
+
+    Nothing where limits are impacts: between these, they do nothing.
+    """
+    if effect.restitution is not None:
+        return [], []
+    mass = sum(body.mass for body in mechanism.bodies if not body.fixed)
+    stiffness, damping = effect.stiffness, effect.damping or 0.0
+    if stiffness is None:
+        stiffness = 100.0 * mass * STANDARD_GRAVITY * mechanism.size
+        if effect.damping is None:
+            damping = 0.3 * 2.0 * math.sqrt(stiffness * mass) * mechanism.size
+    torques, energies = [], []
+    for k, joint in enumerate(joints):
+        for limit, sense in zip(joint.limits, (-1.0, 1.0), strict=True):
+            if effect.flat_fold or abs(limit) < math.pi - 1e-12:
+                torque, energy = _stop(limit, sense, stiffness, damping)
+                torques.append((k, torque))
+                energies.append((k, energy))
+    return torques, energies
+
+
+def _stop(limit: float, sense: float, stiffness: float, damping: float) -> tuple[Formula, Formula]:
+    def depth(values: Values) -> float:
+        return max(0.0, sense * (values["angle"] - limit))
+
+    def torque(values: Values) -> float:
+        inside = depth(values)
+        return -sense * stiffness * inside - (damping * values["rate"] if inside > 0.0 else 0.0)
+
+    return torque, lambda values: 0.5 * stiffness * depth(values) ** 2
 
 
 def _at(function: Any, rest: float, sign: float) -> Formula:

@@ -4,9 +4,8 @@ An independent reading of the effects, written from their physical meaning and s
 symbolic form. It dispatches on `effect.name`; an effect that it does not know is refused, never skipped.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,22 +14,14 @@ import numpy.typing as npt
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.records import Joint, Mechanism
 from lamc.reference import hinge_laws
-from lamc.reference.contact import Ground, ground
+from lamc.reference.bender import folding_bender, pushing_bender
+from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
-from lamc.reference.kinematics import Link, Motion, cross
+from lamc.reference.kinematics import Link, Motion
+from lamc.reference.point_loads import Place, PointLoad, Push, spring, wrenches
+from lamc.reference.wing import FluidMass, wing_in_air
 
 Array = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class PointSpring:
-    """A spring between two points, each on a body (by name) and given as drawn, m."""
-
-    bodies: tuple[str, str]
-    points: tuple[Array, Array]
-    stiffness: float  # N/m
-    rest_length: float  # m
-    damping: float  # N·s/m
 
 
 @dataclass(frozen=True)
@@ -44,9 +35,9 @@ class NumericLoads:
     damping      N·m·s/rad, zero where damping does not act
     applied      constant torques, N·m
     torques      (index of the joint, formula in t, angle and rate, N·m), those of nonlinear stiffness among them
-    springs      springs between points
-    grounds      planes that points touch
-    laws         (index of the joint, energy of its nonlinear stiffness, J)
+    laws         (name of the effect, index of the joint, formula of the energy that goes with such a torque, J)
+    at_points    what acts on points of bodies
+    fluid        mass of the air that goes with bodies; only voices that know it may take such loads
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -57,9 +48,9 @@ class NumericLoads:
     damping: Array
     applied: Array
     torques: tuple[tuple[int, Formula], ...]
-    springs: tuple[PointSpring, ...]
-    grounds: tuple[Ground, ...]
-    laws: tuple[tuple[int, Formula], ...]
+    laws: tuple[tuple[str, int, Formula], ...]
+    at_points: tuple[PointLoad, ...]
+    fluid: tuple[FluidMass, ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -69,74 +60,55 @@ class NumericLoads:
             torque[k] += formula({"t": t, "angle": float(q[k]), "rate": float(u[k])})
         return torque
 
-    def point_wrenches(self, links: Sequence[Link], state: Motion) -> tuple[Array, Array]:
-        """Of springs and contacts: forces, N, and moments about the centres of mass, N·m, on the bodies of the walk;
+    def point_wrenches(self, t: float, links: Sequence[Link], state: Motion) -> tuple[Array, Array]:
+        """Of what acts on points: forces, N, and moments about the centres of mass, N·m, on the bodies of the walk;
         both (n, 3), world."""
-        forces, moments = np.zeros((2, len(links), 3))
-        for spring in self.springs:
-            ends = [_end(links, state, *end) for end in zip(spring.bodies, spring.points, strict=True)]
-            (a, point_a, velocity_a), (b, point_b, velocity_b) = ends
-            line = point_b - point_a
-            length = float(np.linalg.norm(line))
-            # A spring of no length has no direction; with a rest length that is no number, as in the C.
-            direction = line / length if length > 0.0 or spring.rest_length else line
-            stretch_rate = float((velocity_b - velocity_a) @ direction)
-            pull = spring.stiffness * (length - spring.rest_length) + spring.damping * stretch_rate
-            for place, point, force in ((a, point_a, pull * direction), (b, point_b, -pull * direction)):
-                if place >= 0:
-                    forces[place] += force
-                    moments[place] += cross(point - state.centre[place], force)
-        for plane in self.grounds:
-            for place, point, force in plane.forces(partial(_end, links, state)):
-                forces[place] += force
-                moments[place] += cross(point - state.centre[place], force)
-        return forces, moments
+        return wrenches(self.at_points, t, links, state)
 
-    def stored(self, q: Array, links: Sequence[Link], state: Motion) -> dict[str, float]:
-        """Stored energy by effect, J, at angles q (n,) and the motion of the bodies there."""
-        masses = np.array([link.body.mass for link in links])
-        stretches = []
-        for spring in self.springs:
-            a, b = (_end(links, state, *end)[1] for end in zip(spring.bodies, spring.points, strict=True))
-            stretches.append(float(np.linalg.norm(b - a)) - spring.rest_length)
-        values = {
-            "gravity": -float(masses @ (state.centre @ self.gravity)),
+    def pushes(self, t: float, place: Place) -> Iterator[Push]:
+        """Of what acts on points."""
+        for load in self.at_points:
+            yield from load.pushes(t, place)
+
+    def stored(self, t: float, q: Array, moment: Array, place: Place) -> dict[str, float]:
+        """Stored energy by effect, J, at angles q (n,); moment (3,): Σ m r of the bodies, kg·m, world."""
+        values = dict.fromkeys(self.energies, 0.0) | {
+            "gravity": -float(moment @ self.gravity),
             "hinge_stiffness": float(0.5 * self.stiffness @ (q * q)),
             "rest_angle": float(self.rest_energy.sum() - self.preload @ q),
-            "nonlinear_stiffness": sum(w({"angle": float(q[k])}) for k, w in self.laws),
-            "spring": sum(0.5 * s.stiffness * x * x for s, x in zip(self.springs, stretches, strict=True)),
-            "ground_contact": sum(g.stored(partial(_end, links, state)) for g in self.grounds),
         }
+        for name, k, energy in self.laws:
+            values[name] += energy({"t": t, "angle": float(q[k]), "rate": 0.0})
+        for load in self.at_points:
+            if load.effect:
+                values[load.effect] += load.stored(t, place)
         return {name: values[name] for name in self.energies}
 
 
-def _end(links: Sequence[Link], state: Motion, body: str, point: Array) -> tuple[int, Array, Array]:
-    """Place in the walk (-1: fixed), world position, m, and velocity, m/s, of a point of a body given as drawn."""
-    for i, link in enumerate(links):
-        if link.body.name == body:
-            arm = state.rotation[i] @ (point - link.body.com)
-            return i, state.centre[i] + arm, state.velocity[i] + cross(state.spin[i], arm)
-    return -1, point, np.zeros(3)
-
-
 KNOWN = (
+    "blade_element_drag",
     "gravity",
     "ground_contact",
     "hinge_damping",
     "hinge_stiffness",
+    "joint_limits",
     "linear_motor",
     "nonlinear_stiffness",
+    "piezo_bender",
     "rest_angle",
     "spring",
     "torque",
 )
 
 
-def told_apart(effects: Iterable[Any]) -> tuple[tuple[Any, ...], str]:
-    """The effects that have a numeric meaning here, and the others in words: "the effect 'wind'", or nothing."""
-    effects = tuple(effects)
-    known = tuple(effect for effect in effects if effect.name in KNOWN)
-    names = sorted({repr(effect.name) for effect in effects if effect.name not in KNOWN})
+def told_apart(effects: Iterable[Any], more: Iterable[str] = ()) -> tuple[tuple[Any, ...], str]:
+    """The effects that have a numeric meaning, and the others in words: "the effect 'wind'", or nothing.
+
+    more  names of effects that the voice knows besides loads
+    """
+    effects, names_known = tuple(effects), {*KNOWN, *more}
+    known = tuple(effect for effect in effects if effect.name in names_known)
+    names = sorted({repr(effect.name) for effect in effects if effect.name not in names_known})
     return known, f"the effect{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else ""
 
 
@@ -155,9 +127,9 @@ def numeric_loads(
     gravity = np.zeros(3)
     stiffness, preload, rest_energy, damping, applied = np.zeros((5, n))
     torques: list[tuple[int, Formula]] = []
-    springs: list[PointSpring] = []
-    grounds: list[Ground] = []
-    laws: list[tuple[int, Formula]] = []
+    laws: list[tuple[str, int, Formula]] = []
+    at_points: list[PointLoad] = []
+    fluid: list[FluidMass] = []
     energies: list[str] = []
     effects = tuple(effects)
     linear = np.array([j.stiffness if j.name not in _bent(effects) else 0.0 for j in records])
@@ -182,17 +154,36 @@ def numeric_loads(
                     else:
                         applied[k] += torque
             case "nonlinear_stiffness":
-                more, laws = hinge_laws.laws(effect.laws, records)
+                more, stored = hinge_laws.laws(effect.laws, records)
                 torques += more
+                laws += [("nonlinear_stiffness", k, energy) for k, energy in stored]
                 energies.append("nonlinear_stiffness")
+            case "joint_limits":
+                more, stored = hinge_laws.stops(mechanism, effect, records)
+                torques += more
+                laws += [("joint_limits", k, energy) for k, energy in stored]
+                energies += ["joint_limits"] * bool(stored)
             case "linear_motor":
                 torques.append(_motor(effect, records))
             case "spring":
-                springs.append(_spring(mechanism, effect))
+                at_points.append(spring(mechanism, effect))
                 energies.append("spring")
             case "ground_contact":
-                grounds.append(ground(mechanism, effect, moving))
+                at_points.append(ground(mechanism, effect, moving))
                 energies.append("ground_contact")
+            case "piezo_bender" if effect.hinge is not None:
+                k, torque_of, energy = folding_bender(effect, records)
+                torques.append((k, torque_of))
+                laws.append(("piezo_bender", k, energy))
+                energies.append("piezo_bender")
+            case "piezo_bender":
+                at_points.append(pushing_bender(effect))
+                energies.append("piezo_bender")
+            case "blade_element_drag":
+                air = wing_in_air(mechanism, effect)
+                at_points.append(air)
+                fluid += air.fluid
+                energies += ["blade_element_drag"] * bool(air.fluid)
             case other:
                 raise UnsupportedError(
                     f"the independent voice cannot check the effect {other!r}: it has no numeric meaning "
@@ -206,11 +197,24 @@ def numeric_loads(
         damping,
         applied,
         tuple(torques),
-        tuple(springs),
-        tuple(grounds),
         tuple(laws),
+        tuple(at_points),
+        tuple(fluid),
         tuple(dict.fromkeys(energies)),
     )
+
+
+def rigid_loads(
+    mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str], moving: Sequence[str] | None = None
+) -> NumericLoads:
+    """As `numeric_loads`, for voices of rigid bodies in vacuum. Raises UnsupportedError for air that goes with one."""
+    loads = numeric_loads(mechanism, effects, joints, moving)
+    if loads.fluid:
+        raise UnsupportedError(
+            f"this voice has no mass of the air around body {loads.fluid[0].body!r}; take `Lagrange` of "
+            "lamc.reference.lagrange, or set added_mass to false"
+        )
+    return loads
 
 
 def _motor(effect: Any, joints: Sequence[Joint]) -> tuple[int, Formula]:
@@ -237,21 +241,6 @@ def _motor(effect: Any, joints: Sequence[Joint]) -> tuple[int, Formula]:
 def _bent(effects: Iterable[Any]) -> set[str]:
     """Names of the joints whose linear stiffness a nonlinear one replaces."""
     return {name for effect in effects if effect.name == "nonlinear_stiffness" for name in effect.laws}
-
-
-def _spring(mechanism: Mechanism, effect: Any) -> PointSpring:
-    """Raises DesignError for a body that the mechanism does not have."""
-    known = {body.name for body in mechanism.bodies}
-    for name in (effect.body_a, effect.body_b):
-        if name not in known:
-            raise DesignError(f"the scene puts a spring on body {name!r}, which the mechanism does not have")
-    return PointSpring(
-        (effect.body_a, effect.body_b),
-        (np.array(effect.point_a, dtype=np.float64), np.array(effect.point_b, dtype=np.float64)),
-        float(effect.stiffness),
-        float(effect.rest_length),
-        float(effect.damping),
-    )
 
 
 def _torques(torques: Mapping[str, float | str], joints: Sequence[Joint]) -> list[tuple[int, float | str]]:

@@ -16,7 +16,7 @@ from lamc.mechanism.records import Joint, Mechanism
 from lamc.reference.closure import Closure, perpendicular
 from lamc.reference.constrained import constrained
 from lamc.reference.kinematics import Array, Motion, cross, motion, skew, walk
-from lamc.reference.loads import numeric_loads
+from lamc.reference.loads import rigid_loads
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class MaximalCoordinates:
         by_coordinate = sorted(enumerate(self.links), key=lambda pair: pair[1].coordinate)
         self._hinges = [_Hinge(link.joint, i, link.inner, link.sign) for i, link in by_coordinate]
         self._hinges += [_Hinge(cut.joint, cut.child, cut.parent, 1.0) for cut in self._closure.hinges]
-        self._loads = numeric_loads(mechanism, effects, (*self.joints, *self.cuts))
+        self._loads = rigid_loads(mechanism, effects, (*self.joints, *self.cuts))
 
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, shape (n,), rad/s²; q rad, u rad/s, shape (n,); t s."""
@@ -55,7 +55,7 @@ class MaximalCoordinates:
         state = motion(self.links, q, u)
         closed = self._closure.at(state)
         angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
-        mass, force = self._bodies(state, self._loads.hinge_torques(t, angles, rates))
+        mass, force = self._bodies(t, state, self._loads.hinge_torques(t, angles, rates))
         jacobian, bias = self._constraints(state)
         # Turns times the size beside displacements, m: equations and unknowns are then of one unit.
         scale = np.tile([1.0, 1.0, 1.0, *(3 * [1.0 / self._closure.size])], len(self.links))
@@ -77,11 +77,11 @@ class MaximalCoordinates:
         drawn = hinge.axis_sign * hinge.joint.axis
         return drawn if hinge.inner < 0 else state.rotation[hinge.inner] @ drawn
 
-    def _bodies(self, state: Motion, torques: Array) -> tuple[Array, Array]:
+    def _bodies(self, t: float, state: Motion, torques: Array) -> tuple[Array, Array]:
         """Mass matrix (6n, 6n) and applied plus gyroscopic forces (6n,), per body force then moment."""
         n = len(self.links)
         mass, force = np.zeros((6 * n, 6 * n)), np.zeros(6 * n)
-        pulls, moments = self._loads.point_wrenches(self.links, state)
+        pulls, moments = self._loads.point_wrenches(t, self.links, state)
         for i, link in enumerate(self.links):
             a, b, c = 6 * i, 6 * i + 3, 6 * i + 6
             inertia = state.rotation[i] @ link.body.inertia @ state.rotation[i].T

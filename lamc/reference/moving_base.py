@@ -16,7 +16,8 @@ from lamc.reference.closure import Closure, ClosureState
 from lamc.reference.constrained import constrained
 from lamc.reference.jets import jet
 from lamc.reference.kinematics import Array, Link, Motion, cross, motion, rodrigues, skew, walk
-from lamc.reference.loads import numeric_loads
+from lamc.reference.loads import rigid_loads
+from lamc.reference.point_loads import RigidPlace
 
 MOVING = ("free_base", "base_motion")
 
@@ -61,7 +62,7 @@ class MovingNewtonEuler:
         self.closure = Closure(mechanism, self.links)
         self.cuts = self.closure.names
         others = [effect for effect in effects if effect.name not in MOVING]
-        self._loads = numeric_loads(mechanism, others, (*self.joints, *self.cuts), self.bodies)
+        self._loads = rigid_loads(mechanism, others, (*self.joints, *self.cuts), self.bodies)
         self._mass = np.array([link.body.mass for link in self._all])
         self._drawn = np.array([link.body.inertia for link in self._all]).reshape(-1, 3, 3)
         weights = [body.mass for body in fixed]
@@ -82,7 +83,7 @@ class MovingNewtonEuler:
         torque = self._loads.hinge_torques(
             t, np.append(q[:n], closed.angles()), np.append(u[:n], closed.rates())
         )
-        forces, moments = self._loads.point_wrenches(self._all, state)
+        forces, moments = self._loads.point_wrenches(t, self._all, state)
         moments += self._cut_moments(closed, torque[n:], base)
         turning, moving = self._jacobians(state, base)
         inertia = state.rotation @ self._drawn @ state.rotation.transpose(0, 2, 1)
@@ -107,7 +108,8 @@ class MovingNewtonEuler:
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin, self._drawn, spin))
         angles = np.append(q[:n], self.closure.at(relative).angles())
-        return {"kinetic": kinetic, **self._loads.stored(angles, self._all, state)}
+        place = RigidPlace(self._all, state)
+        return {"kinetic": kinetic, **self._loads.stored(t, angles, self._mass @ state.centre, place)}
 
     def gaps(self, q: Array) -> Array:
         """Jacobian of the loops by the joints' rates, (5 c, n), m/rad."""

@@ -14,7 +14,8 @@ from lamc.mechanism.records import Mechanism
 from lamc.reference.closure import Closure
 from lamc.reference.constrained import constrained, split
 from lamc.reference.kinematics import Array, Motion, cross, motion, walk
-from lamc.reference.loads import numeric_loads
+from lamc.reference.loads import rigid_loads
+from lamc.reference.point_loads import RigidPlace
 
 
 class NewtonEuler:
@@ -39,7 +40,7 @@ class NewtonEuler:
         self.closure = Closure(mechanism, self.links)
         self.cuts = self.closure.names
         self.size = mechanism.size
-        self._loads = numeric_loads(mechanism, effects, (*self.joints, *self.cuts))
+        self._loads = rigid_loads(mechanism, effects, (*self.joints, *self.cuts))
         self._mass = np.array([link.body.mass for link in self.links])
         self._inertia_drawn = np.array([link.body.inertia for link in self.links]).reshape(-1, 3, 3)
         self._supports = self._support_mask()
@@ -53,7 +54,7 @@ class NewtonEuler:
         closed = self.closure.at(state)
         angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
         torque = self._loads.hinge_torques(t, angles, rates)
-        forces, moments = self._loads.point_wrenches(self.links, state)
+        forces, moments = self._loads.point_wrenches(t, self.links, state)
         moments += closed.moments(torque[n:])
         mass, force = np.empty((n, n)), np.empty(n)
         mass[np.ix_(self._slot, self._slot)] = self._mass_matrix(state)
@@ -62,7 +63,7 @@ class NewtonEuler:
             return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
         return constrained(mass, force, closed.jacobian(), closed.bias())
 
-    def energy(self, q: Array, u: Array) -> dict[str, float]:
+    def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]:
         """Energy by name, J: "kinetic" first, then what each effect stores."""
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
         state = motion(self.links, q, u)
@@ -70,7 +71,8 @@ class NewtonEuler:
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin_drawn, self._inertia_drawn, spin_drawn))
         angles = np.append(q, self.closure.at(state).angles())
-        return {"kinetic": kinetic, **self._loads.stored(angles, self.links, state)}
+        place = RigidPlace(self.links, state)
+        return {"kinetic": kinetic, **self._loads.stored(t, angles, self._mass @ state.centre, place)}
 
     def gaps(self, q: Array) -> tuple[Array, Array]:
         """Residuals φ (5 c,), m, of the joints that close loops, and their Jacobian (5 c, n), m/rad."""

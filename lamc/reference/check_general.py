@@ -1,23 +1,22 @@
-"""The check of simulators whose fixed bodies move: accelerations, energies and poses of the C against other voices.
+"""The check of simulators of more than hinges on a fixed world: bases that move, hinges that yield, bodies that bend.
 
-In: a compiled simulator. Out: a report. States are random ones and those along a run. The motion itself is not
-integrated a second time.
+In: a compiled simulator. Out: a report on accelerations, energies and poses, at random states and at those along a run.
+The motion itself is not integrated a second time.
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.reference.check_motion import Progress
 from lamc.reference.check_report import Comparison, Largest, Report
-from lamc.reference.closing import WELL_CONDITIONED, State, random_states
-from lamc.reference.constrained import split
+from lamc.reference.general_states import general_states, regular
 from lamc.reference.interpreter import Interpreter
+from lamc.reference.lagrange import ARRANGED, BASES, Lagrange
 from lamc.reference.loads import told_apart
-from lamc.reference.moving_base import MOVING, MovingNewtonEuler
-from lamc.reference.newton_euler import NewtonEuler
+from lamc.reference.moving_base import MovingNewtonEuler
 
 Array = npt.NDArray[np.float64]
 
@@ -28,15 +27,35 @@ _SOLVED = "same equations, two solvers of M u̇ = f; round-off times the conditi
 _OTHER = "other operations altogether; round-off times the condition of the mass matrix"
 
 
-def check_moving(simulator: Any, states: int, t_end: float, seed: int, tell: Progress) -> Report:
-    """Compares the voices at `states` random states and along a run of `t_end` seconds."""
+class Voice(Protocol):
+    """What is asked of an independent formulation."""
+
+    @property
+    def bodies(self) -> tuple[str, ...]: ...
+    def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array: ...
+    def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]: ...
+    def poses(self, q: Array, t: float = 0.0) -> tuple[Array, Array]: ...
+
+
+def check_general(
+    simulator: Any, general: Sequence[str], states: int, t_end: float, seed: int, tell: Progress
+) -> Report:
+    """Compares the voices at `states` random states and along a run of `t_end` seconds.
+
+    general  names of the effects that go beyond hinges on a fixed world
+    """
     program = simulator.program
     interpreter = Interpreter(program)
     constants = interpreter.constants()
-    movers = tuple(effect for effect in simulator.effects if effect.name in MOVING)
-    known, unknown = told_apart(e for e in simulator.effects if e.name not in MOVING)
-    voice = MovingNewtonEuler(simulator.mechanism, (*movers, *known), program.joints)
-    notes = ["the base moves: the motion is not integrated a second time, its accelerations are compared"]
+    known, unknown = told_apart(simulator.effects, ARRANGED)
+    names = tuple(rate.name for rate in program.rates)
+    lagrange = Lagrange(simulator.mechanism, simulator.effects, program.joints, names, known)
+    voices: dict[str, Voice] = {"Lagrange": lagrange}
+    if set(general) <= set(BASES):
+        voices["Newton-Euler"] = MovingNewtonEuler(simulator.mechanism, known, program.joints)
+    notes = [
+        f"{', '.join(sorted(general))}: the motion is not integrated a second time, its accelerations are compared"
+    ]
     if unknown:
         notes.append(
             f"the independent voices do not know {unknown}; accelerations and energies are compared between the C and "
@@ -45,62 +64,33 @@ def check_moving(simulator: Any, states: int, t_end: float, seed: int, tell: Pro
     tell("run the C", 0.0)
     result = simulator.run(t_end, rtol=1e-10, atol=1e-12, t_eval=np.linspace(0.0, t_end, ROWS))
     along = [(float(t), q, u) for t, q, u in zip(result.t, result.q, result.u, strict=True)]
-    random = _random(simulator, voice, along[0], states, t_end, seed)
+    random = general_states(lagrange, simulator.mechanism, along[0], states, t_end, seed)
     if len(random) < states:
         notes.append(f"{len(random)} of {states} random states close all loops away from singular positions")
     comparisons: list[Comparison] = []
-    for title, rows in (
-        ("random states", random),
-        ("states of the run", _regular(voice, along)),
-    ):
+    for title, rows in (("random states", random), ("states of the run", regular(lagrange, along))):
         tell(f"compare {title}", 0.5)
-        names = tuple(rate.name for rate in program.rates)
-        read, other = Largest(names, ("C", "interpreter")), Largest(names, ("C", "Newton-Euler"))
+        read = Largest(names, ("C", "interpreter"))
+        others = {name: Largest(names, ("C", name)) for name in ([] if unknown else voices)}
         for k, (t, q, u) in enumerate(rows):
             where, found = f"state {k}, t = {t:.3g} s", simulator.acceleration(q, u, t)
             read.add(found, interpreter.acceleration(t, q, u, constants), where, 1.0)
-            if not unknown:
-                other.add(found, voice.acceleration(q, u, t), where, 1.0)
+            for name, other in others.items():
+                other.add(found, voices[name].acceleration(q, u, t), where, 1.0)
         comparisons.append(read.comparison(f"accelerations, {title}", SOLVED, _SOLVED))
-        if not unknown:
-            comparisons.append(other.comparison(f"accelerations, {title}", INDEPENDENT, _OTHER))
-    comparisons += _energies_and_poses(interpreter, constants, voice, result, bool(unknown))
+        comparisons += [o.comparison(f"accelerations, {title}", INDEPENDENT, _OTHER) for o in others.values()]
+    for name, voice in voices.items():
+        comparisons += _energies_and_poses(interpreter, constants, (name, voice), result, bool(unknown))
     return Report(program.name, tuple(comparisons), tuple(notes))
 
 
-def _random(
-    simulator: Any, voice: MovingNewtonEuler, start: State, count: int, t_end: float, seed: int
-) -> list[State]:
-    """Joints at random, closed where there are loops, with any pose and motion of a floating base, at any time."""
-    still = NewtonEuler(simulator.mechanism, (), voice.joints)
-    rng = np.random.default_rng(seed)
-    n, (_, q0, u0) = len(voice.joints), start
-    found: list[State] = []
-    for t, angles, rates in random_states(still, q0[:n], count, t_end, seed):
-        pose, motion = rng.normal(size=len(q0) - n), rng.uniform(-3.0, 3.0, len(u0) - n)
-        found.append((t, np.append(angles, pose), np.append(rates, motion)))
-    return found
-
-
-def _regular(voice: MovingNewtonEuler, along: Sequence[State]) -> list[State]:
-    """States where the closure determines the accelerations well."""
-    if not voice.cuts:
-        return list(along)
-    parts = [split(voice.gaps(q)) for _, q, _ in along]
-    full = max(p.rank for p in parts)
-    return [
-        state
-        for state, p in zip(along, parts, strict=True)
-        if p.rank == full and p.condition <= WELL_CONDITIONED
-    ]
-
-
 def _energies_and_poses(
-    interpreter: Interpreter, constants: Array, voice: MovingNewtonEuler, result: Any, is_partial: bool
+    interpreter: Interpreter, constants: Array, named: tuple[str, Voice], result: Any, is_partial: bool
 ) -> list[Comparison]:
-    names, both = interpreter.program.energies, ("C", "Newton-Euler")
+    names, (other, voice) = interpreter.program.energies, named
+    both = ("C", other)
     total = Largest(("total",), ("C", "interpreter") if is_partial else both)
-    parts = Largest(names, ("interpreter", "Newton-Euler"))
+    parts = Largest(names, ("interpreter", other))
     centres, turns = Largest(voice.bodies, both), Largest(voice.bodies, both)
     poses = {body: result.pose(body) for body in voice.bodies}
     for k, t in enumerate(result.t.tolist()):

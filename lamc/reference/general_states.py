@@ -1,0 +1,68 @@
+"""Random states of mechanisms whose bases move, hinges yield and bodies bend, for comparisons. Numbers only.
+
+In: the voice, which knows what there is, and a start. Out: states with forces of every kind of about one size, so that
+none hides another; closed where joints close loops rigidly.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lamc.mechanism.records import Mechanism
+from lamc.reference.closing import CLOSED, WELL_CONDITIONED, State, random_states
+from lamc.reference.constrained import split
+from lamc.reference.kinematics import Array
+from lamc.reference.lagrange import Lagrange
+from lamc.reference.newton_euler import NewtonEuler
+
+_ROUNDS = 20  # of Gauss-Newton, from small deflections
+
+
+def general_states(
+    voice: Lagrange, mechanism: Mechanism, start: State, count: int, t_end: float, seed: int
+) -> list[State]:
+    """Joints at random, closed where there are loops; deflections at which elastic forces are as large as weights; with
+    any pose and motion of a floating base, at any time. They may be fewer than `count`."""
+    rigid = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in voice.held))
+    still = NewtonEuler(rigid, (), voice.joints)
+    rng = np.random.default_rng(seed)
+    n, (_, q0, u0) = len(voice.joints), start
+    most_q, most_u = voice.typical()
+    own = len(u0) - 6 * voice.floats
+    found: list[State] = []
+    for t, angles, rates in random_states(still, q0[:n], count, t_end, seed):
+        q = np.append(angles, rng.uniform(-1.0, 1.0, own - n) * most_q[n:own])
+        u = np.append(rates, rng.uniform(-1.0, 1.0, own - n) * most_u[n:own])
+        pose, motion = rng.normal(size=len(q0) - own), rng.uniform(-3.0, 3.0, len(u0) - own)
+        state = _closed(voice, t, np.append(q, pose), np.append(u, motion))
+        if state is not None:
+            found.append(state)
+    return regular(voice, found)
+
+
+def regular(voice: Lagrange, states: Sequence[State]) -> list[State]:
+    """States where the closure determines the accelerations well."""
+    if not voice.cuts:
+        return list(states)
+    parts = [split(voice.gaps(q)[1]) for _, q, _ in states]
+    full = max((p.rank for p in parts), default=0)
+    return [
+        state
+        for state, p in zip(states, parts, strict=True)
+        if p.rank == full and p.condition <= WELL_CONDITIONED
+    ]
+
+
+def _closed(voice: Lagrange, t: float, q: Array, u: Array) -> State | None:
+    """The state with its loops closed by the least change of coordinates; None where they do not close. A base moves no
+    loop: its columns are nought."""
+    if not voice.cuts:
+        return t, q, u
+    for _ in range(_ROUNDS):
+        residual, jacobian = voice.gaps(q)
+        if np.abs(residual).max() <= CLOSED * voice.size:
+            free = split(jacobian).free
+            return t, q, free @ (free.T @ u)
+        q = q + np.append(split(jacobian).least(-residual), np.zeros(len(q) - len(u)))
+    return None

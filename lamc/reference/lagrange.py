@@ -1,0 +1,266 @@
+"""The principle of virtual power on poses as 4 by 4 matrices, for hinges that yield, bodies that bend and air's mass.
+
+A state goes in, accelerations, energies and poses come out; numbers only. A body is P b, a matrix P that moves times
+functions b of its material points: coordinates, 1, and the shapes in which it bends. With J = ∫ρ b bᵀ the inertia
+forces are tr(∂P/∂u_k J P̈ᵀ), for rigid bodies and for those that bend alike (J. J. Uicker 1965; A. A. Shabana, Dynamics
+of Multibody Systems, ch. 5). There is no recursion of velocities, no angular velocity and no frame of a link here.
+
+From the effects' `arrange` come numbers: stiffness matrices, axes and freedoms of hinges; mass and stiffness of modes
+and their shapes at points.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.compliant_hinge import FREEDOMS, CompliantHinge
+from lamc.mechanics.flexible import FlexibleBody
+from lamc.mechanism.records import Body, Mechanism
+from lamc.mechanism.tree import plan
+from lamc.reference.chain_poses import Chain, Placed
+from lamc.reference.closure import perpendicular
+from lamc.reference.constrained import constrained
+from lamc.reference.curves import Curve, still
+from lamc.reference.hinge_sides import Sides, apart
+from lamc.reference.kinematics import Array, walk
+from lamc.reference.loads import numeric_loads
+
+BASES = ("free_base", "base_motion")
+ARRANGED = ("base_motion", "flexible_links", "free_base", "twist_compliance")  # by coordinates alone
+_LARGEST = (0.3, 0.1)  # rad, and of the size: deflections to compare at, at most
+
+
+class Lagrange:
+    """Equations of motion as numbers, of all that a scene may arrange. States as the compiler has them.
+
+    joints  of the tree, as the compiler chose it; other joints close loops, rigidly or held by their stiffness
+    rates   names of u
+    acting  effects among these whose loads are known here; None: all, and another one is refused
+
+    `bodies` names the moving bodies in the order of `poses`; `cuts` the joints that close loops rigidly, `held` those
+    that do so by stiffness. Raises UnsupportedError for an effect that this voice does not know.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        effects: Iterable[Any],
+        joints: Sequence[str],
+        rates: Sequence[str],
+        acting: Iterable[Any] | None = None,
+    ) -> None:
+        effects = tuple(effects)
+        found = arrange(plan(mechanism), effects)
+        self.joints, self.size = tuple(joints), mechanism.size
+        links = walk(mechanism, joints)
+        fixed = [body for body in mechanism.bodies if body.fixed]
+        mover = next((effect for effect in effects if effect.name in BASES), None)
+        self._yielding = {hinge.joint: hinge for hinge in found.compliant}
+        self._bushings = {bushing.hinge.joint: bushing.hinge for bushing in found.bushings}
+        self._bending = {record.body: record for record in found.flexible}
+        self._chain = Chain(links, fixed, mover, self._yielding, self._bending, tuple(rates))
+        closing = [joint for joint in mechanism.joints if joint.name not in self.joints]
+        self._closing = [j for j in closing if j.name not in self._bushings]
+        self._closing += [j for j in closing if j.name in self._bushings]
+        self.cuts = tuple(j.name for j in self._closing if j.name not in self._bushings)
+        self.held = tuple(self._bushings)
+        moving = [link.body for link in links]
+        self.bodies = tuple(body.name for body in (*moving, *(fixed if mover is not None else ())))
+        # What moves as told needs no force for itself.
+        self.floats = mover is not None and mover.name == "free_base"
+        self._inertias = [
+            (body, _inertia(body, self._bending.get(body.name))) for body in (*moving, *(fixed if self.floats else ()))
+        ]
+        self._centres = {body.name: body.com for body in mechanism.bodies}
+        others = [effect for effect in (effects if acting is None else acting) if effect.name not in ARRANGED]
+        names = (*self.joints, *(joint.name for joint in self._closing))
+        self._loads = numeric_loads(mechanism, others, names, self.bodies if mover is not None else None)
+        self._slots = [self._chain.index[name] for name in self.joints]
+        self._damping = {name: _damping(record) for name, record in self._bending.items()}
+
+    def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
+        """du/dt, (nu,)."""
+        placed, sides = self._state(q, u, t)
+        mass, force = self._inertia_forces(placed)
+        angles, rates = self._angles(q, u, sides)
+        torque = self._loads.hinge_torques(t, angles, rates)
+        n = len(self.joints)
+        force[self._slots] += torque[:n]
+        for side, value in zip(sides, torque[n:], strict=True):
+            force += value * side.partials[:, 2]
+        for push in self._loads.pushes(t, placed):
+            force += placed.particle(push.body, push.point).partials @ push.force
+            if push.moment is not None:
+                force += _turns(placed.poses[push.body]) @ push.moment
+        self._add_fluid(placed, mass, force)
+        force -= self._elastic(q, u, sides)
+        if not self.cuts:
+            return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
+        rows = [side.gap for side in sides[: len(self.cuts)]]
+        jacobian = np.concatenate([row.partials.T for row in rows])
+        return constrained(mass, force, jacobian, np.concatenate([row.second for row in rows]))
+
+    def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]:
+        """Energy by name, J, in the world's frame: "kinetic" first, then what each effect stores."""
+        placed, sides = self._state(q, u, t)
+        values, moment = {"kinetic": 0.0}, np.zeros(3)
+        for body, J in self._inertias:
+            P = self._matrix(placed, body)
+            values["kinetic"] += 0.5 * float(np.einsum("ij,jm,im->", P.first, J, P.first))
+            moment += (P.value @ J)[:, 3]
+        values |= self._loads.stored(t, self._angles(q, u, sides)[0], moment, placed)
+        for fluid in self._loads.fluid:
+            moved, normal = _pair(placed, fluid.body, fluid.moving, fluid.normal)
+            speed = float(normal.value @ moved.first)
+            values[fluid.effect] += 0.5 * fluid.mass * speed**2
+        for record, K, _, p, _, _ in self._springs(q, u, sides):
+            values[record.effect] = values.get(record.effect, 0.0) + 0.5 * float(p @ K @ p)
+        return values
+
+    def gaps(self, q: Array) -> tuple[Array, Array]:
+        """Residuals (5 c,), m, of the joints that close loops rigidly, and their Jacobian (5 c, nu)."""
+        _, sides = self._state(q, np.zeros(len(self._chain.rates)), 0.0)
+        rows = [side.gap for side in sides[: len(self.cuts)]]
+        return np.concatenate([row.value for row in rows]), np.concatenate([row.partials.T for row in rows])
+
+    def poses(self, q: Array, t: float = 0.0) -> tuple[Array, Array]:
+        """Centres of mass as drawn (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
+        placed = self._chain.at(q, np.zeros(len(self._chain.rates)), t)
+        matrices = [placed.poses[name].value for name in self.bodies]
+        centres = [m @ np.append(self._centres[b], 1.0) for b, m in zip(self.bodies, matrices, strict=True)]
+        return np.array(centres)[:, :3], np.array(matrices)[:, :3, :3]
+
+    def typical(self) -> tuple[Array, Array]:
+        """Deflections and their rates, by the rates' order, at which elastic forces are as large as weights; 0 for joints
+        and the base."""
+        q, u = np.zeros((2, len(self._chain.rates)))
+        weight = 9.81 * sum(body.mass for body, _ in self._inertias)
+        nothing = np.zeros(len(q) + 7)
+        for record, K, C, _, _, places in self._springs(nothing, nothing, ()):
+            for i, place in enumerate(places):
+                if place is None or self._chain.rates[place] in self.joints:
+                    continue
+                turns = isinstance(record, CompliantHinge) and i < 3
+                most, load = (_LARGEST[0], weight * self.size) if turns else (_LARGEST[1] * self.size, weight)
+                q[place] = min(most, load / K[i, i]) if K[i, i] > 0.0 else most
+                u[place] = min(10.0 * most, load / C[i, i]) if C[i, i] > 0.0 else 10.0 * most
+        return q, u
+
+    def _state(self, q: Array, u: Array, t: float) -> tuple[Placed, list[Sides]]:
+        placed = self._chain.at(q, u, t)
+        sides = []
+        for joint in self._closing:
+            hinge = self._bushings.get(joint.name)
+            axes = np.vstack([perpendicular(joint.axis), joint.axis]).T if hinge is None else hinge.axes
+            point = joint.point if hinge is None else hinge.point
+            parent, child = (placed.surface(body, point) for body in (joint.parent, joint.child))
+            sides.append(apart(parent, child, axes, point, self.size))
+        return placed, sides
+
+    def _angles(self, q: Array, u: Array, sides: Sequence[Sides]) -> tuple[Array, Array]:
+        """Of the tree's joints, then of those that close loops, rad and rad/s."""
+        own = (np.asarray(x, dtype=np.float64)[self._slots] for x in (q, u))
+        more = ([side.amounts[2] for side in sides], [side.rates[2] for side in sides])
+        angles, rates = (np.append(a, b) for a, b in zip(own, more, strict=True))
+        return angles, rates
+
+    def _matrix(self, placed: Placed, body: Body) -> Curve:
+        """P, (3, 4 + modes): world positions are P (r, 1, φ), r from the drawn centre of mass."""
+        columns = np.eye(4)
+        columns[:3, 3] = body.com
+        record = self._bending.get(body.name)
+        if record is None:
+            local = still(columns, len(self._chain.rates))
+        else:
+            shapes = np.hstack([np.zeros((record.count, 4)), np.eye(record.count)])
+            columns = np.hstack([columns, np.zeros((4, record.count))])
+            local = placed.bent(body.name, columns, shapes)
+        return (placed.poses[body.name] @ local).block(0, local.value.shape[1])
+
+    def _inertia_forces(self, placed: Placed) -> tuple[Array, Array]:
+        """M (nu, nu), and what unchanging rates and gravity ask for, (nu,)."""
+        count = len(self._chain.rates)
+        mass, force = np.zeros((count, count)), np.zeros(count)
+        for body, J in self._inertias:
+            P = self._matrix(placed, body)
+            momenta = P.partials @ J
+            mass += np.tensordot(momenta, P.partials, axes=([1, 2], [1, 2]))
+            force -= np.tensordot(momenta, P.second, axes=([1, 2], [0, 1]))
+            force += momenta[:, :, 3] @ self._loads.gravity
+        return mass, force
+
+    def _add_fluid(self, placed: Placed, mass: Array, force: Array) -> None:
+        """Lagrange's equations of ½ m s², s = n · v: m (ṡ n + s ṅ) · δx - m s δn · v."""
+        for fluid in self._loads.fluid:
+            moved, normal = _pair(placed, fluid.body, fluid.moving, fluid.normal)
+            velocity = moved.first - fluid.wind
+            speed = float(normal.value @ velocity)
+            change = float(normal.first @ velocity + normal.value @ moved.second)
+            along = moved.partials @ normal.value
+            mass += fluid.mass * np.outer(along, along)
+            turned = moved.partials @ normal.first - normal.partials @ velocity
+            force -= fluid.mass * (change * along + speed * turned)
+
+    def _elastic(self, q: Array, u: Array, sides: Sequence[Sides]) -> Array:
+        """Forces that stiffness and damping of what yields take, by rate."""
+        taken = np.zeros(len(self._chain.rates))
+        for record, K, C, p, rates, places in self._springs(q, u, sides):
+            force = K @ p + C @ rates
+            if isinstance(record, CompliantHinge) and record.joint in self._bushings:
+                taken += sides[len(self.cuts) + list(self._bushings).index(record.joint)].partials @ force
+            else:
+                np.add.at(taken, [i for i in places if i is not None], force[[i is not None for i in places]])
+        return taken
+
+    def _springs(self, q: Array, u: Array, sides: Sequence[Sides]) -> list[Any]:
+        """(record, K, C, p, ṗ, places in u) of each hinge that yields and each body that bends."""
+        found: list[Any] = []
+        index = self._chain.index
+        for name, hinge in self._yielding.items():
+            places = [index.get(name if f == "angle" else f"{name}.{f}") for f in FREEDOMS]
+            p, rates = ([0.0 if i is None else float(x[i]) for i in places] for x in (q, u))
+            found.append((hinge, hinge.stiffness, hinge.damping, np.array(p), np.array(rates), places))
+        for hinge, side in zip(self._bushings.values(), sides[len(self.cuts) :], strict=bool(sides)):
+            none: list[int | None] = [None] * 6
+            found.append((hinge, hinge.stiffness, hinge.damping, side.amounts, side.rates, none))
+        for name, record in self._bending.items():
+            modes = self._chain.modes(name)
+            p, rates = (np.asarray(x, dtype=np.float64)[modes] for x in (q, u))
+            found.append((record, record.stiffness, self._damping[name], p, rates, modes))
+        return found
+
+
+def _inertia(body: Body, record: FlexibleBody | None) -> Array:
+    """∫ρ b bᵀ, b = (r, 1, φ), r from the drawn centre of mass."""
+    count = 0 if record is None else record.count
+    J = np.zeros((4 + count, 4 + count))
+    J[:3, :3] = 0.5 * np.trace(body.inertia) * np.eye(3) - body.inertia
+    J[3, 3] = body.mass
+    if record is not None:
+        J[:3, 4:], J[3, 4:], J[4:, 4:] = record.first_moment.T, record.moment, record.mass
+        J[4:, :4] = J[:4, 4:].T
+    return J
+
+
+def _damping(record: FlexibleBody) -> Array:
+    """2 ζ ω in the modes of K and M, ascending, carried back."""
+    squares, shapes = eigh(record.stiffness, record.mass)
+    momenta = record.mass @ shapes
+    result: Array = (momenta * (2.0 * record.damping_ratios * np.sqrt(np.maximum(squares, 0.0)))) @ momenta.T
+    return result
+
+
+def _pair(placed: Placed, body: str, moving: Array, normal: Array) -> tuple[Curve, Curve]:
+    pose = placed.poses[body]
+    columns = np.column_stack([moving, np.append(normal, 0.0)])
+    both = pose.times(columns)
+    return both.block(0, 1).flat(), both.block(1, 2).flat()
+
+
+def _turns(pose: Curve) -> Array:
+    """Angular velocity by each rate, (n, 3), world: from dR Rᵀ."""
+    spin = pose.partials[:, :3, :3] @ pose.value[:3, :3].T
+    return np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)

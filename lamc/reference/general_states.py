@@ -24,14 +24,16 @@ def general_states(
 ) -> list[State]:
     """Joints at random, closed where there are loops; deflections at which elastic forces are as large as weights; with
     any pose and motion of a floating base, at any time. They may be fewer than `count`."""
-    rigid = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in voice.held))
-    still = NewtonEuler(rigid, (), voice.joints)
+    loose = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in voice.held))
     rng = np.random.default_rng(seed)
     n, (_, q0, u0) = len(voice.joints), start
     most_q, most_u = voice.typical()
     own = len(u0) - 6 * voice.floats
     found: list[State] = []
-    for t, angles, rates in random_states(still, q0[:n], count, t_end, seed):
+    # Where stiffness closes a loop, states that close it rigidly are near those that it is in, if there are any.
+    rigid = [NewtonEuler(each, (), voice.joints) for each in (mechanism, loose)[: 1 + bool(voice.held)]]
+    tries = (random_states(still, q0[:n], count, t_end, seed) for still in rigid)
+    for t, angles, rates in next((states for states in tries if states), []):
         q = np.append(angles, rng.uniform(-1.0, 1.0, own - n) * most_q[n:own])
         u = np.append(rates, rng.uniform(-1.0, 1.0, own - n) * most_u[n:own])
         pose, motion = rng.normal(size=len(q0) - own), rng.uniform(-3.0, 3.0, len(u0) - own)

@@ -149,6 +149,18 @@ class Lagrange:
                 u[place] = min(10.0 * most, load / C[i, i]) if C[i, i] > 0.0 else 10.0 * most
         return q, u
 
+    def acceleration_of_gap(self, q: Array, gap: float) -> float:
+        """The largest acceleration that a deflection by `gap`, rad and sizes, makes of joints that are held by stiffness:
+        what round-off of positions is multiplied by. 0 where there are none."""
+        if not self.held:
+            return 0.0
+        placed, sides = self._state(q, np.zeros(len(self._chain.rates)), 0.0)
+        mass, _ = self._inertia_forces(placed)
+        most = gap * np.repeat([1.0, self.size], 3)
+        pairs = zip(self._bushings.values(), sides[len(self.cuts) :], strict=True)
+        force = sum(np.abs(side.partials) @ (np.abs(hinge.stiffness) @ most) for hinge, side in pairs)
+        return float((np.abs(np.linalg.inv(mass)) @ force).max())
+
     def _state(self, q: Array, u: Array, t: float) -> tuple[Placed, list[Sides]]:
         placed = self._chain.at(q, u, t)
         sides = []

@@ -1,7 +1,7 @@
 """Bodies that bend: a few shapes of each body's own plate, by finite elements."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -18,6 +18,7 @@ from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.checks import Array, checked_flag, checked_name, checked_number, shown
 from lamc.mechanism.records import Mechanism
+from lamc.mechanism.tree import Tree
 
 if TYPE_CHECKING:
     from lamc.plate.answers.reduction import Reduction
@@ -118,13 +119,16 @@ class FlexibleLinks:
     def arrange(self, arranging: Arranging) -> None:
         """Lets the bodies bend, in the tree's order. Their plates are reduced once in a process."""
         tree = arranging.tree
-        moving = [link.body.name for link in tree.links]
-        for name in self.bodies or moving:
-            plate = body_plate(tree, name, self.laminate)
-            reduced = _reduced(_Asked(plate, self))
+        for name, plate, reduced in self.reductions(tree):
             arranging.flexible_body(
                 flexible_body(name, reduced, tree.mechanism.body(name).com, plate.height, self.damping_ratio)
             )
+
+    def reductions(self, tree: Tree) -> "Iterator[tuple[str, BodyPlate, Reduction]]":
+        """Names of the bodies that bend, their plates, and the shapes of these."""
+        for name in self.bodies or [link.body.name for link in tree.links]:
+            plate = body_plate(tree, name, self.laminate)
+            yield name, plate, _reduced(_Asked(plate, self))
 
     def contribute(self, loads: Loads) -> None:
         """Nothing: the stiffness of what `arrange` adds comes with it."""

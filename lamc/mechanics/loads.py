@@ -196,9 +196,7 @@ class Loads(BodyPoints):
         if index != WORLD or self.placement.base is not None:
             self._add_wrench(index, self._vector(force), ZERO, drawn)
 
-    def moment(
-        self, body: str, moment: Sequence["Scalar | sp.Expr"], *, on_frame: bool = False
-    ) -> None:
+    def moment(self, body: str, moment: Sequence["Scalar | sp.Expr"], *, on_frame: bool = False) -> None:
         """Adds a moment, N·m, world axes, on the body (eq. 17); on a flexible body at its centre of mass as drawn.
 
         on_frame: of a flexible body on its frame at the inboard hinge, of which `rotation` tells.

@@ -41,7 +41,9 @@ def section(effect: Any) -> Section:
         material, bottom = ply.material, bottom + ply.gap
         c, s = math.cos(math.radians(ply.angle)), math.sin(math.radians(ply.angle))
         # Strains along and across the fibres from those along x and y; the last one is the shear angle.
-        turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+        turn = np.array(
+            [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+        )
         soft = np.diag([1.0 / material.E1, 1.0 / material.E2, 1.0 / material.G12])
         soft[0, 1] = soft[1, 0] = -material.nu12 / material.E1
         hard = np.linalg.inv(soft)

@@ -1,9 +1,9 @@
 """Where all bodies are along a motion, hinges that yield and bodies that bend among them: numbers in, poses out.
 
-A walk of its own from the world outwards; each hinge is one product of 4 by 4 matrices more. Conventions are those of
-the records: slides and twists ride on the inner body, twist_x before twist_y before the angle. The surface of a body that
-bends turns by its slopes about two directions in its plane, one after the other: for plates along x and y about -y by
-the slope along x, and then about x by that along y.
+A walk from the world outwards; each hinge is one product of 4 by 4 matrices more. Conventions are those of the records:
+slides and twists ride on the inner body, twist_x before twist_y before the angle. The surface of a body that bends
+turns by its slopes about two directions in its plane, one after the other: for plates along x and y about -y by the
+slope along x, and then about x by that along y.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from lamc.mechanics.compliant_hinge import CompliantHinge
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.records import Body
 from lamc.reference.base_pose import base_pose
-from lamc.reference.curves import Amount, Curve, about, slide, still, turn
+from lamc.reference.curves import Amount, Curve, about, slide, turn
 from lamc.reference.kinematics import Array, Link
 
 
@@ -130,7 +130,12 @@ class Placed:
 def _shifted(rise: Curve) -> Curve:
     """The displacement by a column (4, 1)."""
     parts = []
-    for part, whole in ((rise.value, np.eye(4)), (rise.first, None), (rise.second, None), (rise.partials, None)):
+    for part, whole in (
+        (rise.value, np.eye(4)),
+        (rise.first, None),
+        (rise.second, None),
+        (rise.partials, None),
+    ):
         matrix = np.zeros((*part.shape[:-2], 4, 4)) if whole is None else whole
         matrix[..., :, 3] += part[..., :, 0]
         parts.append(matrix)

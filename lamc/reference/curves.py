@@ -38,14 +38,15 @@ class Curve:
         a, b = self, other
         return Curve(a.value - b.value, a.first - b.first, a.second - b.second, a.partials - b.partials)
 
-    @property
-    def T(self) -> "Curve":
+    def transposed(self) -> "Curve":
         turned = self.partials.swapaxes(1, 2)
         return Curve(self.value.T, self.first.T, self.second.T, turned)
 
     def times(self, numbers: Array) -> "Curve":
         """Its product with numbers, (c,) or (c, d)."""
-        return Curve(self.value @ numbers, self.first @ numbers, self.second @ numbers, self.partials @ numbers)
+        return Curve(
+            self.value @ numbers, self.first @ numbers, self.second @ numbers, self.partials @ numbers
+        )
 
     def block(self, first: int, last: int) -> "Curve":
         """The upper three rows, from one column to before another."""

@@ -30,15 +30,17 @@ def apart(parent: Curve, child: Curve, axes: Array, point: Array, size: float) -
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = axes, point
     a, b = parent.times(frame), child.times(frame)
-    turned = a.block(0, 3).T @ b.block(0, 3)
-    moved = a.block(0, 3).T @ (b - a).block(3, 4)
+    turned = a.block(0, 3).transposed() @ b.block(0, 3)
+    moved = a.block(0, 3).transposed() @ (b - a).block(3, 4)
     R = turned.value
     twist_x = math.atan2(-R[1, 2], R[2, 2])
     twist_y = math.atan2(R[0, 2], math.hypot(R[1, 2], R[2, 2]))
     angle = math.atan2(-R[0, 1], R[0, 0])
     # Angular velocity in the parent's axes is the sum of three turns about axes that the ones before have moved.
     about = np.column_stack([[1.0, 0.0, 0.0], [0.0, math.cos(twist_x), math.sin(twist_x)], R[:, 2]])
-    turns = np.linalg.solve(about, np.array([_spin(turned.first @ R.T), *(_spin(p @ R.T) for p in turned.partials)]).T)
+    turns = np.linalg.solve(
+        about, np.array([_spin(turned.first @ R.T), *(_spin(p @ R.T) for p in turned.partials)]).T
+    )
     slides = moved.value[:, 0]
     partials = np.concatenate([turns[:, 1:].T, moved.partials[:, :, 0]], axis=1)
     amounts = np.array([twist_x, twist_y, angle, *slides])

@@ -13,10 +13,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eigh
 
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanics.compliant_hinge import FREEDOMS, CompliantHinge
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.records import Body, Mechanism
 from lamc.mechanism.tree import plan
@@ -24,13 +22,13 @@ from lamc.reference.chain_poses import Chain, Placed
 from lamc.reference.closure import perpendicular
 from lamc.reference.constrained import constrained
 from lamc.reference.curves import Curve, still
+from lamc.reference.elastic import Elastic
 from lamc.reference.hinge_sides import Sides, apart
 from lamc.reference.kinematics import Array, walk
 from lamc.reference.loads import numeric_loads
+from lamc.reference.moving_base import MOVING
 
-BASES = ("free_base", "base_motion")
-ARRANGED = ("base_motion", "flexible_links", "free_base", "twist_compliance")  # by coordinates alone
-_LARGEST = (0.3, 0.1)  # rad, and of the size: deflections to compare at, at most
+ARRANGED = (*MOVING, "flexible_links", "twist_compliance")  # effects that act by coordinates alone
 
 
 class Lagrange:
@@ -57,14 +55,14 @@ class Lagrange:
         self.joints, self.size = tuple(joints), mechanism.size
         links = walk(mechanism, joints)
         fixed = [body for body in mechanism.bodies if body.fixed]
-        mover = next((effect for effect in effects if effect.name in BASES), None)
-        self._yielding = {hinge.joint: hinge for hinge in found.compliant}
+        mover = next((effect for effect in effects if effect.name in MOVING), None)
+        yielding = {hinge.joint: hinge for hinge in found.compliant}
         self._bushings = {bushing.hinge.joint: bushing.hinge for bushing in found.bushings}
         self._bending = {record.body: record for record in found.flexible}
-        self._chain = Chain(links, fixed, mover, self._yielding, self._bending, tuple(rates))
+        self._chain = Chain(links, fixed, mover, yielding, self._bending, tuple(rates))
         closing = [joint for joint in mechanism.joints if joint.name not in self.joints]
         self._closing = [j for j in closing if j.name not in self._bushings]
-        self._closing += [j for j in closing if j.name in self._bushings]
+        self._closing += [mechanism.joint(name) for name in self._bushings]
         self.cuts = tuple(j.name for j in self._closing if j.name not in self._bushings)
         self.held = tuple(self._bushings)
         moving = [link.body for link in links]
@@ -72,14 +70,15 @@ class Lagrange:
         # What moves as told needs no force for itself.
         self.floats = mover is not None and mover.name == "free_base"
         self._inertias = [
-            (body, _inertia(body, self._bending.get(body.name))) for body in (*moving, *(fixed if self.floats else ()))
+            (body, _inertia(body, self._bending.get(body.name)))
+            for body in (*moving, *(fixed if self.floats else ()))
         ]
         self._centres = {body.name: body.com for body in mechanism.bodies}
         others = [effect for effect in (effects if acting is None else acting) if effect.name not in ARRANGED]
         names = (*self.joints, *(joint.name for joint in self._closing))
         self._loads = numeric_loads(mechanism, others, names, self.bodies if mover is not None else None)
         self._slots = [self._chain.index[name] for name in self.joints]
-        self._damping = {name: _damping(record) for name, record in self._bending.items()}
+        self._elastic = Elastic(self._chain, self._bushings, self.size)
 
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, (nu,)."""
@@ -96,7 +95,8 @@ class Lagrange:
             if push.moment is not None:
                 force += _turns(placed.poses[push.body]) @ push.moment
         self._add_fluid(placed, mass, force)
-        force -= self._elastic(q, u, sides)
+        for spring in self._elastic.at(q, u, sides[len(self.cuts) :]):
+            force -= spring.force()
         if not self.cuts:
             return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
         rows = [side.gap for side in sides[: len(self.cuts)]]
@@ -116,8 +116,8 @@ class Lagrange:
             moved, normal = _pair(placed, fluid.body, fluid.moving, fluid.normal)
             speed = float(normal.value @ moved.first)
             values[fluid.effect] += 0.5 * fluid.mass * speed**2
-        for record, K, _, p, _, _ in self._springs(q, u, sides):
-            values[record.effect] = values.get(record.effect, 0.0) + 0.5 * float(p @ K @ p)
+        for spring in self._elastic.at(q, u, sides[len(self.cuts) :]):
+            values[spring.effect] = values.get(spring.effect, 0.0) + spring.energy()
         return values
 
     def gaps(self, q: Array) -> tuple[Array, Array]:
@@ -134,32 +134,19 @@ class Lagrange:
         return np.array(centres)[:, :3], np.array(matrices)[:, :3, :3]
 
     def typical(self) -> tuple[Array, Array]:
-        """Deflections and their rates, by the rates' order, at which elastic forces are as large as weights; 0 for joints
-        and the base."""
-        q, u = np.zeros((2, len(self._chain.rates)))
-        weight = 9.81 * sum(body.mass for body, _ in self._inertias)
-        nothing = np.zeros(len(q) + 7)
-        for record, K, C, _, _, places in self._springs(nothing, nothing, ()):
-            for i, place in enumerate(places):
-                if place is None or self._chain.rates[place] in self.joints:
-                    continue
-                turns = isinstance(record, CompliantHinge) and i < 3
-                most, load = (_LARGEST[0], weight * self.size) if turns else (_LARGEST[1] * self.size, weight)
-                q[place] = min(most, load / K[i, i]) if K[i, i] > 0.0 else most
-                u[place] = min(10.0 * most, load / C[i, i]) if C[i, i] > 0.0 else 10.0 * most
-        return q, u
+        """Deflections and their rates, both (nu,), at which elastic forces are as large as the weight; 0 elsewhere."""
+        return self._elastic.typical(9.81 * sum(body.mass for body, _ in self._inertias))
 
-    def acceleration_of_gap(self, q: Array, gap: float) -> float:
-        """The largest acceleration that a deflection by `gap`, rad and sizes, makes of joints that are held by stiffness:
-        what round-off of positions is multiplied by. 0 where there are none."""
-        if not self.held:
-            return 0.0
-        placed, sides = self._state(q, np.zeros(len(self._chain.rates)), 0.0)
-        mass, _ = self._inertia_forces(placed)
-        most = gap * np.repeat([1.0, self.size], 3)
-        pairs = zip(self._bushings.values(), sides[len(self.cuts) :], strict=True)
-        force = sum(np.abs(side.partials) @ (np.abs(hinge.stiffness) @ most) for hinge, side in pairs)
-        return float((np.abs(np.linalg.inv(mass)) @ force).max())
+    def elastic_acceleration(self, q: Array, gap: float) -> float:
+        """The largest acceleration that one entry of the elastic forces alone would make: where strips and plates
+        nearly balance their loads, accelerations are left-overs of such. 0 where nothing yields.
+
+        gap  rad and sizes, by which deflections of hinges count as larger that follow from positions, not coordinates
+        """
+        nothing = np.zeros(len(self._chain.rates))
+        placed, sides = self._state(q, nothing, 0.0)
+        springs = self._elastic.at(q, nothing, sides[len(self.cuts) :])
+        return self._elastic.largest_acceleration(self._inertia_forces(placed)[0], springs, gap)
 
     def _state(self, q: Array, u: Array, t: float) -> tuple[Placed, list[Sides]]:
         placed = self._chain.at(q, u, t)
@@ -216,34 +203,6 @@ class Lagrange:
             turned = moved.partials @ normal.first - normal.partials @ velocity
             force -= fluid.mass * (change * along + speed * turned)
 
-    def _elastic(self, q: Array, u: Array, sides: Sequence[Sides]) -> Array:
-        """Forces that stiffness and damping of what yields take, by rate."""
-        taken = np.zeros(len(self._chain.rates))
-        for record, K, C, p, rates, places in self._springs(q, u, sides):
-            force = K @ p + C @ rates
-            if isinstance(record, CompliantHinge) and record.joint in self._bushings:
-                taken += sides[len(self.cuts) + list(self._bushings).index(record.joint)].partials @ force
-            else:
-                np.add.at(taken, [i for i in places if i is not None], force[[i is not None for i in places]])
-        return taken
-
-    def _springs(self, q: Array, u: Array, sides: Sequence[Sides]) -> list[Any]:
-        """(record, K, C, p, ṗ, places in u) of each hinge that yields and each body that bends."""
-        found: list[Any] = []
-        index = self._chain.index
-        for name, hinge in self._yielding.items():
-            places = [index.get(name if f == "angle" else f"{name}.{f}") for f in FREEDOMS]
-            p, rates = ([0.0 if i is None else float(x[i]) for i in places] for x in (q, u))
-            found.append((hinge, hinge.stiffness, hinge.damping, np.array(p), np.array(rates), places))
-        for hinge, side in zip(self._bushings.values(), sides[len(self.cuts) :], strict=bool(sides)):
-            none: list[int | None] = [None] * 6
-            found.append((hinge, hinge.stiffness, hinge.damping, side.amounts, side.rates, none))
-        for name, record in self._bending.items():
-            modes = self._chain.modes(name)
-            p, rates = (np.asarray(x, dtype=np.float64)[modes] for x in (q, u))
-            found.append((record, record.stiffness, self._damping[name], p, rates, modes))
-        return found
-
 
 def _inertia(body: Body, record: FlexibleBody | None) -> Array:
     """∫ρ b bᵀ, b = (r, 1, φ), r from the drawn centre of mass."""
@@ -255,14 +214,6 @@ def _inertia(body: Body, record: FlexibleBody | None) -> Array:
         J[:3, 4:], J[3, 4:], J[4:, 4:] = record.first_moment.T, record.moment, record.mass
         J[4:, :4] = J[:4, 4:].T
     return J
-
-
-def _damping(record: FlexibleBody) -> Array:
-    """2 ζ ω in the modes of K and M, ascending, carried back."""
-    squares, shapes = eigh(record.stiffness, record.mass)
-    momenta = record.mass @ shapes
-    result: Array = (momenta * (2.0 * record.damping_ratios * np.sqrt(np.maximum(squares, 0.0)))) @ momenta.T
-    return result
 
 
 def _pair(placed: Placed, body: str, moving: Array, normal: Array) -> tuple[Curve, Curve]:

@@ -80,9 +80,9 @@ def kane(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str] | N
     links = walk(mechanism, names)
     loads = numeric_loads(mechanism, effects, names)
     if loads.at_points:
-        names = sorted({load.effect or "blade_element_drag" for load in loads.at_points})
+        unknown = loads.at_points[0].effect or "blade_element_drag"
         raise UnsupportedError(
-            f"the KanesMethod peer does not know the effect {names[0]!r}; leave it out of the scene"
+            f"the KanesMethod peer does not know the effect {unknown!r}; leave it out of the scene"
         )
     n = len(links)
     q = tuple(dynamicsymbols(f"q:{n}")) if n else ()

@@ -2,7 +2,7 @@
 
 In: an effect's own numbers and the motion of points of the wing. Out: a lift and three drags per strip, by speed and
 angle of attack, and masses that feel motion along the normal only. The outline is cut edge by edge here. With the
-effect this shares what its text states: where strips and drags lie, which Gauss's rule says, and how forces fade at rest.
+effect this shares what its text states: where strips and drags lie (Gauss's rule) and how forces fade at rest.
 """
 
 import math
@@ -71,7 +71,9 @@ class WingInAir:
         for strip in self.strips:
             found.append(self._lift(strip, place))
             for point, weight in zip(*np.polynomial.legendre.leggauss(_CHORD_POINTS), strict=True):
-                found.append(self._drag(strip, strip.edge - 0.5 * strip.chord * (1.0 + point), 0.5 * weight, place))
+                found.append(
+                    self._drag(strip, strip.edge - 0.5 * strip.chord * (1.0 + point), 0.5 * weight, place)
+                )
         return found
 
     def _drag(self, strip: Strip, ahead: float, share: float, place: Place) -> Push:
@@ -84,8 +86,8 @@ class WingInAir:
         return Push(self.told.body, point, size * (math.sin(attack) * across - math.cos(attack) * chord))
 
     def _lift(self, strip: Strip, place: Place) -> Push:
-        """½ ρ c U² A sin 2α by the angle at the pitch axis, and ρ c² U ω k (0.75 - x0); across the velocity at the place
-        where lift acts."""
+        """½ ρ c U² A sin 2α by the angle at the pitch axis, and ρ c² U ω k (0.75 - x0); across the velocity where lift
+        acts."""
         told, c = self.told, strip.chord
         speed, attack, faded, _ = self._met(strip.axis, place)
         risen = [
@@ -107,7 +109,12 @@ class WingInAir:
         velocity = self._velocity(point, place)
         along, rising = float(velocity @ chord), float(velocity @ normal)
         speed = math.hypot(along, rising)
-        return speed, math.atan2(-rising, along), speed / math.hypot(speed, self.told.rest_speed), (chord, normal)
+        return (
+            speed,
+            math.atan2(-rising, along),
+            speed / math.hypot(speed, self.told.rest_speed),
+            (chord, normal),
+        )
 
     def _velocity(self, point: Array, place: Place) -> Array:
         return place.point(self.told.body, point)[1] - self.wind
@@ -133,9 +140,7 @@ class WingInAir:
 def wing_in_air(mechanism: Mechanism, effect: Any) -> WingInAir:
     """Raises DesignError for a body that the mechanism does not have."""
     if effect.body not in {body.name for body in mechanism.bodies}:
-        raise DesignError(
-            f"the scene puts a wing on body {effect.body!r}, which the mechanism does not have"
-        )
+        raise DesignError(f"the scene puts a wing on body {effect.body!r}, which the mechanism does not have")
     body = mechanism.body(effect.body)
     if effect.outline is not None:
         rings, height = [np.array(effect.outline)], float(body.com[2])
@@ -193,5 +198,7 @@ def _area_before(rings: list[Array], first: Array, ahead: Array) -> float:
     """m², of the rings together, on that side of a line through `first`."""
     size = 4.0 * max(float(np.abs(ring - first).max()) for ring in rings)
     span = np.array([-ahead[1], ahead[0]])
-    side = shapely.Polygon([first + a * size * span + b * size * ahead for a, b in ((-1, 0), (1, 0), (1, 1), (-1, 1))])
+    side = shapely.Polygon(
+        [first + a * size * span + b * size * ahead for a, b in ((-1, 0), (1, 0), (1, 1), (-1, 1))]
+    )
     return float(shapely.union_all([shapely.Polygon(ring) for ring in rings]).intersection(side).area)

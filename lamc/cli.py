@@ -196,6 +196,13 @@ def check(
     Exit code 3 if any difference is beyond its limit.
 
     \b
+    Independent formulations, all in numbers:
+      Newton-Euler  hinges between rigid bodies, with all forces and torques of lamc's effects; moving bases too
+      maximal       the same with six freedoms per body and multipliers, up to 30 joints
+      Lagrange      free_base, base_motion, twist_compliance, flexible_links, added mass of blade_element_drag
+    Effects of one's own have none: C and interpreter are compared then, and a note says so.
+
+    \b
     Example:
       lamc check pendulum.cad
     """

@@ -28,7 +28,7 @@ INDEPENDENT = {"Newton-Euler", "Lagrange"}
 WITHOUT_A_VOICE: Mapping[str, str] = {}  # name: why; every effect of lamc has one
 
 
-def compiled(*effects: Effect, angles: Mapping[str, float] = {"h1": 0.9, "h2": -0.8}) -> Simulator:  # noqa: B006
+def compiled(*effects: Effect, angles: Mapping[str, float] = {"h1": 0.9, "h2": -0.8}) -> Simulator:
     return lamc.compile(mechanism(), Scene(effects=effects, angles=angles))
 
 

@@ -7,11 +7,13 @@ from lamc.reference.check import check
 from lamc.reference.check_report import Report
 from lamc.reference.integrate import Run, fixed_steps, initial_state, simulate, voice
 from lamc.reference.interpreter import Interpreter
+from lamc.reference.lagrange import Lagrange
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
 
 __all__ = [
     "Interpreter",
+    "Lagrange",
     "MaximalCoordinates",
     "NewtonEuler",
     "Report",

@@ -109,7 +109,7 @@ def test_a_number_that_is_another_is_noticed(case: str) -> None:
     assert {c.voices[1] for c in failed} <= {"Newton-Euler", "maximal", "Lagrange"}
 
 
-def test_plates_of_another_thickness_are_noticed_by_their_integrals() -> None:
+def test_plates_of_another_modulus_are_noticed() -> None:
     sheet = lamc.plate.Laminate(
         [lamc.plate.Ply(lamc.plate.Material.isotropic(2e9 * (1.0 + 1e-8), 0.3, 1500.0), 1e-3)]
     )

@@ -25,7 +25,7 @@ _ENTRIES = np.triu_indices(3)
 LIMIT = 1e-12  # of sums in which nothing cancels
 ROUND_OFF = 2.2e-16  # a unit in the last place, of the sum of sizes where much cancels
 _REASON = "quadrature against exact integrals; round-off of a sum over cells, times what cancels in it"
-_VOICES = ("C", "quadrature")
+_VOICES = ("equations", "quadrature")
 
 
 def modal_integrals(mechanism: Mechanism, effects: Iterable[Any]) -> list[Comparison]:

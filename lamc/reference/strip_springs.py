@@ -35,7 +35,7 @@ def strip_springs(mechanism: Mechanism, effects: Iterable[Any]) -> list[Comparis
     known = [hinge for hinge in hinges if told[hinge.joint] is not None]
     if not known:
         return []
-    largest = Largest(tuple(hinge.joint for hinge in known), ("C", "flexibilities"))
+    largest = Largest(tuple(hinge.joint for hinge in known), ("equations", "flexibilities"))
     own = np.array([_springs(*told[hinge.joint]) for hinge in known])  # type: ignore[misc]
     found = np.array([hinge.stiffness for hinge in known])
     expected = np.zeros_like(found)

@@ -13,8 +13,8 @@ class CompileOptions:
     """How the generated C is compiled.
 
     compiler     command, e.g. "gcc" or "zig cc"; None: $LAMC_CC, $CC, cc, gcc, clang, then ziglang
-    fast         allow contraction to fused multiply-add and the instructions of this machine, and inline sine and
-                 cosine (2.5 units in the last place); results then differ from machine to machine in the last digits
+    fast         allow contraction to fused multiply-add and the instructions of this machine; results then differ from
+                 machine to machine in the last digits
     precision    "double", or "float": accelerations are evaluated in single precision, everything else in double;
                  its round-off, some 1e-7 of an acceleration, stays whatever the tolerance (1e-8 of an angle in the
                  pendulum), and steps that are to be more exact than that are tried in vain
@@ -43,5 +43,5 @@ class CompileOptions:
         already; it lets keys of the cache and the provenance of results tell."""
         common = ("-std=c11", "-O2", "-fPIC", *(("-DLAMC_FLOAT",) if self.precision == "float" else ()))
         if self.fast:
-            return (*common, "-march=native", "-ffp-contract=fast", "-DLAMC_INLINE_TRIG")
+            return (*common, "-march=native", "-ffp-contract=fast")
         return (*common, "-ffp-contract=off")

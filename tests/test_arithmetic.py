@@ -1,11 +1,7 @@
-"""Other arithmetic than plain double: inline sine and cosine in their last place, single precision and its floor."""
+"""Other arithmetic than plain double: fused operations, single precision and its floor."""
 
-import ctypes
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -13,7 +9,6 @@ import lamc
 from lamc import CompileOptions, examples
 from lamc.codegen import layout
 from lamc.codegen.cache import Cache
-from lamc.codegen.toolchain import find_compiler
 from lamc.commands.examples import mechanism_of_example
 from lamc.errors import BuildError
 from lamc.ledger.arithmetic import variants
@@ -23,65 +18,6 @@ from tests.test_integrators import triple
 ROOT = Path(__file__).resolve().parents[1]
 FLOAT = CompileOptions(precision="float")
 EPS32 = float(np.finfo(np.float32).eps)
-PLACES = 2.5  # units in the last place: what trig.h promises
-
-_ROWS = """#include "trig.h"
-void sines(const double *x, double *y, long n) { for (long i = 0; i < n; i++) y[i] = lamc_sin(x[i]); }
-void cosines(const double *x, double *y, long n) { for (long i = 0; i < n; i++) y[i] = lamc_cos(x[i]); }
-"""
-
-
-@pytest.fixture(scope="module", params=["plain", "fast"])
-def inline(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    """The inlined functions row by row, compiled as a plain and as a fast model is."""
-    folder = tmp_path_factory.mktemp("trig")
-    (folder / "rows.c").write_text(_ROWS, encoding="utf-8")
-    flags = [
-        *CompileOptions(fast=request.param == "fast").flags,
-        "-Wall",
-        "-Wextra",
-        "-Wconversion",
-        "-Werror",
-    ]
-    words = [*find_compiler(None).command, *flags, f"-I{ROOT / 'runtime_c' / 'src'}", "-shared"]
-    subprocess.run([*words, "-o", "rows.so", "rows.c", "-lm"], cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "rows.so"))
-
-
-def values(function: Callable[..., None], x: np.ndarray) -> np.ndarray:
-    y = np.empty_like(x)
-    function(x.ctypes.data_as(ctypes.c_void_p), y.ctypes.data_as(ctypes.c_void_p), ctypes.c_long(len(x)))
-    return y
-
-
-def angles(most: float) -> np.ndarray:
-    """Angles anywhere up to `most`, and next to multiples of π/2, where digits cancel; fixed seed."""
-    rng = np.random.default_rng(7)
-    whole = rng.integers(-int(most / 1.5708), int(most / 1.5708) + 1, 800)
-    return np.concatenate([rng.uniform(-most, most, 2000), whole * (np.pi / 2), rng.uniform(-1e-8, 1e-8, 50)])
-
-
-@pytest.mark.parametrize("most", [1.0, 7.0, 1e3, 9.9e4])
-def test_inline_sine_and_cosine_are_right_to_the_last_places(inline: ctypes.CDLL, most: float) -> None:
-    x = angles(most)
-    with mpmath.workprec(200):
-        for function, exact in ((inline.sines, mpmath.sin), (inline.cosines, mpmath.cos)):
-            for angle, value in zip(x.tolist(), values(function, x).tolist(), strict=True):
-                off = abs(mpmath.mpf(value) - exact(mpmath.mpf(angle)))
-                assert off <= PLACES * np.spacing(abs(value)), (angle, value)
-
-
-def test_libm_gets_huge_angles_and_what_is_no_number(inline: ctypes.CDLL) -> None:
-    x = np.array([1e5, -3e7, 1e22, 1e308])
-    # numpy's own routines may differ from libm's in the last place.
-    np.testing.assert_allclose(values(inline.sines, x), np.sin(x), rtol=1e-15)
-    np.testing.assert_allclose(values(inline.cosines, x), np.cos(x), rtol=1e-15)
-    none = np.array([np.nan, np.inf, -np.inf])
-    assert np.isnan(values(inline.sines, none)).all()
-    assert np.isnan(values(inline.cosines, none)).all()
-    zero = values(inline.sines, np.array([0.0]))
-    assert zero[0] == 0.0
-    assert values(inline.cosines, np.array([0.0]))[0] == 1.0
 
 
 def test_no_variant_takes_nan_for_a_number() -> None:

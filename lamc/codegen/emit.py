@@ -19,6 +19,7 @@ from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import Program
+from lamc.codegen.turns import CALLS
 from lamc.mechanics.piecewise import Piecewise
 from lamc.resources import data_dir
 
@@ -123,7 +124,13 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
         )
         for f, p in zip(fields, program.parameters, strict=True)
     ]
-    printer, single = ShapePrinter(), ShapePrinter(single=True)
+    printer, single = ShapePrinter(own_trig=True), ShapePrinter(single=True)
+    functions = [
+        arrange(f, single, fields, "float")
+        if precision == "float" and f.name in _AT_PRECISION
+        else arrange(f, printer, fields)
+        for f in program.functions.values()
+    ]
     return {
         "version": __version__,
         "title": comment(program.name),
@@ -161,12 +168,14 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
         "jacobian_cost": literal(program.jacobian_cost),
         "present": sorted(program.functions),
         "tables": [_look_up(number, table) for number, table in program.tables.items()],
-        "functions": [
-            arrange(f, single, fields, "float")
-            if precision == "float" and f.name in _AT_PRECISION
-            else arrange(f, printer, fields)
-            for f in program.functions.values()
-        ],
+        "functions": functions,
+        "has_trig": any(
+            text in line
+            for f in functions
+            for lines in (f.body, *(routine.lines for routine in f.routines))
+            for line in lines
+            for text in CALLS
+        ),
     }
 
 

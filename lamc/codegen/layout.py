@@ -8,6 +8,7 @@ from lamc.codegen.names import comment
 from lamc.codegen.pieces import SHORT_INDEX, CFunction, heading, operand_name, output_lines, unused
 from lamc.codegen.printer import ShapePrinter
 from lamc.codegen.program import Function, Operand
+from lamc.codegen.turns import batches, calls
 
 # Statements in one block. What runs at every step is straight code as long as that is quicker than kernels (40
 # parallel hinges: nearly twice as quick); gcc then takes about a second. What runs once per row compiles quickly.
@@ -35,10 +36,14 @@ def _block(function: Function, printer: ShapePrinter, fields: list[str], number:
 
     lines: list[str] = []
     section = -1
-    for statement in function.statements:
-        if statement.section != section:
-            section = statement.section
+    for statement in batches(function.statements) if number == "double" else function.statements:
+        first = statement[0][0] if isinstance(statement, tuple) else statement
+        if first.section != section:
+            section = first.section
             lines += heading(function, section)
+        if isinstance(statement, tuple):
+            lines += calls(statement, name)
+            continue
         text = printer.text(statement.shape, statement.operands, name)
         lines.append(f"const {number} z{statement.target.index} = {text};")
     used = {operand.space for s in function.statements for operand in s.operands}

@@ -24,6 +24,7 @@ from lamc.codegen.pieces import (
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import Function, Operand, Space, Statement
 from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment, lay_out
+from lamc.codegen.turns import batches, call, calls, turns
 
 PART = 250  # statements in one part of what does not repeat in a long function
 MAX_PERIOD = 4  # like links in turns: signs that alternate from link to link make two classes of one
@@ -106,7 +107,13 @@ class Long:
             f"const {self.number} e{slot} = {array}[i[{slot + 1}]];" for slot, array in sorted(arrays.items())
         ]
 
+        found = turns(kernel.pattern) if self.number == "double" else {}
         for position, (shape, operands) in enumerate(kernel.pattern):
+            turn = found.get(position)
+            if turn is not None:
+                if position == turn.first:
+                    lines += call(_kernel_operand(operands[0]), f"z{turn.sine}", f"z{turn.cosine}")
+                continue
             stand_ins = tuple(Operand(Space.LOCAL, k) for k in range(len(operands)))
             names = [_kernel_operand(o) for o in operands]
             text = self.printer.text(shape, stand_ins, lambda o, names=names: names[o.index])  # type: ignore[misc]
@@ -207,15 +214,19 @@ class Long:
                 return f"z{operand.index}"
             return self._outside(operand)
 
-        for statement in statements:
-            if statement.section != section:
-                section = statement.section
+        for statement in batches(statements) if self.number == "double" else statements:
+            first = statement[0][0] if isinstance(statement, tuple) else statement
+            if first.section != section:
+                section = first.section
                 yield from heading(self.function, section)
-            index = statement.target.index
-            text = self.printer.text(statement.shape, statement.operands, name)
-            yield f"const {self.number} z{index} = {text};"
-            if index in self.layout.place:
-                yield f"x[{self.layout.place[index]}] = z{index};"
+            if isinstance(statement, tuple):
+                yield from calls(statement, name)
+                made = [half.target.index for turn in statement for half in turn]
+            else:
+                text = self.printer.text(statement.shape, statement.operands, name)
+                made = [statement.target.index]
+                yield f"const {self.number} z{made[0]} = {text};"
+            yield from (f"x[{self.layout.place[k]}] = z{k};" for k in made if k in self.layout.place)
 
 
 def _kernel_operand(operand: Local | External) -> str:

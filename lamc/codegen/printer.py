@@ -42,12 +42,14 @@ class ShapePrinter:
 
     brackets: keep those of a - b*(c*d) too, which sympy writes as a - b*c*d: the same number but for its last bit.
     single: numbers and functions of single precision, 1.0F and sinf.
+    own_trig: sine and cosine of `trig.h`.
     """
 
-    def __init__(self, *, brackets: bool = False, single: bool = False) -> None:
+    def __init__(self, *, brackets: bool = False, single: bool = False, own_trig: bool = False) -> None:
         # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
         types = {"type_aliases": {real: float32}} if single else {}
-        self._printer = _Printer({"order": "none", **types})
+        names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if own_trig else {}
+        self._printer = _Printer({"order": "none", **types, **names})
         self._brackets = brackets
         self._pieces: dict[Shape, tuple[list[str], list[int]]] = {}
 

@@ -4,24 +4,20 @@
  * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
- * Operations per call (+ - *, reciprocals, library calls):
- *   setup               6 of which 1 reciprocals; 0 library calls
- *   acceleration        9 of which 0 reciprocals; 3 library calls
- *   energy              3 of which 0 reciprocals; 0 library calls
- *   poses               2 of which 0 reciprocals; 2 library calls
- *   inertia             0 of which 0 reciprocals; 0 library calls
- *   jacobian           14 of which 0 reciprocals; 5 library calls
+ * Operations per call (+ - *, reciprocals, calls of sine and other functions):
+ *   setup               6 of which 1 reciprocals; 0 calls
+ *   acceleration        9 of which 0 reciprocals; 3 calls
+ *   energy              3 of which 0 reciprocals; 0 calls
+ *   poses               2 of which 0 reciprocals; 2 calls
+ *   inertia             0 of which 0 reciprocals; 0 calls
+ *   jacobian           14 of which 0 reciprocals; 5 calls
  */
 #include "driven.h"
 
+#include "trig.h"
+
 #include <math.h>
 #include <stddef.h>
-
-#ifdef LAMC_INLINE_TRIG
-#include "trig.h"
-#define sin(x) lamc_sin(x)
-#define cos(x) lamc_cos(x)
-#endif
 
 /* everything that depends on parameters only; once per change of parameters */
 void driven_setup(const driven_parameters *p, double *out) {
@@ -37,7 +33,7 @@ void driven_setup(const driven_parameters *p, double *out) {
 /* accelerations of the joints, rad/s^2 */
 void driven_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
   /* Applied hinge torques (eq. 17) [torque] */
-  const double z0 = sin(314.1592653589793*t);
+  const double z0 = lamc_sin(314.1592653589793*t);
   const double z1 = fabs(u[0]);
   const double z2 = fmax(q[0], 0.0);
   const double z3 = (0.01*z0 - 0.0001*u[0]*z1) + z2*(z2*z2);
@@ -59,8 +55,8 @@ void driven_energy(const double *c, double t, const double *q, const double *u, 
 void driven_poses(const double *c, double t, const double *q, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
+  double z1, z0;
+  lamc_turn(q[0], &z1, &z0);
   /* Positions and rotations of the links (eq. 1-4) */
   const double z2 = c[2]*z0;
   const double z3 = c[2]*z1;
@@ -101,7 +97,7 @@ void driven_jacobian(const double *c, double t, const double *q, const double *u
   const double z7 = z4*z6 + z3*(2.0*(z3*z6));
   const double z8 = (((u[0]) > 0) - ((u[0]) < 0));
   const double z9 = 0.0001*z2 + z1*z8;
-  const double z10 = cos(z0);
+  const double z10 = lamc_cos(z0);
   const double z11 = 3.141592653589793*z10;
   out[0] = -z7;
   out[1] = z9;

@@ -4,24 +4,20 @@
  * Program digest d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859
  * Accelerations by elimination (operations: elimination 3, mass matrix 3).
  *
- * Operations per call (+ - *, reciprocals, library calls):
- *   setup               6 of which 1 reciprocals; 0 library calls
- *   acceleration        3 of which 0 reciprocals; 1 library calls
- *   energy              5 of which 0 reciprocals; 1 library calls
- *   poses               2 of which 0 reciprocals; 2 library calls
- *   inertia             0 of which 0 reciprocals; 0 library calls
- *   jacobian            2 of which 0 reciprocals; 1 library calls
+ * Operations per call (+ - *, reciprocals, calls of sine and other functions):
+ *   setup               6 of which 1 reciprocals; 0 calls
+ *   acceleration        3 of which 0 reciprocals; 1 calls
+ *   energy              5 of which 0 reciprocals; 1 calls
+ *   poses               2 of which 0 reciprocals; 2 calls
+ *   inertia             0 of which 0 reciprocals; 0 calls
+ *   jacobian            2 of which 0 reciprocals; 1 calls
  */
 #include "measured.h"
 
+#include "trig.h"
+
 #include <math.h>
 #include <stddef.h>
-
-#ifdef LAMC_INLINE_TRIG
-#include "trig.h"
-#define sin(x) lamc_sin(x)
-#define cos(x) lamc_cos(x)
-#endif
 
 /* The derivative of some order, at x, of a piecewise polynomial with `count` breaks. Rows of `pieces` hold `width`
  * coefficients by rising power: one row for x before the first break, then one from each break on. Powers are of the
@@ -112,8 +108,8 @@ void measured_energy(const double *c, double t, const double *q, const double *u
 void measured_poses(const double *c, double t, const double *q, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
+  double z1, z0;
+  lamc_turn(q[0], &z1, &z0);
   /* Positions and rotations of the links (eq. 1-4) */
   const double z2 = c[4]*z0;
   const double z3 = c[4]*z1;

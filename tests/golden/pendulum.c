@@ -4,24 +4,20 @@
  * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
- * Operations per call (+ - *, reciprocals, library calls):
- *   setup              38 of which 1 reciprocals; 0 library calls
- *   acceleration      106 of which 2 reciprocals; 6 library calls
- *   energy             76 of which 0 reciprocals; 6 library calls
- *   poses              16 of which 0 reciprocals; 6 library calls
- *   inertia            30 of which 0 reciprocals; 6 library calls
- *   jacobian          123 of which 0 reciprocals; 6 library calls
+ * Operations per call (+ - *, reciprocals, calls of sine and other functions):
+ *   setup              38 of which 1 reciprocals; 0 calls
+ *   acceleration      106 of which 2 reciprocals; 6 calls
+ *   energy             76 of which 0 reciprocals; 6 calls
+ *   poses              16 of which 0 reciprocals; 6 calls
+ *   inertia            30 of which 0 reciprocals; 6 calls
+ *   jacobian          123 of which 0 reciprocals; 6 calls
  */
 #include "pendulum.h"
 
+#include "trig.h"
+
 #include <math.h>
 #include <stddef.h>
-
-#ifdef LAMC_INLINE_TRIG
-#include "trig.h"
-#define sin(x) lamc_sin(x)
-#define cos(x) lamc_cos(x)
-#endif
 
 /* everything that depends on parameters only; once per change of parameters */
 void pendulum_setup(const pendulum_parameters *p, double *out) {
@@ -73,14 +69,14 @@ void pendulum_setup(const pendulum_parameters *p, double *out) {
 void pendulum_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
   const double z2 = q[0] + q[1];
-  const double z3 = cos(z2);
-  const double z4 = sin(z2);
   const double z5 = q[2] - z2;
-  const double z6 = cos(z5);
-  const double z7 = sin(z5);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], z2, s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z4 = s1[1], z3 = c0[1];
+  double z7, z6;
+  lamc_turn(z5, &z7, &z6);
   /* Hinge damping (T = -c u, eq. 16) [hinge_damping] */
   const double z8 = u[0]*c[7];
   const double z9 = u[1]*c[8];
@@ -141,14 +137,14 @@ void pendulum_acceleration(const double *c, double t, const double *q, const dou
 void pendulum_energy(const double *c, double t, const double *q, const double *u, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
   const double z2 = q[0] + q[1];
-  const double z3 = cos(z2);
-  const double z4 = sin(z2);
   const double z5 = q[2] - z2;
-  const double z6 = cos(z5);
-  const double z7 = sin(z5);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], z2, s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z4 = s1[1], z3 = c0[1];
+  double z7, z6;
+  lamc_turn(z5, &z7, &z6);
   /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
   const double z8 = 0.5*(c[10]*(q[0]*q[0])) + 0.5*(c[11]*(q[1]*q[1]));
   const double z9 = z8 + 0.5*(c[12]*(q[2]*q[2]));
@@ -180,14 +176,14 @@ void pendulum_energy(const double *c, double t, const double *q, const double *u
 void pendulum_poses(const double *c, double t, const double *q, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
   const double z2 = q[0] + q[1];
-  const double z3 = cos(z2);
-  const double z4 = sin(z2);
   const double z5 = q[2] - z2;
-  const double z6 = cos(z5);
-  const double z7 = sin(z5);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], z2, s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z4 = s1[1], z3 = c0[1];
+  double z7, z6;
+  lamc_turn(z5, &z7, &z6);
   /* Potential energy (-? m a*r) [gravity] */
   const double z8 = c[15]*z0;
   const double z9 = c[23] - c[15]*z1;
@@ -237,14 +233,14 @@ void pendulum_poses(const double *c, double t, const double *q, double *out) {
 /* mass matrix, lower triangle by rows */
 void pendulum_inertia(const double *c, const double *q, double *out) {
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
   const double z2 = q[0] + q[1];
-  const double z3 = cos(z2);
-  const double z4 = sin(z2);
   const double z5 = q[2] - z2;
-  const double z6 = cos(z5);
-  const double z7 = sin(z5);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], z2, s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z4 = s1[1], z3 = c0[1];
+  double z7, z6;
+  lamc_turn(z5, &z7, &z6);
   /* Inertia in carrier frames (eq. 7-11) */
   const double z8 = c[0]*z7;
   const double z9 = c[0]*z6;
@@ -272,14 +268,14 @@ void pendulum_jacobian(const double *c, double t, const double *q, const double 
   (void)t;
   (void)l;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
   const double z2 = q[0] + q[1];
-  const double z3 = cos(z2);
-  const double z4 = sin(z2);
   const double z5 = q[2] - z2;
-  const double z6 = cos(z5);
-  const double z7 = sin(z5);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], z2, s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z4 = s1[1], z3 = c0[1];
+  double z7, z6;
+  lamc_turn(z5, &z7, &z6);
   /* Inertia in carrier frames (eq. 7-11) */
   const double z8 = c[2]*z4;
   const double z9 = c[2]*z3;

@@ -4,24 +4,20 @@
  * Program digest c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
- * Operations per call (+ - *, reciprocals, library calls):
- *   setup              44 of which 1 reciprocals; 0 library calls
- *   acceleration       99 of which 1 reciprocals; 4 library calls
- *   energy             65 of which 0 reciprocals; 4 library calls
- *   poses              46 of which 0 reciprocals; 4 library calls
- *   inertia            19 of which 0 reciprocals; 2 library calls
- *   jacobian          180 of which 0 reciprocals; 4 library calls
+ * Operations per call (+ - *, reciprocals, calls of sine and other functions):
+ *   setup              44 of which 1 reciprocals; 0 calls
+ *   acceleration       99 of which 1 reciprocals; 4 calls
+ *   energy             65 of which 0 reciprocals; 4 calls
+ *   poses              46 of which 0 reciprocals; 4 calls
+ *   inertia            19 of which 0 reciprocals; 2 calls
+ *   jacobian          180 of which 0 reciprocals; 4 calls
  */
 #include "two_links_in_space.h"
 
+#include "trig.h"
+
 #include <math.h>
 #include <stddef.h>
-
-#ifdef LAMC_INLINE_TRIG
-#include "trig.h"
-#define sin(x) lamc_sin(x)
-#define cos(x) lamc_cos(x)
-#endif
 
 /* everything that depends on parameters only; once per change of parameters */
 void two_links_in_space_setup(const two_links_in_space_parameters *p, double *out) {
@@ -91,10 +87,10 @@ void two_links_in_space_setup(const two_links_in_space_parameters *p, double *ou
 void two_links_in_space_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
-  const double z2 = cos(q[1]);
-  const double z3 = sin(q[1]);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], q[1], s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z3 = s1[1], z2 = c0[1];
   /* Hinge damping (T = -c u, eq. 16) [hinge_damping] */
   const double z4 = u[0]*c[10];
   /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
@@ -145,10 +141,10 @@ void two_links_in_space_acceleration(const double *c, double t, const double *q,
 void two_links_in_space_energy(const double *c, double t, const double *q, const double *u, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
-  const double z2 = cos(q[1]);
-  const double z3 = sin(q[1]);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], q[1], s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z3 = s1[1], z2 = c0[1];
   /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
   const double z4 = 0.5*(c[11]*(q[0]*q[0])) + 0.5*(c[12]*(q[1]*q[1]));
   /* Velocities and bias accelerations (eq. 13-14) */
@@ -179,10 +175,10 @@ void two_links_in_space_energy(const double *c, double t, const double *q, const
 void two_links_in_space_poses(const double *c, double t, const double *q, double *out) {
   (void)t;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
-  const double z2 = cos(q[1]);
-  const double z3 = sin(q[1]);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], q[1], s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z3 = s1[1], z2 = c0[1];
   /* Potential energy (-? m a*r) [gravity] */
   const double z4 = c[18]*z0;
   const double z5 = c[18]*z1;
@@ -235,8 +231,8 @@ void two_links_in_space_poses(const double *c, double t, const double *q, double
 /* mass matrix, lower triangle by rows */
 void two_links_in_space_inertia(const double *c, const double *q, double *out) {
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[1]);
-  const double z1 = sin(q[1]);
+  double z1, z0;
+  lamc_turn(q[1], &z1, &z0);
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
   const double z2 = c[1]*z1;
   /* Mass matrix (Kane, eq. 19) */
@@ -256,10 +252,10 @@ void two_links_in_space_jacobian(const double *c, double t, const double *q, con
   (void)t;
   (void)l;
   /* Rotation about the hinges (eq. 1-4) */
-  const double z0 = cos(q[0]);
-  const double z1 = sin(q[0]);
-  const double z2 = cos(q[1]);
-  const double z3 = sin(q[1]);
+  double s1[2], c0[2];
+  lamc_turn_two(q[0], q[1], s1, c0);
+  const double z1 = s1[0], z0 = c0[0];
+  const double z3 = s1[1], z2 = c0[1];
   /* Velocities and bias accelerations (eq. 13-14) */
   const double z4 = z1*c[9];
   const double z5 = z0*c[9];

@@ -155,14 +155,18 @@ def _declared(stream: list[Token]) -> tuple[str, list[str]]:
 
 
 def _declared_by_directives(stream: list[Token]) -> list[str]:
-    """Macros, and functions within a group."""
+    """Macros, and functions and types within a group."""
     macros = [re.match(r"#\s*define\s+(\w+)", token.text) for token in stream if token.kind == "directive"]
     names = [match.group(1) for match in macros if match is not None]
     inner = [token for token in stream if token.kind != "directive"]
-    depth = 0
+    depth, is_type = 0, False
     for before, token in zip([Token("mark", ""), *inner], inner, strict=False):
-        if token.text == "(" and depth == 0 and before.kind == "name":
-            names.append(before.text)
+        if depth == 0 and before.kind == "name":
+            ends_type = is_type and token.text in (";", "__attribute__")
+            if ends_type or (token.text == "(" and before.text != "__attribute__"):
+                names.append(before.text)
+        if depth == 0 and token.text in ("typedef", ";"):
+            is_type = token.text == "typedef"
         depth += (token.text in _OPEN and token.kind == "mark") - (
             token.text in _CLOSE and token.kind == "mark"
         )

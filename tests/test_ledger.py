@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -11,14 +12,17 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import lamc
+from lamc import examples
+from lamc.commands.examples import mechanism_of_example
 from lamc.errors import SimulationError
 from lamc.ledger import Ledger, Sweep, measure, reference
 from lamc.ledger.clock import Clock
 from lamc.ledger.effects_account import Accounting, Setting
 from lamc.ledger.making import Workshop
+from lamc.ledger.outputs import errors
 from lamc.ledger.precision import observed_orders, slope
 from lamc.ledger.records import Account, EffectRow, Point, Reference
-from lamc.ledger.reference import make_reference
+from lamc.ledger.reference import Truth, events_differ_after, make_reference
 from lamc.ledger.runners import Trace
 from lamc.ledger.schema import ledger_schema, read_ledger
 from lamc.ledger.verdict import cheapest, make_verdict
@@ -26,6 +30,7 @@ from lamc.mechanics.loads import Loads
 from lamc.options import CompileOptions
 from lamc.report.ledger import draw_ledger, spread
 from lamc.report.ledger_text import ledger_text
+from lamc.run.run_record import Event
 from tests.mechanisms import chain, unit_plate_pendulum
 
 OWN = ("rk45", "dop853", "rodas5p", "radau5")
@@ -152,30 +157,164 @@ def test_chaos_is_told_and_the_horizon_is_not_shortened_in_silence() -> None:
     assert ledger.reference.uncertainty > 1e-12  # round-off, grown as well
 
 
-def test_without_two_runs_that_arrive_there_is_no_ledger() -> None:
+def test_without_a_run_that_arrives_there_is_no_ledger() -> None:
     with pytest.raises(SimulationError, match="--t-end"):
-        make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1e5), Clock(0.2), 0.05)
+        make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1e8), Clock(0.2), 0.05)
 
 
-def test_a_reference_that_takes_too_long_is_made_looser_and_for_longer(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The first round of runs is stopped at once, as a busy machine would."""
-    simulator, trace, tried = lamc.compile(rod(), FREE), reference.Own.trace, []
+Tried = list[tuple[str, float, float]]
 
-    def impatient(run: reference.Own, rtol: float, clock: Clock, seconds: float) -> Trace:
-        tried.append((run.name, rtol, seconds))
-        return trace(run, rtol, clock, seconds if rtol > 2e-13 else 0.0)
 
-    monkeypatch.setattr(reference.Own, "trace", impatient)
-    truth = make_reference(simulator, Sweep(t_end=4.0), Clock(10.0), 5.0)
-    rounds = sorted({(rtol, seconds) for _, rtol, seconds in tried})
-    assert [rtol for rtol, _ in rounds] == pytest.approx([1e-13, 1e-12], rel=1e-12)
-    assert [seconds for _, seconds in rounds] == [5.0, 10.0]
-    assert truth.facts.rtol == truth.facts.second_rtol == rounds[1][0]
+@pytest.fixture
+def slow_machine(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Tried]:
+    """Makes runs take as long as their steps say, at so many steps a second; `fails`: methods that break down at
+    tolerances below the one given. What is tried is told: method, rtol, patience."""
+    trace, tried = reference.Own.trace, []
+
+    def slow(pace: float, fails: dict[str, float]) -> Tried:
+        def run(own: reference.Own, rtol: float, clock: Clock, seconds: float) -> Trace:
+            tried.append((own.name, rtol, seconds))
+            if rtol < fails.get(own.name, 0.0):
+                return Trace(None, "the step becomes too small")
+            found = trace(own, rtol, clock, 60.0)
+            share = seconds * pace / (found.steps or 1)
+            if share >= 1.0:
+                return found
+            return Trace(None, f"stopped after {seconds:g} s", reached=share * float(own.times[-1]))
+
+        monkeypatch.setattr(reference.Own, "trace", run)
+        return tried
+
+    return slow
+
+
+def off_the_swing(truth: Truth) -> float:
     exact = swing(truth.result.t, 1.5)
-    found = np.abs(truth.result.angle("h") - exact).max() / np.ptp(exact)
-    assert found < truth.facts.uncertainty + 1e-11  # ten times the tolerance, over some 20 steps a swing
+    return float(np.abs(truth.result.angle("h") - exact).max() / np.ptp(exact))
+
+
+@pytest.mark.parametrize(("pace", "rtol", "rounds"), [(100.0, 1e-12, 2), (15.0, 1e-6, 3)])
+def test_a_reference_that_takes_too_long_is_made_looser_and_for_longer(
+    slow_machine: Callable[..., Tried], pace: float, rtol: float, rounds: int
+) -> None:
+    """The swing's 4 s take some 280 steps of dop853 at 1e-13."""
+    tried = slow_machine(pace, {})
+    truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=4.0), Clock(10.0), 1.0)
+    asked = sorted({(rtol, patience) for _, rtol, patience in tried})
+    assert [patience for _, patience in asked] == [1.0, 2.0, 4.0, 8.0][: len(asked)]
+    assert truth.facts.integrator != truth.facts.second
+    assert max(truth.facts.rtol, truth.facts.second_rtol) == asked[-1][0]
+    # Ten times the tolerance it was made at, of two swings; the two runs tell it themselves to within a tenth.
+    assert off_the_swing(truth) < min(10.0 * asked[-1][0], 1.1 * truth.facts.uncertainty + 1e-13)
+
+
+def test_methods_that_break_down_at_a_tight_tolerance_are_tried_at_a_looser_one(
+    slow_machine: Callable[..., Tried],
+) -> None:
+    slow_machine(1e9, dict.fromkeys(OWN, 1e-11))
+    truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=4.0), Clock(10.0), 5.0)
+    assert truth.facts.rtol == pytest.approx(1e-11, rel=1e-9)
+    assert off_the_swing(truth) < 1e-10  # ten times its tolerance
+
+
+def test_one_method_alone_is_held_against_itself_and_that_is_told(slow_machine: Callable[..., Tried]) -> None:
+    slow_machine(1e9, dict.fromkeys(("rk45", "rodas5p", "radau5", "scipy:DOP853"), 1.0))
+    truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=4.0), Clock(10.0), 5.0)
+    facts = truth.facts
+    assert facts.is_one_method
+    assert facts.integrator == facts.second == "dop853"
+    assert facts.second_rtol == pytest.approx(10.0 * facts.rtol, rel=1e-9)
+    assert off_the_swing(truth) < facts.uncertainty + 1e-13  # round-off, as above
+    ledger = points_alone(rod(), FREE, sweep_of(4.0, "rk45", tolerances=(1e-3, 1e-6)))
+    assert any("no second method arrives" in note for note in ledger.notes)
+    assert "dop853 alone" in ledger_text(ledger)
+
+
+def test_a_slow_contact_scene_has_a_reference_and_says_its_floor(slow_machine: Callable[..., Tried]) -> None:
+    """Half a second of the crawler, some 60 touches, on a machine that hardly gets through at any tolerance."""
+    mechanism = mechanism_of_example(examples.find("crawler"))
+    simulator = lamc.compile(mechanism, mechanism.scene)
+    sweep = Sweep(t_end=0.5, budget=1.0)
+    explicit = dict.fromkeys(("rodas5p", "radau5"), 1.0)  # these take longer still
+    slow_machine(1e9, explicit)
+    tight = make_reference(simulator, sweep, Clock(60.0), 1.0)
+    slow_machine(1000.0, explicit)
+    truth = make_reference(simulator, sweep, Clock(1.0), 1.0)
+    assert truth.facts.rtol > 1e-11
+    assert truth.facts.events == tight.facts.events > 20
+    assert truth.facts.events_differ_after is None
+    # What two loose runs differ by is about what the tighter of them is off by: ten times that covers both erring alike
+    assert errors(truth.result, tight.result, tight.scales).path < 10.0 * truth.facts.uncertainty
+
+
+def test_events_of_two_runs_are_compared_one_by_one() -> None:
+    def events(**times: Sequence[float]) -> list[Event]:
+        return sorted((Event(t, name) for name, ts in times.items() for t in ts), key=lambda e: e.t)
+
+    mine = events(left=[0.1, 0.4, 0.9], right=[0.1, 0.5])
+    assert events_differ_after(mine, [mine[1], mine[0], *mine[2:]], 1e-3) is None  # two at one instant
+    assert events_differ_after(mine, events(left=[0.1, 0.4, 0.9001], right=[0.1, 0.5]), 1e-3) is None
+    assert events_differ_after(mine, events(left=[0.1, 0.4, 0.9], right=[0.1]), 1e-3) == 0.5
+    assert events_differ_after(mine, events(left=[0.1, 0.3, 0.4, 0.9], right=[0.1, 0.5]), 1e-3) == 0.3
+    assert events_differ_after([], [], 1e-3) is None
+
+
+# ---- interruption ---------------------------------------------------------------------------------------------
+
+
+class Interrupting(Quiet):
+    """Ctrl-C as a part begins, or as it tells of its second piece."""
+
+    def __init__(self, stage: str, *, within: bool = False) -> None:
+        self.at, self.within, self.now = stage, within, ""
+
+    def stage(self, name: str) -> None:
+        self.now = name
+        if name == self.at and not self.within:
+            raise KeyboardInterrupt
+
+    def part(self, done: float, _total: float) -> None:
+        if self.now == self.at and self.within and done >= 1.0:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("stage", "within"),
+    [
+        ("work and precision", True),
+        ("effects", False),
+        ("effects", True),
+        ("arithmetic", False),
+        ("repeats", False),
+    ],
+)
+def test_interrupted_ledger_has_what_was_measured_and_claims_no_more(
+    stage: str, within: bool, tmp_path: Path
+) -> None:
+    from lamc.commands.ledger import ledger_data
+
+    sweep = sweep_of(1.0, "rk45", "dop853", tolerances=(1e-3, 1e-6))
+    ledger = measure(rod(), BOTH, CompileOptions(), sweep, Interrupting(stage, within=within))
+    assert ledger.interrupted == stage
+    measured = [p for p in ledger.points if p.succeeded]
+    assert len(ledger.points) == 4  # what was not measured has a row too, with the reason
+    assert len(measured) == (1 if stage == "work and precision" else 4)
+    assert all("interrupted" in p.note for p in ledger.points if not p.succeeded)
+    rows = ledger.account.rows if ledger.account is not None else ()
+    if stage in ("work and precision", "effects"):
+        assert not any("can be left out" in line or "leaving it out" in line for line in ledger.verdict.lines)
+        assert sum(row.succeeded for row in rows) == (1 if (stage, within) == ("effects", True) else 0)
+    else:
+        assert all(row.succeeded for row in rows)
+    assert len(ledger.arithmetic) == (4 if stage == "repeats" else 0)
+    assert "INCOMPLETE" in ledger_text(ledger)
+    assert read_ledger(json.dumps(ledger_data(ledger), allow_nan=False)) == ledger
+    assert draw_ledger(ledger, tmp_path / "ledger.png").is_file()
+
+
+def test_interruption_before_there_is_a_reference_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        measure(rod(), FREE, CompileOptions(), sweep_of(1.0, "rk45"), Interrupting("reference"))
 
 
 def test_the_verdict_claims_nothing_of_effects_that_were_not_measured() -> None:

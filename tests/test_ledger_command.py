@@ -1,6 +1,9 @@
 """`lamc ledger` as a user meets it: files, tables, one-line errors."""
 
 import json
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -75,7 +78,7 @@ def test_words_that_make_no_sweep_are_refused_in_one_line(
 
 
 def test_run_that_cannot_be_referenced_is_an_error_with_the_way_out(design: str) -> None:
-    found = call(design, "--t-end", "1e6", "--budget", "200 ms")
+    found = call(design, "--t-end", "1e9", "--budget", "200 ms")
     assert found.exit_code == 3
     assert "--t-end" in found.stderr
 
@@ -84,3 +87,41 @@ def test_schema_describes_the_record() -> None:
     found = call("--schema")
     assert found.exit_code == 0
     assert {"points", "account", "verdict"} <= set(json.loads(found.stdout)["properties"])
+
+
+def interrupted_after(told: str, *words: str) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a process that gets SIGINT once its progress has a line with `told`."""
+    command = [sys.executable, "-m", "lamc", "ledger", "rod.yaml", *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        lines = []
+        for line in process.stderr:
+            lines.append(line)
+            if told in line:
+                break
+        process.send_signal(signal.SIGINT)
+        out, rest = process.communicate(timeout=60)
+        return process.returncode, out, "".join(lines) + rest
+
+
+def test_ctrl_c_keeps_what_is_measured(design: str) -> None:
+    """The first line with a share of the work comes after 2 s: settings are measured by then, and minutes are left."""
+    words = ("--t-end", "500", "--budget", "10 min")
+    code, out, err = interrupted_after("work and precision … ", *words)
+    assert code == 130
+    assert "error: interrupted in 'work and precision'; what was measured until then is in" in err
+    assert "INCOMPLETE" in out
+    folder = Path("out") / "rod"
+    ledger = read_ledger((folder / "ledger.json").read_text(encoding="utf-8"))
+    assert ledger.interrupted == "work and precision"
+    assert any(p.succeeded for p in ledger.points)
+    assert any("interrupted" in p.note for p in ledger.points)
+    assert (folder / "ledger.png").is_file()
+
+
+def test_ctrl_c_before_anything_is_measured_writes_nothing(design: str) -> None:
+    code, out, err = interrupted_after("reference …", "--t-end", "1e5", "--budget", "10 min")
+    assert code == 130
+    assert "interrupted; nothing more was written" in err
+    assert not out
+    assert not (Path("out") / "rod" / "ledger.json").exists()

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from lamc.commands.inputs import (
@@ -14,7 +15,7 @@ from lamc.commands.inputs import (
     output_folder,
     share_of,
 )
-from lamc.commands.terminal import Terminal, plain
+from lamc.commands.terminal import INTERRUPTED, Terminal, plain
 from lamc.errors import LamcError
 from lamc.files import write_text
 from lamc.ledger.measure import measure
@@ -49,7 +50,7 @@ class LedgerOrder:
 
 
 def ledger(order: LedgerOrder, terminal: Terminal) -> int:
-    """Measures, writes, prints."""
+    """Measures, writes, prints; after Ctrl-C what is measured by then, and the exit code of an interruption."""
     sweep = _sweep(order)
     times = Times()
     with terminal.progress() as progress:
@@ -65,10 +66,25 @@ def ledger(order: LedgerOrder, terminal: Terminal) -> int:
             )
             data = ledger_data(measured)
             write_text(folder / "ledger.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n")
-            draw_ledger(measured, folder / "ledger.png")
-    terminal.say(f"{ledger_text(measured, full=order.full)}\n\nfiles   {folder}: {', '.join(FILES)}")
-    terminal.result({"ok": True, **data, "folder": str(folder), "files": list(FILES)})
-    return 0
+            files = _drawn(measured, folder)
+    terminal.say(f"{ledger_text(measured, full=order.full)}\n\nfiles   {folder}: {', '.join(files)}")
+    is_whole = not measured.interrupted and len(files) == len(FILES)
+    terminal.result({"ok": is_whole, **data, "folder": str(folder), "files": files})
+    if is_whole:
+        return 0
+    when = f"in {measured.interrupted!r}" if measured.interrupted else "while the picture was drawn"
+    terminal.error(f"interrupted {when}; what was measured until then is in {folder}")
+    return INTERRUPTED
+
+
+def _drawn(measured: Ledger, folder: Path) -> list[str]:
+    """The files that are there once the picture is drawn; a second Ctrl-C does without it."""
+    try:
+        draw_ledger(measured, folder / FILES[1])
+    except KeyboardInterrupt:
+        (folder / FILES[1]).unlink(missing_ok=True)  # that of an earlier ledger
+        return list(FILES[:1])
+    return list(FILES)
 
 
 def schema() -> int:

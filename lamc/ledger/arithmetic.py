@@ -33,10 +33,16 @@ def variants(options: CompileOptions) -> tuple[tuple[str, CompileOptions], ...]:
 
 
 def measure_arithmetic(
-    workshop: Workshop, scene: Scene, truth: Truth, sweep: Sweep, setting: Setting, clock: Clock
-) -> tuple[ArithmeticRow, ...]:
-    """A row for each variant, the times of their runs taken in turns."""
-    rows, jobs, able = [], [], []
+    workshop: Workshop,
+    scene: Scene,
+    truth: Truth,
+    sweep: Sweep,
+    setting: Setting,
+    clock: Clock,
+    rows: list[ArithmeticRow],
+) -> None:
+    """A row for each variant, the times of their runs taken in turns. rows: empty, grows by what is measured."""
+    jobs, able = [], []
     for name, options in variants(workshop.options):
         row = ArithmeticRow(name, options.flags, succeeded=False)
         if clock.left() <= 0.0:
@@ -63,7 +69,6 @@ def measure_arithmetic(
     times = shortest(jobs, first, max(_REPEATS, 5.0 * sum(first)))
     for k, (best, _) in zip(able, times, strict=True):
         rows[k] = replace(rows[k], seconds=best)
-    return tuple(rows)
 
 
 def _floors(runner: Own, truth: Truth, clock: Clock) -> Sequence[tuple[float, float]]:

@@ -70,31 +70,40 @@ class Accounting:
             replace(scene, effects=tuple(effects), added=(), without=()),
             tuple(effects),
         )
+        self._waiting: list[_Variant] = []
+        self._rows: list[_Row] = []  # the scene itself comes first, then a row for each of those that waited
+        self._taken: _Row | None = None  # without all effects that do not matter together
 
     def account(self, setting: Setting, share: float, tell: Told) -> Account:
         """Every effect of the scene left out in turn, its other forms in its place, and every one added that the design
         asks for and the scene lacks; until `share` of the clock's budget is spent."""
-        variants = self._variants()
-        base = self._measure(_Variant((), False, self._scene), setting, share)
-        rows = []
+        variants = self._waiting = self._variants()
+        self._rows = [self._measure(_Variant((), False, self._scene), setting, share)]
         for k, variant in enumerate(variants):
             tell(float(k), float(len(variants)))
-            rows.append(self._measure(variant, setting, share))
-        base, *rows = _repeated([base, *rows])
-        together = self._together([row.row for row in rows], setting, share)
+            self._rows.append(self._measure(variant, setting, share))
+        self._rows = _repeated(self._rows)
+        together = self._together([row.row for row in self._rows[1:]], setting, share)
         if together is not None and together.job is not None:
+            base = self._rows[0]
             timed = _repeated([base, together])
             together = timed[1]
-            base = _Row(
-                replace(base.row, seconds=min(base.row.seconds or 0.0, timed[0].row.seconds or 0.0)), None
-            )
-        return Account(
-            setting.integrator,
-            setting.rtol,
-            base.row,
-            tuple(row.row for row in rows),
-            together.row if together is not None else None,
-        )
+            seconds = min(base.row.seconds or 0.0, timed[0].row.seconds or 0.0)
+            self._rows[0] = _Row(replace(base.row, seconds=seconds), None)
+        self._taken = together
+        found = self.so_far(setting)
+        assert found is not None
+        return found
+
+    def so_far(self, setting: Setting) -> Account | None:
+        """The account with what is measured of it, and a row with the reason for what is not; None where nothing is."""
+        if not self._rows:
+            return None
+        base, *rows = (row.row for row in self._rows)
+        for variant in self._waiting[len(rows) :]:
+            rows.append(replace(_empty(variant), note="left out: interrupted"))
+        together = self._taken.row if self._taken is not None else None
+        return Account(setting.integrator, setting.rtol, base, tuple(rows), together)
 
     def _variants(self) -> list[_Variant]:
         kept = self._effects
@@ -116,7 +125,7 @@ class Accounting:
         return found
 
     def _measure(self, variant: _Variant, setting: Setting, share: float) -> _Row:
-        empty = EffectRow(variant.effects, variant.is_added, succeeded=False, form=variant.form)
+        empty = _empty(variant)
         left = self._clock.left(share)
         if left <= 0.0:
             return _Row(replace(empty, note="left out: the budget is spent"), None)
@@ -181,6 +190,10 @@ class Accounting:
                 return found
             idle.pop()
         return None
+
+
+def _empty(variant: _Variant) -> EffectRow:
+    return EffectRow(variant.effects, variant.is_added, succeeded=False, form=variant.form)
 
 
 def _repeated(rows: list[_Row]) -> list[_Row]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from lamc.codegen.cache import Cache
 from lamc.ledger.clock import processor_seconds
-from lamc.ledger.runners import ATOL, MOST_STEPS
+from lamc.ledger.runners import ATOL, MOST_STEPS, uncancelled
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.options import CompileOptions
 from lamc.pipeline import compile as compile_design
@@ -85,4 +85,6 @@ def evaluation_ns(result: Result) -> float:
 
 def end_run(simulator: Simulator, t_end: float, rtol: float, integrator: str) -> Callable[[], Result]:
     """The run as it is timed: the state at the end is all that is kept."""
-    return lambda: simulator.run(t_end, rtol, ATOL * rtol, [t_end], integrator, max_steps=MOST_STEPS)
+    return lambda: uncancelled(
+        simulator.run(t_end, rtol, ATOL * rtol, [t_end], integrator, max_steps=MOST_STEPS)
+    )

@@ -41,19 +41,39 @@ class _Queue:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Points with the jobs that time them; None for those that failed."""
+    """A point with the job that times it; None for one that failed."""
 
-    points: list[Point]
-    jobs: list[Job | None]
+    point: Point
+    job: Job | None
 
 
 def measure_points(
-    runners: Sequence[Runner], truth: Truth, clock: Clock, share: float, tell: Told
-) -> Measured:
-    """Runs everything that fits until `share` of the clock's budget is spent."""
+    runners: Sequence[Runner], truth: Truth, clock: Clock, share: float, tell: Told, found: list[Measured]
+) -> None:
+    """Runs everything that fits until `share` of the clock's budget is spent, and the loosest setting of lamc's own
+    integrators in any case, if it takes no longer than the reference did. found: grows by what is measured."""
     queues = [_Queue(runner, list(runner.settings)) for runner in runners]
+    try:
+        _measure_queues(queues, truth, clock, share, tell, found)
+    except KeyboardInterrupt:
+        found += [
+            Measured(_empty(queue.runner, setting, "left out: interrupted"), None)
+            for queue in queues
+            for setting in queue.waiting
+        ]
+        raise
+    for queue in queues:
+        for setting in queue.waiting:
+            spent = f"it would take more than its part of the budget (the last took {queue.cost:.2g} s)"
+            note = f"left out: {spent if queue.cost else 'the budget is spent'}"
+            found.append(Measured(_empty(queue.runner, setting, note), None))
+
+
+def _measure_queues(
+    queues: Sequence[_Queue], truth: Truth, clock: Clock, share: float, tell: Told, found: list[Measured]
+) -> None:
+    """In turns, until nothing waits or nothing of it fits any more."""
     total = sum(len(queue.waiting) for queue in queues)
-    measured = Measured([], [])
     moving = True
     while moving:
         moving = False
@@ -61,43 +81,35 @@ def measure_points(
             if not queue.waiting:
                 continue
             allowed = clock.left(share) / sum(bool(q.waiting) for q in queues)
+            if not queue.cost and not queue.runner.is_peer:
+                allowed = max(allowed, truth.seconds)
             if allowed <= 0.0 or queue.cost * _GROWTH > allowed:
                 continue
             moving = True
             before = clock.spent
-            _measure_one(queue.runner, queue.waiting.pop(0), truth, clock, allowed, measured)
+            found.append(_measured(queue.runner, queue.waiting[0], truth, clock, allowed))
+            queue.waiting.pop(0)
             queue.cost = clock.spent - before
             tell(float(total - sum(len(q.waiting) for q in queues)), float(total))
-    for queue in queues:
-        for setting in queue.waiting:
-            note = (
-                f"left out: it would take more than its part of the budget (the last took {queue.cost:.2g} s)"
-            )
-            measured.points.append(_empty(queue.runner, setting, note))
-            measured.jobs.append(None)
-    return measured
 
 
-def repeat(measured: Measured, seconds: float) -> tuple[Point, ...]:
-    """The points with the shortest time of further turns, within `seconds` of wall time."""
-    able = [k for k, job in enumerate(measured.jobs) if job is not None]
-    jobs = [job for job in measured.jobs if job is not None]
-    first = [measured.points[k].seconds or 0.0 for k in able]
-    points = list(measured.points)
+def repeat(measured: list[Measured], seconds: float) -> None:
+    """Gives the points the shortest time of further turns, within `seconds` of wall time."""
+    able = [k for k, each in enumerate(measured) if each.job is not None]
+    jobs = [each.job for each in measured if each.job is not None]
+    first = [measured[k].point.seconds or 0.0 for k in able]
     for k, (best, turns) in zip(able, shortest(jobs, first, seconds), strict=True):
-        points[k] = replace(points[k], seconds=best, repeats=turns)
+        measured[k] = replace(measured[k], point=replace(measured[k].point, seconds=best, repeats=turns))
+
+
+def in_order(measured: Sequence[Measured]) -> tuple[Point, ...]:
+    """The points, peers last, by integrator, the loosest setting first."""
+    points = [each.point for each in measured]
     names = list(dict.fromkeys(p.integrator for p in points))
     return tuple(sorted(points, key=lambda p: (p.is_peer, names.index(p.integrator), -p.setting)))
 
 
-def _measure_one(
-    runner: Runner,
-    setting: float,
-    truth: Truth,
-    clock: Clock,
-    seconds: float,
-    measured: Measured,
-) -> None:
+def _measured(runner: Runner, setting: float, truth: Truth, clock: Clock, seconds: float) -> Measured:
     trace = runner.trace(setting, clock, seconds)
     point = _empty(runner, setting, trace.note)
     job = None
@@ -105,8 +117,7 @@ def _measure_one(
         job = runner.job(setting)
         point = _filled(point, trace, trace.result, truth)
         point = replace(point, seconds=processor_seconds(job), repeats=1)
-    measured.points.append(point)
-    measured.jobs.append(job)
+    return Measured(point, job)
 
 
 def _empty(runner: Runner, setting: float, note: str) -> Point:

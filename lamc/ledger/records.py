@@ -50,8 +50,10 @@ class Reference:
 
     uncertainty        largest difference of the two runs that agree best, relative: the floor of what can be told
     rates_uncertainty  the same of the rates
-    growth             how much a small change of the start has grown by the end, at most
+    growth             how much a small change of the start has grown by the end, at most; None: not known
     sensitive_after    s, when that growth passes 1000; None: it never does
+    events             of the run: limits, touches, impacts
+    events_differ_after  s, when the second run ceases to have the same ones; None: it never does
     """
 
     integrator: str
@@ -60,8 +62,15 @@ class Reference:
     second_rtol: float
     uncertainty: float
     rates_uncertainty: float
-    growth: float
+    growth: float | None
     sensitive_after: float | None
+    events: int = 0
+    events_differ_after: float | None = None
+
+    @property
+    def is_one_method(self) -> bool:
+        """No second method arrived: the two runs are of one."""
+        return self.integrator == self.second
 
 
 @dataclass(frozen=True)
@@ -184,7 +193,10 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Ledger:
-    """Everything that was measured on one design in one scene."""
+    """Everything that was measured on one design in one scene.
+
+    interrupted  what was under way when Ctrl-C ended the measuring; empty: it is complete
+    """
 
     design: str
     digest: str
@@ -201,3 +213,4 @@ class Ledger:
     notes: tuple[str, ...]  # what was left out, and what a reader should know
     seconds: float  # that the measuring took
     versions: dict[str, str]  # lamc, compiler, flags, machine, peers
+    interrupted: str = ""

@@ -93,8 +93,7 @@ class Own:
             )
         except OutOfTime as out:
             return Trace(None, f"stopped after {seconds:.2g} s", reached=out.reached)
-        if result.status == Status.CANCELLED:
-            raise KeyboardInterrupt
+        uncancelled(result)
         stats = result.stats
         counts = {"steps": stats.accepted, "rejected": stats.rejected, "evaluations": stats.evaluations}
         if not result.success or len(result.t) != len(self.times):
@@ -106,7 +105,14 @@ class Own:
     def job(self, setting: float) -> Callable[[], object]:
         end = float(self.times[-1])
         run, name, steps = self.simulator.run, self.name, MOST_STEPS
-        return lambda: run(end, setting, ATOL * setting, [end], name, max_steps=steps)
+        return lambda: uncancelled(run(end, setting, ATOL * setting, [end], name, max_steps=steps))
+
+
+def uncancelled(result: Result) -> Result:
+    """The result of a run; raises KeyboardInterrupt if Ctrl-C ended it, which a run itself takes for an ending."""
+    if result.status == Status.CANCELLED:
+        raise KeyboardInterrupt
+    return result
 
 
 def grid(t_end: float, rows: int) -> Array:

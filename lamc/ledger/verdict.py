@@ -77,6 +77,8 @@ def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sw
     told = f"; not known of {', '.join(unknown)}" if unknown else ""
     if not idle and unknown:
         known = sum(not row.is_added and not row.form for row in account.rows) - len(unknown)
+        if not known:
+            return f"no effect was left out to see what changes{told}"
         return f"no effect of the {known} measured changes the outputs by less than {limit}{told}"
     if not idle:
         return f"every effect changes the outputs by {limit} or more: none can be left out"

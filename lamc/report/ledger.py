@@ -33,6 +33,7 @@ _OTHER = ("#E69F00", "#56B4E9")
 _PEER_MARKS = ("o", "s", "^", "D", "v", "P")
 _PEER_GREYS = ("#707070", "#8C8C8C", "#5A5A5A", "#A0A0A0")
 _LABEL_SIZE = 8.0
+_FAR = 1e-3  # of the least error: a floor below this is named, not drawn, as the picture would be empty up to there
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,11 @@ def draw_ledger(ledger: Ledger, path: Path) -> Path:
     rows = effect_rows(account) if account is not None else []
     height = 5.2 + (0.9 + 0.34 * len(rows) if rows else 0.0)
     figure = Figure(figsize=(8.4, height), layout="constrained")
+    end = ", incomplete: interrupted" if ledger.interrupted else ""
     figure.suptitle(
-        f"{shortened(ledger.design, 50)}: {ledger.sweep.t_end:g} s of motion", fontsize=12, parse_math=False
+        f"{shortened(ledger.design, 50)}: {ledger.sweep.t_end:g} s of motion{end}",
+        fontsize=12,
+        parse_math=False,
     )
     if rows and account is not None:
         parts: Any = figure.subfigures(2, 1, height_ratios=[5.0, 0.9 + 0.34 * len(rows)])
@@ -105,15 +109,10 @@ def _draw_precision(axis: Axes, ledger: Ledger) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
     most = min(max(errors) * 4.0, 10.0)
-    least = max(min(errors) / 3.0, 1e-16)
+    least = max(min(min(errors) / 3.0, floor / 10.0 if floor > _FAR * min(errors) else 1.0), 1e-16)
     axis.set_xlim(most, least)  # more exact to the right
     axis.set_ylim(min(times) / 2.0, max(times) * 2.0)
-    if floor > least:
-        axis.axvspan(floor, least, color="#EDEDED", zorder=0)
-        axis.text(
-            math.sqrt(floor * least), axis.get_ylim()[0] * 1.15, "not told\napart", fontsize=7, color="#777777",
-            ha="center", va="bottom",
-        )  # fmt: skip
+    _draw_floor(axis, floor, least)
     for curve in sorted(curves, key=lambda c: not c.is_peer):
         _draw_curve(axis, curve)
     _slope_guides(axis, most, least, curves)
@@ -132,6 +131,21 @@ def _draw_precision(axis: Axes, ledger: Ledger) -> None:
             color="#777777", va="top", transform=axis.transAxes,
         )  # fmt: skip
     _finish(axis)
+
+
+def _draw_floor(axis: Axes, floor: float, least: float) -> None:
+    """What the two runs of the reference differ by: below it errors are not told apart. A floor beyond the axis is
+    named at its end."""
+    style: dict[str, Any] = {"fontsize": 7, "color": "#777777", "va": "bottom"}
+    if floor > least:
+        axis.axvspan(floor, least, color="#EDEDED", zorder=0)
+        axis.axvline(floor, color="#9A9A9A", linewidth=0.9, linestyle=":", zorder=1)
+        axis.annotate(
+            f"floor {floor:.0e}:\nnot told apart below", (floor, 0.02), xycoords=("data", "axes fraction"),
+            xytext=(3, 0), textcoords="offset points", **style,
+        )  # fmt: skip
+    else:
+        axis.text(0.988, 0.02, f"floor {floor:.0e} →", transform=axis.transAxes, ha="right", **style)
 
 
 def _draw_curve(axis: Axes, curve: _Curve) -> None:

@@ -39,19 +39,33 @@ def _tolerances(facts: Reference) -> str:
     return first if first == second else f"{first} and {second}"
 
 
+def _truth(facts: Reference) -> str:
+    """What errors are measured against, and to how many digits it is known."""
+    if facts.is_one_method:
+        text = f"{facts.integrator} alone, at rtol {_tolerances(facts)}, agrees with itself within"
+    else:
+        text = f"{facts.integrator} and {facts.second} at rtol {_tolerances(facts)} agree within"
+    text += f" {facts.uncertainty:.1e}, the floor of all errors here"
+    if facts.events:
+        text += f"; {facts.events} events"
+        text += ", the same in both" if facts.events_differ_after is None else ""
+    if facts.growth is None:
+        return text
+    if facts.growth > 1.05:
+        return f"{text}; a small change of the start grows {facts.growth:.3g}-fold"
+    return f"{text}; a small change of the start does not grow"
+
+
 def _head(ledger: Ledger) -> str:
-    facts = ledger.reference
     lines = [
         f"{shortened(ledger.design, 40)}: {ledger.sweep.t_end:g} s, effects: {', '.join(ledger.effects) or 'none'}",
         f"errors  {_relative_to(ledger)}, at {ledger.sweep.rows} times",
-        f"truth   {facts.integrator} and {facts.second} at rtol {_tolerances(facts)} agree within "
-        f"{facts.uncertainty:.1e}; "
-        + (
-            f"a small change of the start grows {facts.growth:.3g}-fold"
-            if facts.growth > 1.05
-            else "a small change of the start does not grow"
-        ),
+        f"truth   {_truth(ledger.reference)}",
     ]
+    if ledger.interrupted:
+        lines.append(
+            f"note    INCOMPLETE: interrupted in {ledger.interrupted!r}; what comes after is missing"
+        )
     return "\n".join([*lines, *(f"note    {note}" for note in ledger.notes)])
 
 
@@ -76,17 +90,19 @@ def _prices(ledger: Ledger) -> str:
     orders = {each.integrator: each for each in ledger.orders}
     head = ["time to reach", *(percent(t) for t in _REACHED), "least error", "order", "closure", "drift"]
     rows = []
+    floor = ledger.reference.uncertainty
     for name in dict.fromkeys(p.integrator for p in ledger.points):
         own = [p for p in ledger.points if p.integrator == name]
         good = [p for p in own if p.path is not None]
         cells = [shown_name(name)]
         for target in _REACHED:
-            best = cheapest_of(own, target, ledger.reference.uncertainty)
-            cells.append(duration(best.seconds) if best is not None and best.seconds is not None else "–")
+            best = cheapest_of(own, target, floor)
+            none = "floor" if target <= floor else "–"
+            cells.append(duration(best.seconds) if best is not None and best.seconds is not None else none)
         tightest = min(good, key=lambda p: p.setting, default=None)
         order = orders.get(name)
         cells += [
-            _scientific(min((p.path for p in good if p.path is not None), default=None)),
+            _least(good, floor),
             f"{order.path:.1f}" if order is not None and order.path is not None else "–",
             _scientific(tightest.closure if tightest else None),
             _scientific(tightest.drift if tightest else None),
@@ -99,6 +115,12 @@ def _prices(ledger: Ledger) -> str:
         "Processor time of one warm run that keeps its end; all peers but MuJoCo call lamc's equations from Python.\n"
         "Order: of the error over steps. Closure over the size, drift over the largest kinetic energy: tightest runs."
     )
+
+
+def _least(points: Sequence[Point], floor: float) -> str:
+    """The least error of some points; one below the floor of the reference is only known to be below it."""
+    least = min((p.path for p in points if p.path is not None), default=None)
+    return f"<{floor:.0e}" if least is not None and least <= floor else _scientific(least)
 
 
 def _all_points(ledger: Ledger) -> str:

@@ -53,7 +53,7 @@ from lamc.options import CompileOptions
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
-from lamc.scene import Scene
+from lamc.scene import OutputPoint, Scene
 
 __all__ = [
     "BaseMotion",
@@ -80,6 +80,7 @@ __all__ = [
     "LinearMotor",
     "Mechanism",
     "NonlinearStiffness",
+    "OutputPoint",
     "PiezoBender",
     "Plate",
     "RequestError",

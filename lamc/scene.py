@@ -10,7 +10,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING
 
 from lamc.errors import DesignError
-from lamc.mechanism.checks import checked_kind, checked_name, checked_number, shown
+from lamc.mechanism.checks import checked_array, checked_kind, checked_name, checked_number, shown
 from lamc.places import Places
 from lamc.readonly import ReadOnlyDict
 
@@ -68,6 +68,40 @@ def _names(values: Iterable[str], argument: str, example: str) -> tuple[str, ...
 
 
 @dataclass(frozen=True)
+class OutputPoint:
+    """A point of a body that matters, such as a tip.
+
+    name   of the point; as outputs it is NAME.x, NAME.y and NAME.z, m, world
+    body   that it belongs to and moves with; a rigid one
+    point  (3,), m: where it is in the drawn configuration, world axes
+
+    Raises DesignError for what are no names and for a point that is not three finite numbers.
+    """
+
+    name: str
+    body: str
+    point: tuple[float, float, float]  # m
+
+    def __post_init__(self) -> None:
+        checked_name(self.name, "an output point")
+        checked_name(self.body, f"the body of the output point {self.name!r}")
+        x, y, z = (float(v) for v in checked_array(self.point, (3,), f"the output point {self.name!r}"))
+        object.__setattr__(self, "point", (x, y, z))
+
+
+def _outputs(values: "Iterable[str | OutputPoint]") -> "tuple[str | OutputPoint, ...]":
+    if isinstance(values, OutputPoint):
+        raise DesignError("outputs of a scene is an OutputPoint, no tuple; write outputs=(…,)")
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        return _names(values, "outputs", "h1")
+    entries = tuple(values)
+    _names([each.name if isinstance(each, OutputPoint) else each for each in entries], "outputs", "h1")
+    if not entries:
+        raise DesignError("outputs of a scene is empty; name one at least, or leave it out")
+    return entries
+
+
+@dataclass(frozen=True)
 class Scene:
     """What a run calls for.
 
@@ -81,8 +115,8 @@ class Scene:
              the other way
     closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-6 of the size
     duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
-    outputs  what of the motion matters, by name: joints (angles), coordinates that effects add, such as "base.qw", and
-             "BODY.x", ".y" and ".z" (centre of mass); None: all joints
+    outputs  what of the motion matters: names of joints (angles), of coordinates that effects add, such as "base.qw",
+             and "BODY.x", ".y" and ".z" (centre of mass); or an `OutputPoint`, any point of a body; None: all joints
     places   where its parts stand in its file; empty for a scene made by hand
 
     Raises DesignError for what are no effects, no numbers, or an effect twice.
@@ -96,7 +130,7 @@ class Scene:
     added: "tuple[Effect, ...]" = ()
     without: tuple[str, ...] = ()
     duration: float | None = None  # s
-    outputs: tuple[str, ...] | None = None
+    outputs: tuple[str | OutputPoint, ...] | None = None
     places: Places = field(default=Places(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -115,9 +149,7 @@ class Scene:
                 raise DesignError("duration of a scene is 0; give seconds above zero, or None")
             object.__setattr__(self, "duration", duration)
         if self.outputs is not None:
-            object.__setattr__(self, "outputs", _names(self.outputs, "outputs", "h1"))
-            if not self.outputs:
-                raise DesignError("outputs of a scene is empty; name one at least, or leave it out")
+            object.__setattr__(self, "outputs", _outputs(self.outputs))
         if self.branch is not None:
             whole = isinstance(self.branch, Integral) and not isinstance(self.branch, bool)
             if not whole or self.branch == 0:

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 from lamc.design.checking import Path, Problems, did_you_mean, shown
 from lamc.design.effect_calls import Called, effects_called, make_effect, unplaced
-from lamc.design.scene_schema import SceneModel
+from lamc.design.scene_schema import OutputPointModel, SceneModel
 from lamc.effects.base import Effect
 from lamc.effects.data import DataError, Where
 from lamc.effects.registry import by_name
 from lamc.errors import DesignError, Place
 from lamc.places import Places
-from lamc.scene import Scene, is_scene_name
+from lamc.scene import OutputPoint, Scene, is_scene_name
 
 MOST_SCENES = 1000  # in one file
 MOST_VALUES = 100_000  # that its scenes come to, with all that they are like
@@ -215,9 +215,10 @@ class _Reader:
         places += [(("without", name), path) for name, path in said.without.items()]
         places += [((name,), path) for name, (_, path) in said.single.items()]
         outputs, path = said.single.get("outputs", ((), ()))
-        places += [(("outputs", name), (*path, index)) for index, name in enumerate(outputs)]
+        names = [each if isinstance(each, str) else each.name for each in outputs]
+        places += [(("outputs", name), (*path, index)) for index, name in enumerate(names)]
         known = tuple((key, self._place(path) if path else problems.place(path)) for key, path in places)
-        single = {name: value for name, (value, _) in said.single.items()}
+        single = {name: value for name, (value, _) in said.single.items() if name != "outputs"}
         return problems.attempt(
             said.path,
             lambda: Scene(
@@ -226,6 +227,7 @@ class _Reader:
                 without=tuple(said.without),
                 angles={name: value for name, (value, _) in said.angles.items()},
                 rates={name: value for name, (value, _) in said.rates.items()},
+                outputs=tuple(map(_output, outputs)) if "outputs" in said.single else None,
                 places=Places(known, tuple((e, place) for e, place in made if e is not None)),
                 **single,
             ),
@@ -264,3 +266,7 @@ class _Reader:
             else:
                 found[name] = at
         return found
+
+
+def _output(entry: str | OutputPointModel) -> str | OutputPoint:
+    return entry if isinstance(entry, str) else OutputPoint(entry.name, entry.body, entry.point)

@@ -4,14 +4,37 @@ In: plain data. Out: validated models in SI. What effects hold is read by the ef
 them (`effects_schema`).
 """
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
-from lamc.design.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, Model
+from lamc.design.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, Model, SpacePoint
 
 _CALLED: dict[str, Any] = {"type": ["object", "array", "null"]}
 _SAYS = "effects by name with their values, as a map, or as a list of names and one-entry maps"
+
+
+class OutputPointModel(Model):
+    """A point of a rigid body; its x, y and z, world, are outputs."""
+
+    name: str = Field(description="of the point")
+    body: str = Field(description="that it belongs to")
+    point: SpacePoint = Field(description="where it is as drawn, world axes")
+
+
+class _OrName:
+    """Beside a model, text stands for itself. A union would report the problems of a map twice."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        def read(value: Any, inner: Callable[[Any], Any]) -> Any:
+            return value if isinstance(value, str) else inner(value)
+
+        return core_schema.no_info_wrap_validator_function(read, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Any:
+        return {"anyOf": [{"type": "string"}, handler(schema)]}
 
 
 class SceneModel(Model):
@@ -41,8 +64,10 @@ class SceneModel(Model):
         None, description="gap up to which loops that do not fit count as closed"
     )
     duration: Duration | None = Field(None, description="how long `lamc run` simulates it; 10 s if not said")
-    outputs: list[str] | None = Field(
-        None, description="what matters of the motion: joints, BODY.x, BODY.y, BODY.z; all joints if not said"
+    outputs: list[Annotated[OutputPointModel, _OrName()]] | None = Field(
+        None,
+        description="what matters of the motion: joints, coordinates, BODY.x, BODY.y, BODY.z (centres of mass), and "
+        "points of bodies as {name, body, point}; all joints if not said",
     )
 
 

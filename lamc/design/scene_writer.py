@@ -13,7 +13,7 @@ from lamc.design.effect_calls import make_effect
 from lamc.design.scene_file import SINGLE
 from lamc.effects.base import Effect
 from lamc.errors import DesignError
-from lamc.scene import Scene
+from lamc.scene import OutputPoint, Scene
 
 
 def scenes_data(default: Scene | None, named: Mapping[str, Scene]) -> dict[str, Any]:
@@ -45,8 +45,14 @@ def scene_data(scene: Scene) -> dict[str, Any]:
     for name in SINGLE:
         value = getattr(scene, name)
         if value is not None:
-            data[name] = list(value) if isinstance(value, tuple) else value
+            data[name] = [_output_data(each) for each in value] if isinstance(value, tuple) else value
     return data or {"angles": {}}  # a scene in a file says something
+
+
+def _output_data(output: str | OutputPoint) -> object:
+    if isinstance(output, str):
+        return output
+    return {"name": output.name, "body": output.body, "point": list(output.point)}
 
 
 def _effect_data(effect: Effect) -> object:

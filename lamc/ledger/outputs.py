@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.ledger.records import Output
-from lamc.run.outputs import outputs_of
+from lamc.run.outputs import outputs_of, shared_ranges
 from lamc.run.request import Array
 from lamc.run.result import Result
 from lamc.scene import Scene
@@ -40,20 +40,18 @@ def scales(result: Result, scene: Scene) -> Scales:
     """The outputs of a run as `Scene.outputs` names them; without any, all joint angles, or coordinates where there is
     no joint.
 
-    A chosen output has its own range as its scale. Where nobody chose, quantities of one unit share the largest range
-    of any of them: a hinge that hardly moves need not be known to a thousandth of that little.
+    Scales are the ranges that `shared_ranges` gives.
     """
     if scene.outputs is None and not result.joints:
         scene = replace(scene, outputs=tuple(coordinate.name for coordinate in result.coordinates))
     found = outputs_of(result, scene)
     spans = [float(np.ptp(np.unwrap(f.values) if f.unit == "rad" else f.values)) for f in found]
-    if scene.outputs is None:
-        spans = [max(s for s, g in zip(spans, found, strict=True) if g.unit == f.unit) for f in found]
+    spans = shared_ranges(found, spans, chosen=scene.outputs is not None)
     outputs = tuple(
-        Output(f.name, f.unit, float(f.values.min()), float(f.values.max()), span or 1.0, f.unit == "rad")
+        Output(f.name, f.unit, float(f.values.min()), float(f.values.max()), span, f.unit == "rad")
         for f, span in zip(found, spans, strict=True)
     )
-    named = replace(scene, outputs=tuple(f.name for f in found))
+    named = scene if scene.outputs is not None else replace(scene, outputs=tuple(f.name for f in found))
     units = np.array([rate.unit for rate in result.rates])
     ranges = np.ptp(result.u, axis=0)
     return Scales(

@@ -30,6 +30,9 @@ def columns(result: "Result") -> dict[str, Array]:
     values += [*result.q.T[count:], *result.u.T[count:], *result.energies.values(), result.energy]
     named = titles(result.joints, result.coordinates, result.rates, list(result.energies))
     table = dict(zip(named, values, strict=True))
+    for point in result.points:
+        path = result.point(point.name)
+        table |= {f"{point.name}.{axis} (m)": path[:, k] for k, axis in enumerate("xyz")}
     if result.kept is not None:
         table |= {f"{name} work (J)": values for name, values in result.work.items()}
     return table

@@ -1,14 +1,11 @@
 """Errors of a run's outputs: differences of two runs over the range that each output passes through.
 
 In: `Result`s whose rows lie at the same times. Out: relative errors by output. Never: runs anything.
-
-A chosen output has its own range as its scale. Outputs that nobody chose share the largest range of their unit: a hinge
-that hardly moves need not be known to a thousandth of that little.
 """
 
 import numpy as np
 
-from lamc.run.outputs import Output, outputs_of
+from lamc.run.outputs import Output, outputs_of, shared_ranges
 from lamc.run.request import Array
 from lamc.run.result import Result
 from lamc.scene import Scene
@@ -26,14 +23,10 @@ def compared_outputs(result: Result, scene: Scene) -> tuple[Output, ...]:
 
 
 def ranges(outputs: tuple[Output, ...], *, chosen: bool) -> dict[str, float]:
-    """The scale of each output by name, in its unit; 1 for what does not move."""
-    own = {each.name: float(np.ptp(each.values)) if len(each.values) else 0.0 for each in outputs}
-    if not chosen:
-        largest = {
-            unit: max(own[o.name] for o in outputs if o.unit == unit) for unit in {o.unit for o in outputs}
-        }
-        own = {each.name: largest[each.unit] for each in outputs}
-    return {name: span or 1.0 for name, span in own.items()}
+    """The scale of each output by name, in its unit, as `shared_ranges` has it."""
+    own = [float(np.ptp(each.values)) if len(each.values) else 0.0 for each in outputs]
+    shared = shared_ranges(outputs, own, chosen=chosen)
+    return {each.name: span for each, span in zip(outputs, shared, strict=True)}
 
 
 def output_errors(result: Result, truth: Result, scene: Scene) -> dict[str, float]:

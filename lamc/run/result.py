@@ -25,6 +25,7 @@ from lamc.run.books import IMPACTS, Books, Kept, books_of
 from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.scene import OutputPoint
 
 if TYPE_CHECKING:
     import pandas
@@ -45,6 +46,7 @@ class Result(Unchanging):
     events   limits reached and left, and impacts, in order
     marks    what pictures show besides the bodies, such as the ground
     accuracy what a run to an accuracy came to; None for runs at a tolerance
+    points   those that the scene's outputs name
 
     Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
@@ -63,6 +65,7 @@ class Result(Unchanging):
     events: tuple[Event, ...] = ()
     marks: "tuple[PlaneMark, ...]" = ()
     accuracy: Accuracy | None = None
+    points: tuple[OutputPoint, ...] = ()
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     kept: Kept | None = field(default=None, repr=False)  # where the run kept books
@@ -222,8 +225,18 @@ class Result(Unchanging):
         rows = self._poses[:, moving.index(body)]
         return rows[:, :3], rows[:, 3:].reshape(m, 3, 3)
 
+    def point(self, name: str) -> Array:
+        """Path of a point that the scene's outputs name (`OutputPoint`), shape (m, 3), m, world. Raises KeyError with
+        the names there are."""
+        for each in self.points:
+            if each.name == name:
+                com, rotation = self.pose(each.body)
+                return com + rotation @ (np.array(each.point) - self.mechanism.body(each.body).com)
+        known = ", ".join(each.name for each in self.points) or "none"
+        raise KeyError(f"no output point is named {name!r}; there are {known}")
+
     def to_csv(self, path: str | Path) -> Path:
-        """Writes a table with one row per time: t, angles, rates, energies, units in the header; numbers
+        """Writes a table with one row per time: t, angles, rates, energies, output points, units in the header; numbers
         read back exactly. A JSON manifest goes beside it. Both appear whole or not at all. Raises LamcError
         if it cannot."""
         return files.write_csv(self, checked_path(path))

@@ -38,7 +38,7 @@ from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
-from lamc.scene import Scene
+from lamc.scene import OutputPoint, Scene
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
@@ -86,7 +86,8 @@ class Simulator(Evaluations):
         self._books = books
         known = (*self.joints, *self.cut_joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
-        check_outputs(scene, [*(c.name for c in self.coordinates), *self.cut_joints], self.bodies)
+        names = [*(c.name for c in self.coordinates), *self.cut_joints]
+        check_outputs(scene, names, self.bodies, self._bending)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
@@ -249,6 +250,7 @@ class Simulator(Evaluations):
             telling=telling,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks_of(self.effects, provenance.parameters),
+            points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
         )
         return result, trajectory.effort
 
@@ -287,6 +289,12 @@ class Simulator(Evaluations):
     @cached_property
     def _starter(self) -> Starter:
         return Starter(LoopGeometry(self._arrangement.tree), self.loops)
+
+    def _bending(self) -> tuple[str, ...]:
+        """Names of the bodies that bend."""
+        if not any(hasattr(effect, "arrange") for effect in self.effects):
+            return ()
+        return tuple(each.body for each in self._arrangement.flexible)
 
     @cached_property
     def _telling(self) -> Model:

@@ -425,7 +425,7 @@ def test_scene_that_cannot_be_simulated_is_a_row_with_the_reason(tmp_path: Path)
 
     truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=1.0), Clock(5.0), 5.0)
     workshop = Workshop(rod(), CompileOptions(), tmp_path)
-    accounting = Accounting(workshop, FREE, (lamc.Gravity(), Needy()), truth, Sweep(t_end=1.0), Clock(20.0))
+    accounting = Accounting(workshop, FREE, (lamc.Gravity(), Needy()), truth, Sweep(t_end=1.0), Clock(600.0))
     account = accounting.account(Setting("rk45", 1e-6), 1.0, lambda _done, _total: None)
     (without_gravity,) = (row for row in account.rows if row.effects == ("gravity",))
     (without_needy,) = (row for row in account.rows if row.effects == ("needy",))
@@ -455,7 +455,7 @@ def test_other_form_of_an_effect_is_measured_in_its_place(tmp_path: Path) -> Non
     scene = lamc.Scene(effects=(lamc.Gravity(), Brake(1e-3)), angles={"h": 0.5})
     truth = make_reference(lamc.compile(rod(), scene), Sweep(t_end=1.0), Clock(20.0), 5.0)
     workshop = Workshop(rod(), CompileOptions(), tmp_path)
-    accounting = Accounting(workshop, scene, scene.effects or (), truth, Sweep(t_end=1.0), Clock(20.0))
+    accounting = Accounting(workshop, scene, scene.effects or (), truth, Sweep(t_end=1.0), Clock(600.0))
     account = accounting.account(Setting("rk45", 1e-6), 1.0, lambda _done, _total: None)
     half, none = (
         next(r for r in account.rows if r.effects == ("brake",) and r.form == f)

@@ -2,7 +2,7 @@
 #include "watch.h"
 
 void lamc_watch_start(lamc_run *run, lamc_method which) {
-  run->method = which;
+  run->method = (int)which;
 }
 
 void lamc_watch_step(lamc_run *run) {

@@ -149,7 +149,7 @@ static double find(lamc_run *run, const room *r, int guard) {
   int is_below = r->here[guard] <= 0.0;
   for (int i = 0; i < PARTS; i++) {
     const double *a = r->here + (ptrdiff_t)2 * r->k * i + guard, *b = a + 2 * r->k;
-    const part p = {h * i / PARTS, a[0], a[r->k], h * (i + 1) / PARTS, b[0], b[r->k]};
+    const part p = {h * i / (double)PARTS, a[0], a[r->k], h * (i + 1) / (double)PARTS, b[0], b[r->k]};
     const double when = find_in(run, r, guard, &p, &is_below);
     if (when >= 0.0) return when;
   }
@@ -160,7 +160,7 @@ static double find(lamc_run *run, const room *r, int guard) {
 static int find_first(lamc_run *run, const room *r) {
   int first = -1;
   for (int i = 1; i < PARTS; i++)
-    guards_at(run, r, run->h_last * i / PARTS, r->here + (ptrdiff_t)2 * r->k * i);
+    guards_at(run, r, run->h_last * i / (double)PARTS, r->here + (ptrdiff_t)2 * r->k * i);
   for (int g = 0; g < r->k; g++) {
     r->when[g] = find(run, r, g);
     if (r->when[g] >= 0.0 && (first < 0 || r->when[g] < r->when[first])) first = g;
@@ -177,7 +177,7 @@ static lamc_status step_to(lamc_run *run, const room *r, int guard, int *is_reac
   const double whole = run->h_last, t_whole = run->t;
   double h = r->when[guard];
   /* no farther than a part of the step from where the continuous extension passes zero: another zero may lie there */
-  double low = larger(h - whole / PARTS, 0.0), high = smaller(h + whole / PARTS, whole);
+  double low = larger(h - whole / (double)PARTS, 0.0), high = smaller(h + whole / (double)PARTS, whole);
   run->accepted--;
   run->rejected++;
   *is_reached = 1;

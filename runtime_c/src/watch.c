@@ -53,7 +53,7 @@ static void mark(lamc_run *run) {
 }
 
 void lamc_watch_start(lamc_run *run, lamc_method which) {
-  run->method = which;
+  run->method = (int)which;
   if (which != LAMC_AUTO) return;
   run->watch.is_auto = 1;
   run->watch.backoff = FIRST_BACKOFF;

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lamc._version import __version__
+from lamc.commands.export_options import export
 from lamc.commands.ledger_options import ledger
 from lamc.commands.options import SETTINGS, Cli, compiler, design, folder, precision, speaking, staged
 from lamc.commands.plate_options import plate
@@ -33,6 +34,7 @@ def main(context: click.Context) -> None:
       lamc run --example pendulum      simulate, and write results, pictures and a film
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
+      lamc export --example pendulum   sources for programs in C, C++ and other languages
       lamc plate --example strip       bend a laminate: deflection, moments, stress, modes
       lamc examples                    list the designs that ship with lamc
       lamc doctor                      see whether this machine has what lamc needs
@@ -286,6 +288,7 @@ def bench(
     return work(Source(file, example, cc, fast, precision), changes, out, terminal)
 
 
+main.add_command(export)
 main.add_command(ledger)
 main.add_command(plate)
 

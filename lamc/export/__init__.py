@@ -35,10 +35,11 @@ class Target:
 
 def _c(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     from lamc.export.c import c_source
+    from lamc.export.package import package_files
     from lamc.pipeline import compile as compile_
 
-    source = c_source(compile_(mechanism, scene), options)
-    return {name: text.encode() for name, text in source.files.items()}
+    simulator = compile_(mechanism, scene)
+    return package_files(c_source(simulator, options), simulator, options)
 
 
 def _mjcf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
@@ -57,7 +58,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
         for target in (
-            Target("c", "one header and one source file in C99, valid C++ too", _c),
+            Target("c", "sources in C99, valid C++ too, with build files, an example and a README", _c),
             Target("mjcf", "a model for MuJoCo, loops included, with meshes", _mjcf),
             Target(
                 "urdf", "links, hinges and inertias of a mechanism without loops, as a ROS package", _urdf

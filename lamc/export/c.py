@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 
 from lamc._version import __version__
 from lamc.codegen.emit import emit, environment
-from lamc.codegen.names import comment, identifier, identifiers
+from lamc.codegen.names import comment, identifiers
 from lamc.codegen.printer import literal
 from lamc.codegen.program import Coordinate, Parameter, Program
 from lamc.export.amalgam import amalgamate
 from lamc.export.options import ExportOptions
+from lamc.export.prefixes import prefix_of
 from lamc.export.run_fields import run_fields
 from lamc.export.sizes import sizes_of
 from lamc.resources import data_dir
@@ -81,7 +82,7 @@ class CSource:
 def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     """Header and source of `simulator`. Raises EmitError where an operation has no C form."""
     program = _lean(simulator.program, options)
-    prefix = options.prefix or identifier(program.name)
+    prefix = options.prefix or prefix_of(program.name)
     tree = emit(program, prefix=MODEL)
     parameters, inputs = _members(program.parameters)
     context = _context(simulator, program, options, prefix, parameters, inputs)

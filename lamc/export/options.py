@@ -1,17 +1,14 @@
 """`ExportOptions`: everything a user can choose of an export. What is not here cannot be chosen."""
 
-import re
 from dataclasses import dataclass, fields
 from typing import Any, cast
 
-from lamc.codegen.names import MAX_IDENTIFIER, RESERVED
 from lamc.errors import DesignError, ExportError
+from lamc.export.prefixes import check_prefix
 from lamc.mechanism.checks import checked_number, shown
 
 PRECISIONS = ("double",)
 INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")
-
-_PREFIX = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*")
 
 
 @dataclass(frozen=True)
@@ -24,6 +21,7 @@ class ExportOptions:
                 (implicit) that one only
     real_time   no adaptive step: steps of fixed length and bounded cost only
     jacobian    with a function for the derivatives of the accelerations
+    single_header  one file, NAME.h, with the source in it
     lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
     step        s, time step of models for other engines; None: one that suits the mechanism
 
@@ -35,12 +33,13 @@ class ExportOptions:
     integrator: str = "auto"
     real_time: bool = False
     jacobian: bool = True
+    single_header: bool = False
     lossy: bool = False
     step: float | None = None  # s
 
     def __post_init__(self) -> None:
         if self.prefix is not None:
-            _check_prefix(self.prefix)
+            check_prefix(self.prefix)
         for name, allowed in (("precision", PRECISIONS), ("integrator", INTEGRATORS)):
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
@@ -53,7 +52,7 @@ class ExportOptions:
             if step == 0.0:
                 raise ExportError("the step of an export is 0; give seconds above zero, or None")
             object.__setattr__(self, "step", step)
-        for name in ("real_time", "jacobian", "lossy"):
+        for name in ("real_time", "jacobian", "single_header", "lossy"):
             if not isinstance(getattr(self, name), bool):
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")
 
@@ -65,11 +64,3 @@ def options_from(**values: object) -> ExportOptions:
         if name not in known:
             raise ExportError(f"there is no option {name!r} of an export; there are {', '.join(known)}")
     return ExportOptions(**cast(Any, values))  # __post_init__ looks at the values
-
-
-def _check_prefix(prefix: object) -> None:
-    rule = f"letters, digits and single _, a letter first, {MAX_IDENTIFIER} characters at most"
-    if not isinstance(prefix, str) or not _PREFIX.fullmatch(prefix) or len(prefix) > MAX_IDENTIFIER:
-        raise ExportError(f"the prefix is {shown(prefix)}; it must be a C name: {rule}")
-    if prefix.lower() in RESERVED:
-        raise ExportError(f"the prefix is {prefix!r}, which C, C++ or lamc uses itself; take another")

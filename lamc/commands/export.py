@@ -1,0 +1,93 @@
+"""`lamc export`: the simulator of a design as files for other programs.
+
+In: an `ExportOrder`. Out: a folder, and a list of what is in it. What is written is the business of `lamc.export`.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
+from lamc.commands.terminal import Terminal
+from lamc.errors import ExportError
+from lamc.export import TARGETS
+from lamc.export.folder import Origin, write_folder
+from lamc.export.options import ExportOptions
+from lamc.pipeline import Times
+from lamc.places import told_at
+from lamc.run.request import did_you_mean
+
+
+@dataclass(frozen=True)
+class ExportOrder:
+    """What `lamc export` was asked for."""
+
+    source: Source
+    changes: SceneChanges
+    target: str  # of `lamc.export.TARGETS`, or "list"
+    prefix: str | None
+    real_time: bool
+    single_header: bool
+    integrator: str
+    lossy: bool
+    force: bool
+    out: str | None
+
+    @property
+    def options(self) -> ExportOptions:
+        """Raises ExportError for values that make none."""
+        return ExportOptions(
+            prefix=self.prefix,
+            integrator=self.integrator,
+            real_time=self.real_time,
+            single_header=self.single_header,
+            lossy=self.lossy,
+        )
+
+
+def export(order: ExportOrder, terminal: Terminal) -> int:
+    """Writes the folder, and says what it holds."""
+    if order.target == "list":
+        return _list_targets(terminal)
+    if order.target not in TARGETS:
+        raise ExportError(
+            f"--to: no target is named {order.target[:40]!r}; {did_you_mean(order.target, list(TARGETS))}"
+        )
+    options = order.options
+    times = Times()
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        loaded = load_source(order.source, times, progress)
+        mechanism = mechanism_of(loaded, times, progress)
+        scene, account = changed_scene(mechanism, order.changes)
+        with told_at(scene.places), times.stage("export"):
+            files = TARGETS[order.target].files(mechanism, scene, options)
+        name = folder_name(f"{loaded.name[:50]}_{order.target}")
+        folder = Path(order.out) if order.out is not None else Path("out") / name
+        written = write_folder(folder, files, Origin(loaded.name, order.target), force=order.force)
+    effects = [choice.name for choice in account if choice.effect is not None]
+    sizes = {path: len(files[path]) for path in sorted(files)}
+    lines = [f"folder    {folder}"]
+    lines += [
+        f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
+    ]
+    lines += [f"effects   {', '.join(effects) or 'none'}"]
+    terminal.say("\n".join(lines))
+    data = {
+        "ok": True,
+        "design": loaded.name,
+        "target": order.target,
+        "folder": str(folder),
+        "files": list(written),
+    }
+    terminal.result({**data, "bytes": sizes, "effects": effects})
+    return 0
+
+
+def _list_targets(terminal: Terminal) -> int:
+    terminal.say("\n".join(f"{name:<7} {target.summary}" for name, target in TARGETS.items()))
+    terminal.result({"ok": True, "targets": {name: target.summary for name, target in TARGETS.items()}})
+    return 0
+
+
+def _size(count: int) -> str:
+    return f"{count / 1000:8.1f} kB"

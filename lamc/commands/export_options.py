@@ -1,0 +1,89 @@
+"""The words of `lamc export`: its options and their help. What exports is imported when the verb runs."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from lamc.commands.options import design, speaking, staged
+from lamc.commands.terminal import Terminal
+
+if TYPE_CHECKING:
+    from lamc.commands.inputs import SceneChanges
+
+
+@click.command()
+@design
+@click.option(
+    "--to",
+    "target",
+    default="c",
+    metavar="TARGET",
+    help="c: sources for any C or C++ program; others: `lamc export --to list`.",
+)
+@staged()
+@click.option(
+    "--prefix", metavar="NAME", help="What all names in the C begin with.  [default: the design's name]"
+)
+@click.option(
+    "--real-time", is_flag=True, help="Steps of fixed length and known cost only; their operations are told."
+)
+@click.option("--single-header", is_flag=True, help="One file, NAME.h, with the sources in it.")
+@click.option(
+    "--integrator",
+    default="auto",
+    metavar="NAME",
+    help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported.",
+)
+@click.option(
+    "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
+)
+@click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
+@click.option(
+    "--out",
+    metavar="DIR",
+    help="Folder to write to.  [default: out/<name of the design>_<target>]",
+    show_default=False,
+)
+@speaking
+def export(
+    file: str | None,
+    example: str | None,
+    target: str,
+    changes: "SceneChanges",
+    prefix: str | None,
+    real_time: bool,
+    single_header: bool,
+    integrator: str,
+    lossy: bool,
+    force: bool,
+    out: str | None,
+    terminal: Terminal,
+) -> int:
+    """Write the simulator of a design as files for other programs.
+
+    --to c gives a folder that needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a
+    README with the mechanism's picture. Files that lamc did not write, or that were edited, are not replaced.
+
+    \b
+    Examples:
+      lamc export pendulum.cad --out pendulum_c
+      lamc export flaps.yaml --integrator rk45 --single-header
+      lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
+    """
+    from lamc.commands.export import ExportOrder
+    from lamc.commands.export import export as work
+    from lamc.commands.inputs import Source
+
+    order = ExportOrder(
+        source=Source(file, example),
+        changes=changes,
+        target=target,
+        prefix=prefix,
+        real_time=real_time,
+        single_header=single_header,
+        integrator=integrator,
+        lossy=lossy,
+        force=force,
+        out=out,
+    )
+    return work(order, terminal)

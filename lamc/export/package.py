@@ -1,0 +1,225 @@
+"""The folder around the C of one model: build files, an example, a README with a picture.
+
+In: the C and the simulator that it is of. Out: relative path → content. It lays out what is known already; the C itself
+is the business of `lamc/export/c.py`.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+
+from lamc._version import __version__
+from lamc.codegen.emit import environment
+from lamc.codegen.names import comment, string_literal
+from lamc.codegen.printer import literal
+from lamc.codegen.program import Program
+from lamc.export.c import CMember, CSource
+from lamc.export.options import ExportOptions
+from lamc.export.picture import picture_of
+from lamc.mechanism.records import Mechanism
+from lamc.run.defaults import DURATION, default_rows
+from lamc.run.files import titles
+from lamc.run.simulator import Simulator
+
+_TEMPLATES = {
+    "CMakeLists.txt": "CMakeLists.txt.j2",
+    "{prefix}.pc.in": "model.pc.in.j2",
+    "example_main.c": "example_main.c.j2",
+    "README.md": "README.md.j2",
+}
+# What Markdown reads as markup, where it does: _ within a word is none.
+_MARKUP = re.compile(r"([\\`*\[\]<>|~$&@#]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9]))")
+
+
+def package_files(source: CSource, simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
+    """All files, the C's among them."""
+    context = _context(source, simulator, options)
+    program = source.program
+    texts = source.files
+    if options.single_header:
+        texts = {f"{source.prefix}.h": single_header(source.prefix, source.header, source.source)}
+    files = {
+        path.format(prefix=source.prefix): environment()
+        .get_template(f"export/package/{name}")
+        .render(context)
+        .encode()
+        for path, name in _TEMPLATES.items()
+    }
+    picture = picture_of(simulator.mechanism, program.joints, program.cuts, program.bodies)
+    return {**{name: text.encode() for name, text in texts.items()}, **files, "mechanism.png": picture}
+
+
+def single_header(prefix: str, header: str, source: str) -> str:
+    """Header and source as one file: the source counts where PREFIX_IMPLEMENTATION is defined, once."""
+    upper = prefix.upper()
+    body = source.replace(f'#include "{prefix}.h"\n', "", 1)
+    return "\n".join(
+        [
+            header.rstrip("\n"),
+            "",
+            f"/* In one file of a program: #define {upper}_IMPLEMENTATION before including this. */",
+            f"#if defined({upper}_IMPLEMENTATION) && !defined({upper}_IMPLEMENTED)",
+            f"#define {upper}_IMPLEMENTED",
+            "",
+            body.rstrip("\n"),
+            "",
+            f"#endif /* {upper}_IMPLEMENTATION */",
+            "",
+        ]
+    )
+
+
+def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> dict[str, object]:
+    program, prefix = source.program, source.prefix
+    duration = simulator.scene.duration or DURATION
+    count = len(program.coordinates)
+    start = simulator.start.tolist()
+    return {
+        "prefix": prefix,
+        "upper": prefix.upper(),
+        "version": __version__,
+        "package_version": ".".join(re.findall(r"\d+", __version__)[:3]),
+        "title": markdown(program.name),
+        "comment_title": comment(program.name),
+        "digest": program.digest,
+        "single_header": options.single_header,
+        "libm": True,
+        "real_time": options.real_time,
+        "is_float": options.precision == "float",
+        "effects": [markdown(effect.name) for effect in simulator.effects],
+        "compile_line": _compile_line(prefix, options),
+        "usage": _usage(prefix, options),
+        "coordinates": _coordinates(program, simulator.mechanism, start[:count]),
+        "other_rates": [
+            {
+                "index": k,
+                "name": markdown(r.name),
+                "unit": markdown(r.unit),
+                "start": _number(start[count + k]),
+            }
+            for k, r in enumerate(program.rates)
+            if k >= len(program.joints)
+        ],
+        "cuts": [markdown(name) for name in program.cuts],
+        "parameters": _members(program, source.parameters),
+        "inputs": _members(program, source.inputs),
+        "first_parameter": next((member.field for member in source.parameters), ""),
+        "bodies": [markdown(name) for name in program.bodies],
+        "energies": [markdown(name) for name in program.energies],
+        "costs": _costs(source),
+        "state_bytes": state_bytes(source),
+        "row_count": default_rows(duration, len(start)),
+        "t_end": literal(duration),
+        "joint_count": len(program.joints),
+        "has_other_coordinates": len(program.rates) > len(program.joints),
+        "heading": string_literal(_heading(program)),
+    }
+
+
+def _heading(program: Program) -> str:
+    """The first line of the table that `lamc run` writes."""
+    named = titles(program.joints, program.coordinates, program.rates, program.energies)
+    return ",".join(_field(title) for title in named) + "\n"
+
+
+def _field(text: str) -> str:
+    """A text in a table with commas, as RFC 4180 has it."""
+    return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
+
+
+def _coordinates(program: Program, mechanism: Mechanism, start: Sequence[float]) -> list[dict[str, str]]:
+    by_name = {joint.name: joint for joint in mechanism.joints}
+    rows = []
+    for k, coordinate in enumerate(program.coordinates):
+        joint = by_name.get(coordinate.name) if k < len(program.joints) else None
+        rows.append(
+            {
+                "name": markdown(coordinate.name),
+                "unit": markdown(coordinate.unit),
+                "meaning": f"{markdown(joint.child)} relative to {markdown(joint.parent)}" if joint else "",
+                "start": _number(start[k]),
+            }
+        )
+    return rows
+
+
+def _members(program: Program, members: Sequence[CMember]) -> list[dict[str, str]]:
+    rows = []
+    for member in members:
+        parameter = program.parameters[member.slot]
+        rows.append(
+            {
+                "field": member.field,
+                "default": _number(parameter.default),
+                "unit": markdown(parameter.unit),
+                "meaning": f"{markdown(parameter.name)}: {markdown(parameter.meaning)}",
+            }
+        )
+    return rows
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def markdown(text: str) -> str:
+    """`text` as it is, in a line of Markdown: no markup, no tag, no cell's end, no character that steers."""
+    line = "".join(ch if ch.isprintable() else " " for ch in text)
+    return _MARKUP.sub(r"\\\1", line)
+
+
+def _compile_line(prefix: str, options: ExportOptions) -> str:
+    sources = "example_main.c" if options.single_header else f"example_main.c {prefix}.c"
+    return f"cc -O2 -std=c99 {sources} -lm -o example"
+
+
+def _usage(P: str, options: ExportOptions) -> list[str]:
+    """A few lines to begin with."""
+    step = f"{P}_step_fixed(&it, 1e-3)" if options.real_time else f"{P}_step(&it, 0.01)"
+    return [
+        f'#include "{P}.h"',
+        "",
+        f"{P}_t it; /* yours: on the stack, in a struct, in an array */",
+        f"{P}_status status = {P}_init(&it, 0, 0); /* 0: the design's parameters, usual tolerances */",
+        f"if (status == {P.upper()}_OK) status = {step};",
+        f"if (status != {P.upper()}_OK) puts({P}_status_message(status));",
+    ]
+
+
+def _costs(source: CSource) -> list[dict[str, str]]:
+    """Operations of the equations themselves, not of the integrator around them; and bytes."""
+    functions = source.program.functions
+    motion = next(n for n in ("acceleration", "dynamics", "system") if n in functions)
+    named = {
+        "one right-hand side": functions[motion],
+        "energies": functions["energy"],
+        "poses": functions["poses"],
+        "a change of parameters or inputs": functions["setup"],
+    }
+    rows = [
+        {
+            "what": what,
+            "value": f"{f.operations.flops} operations, {f.operations.calls} calls of sin, cos and the like",
+        }
+        for what, f in named.items()
+    ]
+    return [
+        *rows,
+        {"what": "one instance", "value": f"{state_bytes(source)} bytes, `sizeof({source.prefix}_t)`"},
+    ]
+
+
+def state_bytes(source: CSource) -> int:
+    """sizeof of an instance where doubles and long longs have 8 bytes and are aligned to them."""
+    settings = _bytes_of(source, f"{source.prefix}_settings", {})
+    return _bytes_of(source, f"{source.prefix}_t", {f"{source.prefix}_settings": settings})
+
+
+def _bytes_of(source: CSource, record: str, known: Mapping[str, int]) -> int:
+    """Of a struct of the header whose members all fill multiples of 8 bytes."""
+    sizes = {"double": 8, "long long": 8, "unsigned char": 1, **known}
+    (body,) = re.findall(rf"typedef struct {record} {{\n(.*?)\n}} {record};", source.header, re.DOTALL)
+    total = 0
+    for kind, names in re.findall(r"^  ((?:\w+ )*\w+) ([^;]+);", body, re.MULTILINE):
+        for name in names.split(","):
+            total += sizes[kind] * int((re.findall(r"\[(\d+)\]", name) or ["1"])[0])
+    return total

@@ -19,6 +19,7 @@ from lamc.effects import (
     BaseMotion,
     BladeElementDrag,
     Effect,
+    ExternalTorque,
     FlexibleLinks,
     FreeBase,
     Gravity,
@@ -48,6 +49,7 @@ from lamc.errors import (
 )
 from lamc.export import export
 from lamc.export.options import ExportOptions
+from lamc.inputs import Input
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
 from lamc.options import CompileOptions
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
@@ -68,12 +70,14 @@ __all__ = [
     "ExportError",
     "ExportOptions",
     "ExpressionError",
+    "ExternalTorque",
     "FlexibleLinks",
     "FreeBase",
     "Gravity",
     "GroundContact",
     "HingeDamping",
     "HingeStiffness",
+    "Input",
     "Joint",
     "JointLimits",
     "LamcError",

@@ -105,7 +105,7 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
     """Times every way. Raises LamcError as `lamc.compile` does, and SimulationError if two ways disagree."""
     times = Times(observer=observer)
     effects = effects_of(mechanism, scene)
-    equations = equations_of(mechanism, effects, times)
+    equations = equations_of(mechanism, effects, times, inputs=scene.inputs)
     program, tree = sources_of(equations, times)
     derive = times.seconds["plan"] + times.seconds["derive"]
     compiler = find_compiler(options.compiler)

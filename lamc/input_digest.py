@@ -1,7 +1,7 @@
 """The digest of all that a compiled module follows from, so that a compile from the cache derives nothing.
 
-Goes in: mechanism, effects, loops, compiler, options. Comes out: a digest, or None where there is no telling. It reads
-no file but for the names, sizes and times of lamc's own sources.
+Goes in: mechanism, effects, loops, compiler, options, inputs. Comes out: a digest, or None where there is no telling.
+It reads no file but for the names, sizes and times of lamc's own sources.
 """
 
 import hashlib
@@ -15,6 +15,7 @@ from lamc._version import __version__
 from lamc.codegen.toolchain import Compiler
 from lamc.effects.base import Effect
 from lamc.effects.registry import EFFECTS
+from lamc.inputs import NO_INPUTS, Input
 from lamc.loops.rank import LoopCount
 from lamc.mechanism.records import Mechanism
 from lamc.options import CompileOptions
@@ -31,6 +32,7 @@ def input_digest(
     loops: LoopCount | None,
     compiler: Compiler,
     options: CompileOptions,
+    inputs: Mapping[str, Input] = NO_INPUTS,
     *,
     books: bool = False,
 ) -> str | None:
@@ -52,7 +54,7 @@ def input_digest(
         design = mechanism.design
         drawn = (design.layers, design.hinges, design.fixed, design.body_names)
     try:
-        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn)):
+        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn, *inputs.items())):
             text.update(piece)
             text.update(b"\0")
     except _NoTellingError:

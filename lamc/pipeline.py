@@ -4,7 +4,7 @@ load → split → plan → derive → lower → emit → build. Nothing is reme
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache as memoise
@@ -20,6 +20,7 @@ from lamc.effects.base import Effect
 from lamc.effects.registry import choose
 from lamc.errors import BuildError, DesignError
 from lamc.input_digest import input_digest
+from lamc.inputs import NO_INPUTS, Input
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.starts import loops_of
 from lamc.mechanics.arrangement import arrange
@@ -68,15 +69,16 @@ def equations_of(
     effects: tuple[Effect, ...],
     times: Times | None = None,
     loops: LoopCount | None = None,
+    inputs: Mapping[str, Input] = NO_INPUTS,
 ) -> "Equations":
-    """plan and derive. loops: what the mechanism's loops come to; None: counted here."""
+    """plan and derive. loops: what the mechanism's loops come to; None: counted here. inputs: of the scene."""
     from lamc.mechanics.derive import derive
 
     times = times or Times()
     with times.stage("plan"):
         tree = plan(mechanism)
     with times.stage("derive"):
-        return derive(tree, effects, loops)
+        return derive(tree, effects, loops, inputs)
 
 
 def sources_of(
@@ -131,14 +133,14 @@ def _compiled(
 
     @memoise
     def equations() -> "Equations":
-        return equations_of(mechanism, effects, times, loops)
+        return equations_of(mechanism, effects, times, loops, scene.inputs)
 
     @memoise
     def sources(*, books: bool) -> "tuple[Program, SourceTree]":
         return sources_of(equations(), times, books=books, precision=options.precision)
 
     def module(*, books: bool) -> Module:
-        alias = input_digest(mechanism, effects, loops, compiler, options, books=books)
+        alias = input_digest(mechanism, effects, loops, compiler, options, scene.inputs, books=books)
         with times.stage("load from cache"):
             key = cache.recall(alias) if alias else None
             folder = cache.find(key) if key else None

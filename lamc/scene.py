@@ -5,11 +5,12 @@ In: effects, and plain values. Out: checked records. Nothing here knows any effe
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from numbers import Integral
 from typing import TYPE_CHECKING
 
 from lamc.errors import DesignError
+from lamc.inputs import Input, check_inputs, check_read, checked_inputs, inputs_of
 from lamc.mechanism.checks import checked_array, checked_kind, checked_name, checked_number, shown
 from lamc.places import Places
 from lamc.readonly import ReadOnlyDict
@@ -115,11 +116,14 @@ class Scene:
              the other way
     closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-6 of the size
     duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
+    inputs   numbers from outside by name, which expressions of the effects may hold; constant within a run, and
+             parameters of the simulator
     outputs  what of the motion matters: names of joints (angles), of coordinates that effects add, such as "base.qw",
              and "BODY.x", ".y" and ".z" (centre of mass); or an `OutputPoint`, any point of a body; None: all joints
     places   where its parts stand in its file; empty for a scene made by hand
 
-    Raises DesignError for what are no effects, no numbers, or an effect twice.
+    Raises DesignError for what are no effects, no numbers, or an effect twice; for an input that no effect reads, and
+    ExpressionError for a name in an expression that is no input.
     """
 
     effects: "tuple[Effect, ...] | None" = None
@@ -131,6 +135,7 @@ class Scene:
     without: tuple[str, ...] = ()
     duration: float | None = None  # s
     outputs: tuple[str | OutputPoint, ...] | None = None
+    inputs: Mapping[str, Input] = field(default_factory=dict)
     places: Places = field(default=Places(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -141,6 +146,11 @@ class Scene:
         for effect in self.added:
             if effect.name in self.without:
                 raise DesignError(f"the scene adds {effect.name!r} and leaves it out; say one of them")
+        object.__setattr__(self, "inputs", checked_inputs(self.inputs))
+        effects = (*(self.effects or ()), *self.added)
+        for effect in effects:
+            check_inputs(effect, self.inputs)
+        check_read(self.inputs, effects)
         object.__setattr__(self, "angles", _angles(self.angles, "angles", "initial angle"))
         object.__setattr__(self, "rates", _angles(self.rates, "rates", "initial rate"))
         if self.duration is not None:
@@ -161,6 +171,13 @@ class Scene:
         if self.closure_tolerance is not None:
             tolerance = checked_number(self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0)
             object.__setattr__(self, "closure_tolerance", tolerance)
+
+    def acting(self, effects: "Iterable[Effect]") -> "Scene":
+        """The same in which exactly these effects act, with the inputs that they read."""
+        acting = tuple(effects)
+        read = {name for effect in acting for name in inputs_of(effect)}
+        inputs = {name: each for name, each in self.inputs.items() if name in read}
+        return replace(self, effects=acting, added=(), without=(), inputs=inputs)
 
 
 _SCENE_NAME = re.compile(r"[^\W\d][\w-]*\Z")

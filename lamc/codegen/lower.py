@@ -16,6 +16,7 @@ from lamc.mechanics.linearise import linearise
 from lamc.mechanics.piecewise import Piecewise
 from lamc.mechanics.staging import TABLE, Level, Scalar, Store, Value, table_place
 
+INPUT = "from outside"
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
 
 # name, purpose, what it reads; the outputs come from the equations
@@ -221,7 +222,7 @@ def _canonical(program: Program) -> Iterable[str]:
         )
     )
     for parameter in program.parameters:
-        yield repr(parameter)
+        yield f"{parameter!r} {INPUT}" if parameter.is_input else repr(parameter)
     for number, table in program.tables.items():
         yield f"{number} {table!r}"
     for function in program.functions.values():

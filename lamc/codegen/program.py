@@ -110,6 +110,7 @@ class Parameter:
     unit: str
     meaning: str
     effect: str  # name of the effect that reads it; "" for the mechanism itself
+    is_input: bool = field(default=False, repr=False)  # comes from outside while a model runs
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,7 @@ def build(
         mechanism = mechanism_of(loaded, times, progress)
         scene, account = changed_scene(mechanism, changes)
         with told_at(scene.places):
-            derived = equations_of(mechanism, scene.effects or (), times)
+            derived = equations_of(mechanism, scene.effects or (), times, inputs=scene.inputs)
         program, tree = sources_of(derived, times)
         texts = dict(sorted(tree.files.items()))
         if equations:
@@ -184,7 +184,14 @@ def _data(made: Built) -> dict[str, Any]:
         "model_bytes": size,
         "model_lines": lines,
         "parameters": [
-            {"name": p.name, "default": p.default, "unit": p.unit, "meaning": p.meaning, "effect": p.effect}
+            {
+                "name": p.name,
+                "default": p.default,
+                "unit": p.unit,
+                "meaning": p.meaning,
+                "effect": p.effect,
+                "input": p.is_input,
+            }
             for p in made.program.parameters
         ],
         "seconds": dict(made.times.seconds),

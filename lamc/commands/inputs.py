@@ -151,7 +151,7 @@ def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, t
     with told_at(scene.places):
         account = tuple(_told_by_options(choice, more, left_out) for choice in choose(mechanism, changed))
     effects = tuple(choice.effect for choice in account if choice.effect is not None)
-    return replace(changed, effects=effects, added=(), without=()), account
+    return changed.acting(effects), account
 
 
 def _is_repeatable(effect: Effect) -> bool:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from lamc.design.checking import Path, Problems, did_you_mean, shown
 from lamc.design.effect_calls import Called, effects_called, make_effect, unplaced
+from lamc.design.scene_inputs import read_inputs
 from lamc.design.scene_schema import OutputPointModel, SceneModel
 from lamc.effects.base import Effect
 from lamc.effects.data import DataError, Where
@@ -41,6 +42,7 @@ class _Said:
     without: Mapping[str, Path] = field(default_factory=dict)
     angles: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
     rates: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
+    inputs: Mapping[str, tuple[object, Path]] = field(default_factory=dict)
     single: Mapping[str, tuple[Any, Path]] = field(default_factory=dict)
 
 
@@ -123,7 +125,9 @@ class _Reader:
 
     def _is_too_much(self, said: _Said) -> bool:
         """True after noting that the scenes hold more than a file should make of them."""
-        self.values += len(said.angles) + len(said.rates) + len(said.without) + len(said.added)
+        self.values += (
+            len(said.angles) + len(said.rates) + len(said.without) + len(said.added) + len(said.inputs)
+        )
         self.values += len(said.effects or ()) + len(said.single.get("outputs", ((), ()))[0])
         if self.values > MOST_VALUES:
             text = (
@@ -197,6 +201,7 @@ class _Reader:
             without={n: p for n, p in said.without.items() if not any(n == e.name for e in added)} | without,
             angles={**said.angles, **{n: (v, (*path, "angles", n)) for n, v in model.angles.items()}},
             rates={**said.rates, **{n: (v, (*path, "rates", n)) for n, v in model.rates.items()}},
+            inputs={**said.inputs, **{n: (v, (*path, "inputs", n)) for n, v in model.inputs.items()}},
             single={
                 **said.single,
                 **{n: (getattr(model, n), (*path, n)) for n in SINGLE if getattr(model, n) is not None},
@@ -208,10 +213,15 @@ class _Reader:
         problems = self.problems
         effects = None if said.effects is None else [(self._effect(each), each) for each in said.effects]
         added = [(self._effect(each), each) for each in said.added]
-        made = [(effect, problems.place(call.path)) for effect, call in [*(effects or ()), *added]]
+        called = [(effect, call.path) for effect, call in [*(effects or ()), *added]]
+        inputs = read_inputs(said.inputs, said.path, called, problems)
+        if inputs is None:
+            return None
+        made = [(effect, problems.place(path)) for effect, path in called]
         places: list[tuple[Path, Path]] = [((), said.path)]
         places += [(("angles", name), path) for name, (_, path) in said.angles.items()]
         places += [(("rates", name), path) for name, (_, path) in said.rates.items()]
+        places += [(("inputs", name), path) for name, (_, path) in said.inputs.items()]
         places += [(("without", name), path) for name, path in said.without.items()]
         places += [((name,), path) for name, (_, path) in said.single.items()]
         outputs, path = said.single.get("outputs", ((), ()))
@@ -228,6 +238,7 @@ class _Reader:
                 angles={name: value for name, (value, _) in said.angles.items()},
                 rates={name: value for name, (value, _) in said.rates.items()},
                 outputs=tuple(map(_output, outputs)) if "outputs" in said.single else None,
+                inputs=inputs,
                 places=Places(known, tuple((e, place) for e, place in made if e is not None)),
                 **single,
             ),

@@ -13,6 +13,19 @@ from pydantic_core import CoreSchema, core_schema
 from lamc.design.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, Model, SpacePoint
 
 _CALLED: dict[str, Any] = {"type": ["object", "array", "null"]}
+_INPUT_FIELDS = {
+    "default": {"type": ["number", "string"], "description": "value until told otherwise, as in 0 N*mm"},
+    "unit": {"type": "string", "description": "of a default that is written without one"},
+    "meaning": {"type": "string", "description": "what it is, in a few words"},
+}
+_INPUTS: dict[str, Any] = {
+    "additionalProperties": {
+        "anyOf": [
+            {"type": ["number", "string"]},
+            {"type": "object", "properties": _INPUT_FIELDS, "additionalProperties": False},
+        ]
+    }
+}
 _SAYS = "effects by name with their values, as a map, or as a list of names and one-entry maps"
 
 
@@ -57,6 +70,12 @@ class SceneModel(Model):
     )
     angles: dict[str, AnyAngle] = Field({}, description="initial angles by joint")
     rates: dict[str, AngleRate] = Field({}, description="initial rates by joint")
+    inputs: dict[str, Any] = Field(
+        {},
+        description="numbers from outside by name, which expressions may hold: the value until told otherwise, with "
+        "its unit, or a map of default, unit and meaning",
+        json_schema_extra=_INPUTS,
+    )
     branch: int | None = Field(
         None, description="way out of a singular start: 1, 2, … as listed; negative for the other way"
     )

@@ -42,6 +42,8 @@ def scene_data(scene: Scene) -> dict[str, Any]:
     for name, values in (("angles", scene.angles), ("rates", scene.rates)):
         if values:
             data[name] = dict(sorted(values.items()))
+    if scene.inputs:
+        data["inputs"] = {name: _plain(each) for name, each in scene.inputs.items()}
     for name in SINGLE:
         value = getattr(scene, name)
         if value is not None:

@@ -92,7 +92,7 @@ def length_unit(text: object) -> str:
     """`text` if it is a unit of length and nothing else, or DesignError."""
     if not isinstance(text, str) or not text.strip() or text.strip()[0].isdigit():
         raise DesignError(f"{_shown(text)} is not a unit of length; write one such as mm")
-    _check_unit(text, LENGTH)
+    check_unit(text, LENGTH)
     _factor(text, LENGTH)
     return text
 
@@ -113,11 +113,11 @@ def _split(text: str, quantity: Quantity) -> tuple[float, str]:
             f"{text!r} is not {_a(quantity.name)}; write a number and a unit, such as {quantity.example!r}"
         )
     unit = match["unit"]
-    _check_unit(unit, quantity)
+    check_unit(unit, quantity)
     return float(match["number"]), unit
 
 
-def _check_unit(unit: str, quantity: Quantity) -> None:
+def check_unit(unit: str, quantity: Quantity) -> None:
     """Refuses what pint should not see."""
     if len(unit) > LONGEST:
         raise DesignError(f"a unit of {len(unit)} characters; at most {LONGEST} are allowed")
@@ -148,14 +148,14 @@ def _scaled(number: float, unit: str, quantity: Quantity) -> float:
 @lru_cache(maxsize=1024)
 def _factor(unit: str, quantity: Quantity) -> float:
     """How many SI units one `unit` is. Raises DesignError for an unknown unit or another dimension."""
-    registry = _registry()
+    known = registry()
     try:
-        given = registry.parse_units(unit.replace("°", "degree").replace("·", "*"))
+        given = known.parse_units(unit.replace("°", "degree").replace("·", "*"))
     except Exception as error:  # pint's tokenizer and evaluator fail in many ways, all meaning the same here
         raise DesignError(
             f"{unit!r} is not a unit that lamc knows; {_a(quantity.name)} looks like {quantity.example!r}"
         ) from error
-    expected = registry.parse_units(quantity.unit)
+    expected = known.parse_units(quantity.unit)
     if given.dimensionality != expected.dimensionality:
         raise DesignError(
             f"{unit!r} is not a unit of {quantity.name}; expected {quantity.unit or 'a plain number'} "
@@ -169,7 +169,7 @@ def _factor(unit: str, quantity: Quantity) -> float:
             f"write it such as {quantity.example!r}"
         )
     try:
-        factor = float(registry.Quantity(1.0, given).to(expected).magnitude)
+        factor = float(known.Quantity(1.0, given).to(expected).magnitude)
     except Exception as error:  # offset and logarithmic units (degC, dB) refuse plain scaling
         raise DesignError(f"{unit!r} cannot be used as a unit of {quantity.name}") from error
     if not math.isfinite(factor) or factor <= 0.0:
@@ -180,13 +180,13 @@ def _factor(unit: str, quantity: Quantity) -> float:
 def _angles(unit: Any) -> float:
     """The power of angle in a unit: -1 for N*mm/deg. 0 for one that cannot be scaled, which fails later."""
     try:
-        return float(dict(_registry().Quantity(1.0, unit).to_root_units().unit_items()).get("radian", 0))
+        return float(dict(registry().Quantity(1.0, unit).to_root_units().unit_items()).get("radian", 0))
     except Exception:  # offset and logarithmic units
         return 0.0
 
 
 @cache
-def _registry() -> Any:
+def registry() -> Any:
     """pint's registry, made when the first unit is met: importing it costs half a second."""
     import pint
 

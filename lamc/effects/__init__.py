@@ -4,6 +4,7 @@ from lamc.effects.base import Effect
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.external_torque import ExternalTorque
 from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
@@ -20,6 +21,7 @@ __all__ = [
     "BaseMotion",
     "BladeElementDrag",
     "Effect",
+    "ExternalTorque",
     "FlexibleLinks",
     "FreeBase",
     "Gravity",

@@ -44,6 +44,9 @@ class Effect(Protocol):
     An effect that acts by expressions in time has drives() as well: see `lamc/effects/drives.py`. They are evaluated
     where the run begins and along it, and refused where they have no value.
 
+    Expressions may hold inputs of the scene: `loads.inputs` has them by name, and sympy expressions may hold symbols of
+    their names. An effect that reads some otherwise than in its drives tells their names by inputs().
+
     An effect that must be the only one of its sort says so by claims(): short texts such as "motion of the base" or
     "stiffness of hinge 'h1'". Two effects of a scene with a claim in common are refused. One that gives way instead
     asks `loads.claims` who holds a claim, and leaves that out: HingeStiffness does, hinge by hinge.

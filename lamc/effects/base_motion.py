@@ -25,8 +25,9 @@ Told = float | str
 class BaseMotion:
     """A drawn point d of the fixed bodies is at point + Rot(axis, angle) (d - point) + displacement.
 
-    displacement  along world x, y and z, m: numbers, or expressions in t (s) such as "0.01*sin(2*pi*50*t)"
-    angle         rad: a number, or an expression in t
+    displacement  along world x, y and z, m: numbers, or expressions in t (s) and inputs of the scene, such as
+                  "0.01*sin(2*pi*50*t)"
+    angle         rad: a number, or such an expression
     axis, point   the axis of that turn, world, as drawn; made a unit vector; m
 
     Velocities and accelerations follow by differentiation, so an expression must be smooth: one with a kink, such as
@@ -81,8 +82,8 @@ class BaseMotion:
     def contribute(self, loads: Loads) -> None:
         """Nothing: the motion is in the kinematics."""
 
-    def _staged(self, time: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-        names = {"t": time}
+    def _staged(self, time: Scalar, inputs: Mapping[str, Scalar]) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        names = {"t": time, **inputs}
         x, y, z, angle = (
             stage(v, names) if isinstance(v, str) else v for v in (*self.displacement, self.angle)
         )

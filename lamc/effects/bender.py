@@ -43,7 +43,8 @@ class PiezoBender:
     laminate   a lamc.plate.Laminate with piezoelectric plies, bottom to top; fibres at 0° run along the strip
     polarity   per ply: field along the normal times the ply's thickness, over the voltage. (1, -1) is a bimorph of two
                plies, poled alike, with an electrode between them; 0 stands for plies without electrodes
-    voltage    V; a number is a parameter of the simulator, a string an expression in t (s)
+    voltage    V; a number is a parameter of the simulator, a string an expression in t (s) and
+               inputs of the scene
     extension  m, the stiff end of the strip next to the tip, without laminate
     hinge      the joint between the two bodies, for a strip that is laid across it and clamped on both: it bends the
                hinge, by a torque; none for a strip whose tip pushes body_b and slides on it
@@ -201,7 +202,7 @@ class PiezoBender:
         label = self._label(loads.parameter_names)
         voltage: Scalar
         if isinstance(self.voltage, str):
-            voltage = stage(self.voltage, {"t": loads.time})
+            voltage = stage(self.voltage, {"t": loads.time, **loads.inputs})
         else:
             voltage = loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the bender")
         if self.hinge is None:

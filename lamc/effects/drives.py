@@ -1,30 +1,37 @@
-"""Drives: the expressions by which effects act on time, and on the angle and rate of a joint.
+"""Drives: the expressions by which effects act on time, on the angle and rate of a joint, and on inputs of the scene.
 
-In: an expression, and what it gives. Out: an error where it is outside the language, or has no value when the run needs
-it: nowhere, at the start, or at an instant on the way. Never: changes a value.
+In: an expression, and what it gives. Out: an error where it is outside the language, names an input that the scene does
+not have, or has no value when the run needs it: nowhere, at the start, or at an instant on the way. Never: changes a
+value.
 
 An effect that is driven has drives(), which gives its `Drive`s, and makes each with `checked_drive`; what is found at
-the start and along the run is then told for it.
+the start and along the run is then told for it. Which inputs there are is the scene's to say, so a name that is no
+other's passes when a drive is made, and is looked for when a scene is.
 """
 
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.effects.domain import EVERYWHERE, Undefined, undefined
+from lamc.effects.expression import CONSTANTS, names_in
 from lamc.errors import ExpressionError, about
 
 Bounds = tuple[npt.ArrayLike, npt.ArrayLike]
+_Given = tuple[tuple[str, float], ...]  # inputs with their values
 INSTANTS = 1001  # of a run that are looked at
+OF_JOINT = ("angle", "rate")
+NO_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class Drive:
-    """An expression in t (s) and, with a joint, in its angle (rad) and rate (rad/s).
+    """An expression in t (s), inputs of the scene and, with a joint, in its angle (rad) and rate (rad/s).
 
     what  the expression gives, for messages: "the torque of joint 'h1'"
     """
@@ -33,12 +40,23 @@ class Drive:
     text: str
     joint: str | None = None
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What it may name besides inputs and functions."""
+        return (*CONSTANTS, "t", *(OF_JOINT if self.joint is not None else ()))
+
+    def inputs(self) -> Mapping[str, int]:
+        """Names that can only be inputs, each with the column where it first stands; in order of their columns."""
+        own = ("t", *OF_JOINT)  # without a joint, angle and rate are nobody's
+        return {name: column for name, column in names_in(self.text).items() if name not in own}
+
 
 def checked_drive(drive: Drive) -> Drive:
     """`drive`, if it is in the language and has a value somewhere, and at t = 0. Raises ExpressionError."""
     try:
-        always = undefined(drive.text, _ranges(drive, (0.0, math.inf), EVERYWHERE, EVERYWHERE))
-        start = undefined(drive.text, _ranges(drive, (0.0, 0.0), EVERYWHERE, EVERYWHERE))
+        anything = dict.fromkeys(drive.inputs(), EVERYWHERE)
+        always = undefined(drive.text, anything | _ranges(drive, (0.0, math.inf), EVERYWHERE, EVERYWHERE))
+        start = undefined(drive.text, anything | _ranges(drive, (0.0, 0.0), EVERYWHERE, EVERYWHERE))
     except ExpressionError as error:
         raise ExpressionError(f"{drive.what}: {error.message}") from error
     if always is not None:
@@ -49,43 +67,54 @@ def checked_drive(drive: Drive) -> Drive:
 
 
 def check_drives(
-    effects: Iterable[object], angles: Mapping[str, float], rates: Mapping[str, float], t_end: float
+    effects: Iterable[object],
+    angles: Mapping[str, float],
+    rates: Mapping[str, float],
+    t_end: float,
+    inputs: Mapping[str, float] = NO_INPUTS,
 ) -> None:
     """Raises ExpressionError for a drive without a value at the start or, whatever moves, at an instant of the run.
 
-    angles, rates  of all joints at the start, rad and rad/s; t_end  s
+    angles, rates  of all joints at the start, rad and rad/s; t_end  s; inputs  values of the run, by name
     """
     for effect in effects:
         for drive in getattr(effect, "drives", tuple)():
+            given = tuple((name, inputs[name]) for name in drive.inputs())
             with about(effect):
-                _check_start(drive, angles, rates)
-                _check_instants(drive, t_end)
+                _check_start(drive, angles, rates, given)
+                _check_instants(drive, t_end, given)
 
 
-def _check_start(drive: Drive, angles: Mapping[str, float], rates: Mapping[str, float]) -> None:
+def _check_start(
+    drive: Drive, angles: Mapping[str, float], rates: Mapping[str, float], given: _Given
+) -> None:
     angle, rate = (values.get(drive.joint or "", 0.0) for values in (angles, rates))
-    found = _at_start(drive, angle, rate)
+    found = _at_start(drive, angle, rate, given)
     if found is not None:
-        at = f" with angle = {angle:.6g} rad and rate = {rate:.6g} rad/s" if drive.joint is not None else ""
-        raise _refusal(drive, found, f"at the start{at}")
+        state = [("angle", angle, " rad"), ("rate", rate, " rad/s")] if drive.joint is not None else []
+        at = " and ".join(f"{n} = {v:.6g}{unit}" for n, v, unit in [*state, *((*each, "") for each in given)])
+        raise _refusal(drive, found, f"at the start{' with ' if at else ''}{at}")
 
 
-def _check_instants(drive: Drive, t_end: float) -> None:
-    found = _on_the_way(drive, t_end) if np.isfinite(t_end) else None
+def _check_instants(drive: Drive, t_end: float, given: _Given) -> None:
+    found = _on_the_way(drive, t_end, given) if np.isfinite(t_end) else None
     if found is not None:
         at = t_end * found.index / (INSTANTS - 1)
-        raise _refusal(drive, found, f"at t = {at:.6g} s, within the run of {t_end:g} s")
+        told = "".join(f", {name} = {value:.6g}" for name, value in given)
+        raise _refusal(drive, found, f"at t = {at:.6g} s{told}, within the run of {t_end:g} s")
 
 
 @lru_cache(maxsize=1024)  # many runs of one scene ask the same
-def _at_start(drive: Drive, angle: float, rate: float) -> Undefined | None:
-    return undefined(drive.text, _ranges(drive, (0.0, 0.0), (angle, angle), (rate, rate)))
+def _at_start(drive: Drive, angle: float, rate: float, given: _Given) -> Undefined | None:
+    ranges = _ranges(drive, (0.0, 0.0), (angle, angle), (rate, rate))
+    return undefined(drive.text, ranges | {name: (value, value) for name, value in given})
 
 
 @lru_cache(maxsize=1024)
-def _on_the_way(drive: Drive, t_end: float) -> Undefined | None:
+def _on_the_way(drive: Drive, t_end: float, given: _Given) -> Undefined | None:
     times = np.linspace(0.0, t_end, INSTANTS)
-    return undefined(drive.text, _ranges(drive, (times, times), EVERYWHERE, EVERYWHERE))
+    ranges = _ranges(drive, (times, times), EVERYWHERE, EVERYWHERE)
+    return undefined(drive.text, ranges | {name: (value, value) for name, value in given})
 
 
 def _ranges(drive: Drive, t: Bounds, angle: Bounds, rate: Bounds) -> dict[str, Bounds]:

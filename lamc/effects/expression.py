@@ -168,15 +168,32 @@ def _tokens(text: str) -> list[_Token]:
     return [*tokens, _Token("end", "", end + 1)]
 
 
+def _check_length(text: str) -> None:
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(
+            f"expression {text[:24] + '…'!r} has {len(text)} characters; at most {MAX_LENGTH} are allowed"
+        )
+
+
+def names_in(text: str) -> Mapping[str, int]:
+    """Names in `text` that are no functions and no constants: each with the column where it first stands.
+
+    Raises ExpressionError for a sign outside the language.
+    """
+    _check_length(text)
+    found: dict[str, int] = {}
+    for token in _tokens(text):
+        if token.kind == "name" and token.text not in FUNCTIONS and token.text not in CONSTANTS:
+            found.setdefault(token.text, token.column)
+    return found
+
+
 def stage(text: str, names: Mapping[str, Scalar]) -> Scalar:
     """The value of `text`, in which `names` stand for the given scalars.
 
     Raises ExpressionError, with the column, for everything outside the language and for constants that overflow.
     """
-    if len(text) > MAX_LENGTH:
-        raise ExpressionError(
-            f"expression {text[:24] + '…'!r} has {len(text)} characters; at most {MAX_LENGTH} are allowed"
-        )
+    _check_length(text)
     reader = _Reader(text, names)
     try:
         return reader.whole()

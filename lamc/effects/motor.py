@@ -57,7 +57,7 @@ class LinearMotor:
     """Torque on a joint's child about its axis: T = n (T_stall V / V₀ - T_stall ω / ω₀), ω = n · the joint's rate.
 
     voltage   V; a number is a parameter of the simulator, a string an expression in t (s), angle (rad) and rate (rad/s)
-              of the joint. Positive voltage opens the fold
+              of the joint, and inputs of the scene. Positive voltage opens the fold
 
     The motor by the line of its data sheet:
 
@@ -182,8 +182,9 @@ class LinearMotor:
         angle, rate = result.angle(self.joint), result.rate(self.joint)
         if isinstance(self.voltage, str):
             rows = zip(result.t.tolist(), angle.tolist(), rate.tolist(), strict=True)
+            inputs = {name: known[name] for drive in self.drives() for name in drive.inputs()}
             voltage = np.array(
-                [_plain(stage(self.voltage, {"t": t, "angle": q, "rate": u})) for t, q, u in rows]
+                [_plain(stage(self.voltage, {"t": t, "angle": q, "rate": u, **inputs})) for t, q, u in rows]
             )
         else:
             voltage = np.full(len(result.t), known.get(f"{label}.voltage", self.voltage))
@@ -198,7 +199,9 @@ class LinearMotor:
 
     def _voltage(self, loads: Loads, hinge: Hinge, label: str) -> Scalar:
         if isinstance(self.voltage, str):
-            return stage(self.voltage, {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate})
+            return stage(
+                self.voltage, {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate, **loads.inputs}
+            )
         return loads.parameter(f"{label}.voltage", self.voltage, "V", "voltage of the motor")
 
     def drives(self) -> tuple[Drive, ...]:

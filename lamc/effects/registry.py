@@ -8,6 +8,7 @@ from lamc.effects.base import Effect, RegisteredEffect, claims_of
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.external_torque import ExternalTorque
 from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
 from lamc.effects.gravity import Gravity
@@ -41,6 +42,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     TwistCompliance,
     BladeElementDrag,
     FlexibleLinks,
+    ExternalTorque,
 )
 
 

@@ -8,6 +8,8 @@ from lamc.effects.base import Effect
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
+
+from lamc.effects.external_torque import constant_claim, is_outside
 from lamc.effects.linear_drive import linear_drive
 from lamc.errors import DesignError
 from lamc.mechanics.loads import Loads
@@ -23,8 +25,8 @@ if TYPE_CHECKING:
 class Torque:
     """Torques by joint name, N·m, on the child about the joint's axis.
 
-    A number is a parameter of the simulator; a string is an expression in t (s), angle (rad) and rate (rad/s).
-    Raises ExpressionError when it is made with an expression outside the language.
+    A number is a parameter of the simulator; a string is an expression in t (s), angle (rad) and rate (rad/s), and in
+    inputs of the scene. Raises ExpressionError when it is made with an expression outside the language.
     """
 
     torques: Mapping[str, float | str] = field(default_factory=dict)
@@ -54,11 +56,23 @@ class Torque:
         for joint, torque in self.torques.items():
             if isinstance(torque, str):
                 hinge = loads.hinge(joint)
-                names = {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate}
+                names = {"t": loads.time, "angle": hinge.angle, "rate": hinge.rate, **loads.inputs}
                 loads.hinge_torque(joint, stage(torque, names))
             else:
                 loads.hinge(joint)
-                loads.hinge_torque(joint, loads.parameter(f"{joint}.torque", torque, "N·m", "applied torque"))
+                applied = loads.parameter(
+                    f"{joint}.torque",
+                    torque,
+                    "N·m",
+                    "applied torque",
+                    is_input=is_outside(joint, loads.claims),
+                )
+                loads.hinge_torque(joint, applied)
+
+    def claims(self) -> tuple[str, ...]:
+        return tuple(
+            constant_claim(joint) for joint, value in self.torques.items() if not isinstance(value, str)
+        )
 
     def carry_over(self, engine: "EngineLoads") -> None:
         """The same torques; expressions that are not linear are left to whoever runs the engine."""

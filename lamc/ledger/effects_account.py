@@ -67,7 +67,7 @@ class Accounting:
         """scene, effects: the ledger's own, and what acts in it."""
         self._workshop, self._truth, self._sweep, self._clock = workshop, truth, sweep, clock
         self._scene, self._effects = (
-            replace(scene, effects=tuple(effects), added=(), without=()),
+            scene.acting(effects),
             tuple(effects),
         )
         self._waiting: list[_Variant] = []
@@ -110,18 +110,18 @@ class Accounting:
         found = []
         for name in dict.fromkeys(effect.name for effect in kept):
             rest = tuple(effect for effect in kept if effect.name != name)
-            found.append(_Variant((name,), False, replace(self._scene, effects=rest)))
+            found.append(_Variant((name,), False, self._scene.acting(rest)))
         for k, effect in enumerate(kept):
             for form, other in alternatives_of(effect).items():
                 effects = (*kept[:k], other, *kept[k + 1 :])
-                scene = replace(self._scene, effects=effects)
+                scene = self._scene.acting(effects)
                 found.append(_Variant((effect.name,), False, scene, form))
         present = {choice.name for choice in choose(self._workshop.mechanism, self._scene) if choice.effect}
         for kind in EFFECTS:
             if kind.name not in present:
                 asked, _ = kind.default_for(self._workshop.mechanism)
                 if asked is not None:
-                    found.append(_Variant((kind.name,), True, replace(self._scene, effects=(*kept, asked))))
+                    found.append(_Variant((kind.name,), True, self._scene.acting((*kept, asked))))
         return found
 
     def _measure(self, variant: _Variant, setting: Setting, share: float) -> _Row:
@@ -184,7 +184,7 @@ class Accounting:
         while idle:
             names = tuple(sorted(name for row in idle for name in row.effects))
             rest = tuple(effect for effect in self._effects if effect.name not in names)
-            found = self._measure(_Variant(names, False, replace(self._scene, effects=rest)), setting, share)
+            found = self._measure(_Variant(names, False, self._scene.acting(rest)), setting, share)
             change = found.row.change
             if change is not None and change < self._sweep.accuracy:
                 return found

@@ -9,7 +9,7 @@ quaternion of any norm (world from drawn axes), and six rates, the velocity of t
 velocity in axes of the body.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -64,12 +64,13 @@ class FloatingBase:
 class PrescribedBase:
     """The fixed bodies, moved as told: a drawn point d is at point + Rot(axis, angle) (d - point) + displacement.
 
-    motion       stages the displacement (x, y, z), m, world, and the angle, rad, for a staged time, s
+    motion       stages the displacement (x, y, z), m, world, and the angle, rad, for a staged time, s, and the staged
+                 inputs of the scene by name
     axis, point  unit vector and a point of the axis, m; both (3,), world, drawn
     """
 
     bodies: tuple[str, ...]
-    motion: "Callable[[Scalar], tuple[Scalar, Scalar, Scalar, Scalar]]"
+    motion: "Callable[[Scalar, Mapping[str, Scalar]], tuple[Scalar, Scalar, Scalar, Scalar]]"
     axis: Array
     point: Array
     effect: str = ""  # who asked for it; `Arranging` fills it in

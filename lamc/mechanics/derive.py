@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from lamc.allocation import collector_paused
 from lamc.codegen.program import Space
 from lamc.errors import about
+from lamc.inputs import NO_INPUTS, Input
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot, scale
 from lamc.mechanics.arrangement import arrange
@@ -42,14 +43,21 @@ CONSTRAINED = "constraints"
 
 
 @collector_paused
-def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = None) -> Equations:
+def derive(
+    tree: Tree,
+    effects: "Sequence[Effect]",
+    loops: LoopCount | None = None,
+    inputs: Mapping[str, Input] = NO_INPUTS,
+) -> Equations:
     """Equations of motion of `tree` under `effects`. `loops` is what `count_loops` gives; None: counted here.
+
+    inputs: of the scene, by name; the effects' expressions may hold them.
 
     Raises DesignError where an effect does not fit.
     """
     arrangement = arrange(tree, effects)
     if not arrangement.is_plain:
-        return derive_general(arrangement, effects, loops)
+        return derive_general(arrangement, effects, loops, inputs)
     store = Store()
     count = len(tree.links)
     names = tree.joint_names
@@ -57,6 +65,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
     time = store.symbol("t", Space.TIME, 0)
     q = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
     u = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
+    given = parameters.declare(inputs, names)
     with store.section(
         "Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"
     ):
@@ -65,7 +74,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
         base = regrouped(store, tree, inertias)
     placement = Placement(Kinematics(store, tree, q))
     hinges = cut_hinges(placement, u)
-    loads = Loads(placement, parameters, time, q, u, hinges)
+    loads = Loads(placement, parameters, time, q, u, hinges, given)
     loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
     for effect in effects:
         with about(effect), loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
@@ -89,6 +98,7 @@ def derive(tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None = No
         solver=solver,
         solver_flops=flops,
         arrangement=arrangement,
+        inputs=inputs,
         account_for_powers=lambda: powers_of(loads, _moving(placement, pairs, q, u, time)),
     )
 

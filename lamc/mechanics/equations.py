@@ -5,11 +5,12 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Coordinate, Operations, Parameter
+from lamc.inputs import Input
 from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations, group
@@ -56,6 +57,7 @@ class Equations:
     arrangement   coordinates beyond the hinges; with any, M u̇ = f comes from inverse dynamics, `acceleration` is
                   empty, and the runtime solves
     coordinate_rates  q̇ (nq,) by q and u; None where q̇ = u
+    inputs        numbers from outside that the scene declares, by name
     account_for_powers  makes `powers`, which take time and memory that few ask for
     """
 
@@ -74,6 +76,7 @@ class Equations:
     loops: LoopCount = NO_LOOPS
     arrangement: "Arrangement | None" = None
     coordinate_rates: tuple[Scalar, ...] | None = None
+    inputs: Mapping[str, Input] = field(default_factory=dict)
     account_for_powers: "Callable[[], Mapping[str, Scalar]]" = dict
 
     def __repr__(self) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.codegen.program import Space
+from lamc.inputs import Input
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics import compliance
 from lamc.mechanics.algebra import ZERO, add, dot, scale
@@ -43,7 +44,10 @@ SPREAD = (
 
 
 def derive_general(
-    arrangement: Arrangement, effects: "Sequence[Effect]", loops: LoopCount | None
+    arrangement: Arrangement,
+    effects: "Sequence[Effect]",
+    loops: LoopCount | None,
+    inputs: Mapping[str, Input],
 ) -> Equations:
     """Equations of motion of `arrangement` under `effects`; see `derive`."""
     store, tree = Store(), arrangement.tree
@@ -51,7 +55,8 @@ def derive_general(
     time = store.symbol("t", Space.TIME, 0)
     q = [store.symbol(f"q_{c.name}", Space.ANGLE, i) for i, c in enumerate(arrangement.coordinates)]
     u = [store.symbol(f"u_{c.name}", Space.RATE, i) for i, c in enumerate(arrangement.rates)]
-    base = _staged_base(store, arrangement, parameters, time, q, u)
+    given = parameters.declare(inputs, [c.name for c in (*arrangement.coordinates, *arrangement.rates)])
+    base = _staged_base(store, arrangement, parameters, given, time, q, u)
     kinematics = ChainKinematics(store, arrangement, q, base)
     masses = _masses(kinematics, parameters)
     placement = Placement(kinematics, base)
@@ -60,7 +65,7 @@ def derive_general(
     seen = Placement(still)
     hinges = _general_hinges(seen, q[:plain], u[:plain])
     held = [compliance.bushing_amounts(seen, b, q[:plain], u[:plain]) for b in arrangement.bushings]
-    loads = Loads(placement, parameters, time, q, u, (*hinges, *(hinge for _, hinge in held)))
+    loads = Loads(placement, parameters, time, q, u, (*hinges, *(hinge for _, hinge in held)), given)
     loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
     for effect in effects:
         with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
@@ -88,6 +93,7 @@ def derive_general(
         solver=INVERSE_DYNAMICS,
         solver_flops={},
         arrangement=arrangement,
+        inputs=inputs,
         coordinate_rates=(*u[:plain], *rates) if rates else None,
         account_for_powers=lambda: _powers(problem, placement, masses, loads, speeds),
     )
@@ -97,6 +103,7 @@ def _staged_base(
     store: Store,
     arrangement: Arrangement,
     parameters: Parameters,
+    inputs: Mapping[str, Scalar],
     time: Value,
     q: Sequence[Scalar],
     u: Sequence[Scalar],
@@ -105,7 +112,7 @@ def _staged_base(
         case FloatingBase() as base:
             return float_base(store, base, parameters.add, q, u)
         case PrescribedBase() as base:
-            return prescribe_base(store, base, time)
+            return prescribe_base(store, base, time, inputs)
         case _:
             return None
 

@@ -44,8 +44,9 @@ class Hinge:
 class Loads(BodyPoints):
     """Collects the loads of one scene on one tree.
 
-    Scalars are `Value`s, plain numbers, or sympy expressions in t and, by joint name, q_<joint> and u_<joint>, and in
-    whatever this record gave: sympy.sqrt(loads.parameter(…)) is an expression like any other.
+    Scalars are `Value`s, plain numbers, or sympy expressions in t, inputs of the scene by name and, by joint name,
+    q_<joint> and u_<joint>, and in whatever this record gave: sympy.sqrt(loads.parameter(…)) is an expression like any
+    other.
     Vectors are triples in world axes.
     """
 
@@ -57,10 +58,12 @@ class Loads(BodyPoints):
         q: Sequence[Scalar],
         u: Sequence[Scalar],
         cut_hinges: Sequence[CutHinge] = (),
+        inputs: Mapping[str, Scalar] | None = None,
     ) -> None:
         super().__init__(placement, u)
         tree = self.tree
         self.time = time
+        self.inputs: Mapping[str, Scalar] = inputs or {}  # of the scene, by name; constant within a run
         self.hinge_torques: list[Scalar] = [0] * len(tree.links)
         self.field: Vector3 = ZERO
         self.wrenches: dict[
@@ -104,9 +107,14 @@ class Loads(BodyPoints):
         """Name of the effect whose turn it is."""
         return self._effect
 
-    def parameter(self, name: str, default: float, unit: str, meaning: str) -> Scalar:
-        """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…")."""
-        return self._parameters.add(name, default, unit, meaning, self._effect)
+    def parameter(
+        self, name: str, default: float, unit: str, meaning: str, *, is_input: bool = False
+    ) -> Scalar:
+        """A number that can change without recompiling, e.g. parameter("h1.stiffness", 0.1, "N·m/rad", "…").
+
+        is_input: it comes from outside while a model runs, as what a controller commands does.
+        """
+        return self._parameters.add(name, default, unit, meaning, self._effect, is_input=is_input)
 
     def switch(self, name: str, guard: "Scalar | sp.Expr") -> Scalar:
         """A number that is 1 while `guard`, a function of the angles, is positive, and 0 otherwise.
@@ -234,14 +242,14 @@ class Loads(BodyPoints):
             self.added.append(AddedInertia(self._effect, index, drawn, rows))
 
     def _scalar(self, value: "Scalar | sp.Expr") -> Scalar:
-        """Sympy expressions are staged; their symbols are t, and q_<joint> and u_<joint> by joint name."""
+        """Sympy expressions are staged; their symbols are t, inputs, and q_<joint> and u_<joint> by joint name."""
         if isinstance(value, Value):
             return value
         if isinstance(value, numbers.Real):
             return checked_number(value, f"a number that effect {self._effect!r} gives")
         from lamc.mechanics.sympy_view import from_sympy
 
-        inputs: dict[str, Scalar] = {"t": self.time}
+        inputs: dict[str, Scalar] = {"t": self.time, **self.inputs}
         for joint in self.joints:
             hinge = self.hinge(joint)
             inputs |= {f"q_{joint}": hinge.angle, f"u_{joint}": hinge.rate}

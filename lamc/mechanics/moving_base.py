@@ -5,7 +5,7 @@ as twists in its own (drawn) axes. It knows no link.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lamc.mechanics.algebra import ZERO, Matrix3, Symmetric, Vector3, add, total
@@ -106,12 +106,15 @@ def float_base(
     return StagedFloat(reference, rotation, (x, y, z), velocity, mass, Symmetric(*inertia), rates)
 
 
-def prescribe_base(store: Store, base: PrescribedBase, time: Value) -> StagedMotion:
-    """The base that moves as told, with velocities and accelerations by differentiation in time."""
+def prescribe_base(
+    store: Store, base: PrescribedBase, time: Value, inputs: Mapping[str, Scalar]
+) -> StagedMotion:
+    """The base that moves as told, with velocities and accelerations by differentiation in time; `inputs` of the scene
+    stand still."""
     with store.section(
         "Motion of the base", effect=base.effect, source="as told, and its derivatives in time"
     ):
-        told = list(base.motion(time))
+        told = list(base.motion(time, inputs))
         rates = derivatives(told, {time: 1})
         seconds = derivatives(rates, {time: 1})
         axis, point = constant_vector(store, base.axis), constant_vector(store, base.point)

@@ -28,10 +28,12 @@ def operations_by_effect(equations: "Equations") -> Mapping[str, Operations]:
     tree = plan(equations.tree.mechanism)
     ordered = sorted(equations.effects, key=lambda effect: not hasattr(effect, "arrange"))
     loops = None if any(hasattr(effect, "arrange") for effect in ordered) else equations.loops
-    before = derive(tree, (), loops).operations
+    before = derive(tree, (), loops, equations.inputs).operations
     result = {MECHANISM: before}
     for count, effect in enumerate(ordered, start=1):
-        with_it = equations if count == len(ordered) else derive(tree, ordered[:count], loops)
+        with_it = (
+            equations if count == len(ordered) else derive(tree, ordered[:count], loops, equations.inputs)
+        )
         # Several motors, springs or wings have one name, and one line.
         so_far = result.get(effect.name, Operations())
         result[effect.name] = _changed(so_far, with_it.operations, before)

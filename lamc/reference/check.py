@@ -19,6 +19,7 @@ from lamc.reference.check_loops import closures, cut_hinges
 from lamc.reference.check_motion import Budget, Progress, motions
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.closing import WELL_CONDITIONED, State, random_states
+from lamc.reference.inputs import told
 from lamc.reference.integrate import Acceleration
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.loads import told_apart
@@ -81,7 +82,8 @@ def check(
     joints = program.joints
     interpreter = Interpreter(program)
     constants = interpreter.constants()
-    known, unknown = told_apart(simulator.effects)
+    inputs = {p.name: p.default for p in program.parameters if p.is_input}
+    known, unknown = told_apart(told(simulator.mechanism, simulator.effects, inputs))
     newton = NewtonEuler(simulator.mechanism, known, joints)
     voices: dict[str, Acceleration] = {
         "C": simulator.acceleration,

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lamc.reference.check_motion import Progress
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.general_states import general_states, regular
+from lamc.reference.inputs import told
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.lagrange import ARRANGED, Lagrange
 from lamc.reference.loads import told_apart
@@ -50,9 +51,11 @@ def check_general(
     program = simulator.program
     interpreter = Interpreter(program)
     constants = interpreter.constants()
-    known, unknown = told_apart(simulator.effects, ARRANGED)
+    inputs = {p.name: p.default for p in program.parameters if p.is_input}
+    effects = told(simulator.mechanism, simulator.effects, inputs)
+    known, unknown = told_apart(effects, ARRANGED)
     names = tuple(rate.name for rate in program.rates)
-    lagrange = Lagrange(simulator.mechanism, simulator.effects, program.joints, names, known)
+    lagrange = Lagrange(simulator.mechanism, effects, program.joints, names, known)
     voices: dict[str, Voice] = {"Lagrange": lagrange}
     if set(general) <= set(MOVING):
         voices["Newton-Euler"] = MovingNewtonEuler(simulator.mechanism, known, program.joints)
@@ -70,8 +73,8 @@ def check_general(
     random = general_states(lagrange, simulator.mechanism, along[0], states, t_end, seed)
     if len(random) < states:
         notes.append(f"{len(random)} of {states} random states close all loops away from singular positions")
-    comparisons: list[Comparison] = strip_springs(simulator.mechanism, simulator.effects)
-    comparisons += modal_integrals(simulator.mechanism, simulator.effects)
+    comparisons: list[Comparison] = strip_springs(simulator.mechanism, effects)
+    comparisons += modal_integrals(simulator.mechanism, effects)
     for title, rows in (("random states", random), ("states of the run", regular(lagrange, along))):
         tell(f"compare {title}", 0.5)
         read = Largest(names, ("C", "interpreter"))

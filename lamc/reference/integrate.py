@@ -13,6 +13,7 @@ from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 
 from lamc.errors import DesignError, SimulationError
 from lamc.mechanism.records import Mechanism
+from lamc.reference.inputs import told
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
@@ -71,7 +72,7 @@ def voice(
 
     The numeric voices need `scene.effects` stated (not None). Raises DesignError for another name.
     """
-    effects = scene.effects or ()
+    effects = told(mechanism, scene.effects or (), {n: each.default for n, each in scene.inputs.items()})
     if name == "newton-euler":
         return NewtonEuler(mechanism, effects, joints).acceleration
     if name == "maximal":

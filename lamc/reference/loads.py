@@ -86,6 +86,7 @@ class NumericLoads:
 
 
 KNOWN = (
+    "external_torque",
     "blade_element_drag",
     "gravity",
     "ground_contact",
@@ -153,6 +154,8 @@ def numeric_loads(
                         torques.append((k, parse(torque)))
                     else:
                         applied[k] += torque
+            case "external_torque":
+                pass  # zero; `inputs.told` puts torques that are told in its place
             case "nonlinear_stiffness":
                 more, stored = hinge_laws.laws(effect.laws, records)
                 torques += more

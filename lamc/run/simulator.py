@@ -140,6 +140,11 @@ class Simulator(Evaluations):
         return self._module.source_dir
 
     @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the parameters that come from outside while an exported model runs."""
+        return tuple(parameter.name for parameter in self.program.parameters if parameter.is_input)
+
+    @cached_property
     def equations(self) -> Any:
         return _settled(self._equations)
 
@@ -205,7 +210,8 @@ class Simulator(Evaluations):
         driven = [effect for effect in self.effects if hasattr(effect, "drives")]
         if driven:
             with told_at(self.scene.places):
-                check_drives(driven, *self._start_by_joint(self.start), request.t_end)
+                named = dict(zip(self._model.parameters, motion.parameters.tolist(), strict=False))
+                check_drives(driven, *self._start_by_joint(self.start), request.t_end, named)
         self._check_poses(motion)
         telling = (lambda: motion) if books else (lambda: self._telling.motion(parameters, rate))
 

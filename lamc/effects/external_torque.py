@@ -1,0 +1,84 @@
+"""Torques on hinges that come from outside while a model runs: from a controller, another program, a person's hand."""
+
+from collections.abc import Container, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from lamc.effects.base import Effect
+from lamc.effects.data import record
+from lamc.errors import DesignError
+from lamc.mechanics.loads import Loads
+from lamc.mechanism.checks import is_list, shown
+from lamc.mechanism.records import Mechanism, checked_name
+
+_EVERY = "torque from outside on every hinge"
+
+
+def constant_claim(joint: str) -> str:
+    """What an effect says that gives a hinge a constant torque as a parameter: that one is then the input."""
+    return f"constant torque of hinge {joint!r}"
+
+
+def is_outside(joint: str, claims: Container[str]) -> bool:
+    """Whether an effect of the scene takes the torque on this hinge from outside, by what all effects claim."""
+    return _EVERY in claims or _claim(joint) in claims
+
+
+def _claim(joint: str) -> str:
+    return f"torque from outside on hinge {joint!r}"
+
+
+@dataclass(frozen=True)
+class ExternalTorque:
+    """A torque on each hinge's child about the hinge's axis, N·m, an input of the model; positive opens the fold.
+
+    joints  names of the hinges; None: every one, those that close loops too
+
+    The input is `<joint>.torque`, zero unless told otherwise, and constant within a run. A hinge on which `Torque` acts
+    with a number has that as its input, with that number as its default; one with an expression has both. With all
+    inputs zero the motion is that without the effect, to the last bit.
+    """
+
+    joints: tuple[str, ...] | None = None
+
+    name: ClassVar[str] = "external_torque"
+    summary: ClassVar[str] = "Hinge torques from outside"
+    source: ClassVar[str] = "eq. 17"
+    shorthand: ClassVar[str] = "joints"
+    units: ClassVar[Mapping[str, str]] = {}
+
+    def __post_init__(self) -> None:
+        if self.joints is None:
+            return
+        if not is_list(self.joints) or not len(self.joints):
+            raise DesignError(
+                f"the joints of an external torque are {shown(self.joints)}; give names, such as ('h1', 'h2'), or None "
+                "for all"
+            )
+        joints = tuple(checked_name(name, "a joint of an external torque") for name in self.joints)
+        twice = next((name for name in joints if joints.count(name) > 1), None)
+        if twice is not None:
+            raise DesignError(f"an external torque has joint {twice!r} twice; once is enough")
+        object.__setattr__(self, "joints", joints)
+
+    def claims(self) -> tuple[str, ...]:
+        return (_EVERY,) if self.joints is None else tuple(_claim(joint) for joint in self.joints)
+
+    def contribute(self, loads: Loads) -> None:
+        for joint in self.joints or ():
+            loads.hinge(joint)  # refuses what is not there
+        for hinge in loads.hinges():
+            joint = hinge.joint.name
+            chosen = self.joints is None or joint in self.joints
+            if chosen and constant_claim(joint) not in loads.claims:
+                torque = loads.parameter(f"{joint}.torque", 0.0, "N·m", "torque from outside", is_input=True)
+                loads.hinge_torque(joint, torque)
+
+    @classmethod
+    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
+        return None, "no torque comes from outside"
+
+    @classmethod
+    def from_data(cls, value: object, where: str) -> "ExternalTorque":
+        """From a scene file: nothing, for every hinge, or a list of names."""
+        return record(cls, value, where)

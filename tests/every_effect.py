@@ -34,6 +34,7 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 leading=(0.0, 1.0),
                 outline=((1.0, -0.3), (2.0, -0.2), (2.0, 0.2), (1.0, 0.2)),
             ),
+            lamc.ExternalTorque(("h2",)),
             lamc.Gravity((0.1, 0.2, -9.7)),
             lamc.GroundContact(
                 0.4, points={"b": ((2.0, 0.1, 0.0), (2.0, -0.1, 0.0))}, stiffness=1e3, height=-1.0

@@ -34,11 +34,15 @@ CASES: dict[str, Effect] = dict(SAMPLES) | {
 }
 
 
+FROM_OUTSIDE = {"external_torque": {"h2.torque": 0.5}}  # N·m; nothing comes from outside by itself
+
+
 @pytest.mark.parametrize("case", sorted(CASES))
 def test_effects_that_say_so_keep_the_energy_and_the_others_do_not(case: str) -> None:
     effect = CASES[case]
     scene = Scene(effects=(effect,), angles={"h1": 0.9, "h2": -0.8}, rates={"h1": 2.0, "h2": -1.5})
-    result = lamc.compile(mechanism(), scene).run(t_end=1.5, rtol=1e-10, atol=1e-12)
+    parameters = FROM_OUTSIDE.get(case, {})
+    result = lamc.compile(mechanism(), scene).run(t_end=1.5, rtol=1e-10, atol=1e-12, parameters=parameters)
     change = float(np.abs(result.energy - result.energy[0]).max() / result.energies["kinetic"].max())
     if conserves(effect, result.energies):
         assert change < 1e-7  # rtol times some hundred steps, of the energy that there is
@@ -52,7 +56,10 @@ def test_books_balance_under_every_effect(case: str) -> None:
     effect = CASES[case]
     company = (lamc.Gravity(),) if effect.name != "gravity" else ()
     scene = Scene(effects=(*company, effect), angles={"h1": 0.9, "h2": -0.8}, rates={"h1": 2.0, "h2": -1.5})
-    result = lamc.compile(mechanism(), scene).run(t_end=1.5, rtol=1e-10, atol=1e-12, books=True)
+    parameters = FROM_OUTSIDE.get(case, {})
+    result = lamc.compile(mechanism(), scene).run(
+        t_end=1.5, rtol=1e-10, atol=1e-12, books=True, parameters=parameters
+    )
     books = result.books
     assert books.balance < 1e-8
     kept = conserves(effect, result.energies)

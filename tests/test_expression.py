@@ -14,6 +14,7 @@ from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
 from lamc.mechanics.staging import Scalar, Store, Value
 from lamc.mechanics.substitution import substitute
+from lamc.scene import Scene
 from tests import expressions
 
 
@@ -179,7 +180,7 @@ def test_torques_tell_the_joint_the_expression_and_the_column() -> None:
     with pytest.raises(
         ExpressionError, match=r"the torque of joint 'h1': expression '2\*q', column 3: 'q' is not"
     ):
-        Torque({"h1": "2*q"})
+        Scene(effects=(Torque({"h1": "2*q"}),))
     with pytest.raises(
         ExpressionError, match=r"joint 'h1': expression '1e308\*10', column 1: the value is inf"
     ):

@@ -186,6 +186,6 @@ def test_a_voltage_outside_the_language_is_refused() -> None:
     with pytest.raises(
         ExpressionError, match=r"the voltage of the motor on joint 'hip': .*'speed' is not known"
     ):
-        motor("6*speed")
+        Scene(effects=(motor("6*speed"),))
     with pytest.raises(DesignError, match="no joint is named 'hip'"):
         lamc.compile(chain(1), Scene(effects=(motor(),)))

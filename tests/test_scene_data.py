@@ -72,7 +72,7 @@ def test_effects_take_units_in_files() -> None:
         ("hinge_stiffness", 3, "x: hinge_stiffness takes no value"),
         ("torque", {"h": "3 kg"}, "x.h: 'kg' is not a unit of h; expected N*m"),
         ("torque", 3, "x: torque is 3; give a mapping such as {h1: 0.02}"),
-        ("torque", {"h": "3*x"}, "x: the torque of joint 'h': expression '3*x', column 3: 'x' is not known"),
+        ("torque", {"h": "3*x()"}, "x: the torque of joint 'h': expression '3*x()', column 3: 'x' is not known"),
     ],
 )  # fmt: skip
 def test_data_that_does_not_fit_is_refused_with_the_way_out(name: str, value: object, said: str) -> None:

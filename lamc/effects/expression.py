@@ -176,14 +176,16 @@ def _check_length(text: str) -> None:
 
 
 def names_in(text: str) -> Mapping[str, int]:
-    """Names in `text` that are no functions and no constants: each with the column where it first stands.
+    """Names in `text` that are no constants and called as no function: each with the column where it first stands.
 
     Raises ExpressionError for a sign outside the language.
     """
     _check_length(text)
+    tokens = _tokens(text)
     found: dict[str, int] = {}
-    for token in _tokens(text):
-        if token.kind == "name" and token.text not in FUNCTIONS and token.text not in CONSTANTS:
+    for token, following in zip(tokens, tokens[1:], strict=False):
+        known = token.text in FUNCTIONS or token.text in CONSTANTS
+        if token.kind == "name" and not known and following.text != "(":
             found.setdefault(token.text, token.column)
     return found
 

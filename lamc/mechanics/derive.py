@@ -5,6 +5,7 @@ store. It knows no effect by name, and makes no text.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,7 @@ from lamc.mechanics.placement import Placement, rotate_back
 from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations
+from lamc.mechanics.substitution import substitute
 from lamc.mechanism.tree import WORLD, Link, Tree
 
 if TYPE_CHECKING:
@@ -81,7 +83,7 @@ def derive(
             effect.contribute(loads)
     problem = Problem(placement.kinematics, base, u, loads)
     solutions, flops = ({CONSTRAINED: ()}, {}) if hinges else _solutions(problem, count)
-    solver = min(solutions, key=lambda name: flops.get(name, 0))
+    solver = _cheapest(store, solutions, flops, parameters)
     coms = [com for _, com in pairs]
     return Equations(
         tree=tree,
@@ -210,6 +212,22 @@ def _solutions(problem: Problem, count: int) -> tuple[dict[str, Sequence[Scalar]
     solutions: dict[str, Sequence[Scalar]] = {way: problem.solve(way) for way in ways}
     flops = {way: count_operations(store, values, Level.PARAMETER).flops for way, values in solutions.items()}
     return solutions, flops
+
+
+def _cheapest(
+    store: Store,
+    solutions: Mapping[str, Sequence[Scalar]],
+    flops: Mapping[str, int],
+    parameters: Parameters,
+) -> str:
+    """The solution of least operations when nothing comes from outside: torques that are zero then leave every bit as it
+    is without them, and another way to solve would not."""
+    outside: dict[Value, Scalar] = {p: 0 for p in parameters.from_outside()}
+    if len(solutions) > 1 and outside:
+        with suppress(ArithmeticError):  # an effect that divides by what is zero has no motion without it
+            without = {way: substitute(values, outside) for way, values in solutions.items()}
+            flops = {way: count_operations(store, v, Level.PARAMETER).flops for way, v in without.items()}
+    return min(solutions, key=lambda way: flops.get(way, 0))
 
 
 def _energies(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from lamc.codegen.program import Parameter, Space
 from lamc.errors import DesignError, about
 from lamc.inputs import Input
-from lamc.mechanics.staging import Scalar, Store
+from lamc.mechanics.staging import Scalar, Store, Value
 from lamc.mechanism.checks import checked_number
 
 
@@ -41,6 +41,14 @@ class Parameters:
                 "choose another name"
             )
         return self.store.symbol(name, Space.PARAMETER, index)
+
+    def from_outside(self) -> tuple[Value, ...]:
+        """The symbols of inputs that effects bring and that are zero unless told otherwise."""
+        return tuple(
+            self.store.symbol(each.name, Space.PARAMETER, index)
+            for index, each in enumerate(self.records)
+            if each.is_input and each.effect and each.default == 0.0
+        )
 
     def declare(self, inputs: Mapping[str, Input], coordinates: Iterable[str]) -> Mapping[str, Scalar]:
         """The symbols of a scene's inputs by name, in the order of their names. coordinates: names of q and u.

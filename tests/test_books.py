@@ -26,13 +26,8 @@ from tests.every_effect import SAMPLES, mechanism
 
 Array = npt.NDArray[np.float64]
 
-DRIVEN = (
-    "torque",
-    "external_torque",
-    "linear_motor",
-    "piezo_bender",
-    "base_motion",
-)  # may bring energy in; no other may
+# These may bring energy in; no other may.
+DRIVEN = ("torque", "external_torque", "linear_motor", "piezo_bender", "base_motion")
 METHODS = ("rk45", "dop853", "rodas5p", "radau5", "auto")
 START = {"h1": 0.3, "h2": -0.4}  # rad
 PATIENT = settings(

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
@@ -183,7 +184,7 @@ def names_in(text: str) -> Mapping[str, int]:
     _check_length(text)
     tokens = _tokens(text)
     found: dict[str, int] = {}
-    for token, following in zip(tokens, tokens[1:], strict=False):
+    for token, following in pairwise(tokens):
         known = token.text in FUNCTIONS or token.text in CONSTANTS
         if token.kind == "name" and not known and following.text != "(":
             found.setdefault(token.text, token.column)

@@ -220,9 +220,9 @@ def _cheapest(
     flops: Mapping[str, int],
     parameters: Parameters,
 ) -> str:
-    """The solution of least operations when nothing comes from outside: torques that are zero then leave every bit as it
-    is without them, and another way to solve would not."""
-    outside: dict[Value, Scalar] = {p: 0 for p in parameters.from_outside()}
+    """The solution of least operations when nothing comes from outside: torques that are zero then leave every bit as
+    it is without them, and another way to solve would not."""
+    outside: dict[Value, Scalar] = dict.fromkeys(parameters.from_outside(), 0)
     if len(solutions) > 1 and outside:
         with suppress(ArithmeticError):  # an effect that divides by what is zero has no motion without it
             without = {way: substitute(values, outside) for way, values in solutions.items()}

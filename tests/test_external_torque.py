@@ -11,6 +11,7 @@ from lamc.effects import ExternalTorque, Gravity, HingeDamping, HingeStiffness, 
 from lamc.effects.base import Effect
 from lamc.errors import DesignError
 from lamc.examples import __file__ as examples
+from lamc.export.engine_loads import carried
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.pipeline import effects_of, equations_of
 from lamc.reference.check import check
@@ -182,6 +183,13 @@ def test_what_is_an_input_is_a_part_of_the_digest() -> None:
 
     torque = Torque({"h1": 0.4})
     assert program(torque) != program(torque, ExternalTorque(("h1",)))
+
+
+def test_other_engines_have_an_actuator_for_it() -> None:
+    effects = (ExternalTorque(), Torque({"h2": "sin(t)"}))
+    hinges = carried(mechanism(), effects, ("a", "b")).hinges
+    assert {name: loads.drive for name, loads in hinges.items()} == {"h1": "h1.torque", "h2": "sin(t)"}
+    assert all(loads.has_torque for loads in hinges.values())
 
 
 def test_it_never_acts_by_itself() -> None:

@@ -21,6 +21,7 @@ from lamc.effects.linear_drive import linear_drive
         ("abs(rate)", None),
         ("max(angle, 0)", None),
         ("1/(1 + angle)", None),
+        ("drive - 2*rate", None),  # an input, which whoever runs the engine knows
     ],
 )
 def test_linear_torques_are_found(text: str, expected: tuple[float, float, float] | None) -> None:

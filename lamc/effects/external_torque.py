@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from lamc.effects.base import Effect
 from lamc.effects.data import record
@@ -10,6 +10,9 @@ from lamc.errors import DesignError
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.checks import is_list, shown
 from lamc.mechanism.records import Mechanism, checked_name
+
+if TYPE_CHECKING:
+    from lamc.export.engine_loads import EngineLoads
 
 _EVERY = "torque from outside on every hinge"
 
@@ -73,6 +76,13 @@ class ExternalTorque:
             if chosen and constant_claim(joint) not in loads.claims:
                 torque = loads.parameter(f"{joint}.torque", 0.0, "N·m", "torque from outside", is_input=True)
                 loads.hinge_torque(joint, torque)
+
+    def carry_over(self, engine: "EngineLoads") -> None:
+        """An actuator on each hinge, for whoever runs the engine; an expression of the scene is told instead."""
+        joints = self.joints or tuple(joint.name for joint in engine.mechanism.joints)
+        for joint in joints:
+            if engine.of(joint).drive is None:
+                engine.hinge_drive(joint, f"{joint}.torque")
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

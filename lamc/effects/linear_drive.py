@@ -4,6 +4,7 @@ In: an expression. Out: its three coefficients, or None. Never: knows who asks.
 """
 
 from lamc.codegen.program import Space
+from lamc.effects.drives import Drive
 from lamc.effects.expression import stage
 from lamc.mechanics.derivative import derivative
 from lamc.mechanics.staging import Scalar, Store, Value
@@ -12,7 +13,9 @@ from lamc.mechanics.substitution import substitute
 
 def linear_drive(text: str) -> tuple[float, float, float] | None:
     """(constant, per angle, per rate) where the expression is constant + per_angle·angle + per_rate·rate as it stands;
-    None for any other, and for one that would be so after simplification only."""
+    None for any other, for one that would be so after simplification only, and for one that holds inputs."""
+    if Drive("", text, "").inputs():
+        return None
     store = Store()
     time = store.symbol("t", Space.TIME, 0)
     angle = store.symbol("angle", Space.ANGLE, 0)

@@ -8,7 +8,6 @@ from lamc.effects.base import Effect
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.expression import stage
-
 from lamc.effects.external_torque import constant_claim, is_outside
 from lamc.effects.linear_drive import linear_drive
 from lamc.errors import DesignError

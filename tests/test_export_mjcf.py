@@ -20,6 +20,7 @@ from tests.floating import with_base
 from tests.mechanisms import ALL_PASSIVE, KINDS, random_state, random_tree
 
 MAPPED = {
+    "external_torque",
     "free_base",
     "gravity",
     "ground_contact",

@@ -15,6 +15,7 @@ from lamc.export.engine_loads import carried
 from lamc.mechanism.records import Body, Joint, Mechanism
 from lamc.pipeline import effects_of, equations_of
 from lamc.reference.check import check
+from lamc.reference.inputs import told
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.moving_base import MovingNewtonEuler
@@ -139,7 +140,7 @@ def test_a_torque_acts_on_a_hinge_that_closes_a_loop() -> None:
     q, u = sim.start[:n], sim.start[n:]
     found = sim.acceleration(q, u, parameters=given)
     for voice in (NewtonEuler, MaximalCoordinates):
-        expected = voice(made, sim.effects, sim.joints, given).acceleration(q, u)
+        expected = voice(made, told(made, sim.effects, given), sim.joints).acceleration(q, u)
         # other operations altogether; round-off times the condition of the mass matrix
         assert found == pytest.approx(expected, rel=1e-10, abs=1e-10 * float(np.abs(expected).max()))
     assert np.abs(found).max() > 1.0
@@ -154,7 +155,7 @@ def test_a_moving_base_feels_it(mover: str) -> None:
     rng = np.random.default_rng(0)
     q, u = rng.normal(size=len(program.coordinates)), rng.normal(size=len(program.rates))
     found = voice.acceleration(0.3, q, u, voice.constants(given))
-    expected = MovingNewtonEuler(made, effects, program.joints, given).acceleration(q, u, 0.3)
+    expected = MovingNewtonEuler(made, told(made, effects, given), program.joints).acceleration(q, u, 0.3)
     # other operations altogether; round-off times the condition of the mass matrix
     assert found == pytest.approx(expected, rel=1e-10, abs=1e-10 * float(np.abs(expected).max()))
 

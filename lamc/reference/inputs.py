@@ -6,7 +6,7 @@ names are replaced in the text itself, before any parser reads it.
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, replace
 from typing import Any
 
 from lamc.effects.torque import Torque
@@ -20,7 +20,9 @@ def told(mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[str, floa
     effects = tuple(effects)
     if not inputs:
         return effects
-    constant = {name for e in effects if e.name == "torque" for name, v in e.torques.items() if not isinstance(v, str)}
+    constant = {
+        name for e in effects if e.name == "torque" for name, v in e.torques.items() if not isinstance(v, str)
+    }
     return tuple(_told(mechanism, effect, inputs, constant) for effect in effects)
 
 
@@ -31,7 +33,7 @@ def _told(mechanism: Mechanism, effect: Any, inputs: Mapping[str, float], consta
     if effect.name == "torque":
         torques = {n: inputs.get(f"{n}.torque", v) if n in constant else v for n, v in effect.torques.items()}
         return replace(effect, torques=_written(torques, inputs))
-    if not hasattr(effect, "drives") or not is_dataclass(effect):
+    if not hasattr(effect, "drives"):
         return effect
     texts = {drive.text for drive in effect.drives()}
     said = {f.name: getattr(effect, f.name) for f in fields(effect)}

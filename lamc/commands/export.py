@@ -28,6 +28,7 @@ class ExportOrder:
     real_time: bool
     single_header: bool
     integrator: str
+    fmi: int
     lossy: bool
     force: bool
     out: str | None
@@ -40,6 +41,7 @@ class ExportOrder:
             integrator=self.integrator,
             real_time=self.real_time,
             single_header=self.single_header,
+            fmi=self.fmi,
             lossy=self.lossy,
         )
 

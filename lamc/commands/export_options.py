@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported.",
 )
 @click.option(
+    "--fmi", type=click.Choice(["2", "3"]), default="2", help="Of --to fmu: the version of the standard."
+)
+@click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
 @click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
@@ -54,6 +57,7 @@ def export(
     real_time: bool,
     single_header: bool,
     integrator: str,
+    fmi: str,
     lossy: bool,
     force: bool,
     out: str | None,
@@ -69,6 +73,7 @@ def export(
       lamc export pendulum.cad --out pendulum_c
       lamc export flaps.yaml --integrator rk45 --single-header
       lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
+      lamc export flaps.yaml --to fmu --fmi 3
     """
     from lamc.commands.export import ExportOrder
     from lamc.commands.export import export as work
@@ -82,6 +87,7 @@ def export(
         real_time=real_time,
         single_header=single_header,
         integrator=integrator,
+        fmi=int(fmi),
         lossy=lossy,
         force=force,
         out=out,

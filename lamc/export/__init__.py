@@ -54,6 +54,13 @@ def _urdf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     return files(mechanism, scene, options)
 
 
+def _fmu(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.fmu import fmu_files
+    from lamc.pipeline import compile as compile_
+
+    return fmu_files(compile_(mechanism, scene), options)
+
+
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
@@ -63,6 +70,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
             Target(
                 "urdf", "links, hinges and inertias of a mechanism without loops, as a ROS package", _urdf
             ),
+            Target("fmu", "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0", _fmu),
         )
     }
 )

@@ -22,6 +22,7 @@ class ExportOptions:
     real_time   no adaptive step: steps of fixed length and bounded cost only
     jacobian    with a function for the derivatives of the accelerations
     single_header  one file, NAME.h, with the source in it
+    fmi         version of the standard of an FMU, 2 or 3; 2 is what most tools read
     lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
     step        s, time step of models for other engines; None: one that suits the mechanism
 
@@ -34,6 +35,7 @@ class ExportOptions:
     real_time: bool = False
     jacobian: bool = True
     single_header: bool = False
+    fmi: int = 2
     lossy: bool = False
     step: float | None = None  # s
 
@@ -52,6 +54,8 @@ class ExportOptions:
             if step == 0.0:
                 raise ExportError("the step of an export is 0; give seconds above zero, or None")
             object.__setattr__(self, "step", step)
+        if self.fmi not in (2, 3) or not isinstance(self.fmi, int):
+            raise ExportError(f"fmi is {shown(self.fmi)}; it must be 2 or 3, the version of the standard")
         for name in ("real_time", "jacobian", "single_header", "lossy"):
             if not isinstance(getattr(self, name), bool):
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")

@@ -85,6 +85,22 @@ def _value(name: str, value: object, units: Mapping[str, str]) -> float:
     return number
 
 
+class Bounds(NamedTuple):
+    """What a quantity can be: from `least`, itself left out if `is_open`, to `most`; both may be infinite."""
+
+    least: float
+    is_open: bool
+    most: float
+
+
+def bounds(name: str) -> Bounds:
+    """Bounds of the parameter of this name; infinite ones where nothing is known of its quantity."""
+    rule = _rule(name)
+    if rule is None:
+        return Bounds(-math.inf, False, math.inf)
+    return Bounds(0.0, not rule.may_be_zero, rule.most)
+
+
 def _rule(name: str) -> _Rule | None:
     """By the last part of the name, or the last two, in which 3_3 is n_n: on the diagonal of a matrix."""
     *_, before, last = ("", *name.split("."))

@@ -1,0 +1,213 @@
+"""A model as a Functional Mock-up Unit for co-simulation, FMI 2.0 or 3.0: binary of this platform, and sources.
+
+In: a simulator and options. Out: NAME.fmu, a zip file. Its sources are the C of `c.py` and the files of
+`templates/export/fmu/`: `slave.h` does the work, `fmi2.c` or `fmi3.c` speaks the standard. The same design gives the
+same bytes, but for what the compiler makes of them. Never: derives anything; changes the FMI's own headers.
+"""
+
+import hashlib
+import io
+import math
+import platform
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from lamc._version import __version__
+from lamc.codegen.emit import environment
+from lamc.codegen.names import comment, string_literal
+from lamc.codegen.toolchain import find_compiler, run_compiler
+from lamc.errors import BuildError, ExportError
+from lamc.export.c import CSource, c_source
+from lamc.export.fmu_description import (
+    FmuFacts,
+    build_description,
+    description_2,
+    description_3,
+    unit_name,
+)
+from lamc.export.fmu_variables import Variable, variables
+from lamc.export.options import ExportOptions
+from lamc.resources import data_dir
+from lamc.run.simulator import RTOL, Simulator
+
+_FOLDER = "export/fmu"
+_OLD = (1980, 1, 1, 0, 0, 0)  # the first date that a zip file can have
+_FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-ffp-contract=off",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-shared",
+    "-Werror=implicit",
+)
+_DURATION = 10.0  # s, where the scene does not say
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
+_SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
+
+
+def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
+    """NAME.fmu. Raises ExportError for options that an FMU cannot have, BuildError where the compiler fails."""
+    _check(options)
+    source = c_source(simulator, options)
+    parameters, inputs = ([member.slot for member in kind] for kind in (source.parameters, source.inputs))
+    listed = variables(source.program, parameters, inputs, [float(x) for x in simulator.start])
+    facts = _facts(source, simulator, options)
+    facts = replace(facts, token=_token(source, listed, facts, options))
+    sources = {name: text.encode() for name, text in _sources(source, listed, facts, options).items()}
+    describe = description_2 if options.fmi == 2 else description_3
+    files = {
+        "modelDescription.xml": describe(facts, listed),
+        **{f"sources/{name}": content for name, content in sources.items()},
+        _binary_path(facts.identifier, options): _binary(facts, sources),
+        "documentation/index.html": _page(source, listed, facts).encode(),
+    }
+    if options.fmi == 3:
+        files["sources/buildDescription.xml"] = build_description(facts)
+    return {f"{source.prefix}.fmu": _zipped(files)}
+
+
+def _check(options: ExportOptions) -> None:
+    if options.real_time:
+        raise ExportError(
+            "an FMU steps to times of its caller's, which real_time has no step for; leave it out"
+        )
+    if options.single_header:
+        raise ExportError("an FMU's sources are more than a header, and single_header is True; leave it out")
+    if not options.jacobian:
+        raise ExportError("an FMU tells derivatives, and jacobian is False; leave it out")
+    if options.precision != "double":
+        raise ExportError(
+            f"an FMU's numbers are double, and precision is {options.precision!r}; leave it out"
+        )
+
+
+def _facts(source: CSource, simulator: Simulator, options: ExportOptions) -> FmuFacts:
+    duration = getattr(simulator.scene, "duration", None) or _DURATION
+    return FmuFacts(
+        title=source.program.name,
+        identifier=source.prefix,
+        duration=float(duration),
+        tolerance=RTOL,
+        sources=(f"fmi{options.fmi}.c", f"{source.prefix}.c"),
+    )
+
+
+def _token(source: CSource, listed: Sequence[Variable], facts: FmuFacts, options: ExportOptions) -> str:
+    """A name for what description and sources say without it, in the form of a GUID."""
+    describe = description_2 if options.fmi == 2 else description_3
+    digest = hashlib.sha256(describe(facts, listed))
+    for name, text in sorted(_sources(source, listed, facts, options).items()):
+        digest.update(f"\0{name}\0{text}".encode())
+    text = digest.hexdigest()
+    return f"{{{text[:8]}-{text[8:12]}-{text[12:16]}-{text[16:20]}-{text[20:32]}}}"
+
+
+def _sources(
+    source: CSource, listed: Sequence[Variable], facts: FmuFacts, options: ExportOptions
+) -> dict[str, str]:
+    """All files of the folder `sources`, flat."""
+    folder = data_dir("templates") / _FOLDER
+    own = sorted([*folder.glob("slave*.h"), *folder.glob(f"fmi{options.fmi}*.[ch]")])
+    headers = sorted((folder / "headers").glob(f"fmi{options.fmi}*.h"))
+    model = environment().get_template(f"{_FOLDER}/model.h.j2").render(_context(source, listed, facts))
+    texts = {path.name: path.read_text(encoding="utf-8") for path in (*own, *headers)}
+    return {**texts, **source.files, "model.h": model}
+
+
+def _context(source: CSource, listed: Sequence[Variable], facts: FmuFacts) -> dict[str, object]:
+    settable = 1 + len(source.parameters) + len(source.inputs)
+    return {
+        "title": comment(facts.title),
+        "version": __version__,
+        "prefix": source.prefix,
+        "upper": source.prefix.upper(),
+        "token": facts.token,
+        "parameters": [member.field for member in source.parameters],
+        "inputs": [member.field for member in source.inputs],
+        "has_slopes": int("rates" in source.program.functions),
+        "ranges": [_range(variable) for variable in listed[:settable]],
+        "names": [string_literal(variable.name) for variable in listed],
+    }
+
+
+def _range(variable: Variable) -> dict[str, str]:
+    bounds = variable.bounds
+    return {
+        "least": _limit(bounds.least),
+        "most": _limit(bounds.most),
+        "is_open": str(int(bounds.is_open)),
+        "is_fixed": str(int(variable.variability == "fixed")),
+    }
+
+
+def _limit(value: float) -> str:
+    return repr(value) if math.isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
+
+
+def _page(source: CSource, listed: Sequence[Variable], facts: FmuFacts) -> str:
+    rows = [
+        {
+            "name": v.name,
+            "kind": f"{v.variability} {v.causality}",
+            "unit": "" if v.unit == "1" else unit_name(v.unit),
+            "start": "" if v.start is None else f"{v.start:.6g}",
+            "description": v.description,
+        }
+        for v in listed
+    ]
+    context = {"title": facts.title, "version": __version__, "digest": source.program.digest, "rows": rows}
+    return environment().get_template(f"{_FOLDER}/index.html.j2").render(context)
+
+
+# --- binary and zip file --------------------------------------------------------------------------------------------
+
+
+def _system() -> tuple[str, str]:
+    """This system's name, and the ending of its shared libraries."""
+    known = _SYSTEMS.get(sys.platform)
+    if known is None:
+        raise ExportError(
+            f"FMI has no name for binaries of {sys.platform!r}; export on Linux, macOS or Windows"
+        )
+    return known
+
+
+def _binary_path(identifier: str, options: ExportOptions) -> str:
+    """Where the standard wants the binary of this platform."""
+    system, ending = _system()
+    if options.fmi == 2:
+        bits = 64 if sys.maxsize > 2**32 else 32
+        return f"binaries/{'win' if system == 'windows' else system}{bits}/{identifier}{ending}"
+    machine = platform.machine().lower()
+    return f"binaries/{_MACHINES.get(machine, machine)}-{system}/{identifier}{ending}"
+
+
+def _binary(facts: FmuFacts, sources: Mapping[str, bytes]) -> bytes:
+    compiler = find_compiler(None)
+    with tempfile.TemporaryDirectory(prefix="lamc-fmu-") as name:
+        folder = Path(name)
+        for path, content in sources.items():
+            (folder / path).write_bytes(content)
+        library = f"{facts.identifier}{_system()[1]}"
+        run_compiler(compiler, [*_FLAGS, "-o", library, *facts.sources, "-lm"], folder)
+        if not (folder / library).is_file():
+            raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
+        return (folder / library).read_bytes()
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    """Entries by name, all of one date, so that equal files make equal bytes."""
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w") as archive:
+        for name, content in sorted(files.items()):
+            entry = zipfile.ZipInfo(name, _OLD)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, wherever it was made
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, content)
+    return whole.getvalue()

@@ -79,12 +79,16 @@ class _Rows:
     def events(self) -> tuple[tuple[float, int], ...]:
         return tuple(event for chunk in self._chunks for event in chunk.events)
 
-    def taken(self, t_last: float, y_last: Array, last: Array) -> tuple[Array, Array, Array, Array]:
-        """Times, coordinates, rates and integrals, with the state at t_last put behind them if it lies beyond."""
+    def taken(self, last: tuple[Array, Array, Array] | None) -> tuple[Array, Array, Array, Array]:
+        """Times, coordinates, rates and integrals, with the row `last` put behind them if it lies beyond."""
         parts = [chunk.rows for chunk in self._chunks]
-        if t_last > max((float(t[-1]) for t, _, _ in parts if len(t)), default=-math.inf):
-            parts.append((np.array([t_last]), y_last.reshape(1, -1), last.reshape(1, -1)))
         n = len(self._model.coordinates)
+        if last is None and len(parts) == 1:  # as most runs, at a third of the time
+            t, y, w = parts[0]
+            return t.copy(), y[:, :n].copy(), y[:, n:].copy(), w.copy()
+        reached = max((float(t[-1]) for t, _, _ in parts if len(t)), default=-math.inf)
+        if last is not None and last[0][0] > reached:
+            parts.append(last)
         t = np.concatenate([t for t, _, _ in parts])
         q, u = (np.concatenate([y[:, half] for _, y, _ in parts]) for half in (np.s_[:n], np.s_[n:]))
         return t, q, u, np.concatenate([w for _, _, w in parts])
@@ -122,11 +126,7 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
     first_method = run.method
     if status == lib.LAMC_OK:
         status = _advance(motion, run, rows, request)
-    state = lib.lamc_run_state(run)
-    y_last = np.array([state[i] for i in range(len(request.y0))], dtype=np.float64)
-    known = 0 if run.integrals == ffi.NULL else int(ode.integral_count)
-    work_last = np.array([run.integrals[i] for i in range(known)], dtype=np.float64)
-    t, q, u, kept_work = rows.taken(float(run.t) if status < 0 else -math.inf, y_last, work_last)
+    t, q, u, kept_work = rows.taken(_last_row(model, run, ode, request) if status < 0 else None)
     first = NAMES[first_method]
     kept = min(int(run.switches), lib.LAMC_SWITCHES_KEPT)
     switches = tuple((float(run.switch_t[i]), NAMES[run.switch_method[i]]) for i in range(kept))
@@ -147,6 +147,15 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         events=rows.events,
         switches=switches,
     )
+
+
+def _last_row(model: Model, run: Any, ode: Any, request: Request) -> tuple[Array, Array, Array]:
+    """Time (1,), state (1, nq + nu) and integrals (1, k) of the last state that a run reached."""
+    state = model.lib.lamc_run_state(run)
+    known = 0 if run.integrals == model.ffi.NULL else int(ode.integral_count)
+    y = np.array([[state[i] for i in range(len(request.y0))]], dtype=np.float64)
+    work = np.array([run.integrals[i] for i in range(known)], dtype=np.float64).reshape(1, known)
+    return np.array([float(run.t)]), y, work
 
 
 def _advance(motion: Motion, run: Any, rows: _Rows, request: Request) -> int:

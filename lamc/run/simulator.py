@@ -6,6 +6,7 @@ It never changes; runs share nothing but the compiled code.
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
-from lamc.effects.base import marks_of
+from lamc.effects.base import PlaneMark, marks_of
 from lamc.effects.drives import check_drives
 from lamc.errors import DesignError, RequestError, about
 from lamc.loops.branches import Branch
@@ -229,7 +230,7 @@ class Simulator(Evaluations):
         started = time.perf_counter()
         used, trajectory = integrators.integrate(integrator, motion, request)
         wall_time = time.perf_counter() - started
-        provenance = self._provenance(motion)
+        provenance, marks = self._circumstances(motion)
         result = Result(
             t=trajectory.t,
             q=trajectory.q,
@@ -255,7 +256,7 @@ class Simulator(Evaluations):
             motion=motion,
             telling=telling,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
-            marks=marks_of(self.effects, provenance.parameters),
+            marks=marks,
             points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
         )
         return result, trajectory.effort
@@ -312,6 +313,20 @@ class Simulator(Evaluations):
     @cached_property
     def _arrangement(self) -> Arrangement:
         return arrange(plan(self.mechanism), self.effects)
+
+    def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
+        """Where a result comes from, and what its pictures show besides the bodies."""
+        if not self._model.needs_work and motion is self._default_motion:
+            provenance, marks = self._usual_circumstances
+            return replace(provenance, parameters=dict(provenance.parameters)), marks
+        provenance = self._provenance(motion)
+        return provenance, marks_of(self.effects, provenance.parameters)
+
+    @cached_property
+    def _usual_circumstances(self) -> tuple[Provenance, tuple[PlaneMark, ...]]:
+        """The same where all parameters have their defaults."""
+        provenance = self._provenance(self._default_motion)
+        return provenance, marks_of(self.effects, provenance.parameters)
 
     def _provenance(self, motion: Motion) -> Provenance:
         names = self._model.parameters

@@ -29,6 +29,7 @@ class ExportOrder:
     single_header: bool
     integrator: str
     fmi: int
+    step: float | None  # s
     lossy: bool
     force: bool
     out: str | None
@@ -42,6 +43,7 @@ class ExportOrder:
             real_time=self.real_time,
             single_header=self.single_header,
             fmi=self.fmi,
+            step=self.step,
             lossy=self.lossy,
         )
 

@@ -38,6 +38,12 @@ if TYPE_CHECKING:
     "--fmi", type=click.Choice(["2", "3"]), default="2", help="Of --to fmu: the version of the standard."
 )
 @click.option(
+    "--step",
+    type=float,
+    metavar="SECONDS",
+    help="Time step of models for other engines.  [default: one that suits]",
+)
+@click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
 @click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
@@ -58,6 +64,7 @@ def export(
     single_header: bool,
     integrator: str,
     fmi: str,
+    step: float | None,
     lossy: bool,
     force: bool,
     out: str | None,
@@ -88,6 +95,7 @@ def export(
         single_header=single_header,
         integrator=integrator,
         fmi=int(fmi),
+        step=step,
         lossy=lossy,
         force=force,
         out=out,

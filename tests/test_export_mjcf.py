@@ -1,5 +1,6 @@
 """MJCF by the word of MuJoCo, which nobody here wrote: mass matrices, accelerations, stops and trajectories."""
 
+import runpy
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from shapely.geometry import box
 
 import lamc
 from lamc.errors import ExportError, UnsupportedError
+from lamc.examples import path
 from lamc.export import mjcf
 from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Array, Body, Joint, Mechanism, Plate
@@ -162,18 +164,14 @@ def test_undamped_stops_return_a_swing_as_in_lamc(tmp_path: Path) -> None:
     assert error < 1e-4
 
 
-def test_a_torque_in_time_is_left_to_a_control_callback(tmp_path: Path) -> None:
-    effects = (lamc.Gravity(), lamc.Torque({"h1": "3*sin(5*t) - rate*rate"}))
+def test_a_torque_in_time_acts_by_the_control_callback_beside_the_model(tmp_path: Path) -> None:
+    effects = (lamc.Gravity(), lamc.Torque({"h1": "3*sin(5*t) - rate*rate", "h2": 0.2}))
     scene = lamc.Scene(effects=effects)
     simulator = lamc.compile(two_links(), scene)
     result = simulator.run(0.5, rtol=1e-12, atol=1e-14, t_eval=[0.0, 0.5])
     engine = InMujoco(two_links(), scene, tmp_path)
     assert "3&#42;sin(5&#42;t) - rate&#42;rate" in engine.readme
-
-    def control(_model: object, data: "mujoco.MjData") -> None:
-        data.ctrl[0] = 3.0 * np.sin(5.0 * data.time) - data.qvel[0] ** 2
-
-    mujoco.set_mjcb_control(control)
+    mujoco.set_mjcb_control(runpy.run_path(str(tmp_path / "torques.py"))["control"])
     try:
         engine.end(0.5, 1e-3)
     finally:
@@ -198,6 +196,23 @@ def test_a_body_rests_on_the_ground_at_its_height(tmp_path: Path) -> None:
     # It falls by 9 mm and lies with its centre 1 mm above the ground, give or take a few times the sinking of 1e-3 of
     # the size that the ground's stiffness is chosen for, 0.12 mm
     assert abs(engine.data.qpos[2] - (-0.009)) < 5e-4
+
+
+def test_a_block_slides_as_far_as_friction_lets_it(tmp_path: Path) -> None:
+    sheet = Plate(box(-0.05, -0.05, 0.05, 0.05), 0.0, 0.01)
+    inertia = np.diag([9.2e-4, 9.2e-4, 1.7e-3])
+    bodies = (
+        Body("block", 1.0, (0.0, 0.0, 0.005), inertia, fixed=True, outline=(sheet,)),
+        Body("speck", 1e-6, (0.0, 0.0, 0.005), 1e-6 * inertia),
+    )
+    joint = Joint("h", "block", "speck", (0.0, 0.0, 0.005), (0.0, 0.0, 1.0))
+    contact = lamc.GroundContact(friction=0.3, bodies=("block",), damping=10.0)
+    scene = lamc.Scene(added=(lamc.FreeBase(velocity=(0.5, 0.0, 0.0)), contact))
+    engine = InMujoco(Mechanism(bodies, (joint,)), scene, tmp_path)
+    engine.end(0.4, 2e-4)  # it stops after v / (mu g) = 0.17 s
+    # v² / (2 mu g); 3 %: while it sinks in at first it is pressed down by less than its weight, and MuJoCo's friction
+    # lets it creep
+    assert abs(engine.data.qpos[0] / (0.5**2 / (2.0 * 0.3 * 9.81)) - 1.0) < 0.03
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
@@ -242,6 +257,16 @@ def test_limits_that_strike_are_refused_and_named() -> None:
     scene = lamc.Scene(added=(lamc.JointLimits(restitution=0.5),))
     with pytest.raises(UnsupportedError, match=r"restitution of joint limits, 0\.5"):
         mjcf.files(two_links(), scene, ExportOptions())
+
+
+def test_what_a_file_asks_for_and_mjcf_has_not_is_told_at_its_line() -> None:
+    design = lamc.load(path("flapping_wing"))
+    with pytest.raises(UnsupportedError, match="no place for blade_element_drag") as refusal:
+        lamc.export(design, "mjcf")
+    place = refusal.value.place
+    assert place is not None
+    line = path("flapping_wing").read_text(encoding="utf-8").splitlines()[place.line - 1]
+    assert "blade_element_drag" in line
 
 
 def test_bodies_too_light_for_mujoco_are_named() -> None:

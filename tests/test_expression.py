@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from lamc.codegen.program import Space
 from lamc.effects import Torque
-from lamc.effects.expression import MAX_DEPTH, MAX_LENGTH, stage
+from lamc.effects.expression import MAX_DEPTH, MAX_LENGTH, in_python, stage
 from lamc.errors import ExpressionError
 from lamc.mechanics.functions import FUNCTIONS
 from lamc.mechanics.staging import Scalar, Store, Value
@@ -97,6 +97,19 @@ def test_every_function_of_the_table_can_be_called(name: str) -> None:
     on_numbers = value_of(f"{name}({', '.join(arguments)})")
     on_symbols = value_of(f"{name}({', '.join(['t', 'angle'][: len(arguments)])})", t=0.6, angle=0.3)
     assert on_numbers == on_symbols
+
+
+@pytest.mark.parametrize(
+    ("text", "spelled"),
+    [
+        ("0.01*sin(2*pi*50*t) - 1e-4*rate", "0.01*sin(2.0*pi*50.0*t)-0.0001*rate"),
+        ("-angle^2", "-angle**2.0"),
+        ("max( t, .5 )", "max(t,0.5)"),
+        ("9^9^9^9", "9.0**9.0**9.0**9.0"),  # of integers, Python would try to work it out
+    ],
+)
+def test_expressions_are_spelled_for_python_with_floats_alone(text: str, spelled: str) -> None:
+    assert in_python(text) == spelled
 
 
 # ---- refused --------------------------------------------------------------------------------------------------

@@ -191,6 +191,16 @@ def names_in(text: str) -> Mapping[str, int]:
     return found
 
 
+def in_python(text: str) -> str:
+    """The expression as Python writes it, of floats, the names of `math`, and sign. Raises ExpressionError for what is
+    no sign, name or number; what else is outside the language is for `stage` to tell."""
+    parts = []
+    for token in _tokens(text):
+        number = token.kind == "number"
+        parts.append(repr(float(token.text)) if number else token.text.replace("^", "**"))
+    return "".join(parts)
+
+
 def stage(text: str, names: Mapping[str, Scalar]) -> Scalar:
     """The value of `text`, in which `names` stand for the given scalars.
 

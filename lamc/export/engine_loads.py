@@ -85,6 +85,14 @@ class GroundPlane:
     weight: float
 
 
+@dataclass(frozen=True)
+class Loss:
+    """Something that another engine has no place for, in words, and the effect that asked for it, if one did."""
+
+    what: str
+    effect: "Effect | None" = None
+
+
 @dataclass
 class EngineLoads:
     """Collects; `carried` is the way to have it filled.
@@ -100,7 +108,8 @@ class EngineLoads:
     hinges: dict[str, HingeLoads] = field(default_factory=dict)
     springs: list[PointSpring] = field(default_factory=list)
     ground: GroundPlane | None = None
-    lost: list[str] = field(default_factory=list)
+    lost: list[Loss] = field(default_factory=list)
+    effect: "Effect | None" = None  # whose turn it is
 
     def of(self, joint: str) -> HingeLoads:
         """What acts on the joint so far. Raises DesignError if it is not there."""
@@ -176,7 +185,7 @@ class EngineLoads:
 
     def lose(self, what: str) -> None:
         """Something that other engines have no place for."""
-        self.lost.append(what)
+        self.lost.append(Loss(what, self.effect))
 
 
 def carried(mechanism: Mechanism, effects: "Sequence[Effect]", moving_bodies: Sequence[str]) -> EngineLoads:
@@ -184,6 +193,7 @@ def carried(mechanism: Mechanism, effects: "Sequence[Effect]", moving_bodies: Se
     claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
     engine = EngineLoads(mechanism, tuple(moving_bodies), claims)
     for effect in effects:
+        engine.effect = effect
         carry = getattr(effect, "carry_over", None)
         with about(effect):
             if carry is None:

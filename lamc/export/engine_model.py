@@ -19,9 +19,9 @@ import numpy as np
 
 from lamc.effects.base import Effect
 from lamc.effects.registry import choose
-from lamc.errors import DesignError
+from lamc.errors import DesignError, about
 from lamc.export.engine_inertia import drawn_jacobian, drawn_mass_matrix, freedoms, robust_inertia, time_step
-from lamc.export.engine_loads import EngineLoads, GroundPlane, HingeLoads, PointSpring, carried
+from lamc.export.engine_loads import EngineLoads, GroundPlane, HingeLoads, Loss, PointSpring, carried
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_start import joint_start
 from lamc.mechanics.arrangement import FloatingBase, arrange
@@ -91,21 +91,17 @@ class EngineModel:
     base: FloatingBase | None
     mass_matrix: Array
     time_step: float
-    lost: tuple[str, ...]
+    lost: tuple[Loss, ...]
 
     def origin(self, index: int) -> Array:
         """(3,), m, world, of a piece's frame as drawn; zero for the world's."""
         return np.zeros(3) if index == WORLD else self.pieces[index].origin
 
-    def children(self, index: int) -> list[int]:
-        """Indices of the pieces that a piece, or the world, carries."""
-        return [k for k, piece in enumerate(self.pieces) if piece.parent == index]
-
 
 def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) -> EngineModel:
     """What other engines make of `mechanism` in `scene`, named `name` or, by default, as it is itself.
 
-    Raises DesignError where the scene does not fit.
+    Raises DesignError where the scene does not fit, or where an effect refuses its start.
     """
     effects = [choice.effect for choice in choose(mechanism, scene) if choice.effect is not None]
     tree = plan(mechanism)
@@ -121,6 +117,11 @@ def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) ->
         )
     names = builder.names
     angles, rates = joint_start(tree, scene)
+    for effect in effects:
+        check = getattr(effect, "check_start", None)
+        if check is not None:
+            with about(effect):
+                check(mechanism, angles)
     mass_matrix = drawn_mass_matrix(pieces)
     return EngineModel(
         name=engine_names([name or mechanism.name])[0],

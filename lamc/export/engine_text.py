@@ -1,4 +1,4 @@
-"""Text that models for other engines have in common: numbers, README files, tables of names.
+"""Text that models for other engines have in common: numbers, files of templates, tables of names.
 
 In: numbers and names. Out: text that reads back exactly, and Markdown in which a name is a name. Never: lays out XML.
 """
@@ -31,8 +31,8 @@ def markdown(text: str) -> str:
     return _MARKDOWN.sub(lambda found: f"&#{ord(found[0])};", html.escape(text, quote=False))
 
 
-def readme(template: str, model: EngineModel, facts: dict[str, object]) -> bytes:
-    """The README of an exported model: the template's text with the model's names and `facts`."""
+def filled(template: str, model: EngineModel, facts: dict[str, object]) -> bytes:
+    """A file of an exported model: the template's text with the model's names and `facts`."""
     renamed = [
         (kind, markdown(name), made)
         for kind, names in (("body", model.body_names), ("joint", model.joint_names))

@@ -12,18 +12,20 @@ from xml.etree.ElementTree import Comment, Element, SubElement
 import numpy as np
 
 from lamc._version import __version__
+from lamc.effects.expression import in_python
 from lamc.errors import UnsupportedError
 from lamc.export.engine_inertia import freedoms, principal_inertia
 from lamc.export.engine_loads import Stop
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
-from lamc.export.engine_text import markdown, names_json, number, readme, row, xml_text
+from lamc.export.engine_text import filled, markdown, names_json, number, row, xml_text
 from lamc.export.meshes import body_meshes
 from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds, hinges_of
 from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import WORLD
+from lamc.places import told_at
 from lamc.report.palette import body_colours
 from lamc.scene import Scene
 
@@ -38,16 +40,20 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     Raises UnsupportedError for what MJCF cannot hold (all of it, unless options.lossy) and for bodies too light for
     MuJoCo, and DesignError where the scene does not fit the mechanism.
     """
-    model = engine_model(mechanism, scene, options.prefix)
-    check_losses("MJCF", model.lost, options)
+    with told_at(scene.places):
+        model = engine_model(mechanism, scene, options.prefix)
+        check_losses("MJCF", model.lost, options)
     _check_inertia(model)
     step = options.step or model.time_step
     origins = {name: model.origin(index) for name, index in model.places.items()}
     meshes = {model.body_names[name]: stl for name, stl in body_meshes(mechanism, origins).items()}
     written: dict[str, bytes] = {f"{model.name}.xml": xml_text(_document(model, step, meshes))}
     written |= {f"meshes/{name}.stl": stl for name, stl in sorted(meshes.items())}
+    facts = _facts(model, step)
+    if facts["drives"]:
+        written["torques.py"] = filled("export/torques.py.j2", model, {"drives": _drives(model)})
     written["names.json"] = names_json(model)
-    written["README.md"] = readme("export/mjcf.md.j2", model, _facts(model, step))
+    written["README.md"] = filled("export/mjcf.md.j2", model, facts)
     return written
 
 
@@ -175,6 +181,17 @@ def _part(piece: Piece) -> str:
     return "in a part that is cut off for a loop " if piece.welded is not None else ""
 
 
+def _drives(model: EngineModel) -> list[tuple[int, int, int, str]]:
+    """Torques that are expressions: place in ctrl, of the angle in qpos and of the rate in qvel, and Python's text."""
+    floats = model.base is not None
+    actuators = [hinge for hinge in hinges_of(model) if hinge.loads.has_torque]
+    return [
+        (actuators.index(hinge), place + 7 * floats, place + 6 * floats, in_python(hinge.loads.drive))
+        for place, hinge in enumerate(hinges_of(model))
+        if hinge.loads.drive is not None
+    ]
+
+
 def _facts(model: EngineModel, step: float) -> dict[str, object]:
     """What the README says of this model."""
     floats = model.base is not None
@@ -190,6 +207,6 @@ def _facts(model: EngineModel, step: float) -> dict[str, object]:
         "torques": [h.name for h in hinges_of(model) if h.loads.has_torque],
         "stops": any(h.loads.stop is not None for h in hinges_of(model)),
         "ground": model.ground is not None,
-        "lost": [markdown(text) for text in model.lost],
+        "lost": [markdown(loss.what) for loss in model.lost],
         "step": number(step),
     }

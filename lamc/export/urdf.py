@@ -11,15 +11,17 @@ from xml.etree.ElementTree import Comment, Element, SubElement
 
 from lamc._version import __version__
 from lamc.errors import TopologyError
+from lamc.export.engine_loads import Loss
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
-from lamc.export.engine_text import markdown, names_json, number, readme, row, xml_text
+from lamc.export.engine_text import filled, markdown, names_json, number, row, xml_text
 from lamc.export.meshes import body_meshes
 from lamc.export.options import ExportOptions
 from lamc.mechanism.network import some
 from lamc.mechanism.records import Array, Mechanism
 from lamc.mechanism.tree import WORLD
+from lamc.places import told_at
 from lamc.report.palette import body_colours
 from lamc.scene import Scene
 
@@ -33,10 +35,11 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     Raises TopologyError for loops, UnsupportedError for what URDF cannot hold (all of it, unless options.lossy), and
     DesignError where the scene does not fit the mechanism.
     """
-    model = engine_model(mechanism, scene, options.prefix)
-    _check_tree(model)
-    lost = (*model.lost, *_own_losses(model))
-    check_losses("URDF", lost, options, "; MJCF holds springs, torques and the ground: --to mjcf")
+    with told_at(scene.places):
+        model = engine_model(mechanism, scene, options.prefix)
+        _check_tree(model)
+        lost = (*model.lost, *_own_losses(model))
+        check_losses("URDF", lost, options, "; MJCF holds springs, torques and the ground: --to mjcf")
     origins = {name: model.origin(index) for name, index in model.places.items()}
     meshes = {model.body_names[name]: stl for name, stl in body_meshes(mechanism, origins).items()}
     package = model.name.lower().replace("-", "_")
@@ -44,9 +47,9 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     written: dict[str, bytes] = {f"{model.name}.urdf": xml_text(_robot(model, meshes, package))}
     written |= {f"meshes/{name}.stl": stl for name, stl in sorted(meshes.items())}
     written["package.xml"] = xml_text(_package(package, model))
-    written["CMakeLists.txt"] = readme("export/urdf_cmake.txt.j2", model, {"package": package})
+    written["CMakeLists.txt"] = filled("export/urdf_cmake.txt.j2", model, {"package": package})
     written["names.json"] = names_json(model)
-    written["README.md"] = readme("export/urdf.md.j2", model, _facts(model, package, lost))
+    written["README.md"] = filled("export/urdf.md.j2", model, _facts(model, package, lost))
     return written
 
 
@@ -60,7 +63,7 @@ def _check_tree(model: EngineModel) -> None:
         )
 
 
-def _own_losses(model: EngineModel) -> list[str]:
+def _own_losses(model: EngineModel) -> list[Loss]:
     """What acts in the scene and has no place in URDF."""
     hinges = [piece.joint for piece in model.pieces if piece.joint is not None]
     lost = []
@@ -70,10 +73,10 @@ def _own_losses(model: EngineModel) -> list[str]:
     ):
         if among:
             names = some([repr(h.joint.name) for h in among])
-            lost.append(f"the {what} of hinge{'s' if len(among) > 1 else ''} {names}")
-    lost += [f"the spring between {spring.body_a!r} and {spring.body_b!r}" for spring in model.springs]
+            lost.append(Loss(f"the {what} of hinge{'s' if len(among) > 1 else ''} {names}"))
+    lost += [Loss(f"the spring between {s.body_a!r} and {s.body_b!r}") for s in model.springs]
     if model.ground is not None:
-        lost.append("contact with the ground")
+        lost.append(Loss("contact with the ground"))
     return lost
 
 
@@ -163,7 +166,7 @@ def _package(package: str, model: EngineModel) -> Element:
     return root
 
 
-def _facts(model: EngineModel, package: str, lost: tuple[str, ...]) -> dict[str, object]:
+def _facts(model: EngineModel, package: str, lost: tuple[Loss, ...]) -> dict[str, object]:
     """What the README says of this model."""
     hinges = [piece.joint for piece in model.pieces if piece.joint is not None]
     rows = [
@@ -182,5 +185,5 @@ def _facts(model: EngineModel, package: str, lost: tuple[str, ...]) -> dict[str,
         "joints": rows,
         "gravity": row(model.gravity),
         "stops": any(h.loads.stop is not None for h in hinges),
-        "lost": [markdown(text) for text in lost],
+        "lost": [markdown(loss.what) for loss in lost],
     }

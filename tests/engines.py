@@ -4,7 +4,7 @@ In: files as an export gives them, or a mechanism and a scene. Out: numbers of M
 """
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -94,3 +94,21 @@ class InMujoco:
         mujoco.mj_resetDataKeyframe(self.model, self.data, 0)
         self.model.opt.timestep = step
         mujoco.mj_step(self.model, self.data, round(t_end / step))
+
+
+def end_errors(
+    mechanism: Mechanism, scene: lamc.Scene, folder: Path, t_end: float, steps: Sequence[float]
+) -> list[float]:
+    """Largest difference of any angle at t_end, s, rad, from lamc at round-off, for each step, s."""
+    simulator = lamc.compile(mechanism, scene)
+    result = simulator.run(t_end, rtol=1e-12, atol=1e-14, t_eval=[0.0, t_end])
+    assert result.success
+    engine = InMujoco(mechanism, scene, folder)
+    errors = []
+    for step in steps:
+        engine.end(t_end, step)
+        ends = [
+            engine.data.qpos[engine.place(j.name)[0]] - result.angle(j.name)[-1] for j in mechanism.joints
+        ]
+        errors.append(float(np.abs(np.remainder(np.array(ends) + np.pi, 2.0 * np.pi) - np.pi).max()))
+    return errors

@@ -1,38 +1,25 @@
 """MJCF by the word of MuJoCo, which nobody here wrote: mass matrices, accelerations, stops and trajectories."""
 
-import runpy
-from collections.abc import Sequence
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from shapely.geometry import box
+from click.testing import CliRunner, Result
 
 import lamc
+from lamc.cli import main
+from lamc.commands.examples import mechanism_of_example
 from lamc.errors import ExportError, UnsupportedError
-from lamc.examples import path
+from lamc.examples import find
 from lamc.export import mjcf
 from lamc.export.options import ExportOptions
-from lamc.mechanism.records import Array, Body, Joint, Mechanism, Plate
+from lamc.mechanism.records import Array, Body, Joint, Mechanism
 from tests.closed_mechanisms import closed_mechanism
-from tests.engines import InMujoco, load, mujoco
-from tests.every_effect import SAMPLES
+from tests.engines import InMujoco, end_errors, load
 from tests.every_effect import mechanism as two_links
 from tests.floating import with_base
 from tests.mechanisms import ALL_PASSIVE, KINDS, random_state, random_tree
-
-MAPPED = {
-    "external_torque",
-    "free_base",
-    "gravity",
-    "ground_contact",
-    "hinge_damping",
-    "hinge_stiffness",
-    "joint_limits",
-    "rest_angle",
-    "spring",
-    "torque",
-}
 
 
 def energy_mass_matrix(simulator: lamc.Simulator, q: Array) -> Array:
@@ -52,24 +39,6 @@ def scene_of(mechanism: Mechanism) -> lamc.Scene:
     spring = lamc.Spring("ground", (0.1, 0.2, -0.3), moving[-1].name, tuple(moving[-1].com), 2.0, 0.4, 0.1)
     torques: dict[str, float | str] = {first: 0.3, last: "0.2 - 0.1*angle - 0.05*rate"}
     return lamc.Scene(effects=(*ALL_PASSIVE, spring, lamc.Torque(torques)))
-
-
-def end_errors(
-    mechanism: Mechanism, scene: lamc.Scene, folder: Path, t_end: float, steps: Sequence[float]
-) -> list[float]:
-    """Largest difference of any angle at t_end, s, rad, from lamc at round-off, for each step, s."""
-    simulator = lamc.compile(mechanism, scene)
-    result = simulator.run(t_end, rtol=1e-12, atol=1e-14, t_eval=[0.0, t_end])
-    assert result.success
-    engine = InMujoco(mechanism, scene, folder)
-    errors = []
-    for step in steps:
-        engine.end(t_end, step)
-        ends = [
-            engine.data.qpos[engine.place(j.name)[0]] - result.angle(j.name)[-1] for j in mechanism.joints
-        ]
-        errors.append(float(np.abs(np.remainder(np.array(ends) + np.pi, 2.0 * np.pi) - np.pi).max()))
-    return errors
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -144,106 +113,6 @@ def test_starts_of_loops_are_those_of_lamc(tmp_path: Path) -> None:
         assert abs(engine.data.qvel[rate] - start.rate(joint.name)[0]) < 1e-9
 
 
-def test_a_joint_beyond_its_limit_feels_the_spring_and_damper_of_its_stop(tmp_path: Path) -> None:
-    limits = lamc.JointLimits(stiffness=300.0, damping=2.0)
-    scene = lamc.Scene(effects=(lamc.Gravity(), lamc.HingeStiffness(), limits))
-    simulator = lamc.compile(two_links(), scene)
-    engine = InMujoco(two_links(), scene, tmp_path)
-    engine.put(simulator, np.array([1.25, -1.1]), np.array([0.5, -0.2]))  # limits are -1 and 1.2 rad
-    mujoco.mj_forward(engine.model, engine.data)
-    expected = np.array([-(300.0 * 0.05 + 2.0 * 0.5), 300.0 * 0.1 + 2.0 * 0.2])
-    # 1e-4, MuJoCo's smallest impedance, of the other torques, and A is not as drawn: 1e-3 holds both
-    assert np.abs(engine.data.qfrc_constraint / expected - 1.0).max() < 1e-3
-
-
-def test_undamped_stops_return_a_swing_as_in_lamc(tmp_path: Path) -> None:
-    effects = (lamc.Gravity(), lamc.HingeStiffness(), lamc.JointLimits(stiffness=300.0))
-    scene = lamc.Scene(effects=effects, angles={"h1": 0.9, "h2": 0.5})
-    (error,) = end_errors(two_links(), scene, tmp_path, 0.8, (2.5e-4,))
-    # 1e-4 of the swing, for the impedance; h1 meets its stop at 0.30 and leaves it before 0.5 s
-    assert error < 1e-4
-
-
-def test_a_torque_in_time_acts_by_the_control_callback_beside_the_model(tmp_path: Path) -> None:
-    effects = (lamc.Gravity(), lamc.Torque({"h1": "3*sin(5*t) - rate*rate", "h2": 0.2}))
-    scene = lamc.Scene(effects=effects)
-    simulator = lamc.compile(two_links(), scene)
-    result = simulator.run(0.5, rtol=1e-12, atol=1e-14, t_eval=[0.0, 0.5])
-    engine = InMujoco(two_links(), scene, tmp_path)
-    assert "3&#42;sin(5&#42;t) - rate&#42;rate" in engine.readme
-    mujoco.set_mjcb_control(runpy.run_path(str(tmp_path / "torques.py"))["control"])
-    try:
-        engine.end(0.5, 1e-3)
-    finally:
-        mujoco.set_mjcb_control(None)
-    # 1e-8 rad: RK4 at 1 ms on motions of some 10 rad/s, (0.01)⁴
-    assert np.abs(engine.data.qpos - result.q[-1]).max() < 1e-8
-
-
-def test_a_body_rests_on_the_ground_at_its_height(tmp_path: Path) -> None:
-    sheet = Plate(box(-0.05, -0.03, 0.05, 0.03), 0.0, 0.002)
-    inertia = 0.01 * np.diag([3e-4, 8.3e-4, 1.13e-3])
-    bodies = (
-        Body("block", 0.01, (0.0, 0.0, 0.001), inertia, fixed=True, outline=(sheet,)),
-        Body("flap", 0.001, (0.06, 0.0, 0.001), 0.1 * inertia),
-    )
-    joint = Joint("h", "block", "flap", (0.05, 0.0, 0.001), (0.0, 1.0, 0.0), stiffness=0.1, damping=1e-4)
-    ground = lamc.GroundContact(height=-0.01, bodies=("block",))
-    base = lamc.FreeBase(position=(0.0, 0.0, 0.0))
-    scene = lamc.Scene(added=(base, ground))
-    engine = InMujoco(Mechanism(bodies, (joint,)), scene, tmp_path)
-    engine.end(2.0, 5e-4)
-    # It falls by 9 mm and lies with its centre 1 mm above the ground, give or take a few times the sinking of 1e-3 of
-    # the size that the ground's stiffness is chosen for, 0.12 mm
-    assert abs(engine.data.qpos[2] - (-0.009)) < 5e-4
-
-
-def test_a_block_slides_as_far_as_friction_lets_it(tmp_path: Path) -> None:
-    sheet = Plate(box(-0.05, -0.05, 0.05, 0.05), 0.0, 0.01)
-    inertia = np.diag([9.2e-4, 9.2e-4, 1.7e-3])
-    bodies = (
-        Body("block", 1.0, (0.0, 0.0, 0.005), inertia, fixed=True, outline=(sheet,)),
-        Body("speck", 1e-6, (0.0, 0.0, 0.005), 1e-6 * inertia),
-    )
-    joint = Joint("h", "block", "speck", (0.0, 0.0, 0.005), (0.0, 0.0, 1.0))
-    contact = lamc.GroundContact(friction=0.3, bodies=("block",), damping=10.0)
-    scene = lamc.Scene(added=(lamc.FreeBase(velocity=(0.5, 0.0, 0.0)), contact))
-    engine = InMujoco(Mechanism(bodies, (joint,)), scene, tmp_path)
-    engine.end(0.4, 2e-4)  # it stops after v / (mu g) = 0.17 s
-    # v² / (2 mu g); 3 %: while it sinks in at first it is pressed down by less than its weight, and MuJoCo's friction
-    # lets it creep
-    assert abs(engine.data.qpos[0] / (0.5**2 / (2.0 * 0.3 * 9.81)) - 1.0) < 0.03
-
-
-@pytest.mark.parametrize("name", sorted(SAMPLES))
-def test_no_effect_is_left_out_unnoticed(tmp_path: Path, name: str) -> None:
-    effect = SAMPLES[name]
-    scene = lamc.Scene(effects=(effect,))
-    if name in MAPPED:
-        InMujoco(two_links(), scene, tmp_path)
-        return
-    with pytest.raises(
-        UnsupportedError, match=name if name != "nonlinear_stiffness" else "stiffness of hinge 'h1'"
-    ):
-        mjcf.files(two_links(), scene, ExportOptions())
-    engine = InMujoco(two_links(), scene, tmp_path, ExportOptions(lossy=True))
-    assert "Left out" in engine.readme
-
-
-def test_a_linear_law_of_a_hinge_is_its_spring(tmp_path: Path) -> None:
-    scene = lamc.Scene(added=(lamc.NonlinearStiffness({"h1": [5.0], "h2": [5.0, 0.0]}),))
-    engine = InMujoco(two_links(), scene, tmp_path)
-    assert list(engine.model.jnt_stiffness) == [5.0, 5.0]
-    assert list(engine.model.qpos_spring) == [0.2, 0.2]  # the joints' rest angle
-
-
-def test_a_rest_angle_without_its_spring_is_a_torque(tmp_path: Path) -> None:
-    engine = InMujoco(two_links(), lamc.Scene(effects=(lamc.RestAngle(),)), tmp_path)
-    mujoco.mj_forward(engine.model, engine.data)
-    # k q₀ = 0.7 · 0.2 N·m; 1e-15: round-off of that product
-    assert np.abs(engine.data.qfrc_actuator - 0.14).max() < 1e-15
-
-
 def test_floating_loops_move_as_in_lamc(tmp_path: Path) -> None:
     mechanism = with_base(closed_mechanism("spherical", 11, sprung=True).mechanism)
     free = lamc.FreeBase(velocity=(0.5, 0.1, -0.2), spin=(0.3, 1.0, -0.6))
@@ -251,22 +120,6 @@ def test_floating_loops_move_as_in_lamc(tmp_path: Path) -> None:
     coarse, fine = end_errors(mechanism, scene, tmp_path, 0.5, (1e-3, 5e-4))
     assert 3.0 < coarse / fine < 6.0  # 2² = 4, as on a fixed world
     assert fine < 1e-5  # rad
-
-
-def test_limits_that_strike_are_refused_and_named() -> None:
-    scene = lamc.Scene(added=(lamc.JointLimits(restitution=0.5),))
-    with pytest.raises(UnsupportedError, match=r"restitution of joint limits, 0\.5"):
-        mjcf.files(two_links(), scene, ExportOptions())
-
-
-def test_what_a_file_asks_for_and_mjcf_has_not_is_told_at_its_line() -> None:
-    design = lamc.load(path("flapping_wing"))
-    with pytest.raises(UnsupportedError, match="no place for blade_element_drag") as refusal:
-        lamc.export(design, "mjcf")
-    place = refusal.value.place
-    assert place is not None
-    line = path("flapping_wing").read_text(encoding="utf-8").splitlines()[place.line - 1]
-    assert "blade_element_drag" in line
 
 
 def test_bodies_too_light_for_mujoco_are_named() -> None:
@@ -308,9 +161,24 @@ def test_the_same_design_gives_the_same_bytes() -> None:
     )
 
 
+def test_the_command_line_writes_what_python_does(tmp_path: Path) -> None:
+    def call(*words: str) -> Result:
+        return CliRunner().invoke(main, ["export", "--to", "mjcf", *words], catch_exceptions=False)
+
+    written_by = call("--example", "four_bar", "--step", "5e-4", "--out", str(tmp_path / "cli"))
+    assert written_by.exit_code == 0, written_by.stderr
+    lamc.export(mechanism_of_example(find("four_bar")), "mjcf", out=tmp_path / "python", step=5e-4)
+    for name in ("four_bar.xml", "README.md", "names.json", "meshes/shelf.stl"):
+        assert (tmp_path / "cli" / name).read_bytes() == (tmp_path / "python" / name).read_bytes()
+    refused = call("--example", "flapping_wing", "--out", str(tmp_path / "wing"))
+    assert refused.exit_code == 2
+    assert re.search(r"flapping_wing\.yaml:\d+:\d+: MJCF has no place for blade_element_drag", refused.stderr)
+    assert call("--example", "flapping_wing", "--lossy", "--out", str(tmp_path / "wing")).exit_code == 0
+
+
 def test_a_folder_is_written_by_the_public_name(tmp_path: Path) -> None:
-    folder = lamc.export(two_links(), "mjcf", lamc.Scene(), tmp_path / "out", prefix="arm", step=1e-3)
-    model = (folder / "arm.xml").read_text(encoding="utf-8")
+    folder = lamc.export(two_links(), "mjcf", lamc.Scene(), tmp_path / "out", prefix="leg", step=1e-3)
+    model = (folder / "leg.xml").read_text(encoding="utf-8")
     assert 'timestep="0.001"' in model
     assert {path.name for path in folder.iterdir()} >= {"README.md", "names.json", "meshes"}
     with pytest.raises(ExportError, match="the step of an export is 0"):

@@ -46,6 +46,12 @@ if TYPE_CHECKING:
 @click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
+@click.option(
+    "--step",
+    type=float,
+    metavar="SECONDS",
+    help="Time step of a model for another engine.  [default: one that suits]",
+)
 @click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
 @click.option(
     "--out",
@@ -66,6 +72,7 @@ def export(
     fmi: str,
     step: float | None,
     lossy: bool,
+    step: float | None,
     force: bool,
     out: str | None,
     terminal: Terminal,
@@ -73,7 +80,8 @@ def export(
     """Write the simulator of a design as files for other programs.
 
     --to c gives a folder that needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a
-    README with the mechanism's picture. Files that lamc did not write, or that were edited, are not replaced.
+    README with the mechanism's picture. --to mjcf is a model for MuJoCo, and --to urdf for ROS and others. Files that
+    lamc did not write, or that were edited, are not replaced.
 
     \b
     Examples:
@@ -81,6 +89,7 @@ def export(
       lamc export flaps.yaml --integrator rk45 --single-header
       lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
       lamc export flaps.yaml --to fmu --fmi 3
+      lamc export four_bar.yaml --to mjcf --step 5e-4
     """
     from lamc.commands.export import ExportOrder
     from lamc.commands.export import export as work
@@ -97,6 +106,7 @@ def export(
         fmi=int(fmi),
         step=step,
         lossy=lossy,
+        step=step,
         force=force,
         out=out,
     )

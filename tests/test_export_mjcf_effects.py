@@ -67,6 +67,28 @@ def test_a_torque_in_time_acts_by_the_control_callback_beside_the_model(tmp_path
     assert np.abs(engine.data.qpos - result.q[-1]).max() < 1e-8
 
 
+def test_inputs_of_the_scene_are_those_of_the_callback(tmp_path: Path) -> None:
+    drive = lamc.Torque({"h1": "gain*sin(5*t) + offset"})
+    inputs = {"gain": lamc.Input(unit="N*m", default=3.0), "offset": lamc.Input(unit="N*m")}
+    scene = lamc.Scene(effects=(drive, lamc.ExternalTorque(("h2",))), inputs=inputs)
+    result = lamc.compile(two_links(), scene).run(
+        0.4, rtol=1e-12, atol=1e-14, t_eval=[0.4], parameters={"offset": 0.5, "h2.torque": 0.25}
+    )
+    engine = InMujoco(two_links(), scene, tmp_path)
+    torques = runpy.run_path(str(tmp_path / "torques.py"))
+    torques["inputs"]["offset"] = 0.5
+    mujoco.mj_resetDataKeyframe(engine.model, engine.data, 0)
+    engine.data.ctrl[engine.model.actuator("h2").id] = 0.25
+    engine.model.opt.timestep = 1e-3
+    mujoco.set_mjcb_control(torques["control"])
+    try:
+        mujoco.mj_step(engine.model, engine.data, 400)
+    finally:
+        mujoco.set_mjcb_control(None)
+    # 1e-8 rad: RK4 at 1 ms on motions of some 10 rad/s, (0.01)⁴
+    assert np.abs(engine.data.qpos - result.q[-1]).max() < 1e-8
+
+
 def test_a_body_rests_on_the_ground_at_its_height(tmp_path: Path) -> None:
     sheet = Plate(box(-0.05, -0.03, 0.05, 0.03), 0.0, 0.002)
     inertia = 0.01 * np.diag([3e-4, 8.3e-4, 1.13e-3])

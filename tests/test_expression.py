@@ -105,11 +105,12 @@ def test_every_function_of_the_table_can_be_called(name: str) -> None:
         ("0.01*sin(2*pi*50*t) - 1e-4*rate", "0.01*sin(2.0*pi*50.0*t)-0.0001*rate"),
         ("-angle^2", "-angle**2.0"),
         ("max( t, .5 )", "max(t,0.5)"),
+        ("lambda*angle", 'inputs["lambda"]*angle'),
         ("9^9^9^9", "9.0**9.0**9.0**9.0"),  # of integers, Python would try to work it out
     ],
 )
 def test_expressions_are_spelled_for_python_with_floats_alone(text: str, spelled: str) -> None:
-    assert in_python(text) == spelled
+    assert in_python(text, ("t", "angle", "rate")) == spelled
 
 
 # ---- refused --------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ floats, so no expression takes long to read.
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -191,13 +191,19 @@ def names_in(text: str) -> Mapping[str, int]:
     return found
 
 
-def in_python(text: str) -> str:
-    """The expression as Python writes it, of floats, the names of `math`, and sign. Raises ExpressionError for what is
-    no sign, name or number; what else is outside the language is for `stage` to tell."""
+def in_python(text: str, names: Iterable[str]) -> str:
+    """The expression as Python writes it, of floats, `names`, those of `math`, and sign; any other name is an item of
+    `inputs`. Raises ExpressionError for what is no sign, name or number; what else is outside the language is for
+    `stage` to tell."""
+    known = {*names, *FUNCTIONS, *CONSTANTS}
     parts = []
     for token in _tokens(text):
-        number = token.kind == "number"
-        parts.append(repr(float(token.text)) if number else token.text.replace("^", "**"))
+        if token.kind == "number":
+            parts.append(repr(float(token.text)))
+        elif token.kind == "name" and token.text not in known:
+            parts.append(f'inputs["{token.text}"]')
+        else:
+            parts.append(token.text.replace("^", "**"))
     return "".join(parts)
 
 

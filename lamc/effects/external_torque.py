@@ -78,11 +78,9 @@ class ExternalTorque:
                 loads.hinge_torque(joint, torque)
 
     def carry_over(self, engine: "EngineLoads") -> None:
-        """An actuator on each hinge, for whoever runs the engine; an expression of the scene is told instead."""
-        joints = self.joints or tuple(joint.name for joint in engine.mechanism.joints)
-        for joint in joints:
-            if engine.of(joint).drive is None:
-                engine.hinge_drive(joint, f"{joint}.torque")
+        """The same: an engine takes them while it runs."""
+        for joint in self.joints or tuple(joint.name for joint in engine.mechanism.joints):
+            engine.hinge_outside(joint)
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

@@ -36,7 +36,9 @@ class HingeLoads:
 
     torque = -stiffness (angle - rest_angle) - damping rate + constant + per_angle angle + per_rate rate + drive
 
-    drive  an expression in t (s), angle (rad) and rate (rad/s) that whoever runs the engine has to evaluate; or None
+    drive    an expression in t (s), angle (rad), rate (rad/s) and inputs of the scene that whoever runs the engine has
+             to evaluate; or None
+    outside  whether a torque comes from outside as well
     """
 
     stiffness: float = 0.0  # N·m/rad
@@ -46,12 +48,14 @@ class HingeLoads:
     per_angle: float = 0.0  # N·m/rad
     per_rate: float = 0.0  # N·m·s/rad
     drive: str | None = None
+    outside: bool = False
     stop: Stop | None = None
 
     @property
     def has_torque(self) -> bool:
         """Whether something beside spring, damper and stop acts."""
-        return bool(self.constant or self.per_angle or self.per_rate) or self.drive is not None
+        linear = bool(self.constant or self.per_angle or self.per_rate)
+        return linear or self.drive is not None or self.outside
 
 
 @dataclass(frozen=True)
@@ -155,6 +159,10 @@ class EngineLoads:
     def hinge_drive(self, joint: str, text: str) -> None:
         """A torque, N·m, by an expression in t, angle and rate, which engines do not read."""
         self.hinges[joint] = replace(self.of(joint), drive=text)
+
+    def hinge_outside(self, joint: str) -> None:
+        """A torque that comes from outside while the engine runs."""
+        self.hinges[joint] = replace(self.of(joint), outside=True)
 
     def add_spring(
         self,

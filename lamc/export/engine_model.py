@@ -74,6 +74,7 @@ class EngineModel:
     angles, rates  at the start, by joint of the design, rad and rad/s
     base         pose and rates at the start of what floats; None: nothing does
     time_step    s, that suits RK4; mass_matrix (nv, nv): as drawn
+    inputs       of the scene with their defaults, SI
     """
 
     name: str
@@ -91,6 +92,7 @@ class EngineModel:
     base: FloatingBase | None
     mass_matrix: Array
     time_step: float
+    inputs: Mapping[str, float]
     lost: tuple[Loss, ...]
 
     def origin(self, index: int) -> Array:
@@ -139,6 +141,7 @@ def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) ->
         base=base,
         mass_matrix=mass_matrix,
         time_step=_step(pieces, builder.places, mass_matrix, loads, mechanism.size),
+        inputs=ReadOnlyDict({name: each.default for name, each in scene.inputs.items()}),
         lost=tuple(loads.lost),
     )
 

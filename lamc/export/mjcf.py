@@ -31,6 +31,7 @@ from lamc.scene import Scene
 
 LEAST = 1e-15  # kg and kg·m²: MuJoCo refuses moving bodies that have no more (mjMINVAL)
 SOFTEST = 1e-4  # MuJoCo's smallest impedance (mjMINIMP): a constraint is then a spring and a damper
+DRIVEN_BY = ("t", "angle", "rate")  # what a torque's expression may hold besides inputs
 FAR = 1e3  # rad, the limit on a side that has none
 
 
@@ -51,7 +52,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     written |= {f"meshes/{name}.stl": stl for name, stl in sorted(meshes.items())}
     facts = _facts(model, step)
     if facts["drives"]:
-        written["torques.py"] = filled("export/torques.py.j2", model, {"drives": _drives(model)})
+        written["torques.py"] = filled("export/torques.py.j2", model, _torques(model))
     written["names.json"] = names_json(model)
     written["README.md"] = filled("export/mjcf.md.j2", model, facts)
     return written
@@ -181,15 +182,26 @@ def _part(piece: Piece) -> str:
     return "in a part that is cut off for a loop " if piece.welded is not None else ""
 
 
-def _drives(model: EngineModel) -> list[tuple[int, int, int, str]]:
-    """Torques that are expressions: place in ctrl, of the angle in qpos and of the rate in qvel, and Python's text."""
+def _torques(model: EngineModel) -> dict[str, object]:
+    """Torques that are expressions: place in ctrl, of the angle in qpos and of the rate in qvel, and Python's text; and
+    the inputs that they hold."""
     floats = model.base is not None
     actuators = [hinge for hinge in hinges_of(model) if hinge.loads.has_torque]
-    return [
-        (actuators.index(hinge), place + 7 * floats, place + 6 * floats, in_python(hinge.loads.drive))
+    drives = [
+        (
+            actuators.index(hinge),
+            place + 7 * floats,
+            place + 6 * floats,
+            in_python(hinge.loads.drive, DRIVEN_BY),
+        )
         for place, hinge in enumerate(hinges_of(model))
         if hinge.loads.drive is not None
     ]
+    inputs = [(name, number(value)) for name, value in model.inputs.items()]
+    return {
+        "drives": drives,
+        "inputs": [each for each in inputs if any(f'"{each[0]}"' in d[-1] for d in drives)],
+    }
 
 
 def _facts(model: EngineModel, step: float) -> dict[str, object]:
@@ -204,6 +216,7 @@ def _facts(model: EngineModel, step: float) -> dict[str, object]:
         "joints": joints,
         "cuts": [markdown(name) for name in model.cuts],
         "drives": [(h.name, markdown(h.loads.drive)) for h in hinges_of(model) if h.loads.drive is not None],
+        "outside": [h.name for h in hinges_of(model) if h.loads.outside],
         "torques": [h.name for h in hinges_of(model) if h.loads.has_torque],
         "stops": any(h.loads.stop is not None for h in hinges_of(model)),
         "ground": model.ground is not None,

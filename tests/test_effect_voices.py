@@ -72,15 +72,18 @@ class Misread:
 
 
 WIND = replace(SAMPLES["blade_element_drag"], wind=(3.0, -1.0, 2.0))  # type: ignore[type-var]
-PUSH, FOLD = (
-    SAMPLES["piezo_bender"],
-    replace(SAMPLES["piezo_bender"], extension=0.0, hinge="h2", normal=(0, 0, 1)),
+DRY = replace(SAMPLES["blade_element_drag"], added_mass=False, lift_point=None)  # type: ignore[type-var]
+PUSH = SAMPLES["piezo_bender"]
+FOLD = replace(  # along x, across the hinge h1 at x = 0
+    PUSH, body_a="ground", root=(-0.3, 0.0, 0.0), body_b="a", tip=(0.5, 0.0, 0.0), hinge="h1", extension=0.0
 )  # type: ignore[type-var]
 STRIP, PLATES, STOPS = (SAMPLES[n] for n in ("twist_compliance", "flexible_links", "joint_limits"))
 OFF = 1.0 + 1e-6  # ten thousand times the limit: a number may count for little beside others
 OTHERWISE: Mapping[str, tuple[Effect, Mapping[str, Any]]] = {
     "width of a bender": (PUSH, {"width": 0.1 * OFF}),
     "extension of a bender": (PUSH, {"extension": 0.0101}),
+    "width of a bender across a hinge": (FOLD, {"width": 0.101}),
+    "lift of a wing without the air's mass": (DRY, {"lift": 1.7 * OFF}),
     "voltage of a bender": (PUSH, {"voltage": f"9*{OFF!r}*cos(t)"}),
     "density of the air": (WIND, {"air_density": 1.3 * OFF}),
     "lift": (WIND, {"lift": 1.7 * OFF}),

@@ -28,6 +28,7 @@ from lamc.reference.kinematics import Array, walk
 from lamc.reference.loads import numeric_loads
 from lamc.reference.moving_base import MOVING
 
+_DIGIT, _TRIES = 2.2e-16, 3
 ARRANGED = (*MOVING, "flexible_links", "twist_compliance")  # effects that act by coordinates alone
 
 
@@ -82,6 +83,10 @@ class Lagrange:
 
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, (nu,)."""
+        return _solved(*self._system(q, u, t))
+
+    def _system(self, q: Array, u: Array, t: float) -> tuple[Array, Array, Array, Array]:
+        """M (nu, nu), f (nu,), and J (5 c, nu) and γ (5 c,) of the joints that close loops rigidly."""
         placed, sides = self._state(q, u, t)
         mass, force = self._inertia_forces(placed)
         angles, rates = self._angles(q, u, sides)
@@ -97,11 +102,9 @@ class Lagrange:
         self._add_fluid(placed, mass, force)
         for spring in self._elastic.at(q, u, sides[len(self.cuts) :]):
             force -= spring.force()
-        if not self.cuts:
-            return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
         rows = [side.gap for side in sides[: len(self.cuts)]]
-        jacobian = np.concatenate([row.partials.T for row in rows])
-        return constrained(mass, force, jacobian, np.concatenate([row.second for row in rows]))
+        jacobian = np.concatenate([np.zeros((0, len(force))), *(row.partials.T for row in rows)])
+        return mass, force, jacobian, np.concatenate([np.zeros(0), *(row.second for row in rows)])
 
     def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]:
         """Energy by name, J, in the world's frame: "kinetic" first, then what each effect stores."""
@@ -147,6 +150,20 @@ class Lagrange:
         placed, sides = self._state(q, nothing, 0.0)
         springs = self._elastic.at(q, nothing, sides[len(self.cuts) :])
         return self._elastic.largest_acceleration(self._inertia_forces(placed)[0], springs, gap)
+
+    def rounded(self, q: Array, u: Array, t: float) -> float:
+        """The most that accelerations change where coordinates, rates and forces are other in the last digit, angles by
+        that of 1 rad: what no solver of these equations can know better."""
+        rng, n = np.random.default_rng(0), len(self.joints)
+        found, most = self.acceleration(q, u, t), 0.0
+        for _ in range(_TRIES):
+            signs = [rng.choice([-1.0, 1.0], len(x)) for x in (q, u, u)]
+            sizes = np.concatenate([np.maximum(np.abs(q[:n]), 1.0), np.abs(q[n:])]), np.abs(u)
+            near = [x + _DIGIT * s * size for x, s, size in zip((q, u), signs[:2], sizes, strict=True)]
+            mass, force, jacobian, bias = self._system(near[0], near[1], t)
+            moved = _solved(mass, force * (1.0 + _DIGIT * signs[2]), jacobian, bias)
+            most = max(most, float(np.abs(moved - found).max()))
+        return most
 
     def _state(self, q: Array, u: Array, t: float) -> tuple[Placed, list[Sides]]:
         placed = self._chain.at(q, u, t)
@@ -202,6 +219,12 @@ class Lagrange:
             mass += fluid.mass * np.outer(along, along)
             turned = moved.partials @ normal.first - normal.partials @ velocity
             force -= fluid.mass * (change * along + speed * turned)
+
+
+def _solved(mass: Array, force: Array, jacobian: Array, bias: Array) -> Array:
+    if not len(jacobian):
+        return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
+    return constrained(mass, force, jacobian, bias)
 
 
 def _inertia(body: Body, record: FlexibleBody | None) -> Array:

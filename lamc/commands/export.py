@@ -31,7 +31,6 @@ class ExportOrder:
     fmi: int
     step: float | None  # s
     lossy: bool
-    step: float | None
     force: bool
     out: str | None
 
@@ -46,7 +45,6 @@ class ExportOrder:
             fmi=self.fmi,
             step=self.step,
             lossy=self.lossy,
-            step=self.step,
         )
 
 

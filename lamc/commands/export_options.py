@@ -46,12 +46,6 @@ if TYPE_CHECKING:
 @click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
-@click.option(
-    "--step",
-    type=float,
-    metavar="SECONDS",
-    help="Time step of a model for another engine.  [default: one that suits]",
-)
 @click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
 @click.option(
     "--out",
@@ -72,7 +66,6 @@ def export(
     fmi: str,
     step: float | None,
     lossy: bool,
-    step: float | None,
     force: bool,
     out: str | None,
     terminal: Terminal,
@@ -106,7 +99,6 @@ def export(
         fmi=int(fmi),
         step=step,
         lossy=lossy,
-        step=step,
         force=force,
         out=out,
     )

@@ -4,6 +4,7 @@ In: the C and the simulator that it is of. Out: relative path → content. It la
 is the business of `lamc/export/c.py`.
 """
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 
@@ -13,6 +14,7 @@ from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
 from lamc.codegen.program import Program
 from lamc.export.c import CMember, CSource
+from lamc.export.fixed_step import suitable_step
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
 from lamc.mechanism.records import Mechanism
@@ -73,6 +75,10 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
     duration = simulator.scene.duration or DURATION
     count = len(program.coordinates)
     start = simulator.start.tolist()
+    row_count = default_rows(duration, len(start))
+    interval = duration / (row_count - 1)
+    longest = suitable_step(simulator, duration) if options.real_time else interval
+    steps_per_row = math.ceil(interval / longest * (1.0 - 1e-12))
     return {
         "prefix": prefix,
         "upper": prefix.upper(),
@@ -84,10 +90,12 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "single_header": options.single_header,
         "libm": True,
         "real_time": options.real_time,
-        "is_float": options.precision == "float",
+        "real": "double",
+        "steps_per_row": steps_per_row,
+        "h": literal(interval / steps_per_row),
         "effects": [markdown(effect.name) for effect in simulator.effects],
         "compile_line": _compile_line(prefix, options),
-        "usage": _usage(prefix, options),
+        "usage": _usage(prefix, options, interval / steps_per_row),
         "coordinates": _coordinates(program, simulator.mechanism, start[:count]),
         "other_rates": [
             {
@@ -107,7 +115,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "energies": [markdown(name) for name in program.energies],
         "costs": _costs(source),
         "state_bytes": state_bytes(source),
-        "row_count": default_rows(duration, len(start)),
+        "row_count": row_count,
         "t_end": literal(duration),
         "joint_count": len(program.joints),
         "has_other_coordinates": len(program.rates) > len(program.joints),
@@ -172,9 +180,9 @@ def _compile_line(prefix: str, options: ExportOptions) -> str:
     return f"cc -O2 -std=c99 {sources} -lm -o example"
 
 
-def _usage(P: str, options: ExportOptions) -> list[str]:
+def _usage(P: str, options: ExportOptions, h: float) -> list[str]:
     """A few lines to begin with."""
-    step = f"{P}_step_fixed(&it, 1e-3)" if options.real_time else f"{P}_step(&it, 0.01)"
+    step = f"{P}_step_fixed(&it, {h:.6g})" if options.real_time else f"{P}_step(&it, 0.01)"
     return [
         f'#include "{P}.h"',
         "",

@@ -1,0 +1,48 @@
+"""A length for steps of fixed length, by trying: what an exported example begins with.
+
+In: a simulator. Out: seconds. It knows of no error, only of stability: the longest of 1, 2, 5 times a power of ten with
+which rates stay within what an adaptive run of the same time reaches.
+"""
+
+import math
+
+import numpy as np
+
+from lamc.run.simulator import Simulator
+
+_LENGTHS = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s
+_WINDOW = 0.5  # s, that is tried
+_SLACK = 3.0  # of rates: what is stable but coarse may pass beyond them
+
+
+def suitable_step(simulator: Simulator, duration: float) -> float:
+    """A step, s, that is stable from the scene's start on for half a second at most, or the shortest one tried.
+
+    duration  s, of the scene's run
+    """
+    t_end = min(duration, _WINDOW)
+    run = simulator.run(t_end, rtol=1e-5, atol=1e-7, max_steps=100_000)
+    largest = _SLACK * max(1e-3, float(np.abs(run.u).max(initial=0.0)))
+    for h in _LENGTHS:
+        if _is_stable(simulator, h, math.ceil(t_end / h), largest):
+            return h
+    return _LENGTHS[-1]
+
+
+def _is_stable(simulator: Simulator, h: float, count: int, largest: float) -> bool:
+    """Whether rates stay finite and below `largest` over so many steps of length h, s."""
+    model = simulator.model
+    motion, lib = model.motion({}), model.lib
+    ode = model.ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
+    y = simulator.start.copy()
+    scratch = np.zeros(lib.lamc_fixed_scratch(ode))
+    state, room = model.write(y), model.write(scratch)
+    if model.guards:
+        ode.sense(ode.context, 0.0, state)
+    rates = y[len(model.coordinates) :]
+    for k in range(count):
+        if lib.lamc_fixed_step(ode, k * h, h, state, room) != lib.LAMC_OK:
+            return False
+        if rates.size and not float(np.abs(rates).max()) <= largest:
+            return False
+    return True

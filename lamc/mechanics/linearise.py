@@ -15,10 +15,16 @@ from lamc.mechanics.equations import Equations
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations
 
-# Beyond these the code grows with the square of the rates and the C compiler's time with it; the runtime then takes
-# differences, 2n + 2 evaluations (measured: 12 000 operations for 10 laminate hinges, 50 000 for 20).
+# Beyond these the runtime takes differences, 2n + 2 evaluations: the code grows with the square of the rates, and the C
+# compiler's time with it. Measured with rodas5p: time by differences over time with derivatives, and what gcc takes more,
+#   parallel hinges   13: 1.15, 0.4 s (2200 operations)    16: 1.07, 0.7 s (3300)    20: 0.9, 1.2 s (5100), at rtol 1e-8
+#   laminate hinges   8: 1.2 (7500)    10: 1.5 (12 200)    12: 1.5 (18 200), and half as much again of gcc's time
+#   links of 6 modes  14 rates: 1.8, 0.7 s (2300)    19: 5.5, 1.5 s (8900)    25: 4.7, 2.9 s (14 900), at rtol 1e-7
+# In the last the runtime factors M: differences cost a factorisation each, and their few digits make twice the steps at
+# tight tolerances. There operations alone decide.
 MAX_RATES = 12
 MAX_FLOPS = 4000
+MAX_FLOPS_FACTORED = 10_000
 
 
 @dataclass(frozen=True)
@@ -31,9 +37,12 @@ class Linearisation:
 
 def linearise(equations: Equations) -> Linearisation | None:
     """The derivatives, or None where they would be too long."""
-    count = len(equations.rates)
-    if not 0 < count <= MAX_RATES or equations.problem is None:  # accelerations written by hand have none
+    count, is_factored = len(equations.rates), not equations.is_plain
+    if not count or equations.problem is None:  # accelerations written by hand have none
         return None
+    if count > MAX_RATES and not is_factored:
+        return None
+    most = MAX_FLOPS_FACTORED if is_factored else MAX_FLOPS
     store = equations.store
     names = [rate.name for rate in equations.rates]
     q = [_symbol(store, f"q_{c.name}", Space.ANGLE, i) for i, c in enumerate(equations.coordinates)]
@@ -48,12 +57,12 @@ def linearise(equations: Equations) -> Linearisation | None:
         before = len(store)
         for x in (*q, *u, store.symbol("t", Space.TIME, 0)):
             columns.append(derivatives(residuals, {x: 1}))
-            if len(store) - before > 2 * MAX_FLOPS:  # it will be too long: no need to write the rest
+            if len(store) - before > 2 * most:  # it will be too long: no need to write the rest
                 return None
         flow_columns = [derivatives(flow, {x: 1}) for x in (*q, *u)] if flow else []
     entries, flows = tuple(zip(*columns, strict=True)), tuple(zip(*flow_columns, strict=True))
     flops = count_operations(store, [x for row in (*entries, *flows) for x in row], Level.PARAMETER).flops
-    return Linearisation(entries, flows) if flops <= MAX_FLOPS else None
+    return Linearisation(entries, flows) if flops <= most else None
 
 
 def _symbol(store: Store, name: str, space: Space, index: int) -> Value:

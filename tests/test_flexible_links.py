@@ -390,3 +390,18 @@ def test_a_drawn_body_without_moduli_is_refused_with_the_way_out() -> None:
         mechanism = lamc.split(lamc.load(path))
     with pytest.raises(DesignError, match=r"body 'shelf' is no plate here: moduli are needed .*'foam_tape'"):
         arrange(plan(mechanism), (FlexibleLinks(("shelf",)),))
+
+
+def test_two_links_of_many_modes_have_exact_derivatives() -> None:
+    """19 rates: the runtime factors M, so that the Jacobian is worth its operations."""
+    sim = simulated(flag(count=2), FlexibleLinks(modes=6, laminate=SHEET))
+    assert "jacobian" in sim.program.functions
+    rng = np.random.default_rng(3)
+    q, u = 1e-3 * rng.standard_normal(len(sim.coordinates)), 1e-2 * rng.standard_normal(len(sim.rates))
+    by_q, by_u = sim.jacobian(q, u)
+    dq, du = 1e-3 * rng.standard_normal(len(q)), 1e-2 * rng.standard_normal(len(u))
+    h = 1e-3
+    ahead, behind = (sim.acceleration(q + s * dq, u + s * du) for s in (h, -h))
+    found, expected = by_q @ dq + by_u @ du, (ahead - behind) / (2 * h)
+    # central differences: h² of the change, and round-off of 1e-16 |a| / h
+    assert np.abs(found - expected).max() <= 1e-5 * np.abs(expected).max()

@@ -16,7 +16,7 @@ from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations
 
 # Beyond these the runtime takes differences, 2n + 2 evaluations: the code grows with the square of the rates, and the C
-# compiler's time with it. Measured with rodas5p: time by differences over time with derivatives, and what gcc takes more,
+# compiler's time with it. Measured with rodas5p: time by differences over time with derivatives, and more time of gcc,
 #   parallel hinges   13: 1.15, 0.4 s (2200 operations)    16: 1.07, 0.7 s (3300)    20: 0.9, 1.2 s (5100), at rtol 1e-8
 #   laminate hinges   8: 1.2 (7500)    10: 1.5 (12 200)    12: 1.5 (18 200), and half as much again of gcc's time
 #   links of 6 modes  14 rates: 1.8, 0.7 s (2300)    19: 5.5, 1.5 s (8900)    25: 4.7, 2.9 s (14 900), at rtol 1e-7

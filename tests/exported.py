@@ -8,7 +8,11 @@ from typing import Any
 import cffi
 import numpy as np
 
+from lamc import Mechanism, Scene
 from lamc.codegen.emit import declarations_of
+from lamc.export.c import c_source
+from lamc.export.driven import simulator_of
+from lamc.export.options import ExportOptions
 from tests.ctools import CC
 from tests.mechanisms import Array
 
@@ -25,6 +29,15 @@ CXX17 = (
     "-Wshadow",
     "-Werror",
 )
+
+
+def c_files(
+    mechanism: Mechanism, scene: Scene | None = None, options: ExportOptions | None = None
+) -> dict[str, bytes]:
+    """Header and source alone, without what comes with them in a folder."""
+    options = options or ExportOptions()
+    simulator = simulator_of(mechanism, scene or mechanism.scene or Scene(), options)
+    return {name: text.encode() for name, text in c_source(simulator, options).files.items()}
 
 
 class Exported:

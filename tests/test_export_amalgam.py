@@ -14,7 +14,7 @@ from lamc.export.options import ExportOptions, options_from
 from lamc.export.run_fields import run_fields
 from lamc.resources import data_dir
 from tests.ctools import needs_cc
-from tests.exported import C99, CXX17, Exported
+from tests.exported import C99, CXX17, Exported, c_files
 
 RUNTIME = sorted(data_dir("runtime_c").rglob("*.[ch]"))
 
@@ -119,7 +119,7 @@ def hostile() -> Mechanism:
 @needs_cc
 def test_names_from_a_design_stay_names(tmp_path: Path) -> None:
     exported = Exported(
-        files_of(hostile(), options=ExportOptions(integrator="rk45", jacobian=False)), tmp_path
+        c_files(hostile(), options=ExportOptions(integrator="rk45", jacobian=False)), tmp_path
     )
     names = [
         exported.ffi.string(exported.call("joint_name", i)).decode()
@@ -131,7 +131,7 @@ def test_names_from_a_design_stay_names(tmp_path: Path) -> None:
 
 @needs_cc
 def test_c_and_cxx_give_the_same_bits(tmp_path: Path) -> None:
-    files = files_of(hostile(), options=ExportOptions(prefix="chain"))
+    files = c_files(hostile(), options=ExportOptions(prefix="chain"))
     states = []
     for flags in (C99, CXX17):
         exported = Exported(files, tmp_path / flags[0], flags)
@@ -170,6 +170,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
         ({"integrator": "euler"}, "'rk45'"),
         ({"precision": "half"}, "'double'"),
         ({"real_time": 1}, "True or False"),
+        ({"inputs": ["h1"]}, "tuple of names"),
         ({"speed": 1}, "no option 'speed'"),
     ],
 )

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc.export import files_of
 from lamc.export.options import ExportOptions
 from tests.ctools import needs_cc
-from tests.exported import Exported
+from tests.exported import Exported, c_files
 
 pytestmark = needs_cc
 
@@ -40,7 +39,7 @@ def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp
     times = np.linspace(0.0, t_end, 38)[1:]
     result = lamc.compile(mechanism).run(t_end, t_eval=times)
     assert result.success
-    exported = Exported(files_of(mechanism), tmp_path)
+    exported = Exported(c_files(mechanism), tmp_path)
     states = exported.trajectory(exported.instance(t_stop=t_end), times)
     assert states.tobytes() == np.hstack([result.q, result.u]).tobytes()
 
@@ -51,7 +50,7 @@ def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str,
     mechanism = example(name)
     times = np.linspace(0.0, 0.3, 11)[1:]
     result = lamc.compile(mechanism).run(0.3, t_eval=times, integrator=integrator)
-    exported = Exported(files_of(mechanism, options=ExportOptions(integrator=integrator)), tmp_path)
+    exported = Exported(c_files(mechanism, options=ExportOptions(integrator=integrator)), tmp_path)
     states = exported.trajectory(exported.instance(t_stop=0.3), times)
     assert states.tobytes() == np.hstack([result.q, result.u]).tobytes()
 
@@ -59,17 +58,17 @@ def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str,
 @pytest.fixture(scope="module")
 def crawler(tmp_path_factory: pytest.TempPathFactory) -> Exported:
     """Contact, a floating base, switches: of all examples the one with the most to keep between two steps."""
-    return Exported(files_of(example("crawler.yaml")), tmp_path_factory.mktemp("crawler"))
+    return Exported(c_files(example("crawler.yaml")), tmp_path_factory.mktemp("crawler"))
 
 
 @pytest.fixture(scope="module")
 def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(files_of(example("pendulum.yaml")), tmp_path_factory.mktemp("pendulum"))
+    return Exported(c_files(example("pendulum.yaml")), tmp_path_factory.mktemp("pendulum"))
 
 
 @pytest.fixture(scope="module")
 def four_bar(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(files_of(example("four_bar.yaml")), tmp_path_factory.mktemp("four_bar"))
+    return Exported(c_files(example("four_bar.yaml")), tmp_path_factory.mktemp("four_bar"))
 
 
 def test_many_targets_change_nothing(crawler: Exported) -> None:
@@ -181,9 +180,9 @@ def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> Non
     of this length leave some of the next order. The same bits with `real_time`, which has nothing else."""
     mechanism = example(name)
     tight = lamc.compile(mechanism).run(0.05, rtol=1e-12, atol=1e-14, t_eval=[0.05])
-    exported = Exported(files_of(mechanism), tmp_path / "whole")
+    exported = Exported(c_files(mechanism), tmp_path / "whole")
     lean = Exported(
-        files_of(mechanism, options=ExportOptions(real_time=True, jacobian=False)), tmp_path / "lean"
+        c_files(mechanism, options=ExportOptions(real_time=True, jacobian=False)), tmp_path / "lean"
     )
     errors = []
     for steps in (100, 200):

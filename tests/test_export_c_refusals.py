@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lamc.export import files_of
 from lamc.export.options import ExportOptions
 from tests.ctools import needs_cc
-from tests.exported import Exported
+from tests.exported import Exported, c_files
 from tests.test_export_c import example
 
 pytestmark = needs_cc
@@ -18,12 +17,12 @@ pytestmark = needs_cc
 
 @pytest.fixture(scope="module")
 def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(files_of(example("pendulum.yaml")), tmp_path_factory.mktemp("pendulum"))
+    return Exported(c_files(example("pendulum.yaml")), tmp_path_factory.mktemp("pendulum"))
 
 
 @pytest.fixture(scope="module")
 def four_bar(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(files_of(example("four_bar.yaml")), tmp_path_factory.mktemp("four_bar"))
+    return Exported(c_files(example("four_bar.yaml")), tmp_path_factory.mktemp("four_bar"))
 
 
 def bytes_of(exported: Exported, struct: object) -> bytes:
@@ -169,7 +168,7 @@ def test_no_writable_data_and_nothing_but_libm(tmp_path: Path) -> None:
         ("four_bar.yaml", ExportOptions(integrator="rk45")),
         ("pendulum.yaml", ExportOptions(real_time=True, jacobian=False)),
     ):
-        files = files_of(example(name), options=options)
+        files = c_files(example(name), options=options)
         source = next(n for n in files if n.endswith(".c"))
         text = files[source].decode()
         assert "malloc" not in text

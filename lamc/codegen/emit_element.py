@@ -92,7 +92,7 @@ def _shared() -> Mapping[str, str]:
 
 
 def _context(program: ElementProgram, prefix: str) -> dict[str, object]:
-    printer = ShapePrinter(brackets=True)
+    printer = ShapePrinter()
     functions = program.functions
     batches = {name: _batch(program, functions[name]) for name in functions}
     counts = {

@@ -30,7 +30,8 @@ class _LookUp(sp.Function):  # type: ignore[misc]
 
 class _Printer(C99CodePrinter):  # type: ignore[misc]
     def _print__Product(self, expr: sp.Expr) -> str:  # noqa: N802  sympy's own naming
-        return str(self._print(expr.args[0]))
+        text = str(self._print(expr.args[0]))
+        return f"({text})" if text.startswith("-") else text  # - -x is no --x
 
     def _print__LookUp(self, expr: sp.Expr) -> str:  # noqa: N802
         number, order, x = expr.args
@@ -40,17 +41,15 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
 class ShapePrinter:
     """Prints shapes; remembers each one.
 
-    brackets: keep those of a - b*(c*d) too, which sympy writes as a - b*c*d: the same number but for its last bit.
     single: numbers and functions of single precision, 1.0F and sinf.
     own_trig: sine and cosine of `trig.h`.
     """
 
-    def __init__(self, *, brackets: bool = False, single: bool = False, own_trig: bool = False) -> None:
+    def __init__(self, *, single: bool = False, own_trig: bool = False) -> None:
         # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
         types = {"type_aliases": {real: float32}} if single else {}
         names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if own_trig else {}
         self._printer = _Printer({"order": "none", **types, **names})
-        self._brackets = brackets
         self._pieces: dict[Shape, tuple[list[str], list[int]]] = {}
 
     def text(self, shape: Shape, operands: tuple[Operand, ...], name: Callable[[Operand], str]) -> str:
@@ -63,7 +62,7 @@ class ShapePrinter:
         return "".join(parts)
 
     def _print(self, shape: Shape) -> tuple[list[str], list[int]]:
-        text = self._printer.doprint(_unevaluated(shape, self._brackets))
+        text = self._printer.doprint(_unevaluated(shape))
         if "Not supported" in text:
             raise EmitError(f"an operation of {shape} has no C form")
         pieces = _PLACE.split(text)
@@ -71,13 +70,14 @@ class ShapePrinter:
         return self._pieces[shape]
 
 
-def _unevaluated(shape: Shape, brackets: bool) -> sp.Expr:
-    """The shape in sympy exactly as it is, operand k as the symbol PkQ."""
+def _unevaluated(shape: Shape) -> sp.Expr:
+    """The shape in sympy exactly as it is, operand k as the symbol PkQ. Brackets of a - b*(c*d) are kept, which sympy
+    leaves out: the last bit is another without them."""
     if isinstance(shape, int):
         return sp.Symbol(f"P{shape}Q")
     operation, *rest = shape
-    arguments = [_unevaluated(a, brackets) for a in rest if not isinstance(a, str)]
-    if brackets and operation in ("-", "neg") and isinstance(arguments[-1], sp.Mul):
+    arguments = [_unevaluated(a) for a in rest if not isinstance(a, str)]
+    if operation in ("-", "neg") and isinstance(arguments[-1], sp.Mul):
         arguments[-1] = _Product(arguments[-1])
     match operation:
         case "+":

@@ -31,6 +31,7 @@ class ExportOrder:
     fmi: int
     step: float | None  # s
     lossy: bool
+    inputs: str  # hinges, none, or names with commas between
     force: bool
     out: str | None
 
@@ -45,6 +46,9 @@ class ExportOrder:
             fmi=self.fmi,
             step=self.step,
             lossy=self.lossy,
+            inputs=self.inputs
+            if self.inputs in ("hinges", "none")
+            else tuple(name.strip() for name in self.inputs.split(",")),
         )
 
 

@@ -46,6 +46,13 @@ if TYPE_CHECKING:
 @click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
+@click.option(
+    "--inputs",
+    default="hinges",
+    metavar="NAMES",
+    help="Torques from outside: on all hinges (hinges), none, or on those named, with commas between.",
+    show_default=True,
+)
 @click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
 @click.option(
     "--out",
@@ -66,6 +73,7 @@ def export(
     fmi: str,
     step: float | None,
     lossy: bool,
+    inputs: str,
     force: bool,
     out: str | None,
     terminal: Terminal,
@@ -99,6 +107,7 @@ def export(
         fmi=int(fmi),
         step=step,
         lossy=lossy,
+        inputs=inputs,
         force=force,
         out=out,
     )

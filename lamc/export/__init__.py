@@ -35,10 +35,10 @@ class Target:
 
 def _c(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     from lamc.export.c import c_source
+    from lamc.export.driven import simulator_of
     from lamc.export.package import package_files
-    from lamc.pipeline import compile as compile_
 
-    simulator = compile_(mechanism, scene)
+    simulator = simulator_of(mechanism, scene, options)
     return package_files(c_source(simulator, options), simulator, options)
 
 
@@ -55,10 +55,10 @@ def _urdf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
 
 
 def _fmu(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.driven import simulator_of
     from lamc.export.fmu import fmu_files
-    from lamc.pipeline import compile as compile_
 
-    return fmu_files(compile_(mechanism, scene), options)
+    return fmu_files(simulator_of(mechanism, scene, options), options)
 
 
 TARGETS: Mapping[str, Target] = MappingProxyType(

@@ -23,6 +23,8 @@ class ExportOptions:
     jacobian    with a function for the derivatives of the accelerations
     single_header  one file, NAME.h, with the source in it
     fmi         version of the standard of an FMU, 2 or 3; 2 is what most tools read
+    inputs      torques from outside: "hinges" on every one, "none", or a tuple of names of hinges; a scene that has
+                `ExternalTorque` itself keeps its own
     lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
     step        s, time step of models for other engines; None: one that suits the mechanism
 
@@ -36,6 +38,7 @@ class ExportOptions:
     jacobian: bool = True
     single_header: bool = False
     fmi: int = 2
+    inputs: str | tuple[str, ...] = "hinges"
     lossy: bool = False
     step: float | None = None  # s
 
@@ -59,6 +62,11 @@ class ExportOptions:
         for name in ("real_time", "jacobian", "single_header", "lossy"):
             if not isinstance(getattr(self, name), bool):
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")
+        are_names = isinstance(self.inputs, tuple) and all(isinstance(name, str) for name in self.inputs)
+        if self.inputs not in ("hinges", "none") and not are_names:
+            raise ExportError(
+                f"inputs is {shown(self.inputs)}; it must be 'hinges', 'none' or a tuple of names of hinges"
+            )
 
 
 def options_from(**values: object) -> ExportOptions:

@@ -36,7 +36,7 @@ void driven_acceleration(const double *c, double t, const double *q, const doubl
   const double z0 = lamc_sin(314.1592653589793*t);
   const double z1 = fabs(u[0]);
   const double z2 = fmax(q[0], 0.0);
-  const double z3 = (0.01*z0 - 0.0001*u[0]*z1) + z2*(z2*z2);
+  const double z3 = (0.01*z0 - (0.0001*u[0])*z1) + z2*(z2*z2);
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
   const double z4 = z3*c[0];
   out[0] = z4;

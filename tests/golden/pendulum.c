@@ -159,14 +159,14 @@ void pendulum_energy(const double *c, double t, const double *q, const double *u
   /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
   const double z16 = z12*(z10*(c[19]*z3)) + z13*(z10*(c[19]*z4));
   const double z17 = 0.5*(c[17]*(z12*z12 + z13*z13)) + z16;
-  const double z18 = 0.5*(u[0]*(u[0]*c[16])) - (z17 - 0.5*z10*(c[20]*z10));
-  const double z19 = z14*((c[0]*z6)*z11) - z15*(c[0]*z7)*z11;
+  const double z18 = 0.5*(u[0]*(u[0]*c[16])) - (z17 - 0.5*(z10*(c[20]*z10)));
+  const double z19 = z14*((c[0]*z6)*z11) - z15*((c[0]*z7)*z11);
   const double z20 = 0.5*(c[21]*(z14*z14 + z15*z15)) - z19;
-  const double z21 = z18 - (z20 - 0.5*z11*(c[1]*z11));
+  const double z21 = z18 - (z20 - 0.5*(z11*(c[1]*z11)));
   /* Potential energy (-? m a*r) [gravity] */
   const double z22 = z1 - c[23];
-  const double z23 = c[14]*(c[6]*(c[23] - c[15]*z1)) - c[17]*c[6]*(z22 + c[18]*z4);
-  const double z24 = z23 - c[21]*c[6]*((z4 + z22) - c[22]*z7);
+  const double z23 = c[14]*(c[6]*(c[23] - c[15]*z1)) - c[17]*(c[6]*(z22 + c[18]*z4));
+  const double z24 = z23 - c[21]*(c[6]*((z4 + z22) - c[22]*z7));
   out[0] = -z21;
   out[1] = z9;
   out[2] = -z24;

@@ -118,7 +118,7 @@ void two_links_in_space_acceleration(const double *c, double t, const double *q,
   const double z23 = z6 - z22;
   const double z24 = c[1]*z3;
   /* Generalised forces (eq. 18) */
-  const double z25 = c[4]*(z2*(c[1]*z18) - z3*c[1]*z16);
+  const double z25 = c[4]*(z2*(c[1]*z18) - z3*(c[1]*z16));
   const double z26 = z3*(z20 + c[1]*(c[8]*z8)) + z2*(c[3]*z16 - c[0]*(z12 + z17));
   const double z27 = (c[8]*(c[1]*z19) + z25) + (c[8]*z26 + c[4]*z22);
   /* Mass matrix (Kane, eq. 19) */
@@ -159,12 +159,12 @@ void two_links_in_space_energy(const double *c, double t, const double *q, const
   /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
   const double z12 = z7*(z7*c[25]) + z8*(z8*c[26] - c[3]*z9);
   const double z13 = c[20]*(z5*z5 + (z10*z10 + z11*z11));
-  const double z14 = z10*(c[23]*z8 - c[1]*z9) - z11*c[23]*z7;
+  const double z14 = z10*(c[23]*z8 - c[1]*z9) - z11*(c[23]*z7);
   const double z15 = 0.5*(z9*(c[3]*z8 - c[24]*z9) - z12);
   const double z16 = (0.5*z13 - (z5*(c[1]*z7) - z14)) + z15;
   const double z17 = 0.5*(u[0]*(u[0]*c[19])) - z16;
   /* Potential energy (-? m a*r) [gravity] */
-  const double z18 = c[21]*(z2*(c[4]*z0) - z1*z3) - c[22]*z0*c[8];
+  const double z18 = c[21]*(z2*(c[4]*z0) - z1*z3) - c[22]*(z0*c[8]);
   const double z19 = c[17]*(c[9]*(c[18]*z1)) + c[20]*(c[9]*(z1 + z18));
   out[0] = -z17;
   out[1] = z4;
@@ -275,14 +275,14 @@ void two_links_in_space_jacobian(const double *c, double t, const double *q, con
   const double z17 = z5 + a[0];
   const double z18 = c[8]*a[0];
   const double z19 = u[1]*z8 + z3*z18;
-  const double z20 = z3*(z4 - u[0]*u[0]) - z2*c[4]*z17;
+  const double z20 = z3*(z4 - u[0]*u[0]) - z2*(c[4]*z17);
   const double z21 = z12 - (a[1] + c[4]*a[0]);
   const double z22 = z7*z9 + (u[1]*z7 - z2*z18);
   const double z23 = z13 + z19;
   /* Inertia forces and applied loads (eq. 18) */
   const double z24 = c[3]*z14 - (c[3]*(z10 + z11) - c[2]*z23);
   /* Derivatives of the residuals (for implicit integrators) */
-  const double z25 = c[1]*(z2*z5 - z3*c[4]*z4);
+  const double z25 = c[1]*(z2*z5 - z3*(c[4]*z4));
   const double z26 = c[8]*(z3*(c[1]*(c[8]*z4))) - c[4]*z25;
   const double z27 = c[11] - ((c[6]*z4 + c[5]*z5) - z26);
   const double z28 = 2.0*z12;
@@ -290,7 +290,7 @@ void two_links_in_space_jacobian(const double *c, double t, const double *q, con
   const double z30 = c[0]*z29 - (c[2]*z29 - c[3]*(z13 - z19));
   const double z31 = z30 + c[1]*z20;
   const double z32 = c[12] + z31;
-  const double z33 = (z3*(c[1]*z14) - z2*c[1]*z28) + (z2*(c[1]*z21) - z3*c[1]*z29);
+  const double z33 = (z3*(c[1]*z14) - z2*(c[1]*z28)) + (z2*(c[1]*z21) - z3*(c[1]*z29));
   const double z34 = z2*(z24 + c[1]*(c[8]*z17)) + z3*(c[3]*z28 - c[2]*z22);
   const double z35 = z3*(c[3]*z21 - c[0]*z22) + z2*(c[3]*z29 + c[0]*z23);
   const double z36 = (c[4]*z33 + c[8]*(c[1]*z22)) - (c[8]*(z34 - z35) - c[4]*z31);
@@ -302,15 +302,15 @@ void two_links_in_space_jacobian(const double *c, double t, const double *q, con
   const double z42 = u[1]*z16 + (z9*z16 + c[4]*z8);
   const double z43 = c[3]*(z38 + 2.0*(z8*z16)) - c[2]*z42;
   const double z44 = c[0]*z39 - (c[2]*z39 - c[3]*(z37 - z40));
-  const double z45 = z44 - c[1]*z2*(2.0*u[0]);
-  const double z46 = c[4]*(z2*(c[1]*z41) - z3*c[1]*z39);
+  const double z45 = z44 - c[1]*(z2*(2.0*u[0]));
+  const double z46 = c[4]*(z2*(c[1]*z41) - z3*(c[1]*z39));
   const double z47 = z3*(c[3]*z41 - z43) + z2*(c[3]*z39 - c[0]*(z37 + z40));
   const double z48 = (z46 + c[8]*(c[1]*z42)) + (c[8]*z47 + c[4]*z45);
   const double z49 = c[10] - z48;
   const double z50 = 2.0*z9;
   const double z51 = 2.0*z8;
   const double z52 = c[4]*(z2*(c[1]*z50)) + c[8]*(c[1]*z51);
-  const double z53 = z3*(c[3]*z50 + c[2]*z51) - z2*c[0]*(2.0*z7);
+  const double z53 = z3*(c[3]*z50 + c[2]*z51) - z2*(c[0]*(2.0*z7));
   const double z54 = z52 + c[8]*z53;
   out[0] = z27;
   out[1] = z36;

@@ -1,0 +1,39 @@
+"""The simulator that an export is made of: the scene's, with torques that come from outside.
+
+In: a mechanism, its scene, options. Out: a compiled `Simulator`. Never: changes what the scene says
+of such torques itself.
+"""
+
+from dataclasses import replace
+
+from lamc.effects.external_torque import ExternalTorque
+from lamc.errors import ExportError
+from lamc.export.options import ExportOptions
+from lamc.mechanism.records import Mechanism
+from lamc.pipeline import compile as compile_
+from lamc.pipeline import effects_of
+from lamc.run.request import did_you_mean
+from lamc.run.simulator import Simulator
+from lamc.scene import Scene
+
+
+def simulator_of(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Simulator:
+    """Compiles the scene with the inputs that `options` ask for. With all torques zero its motion is that of the scene,
+    to the last bit. Raises ExportError for a hinge that is not there."""
+    return compile_(mechanism, driven_scene(mechanism, scene, options))
+
+
+def driven_scene(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Scene:
+    """The scene with a torque from outside on each hinge that `options.inputs` names."""
+    names = tuple(joint.name for joint in mechanism.joints)
+    wanted = names if options.inputs == "hinges" else () if options.inputs == "none" else options.inputs
+    for name in wanted:
+        if name not in names:
+            raise ExportError(
+                f"inputs names the hinge {name!r}, which is not there; {did_you_mean(name, names)}"
+            )
+    is_said = any(effect.name == ExternalTorque.name for effect in effects_of(mechanism, scene))
+    if is_said or not wanted or ExternalTorque.name in scene.without:
+        return scene
+    joints = None if options.inputs == "hinges" else tuple(wanted)
+    return replace(scene, added=(*scene.added, ExternalTorque(joints)))

@@ -149,9 +149,10 @@ def run(
 @click.option(
     "--out",
     metavar="DIR",
-    help="Folder for the C.  [default: out/<name of the design>_c]",
+    help="Folder for the C.  [default: out/<name of the design>_build]",
     show_default=False,
 )
+@click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
 @speaking
 def build(
     file: str | None,
@@ -159,11 +160,13 @@ def build(
     changes: "SceneChanges",
     equations: bool,
     out: str | None,
+    force: bool,
     terminal: Terminal,
 ) -> int:
     """Write the generated C into a folder that compiles by itself.
 
-    Tells what one evaluation costs. Files that lamc did not write are never overwritten.
+    Tells what one evaluation costs. Files that lamc did not write, or that were edited, are not
+    overwritten. `lamc export` writes the C for other programs.
 
     \b
     Examples:
@@ -173,7 +176,7 @@ def build(
     from lamc.commands.build import build as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example), changes, out, equations=equations, terminal=terminal)
+    return work(Source(file, example), changes, out, equations=equations, force=force, terminal=terminal)
 
 
 @main.command()

@@ -403,7 +403,7 @@ def test_build_overwrites_its_own_files_only(tmp_path: Path) -> None:
     (tmp_path / "c" / "notes.txt").write_text("mine", encoding="utf-8")
     assert call("build", "p.yaml", "--out", "c").exit_code == 0
     assert (tmp_path / "c" / "notes.txt").read_text(encoding="utf-8") == "mine"
-    assert "another design" in call("build", "other.yaml", "--out", "c").stderr
+    assert "holds build of " in call("build", "other.yaml", "--out", "c").stderr
     (tmp_path / "c" / "main.c").write_text("/* my own */ int main(void) { return 0; }\n", encoding="utf-8")
     assert call("build", "p.yaml", "--out", "c").exit_code == 2
 

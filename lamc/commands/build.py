@@ -1,7 +1,7 @@
 """`lamc build`: leaves the generated C in a folder, and the equations as text if asked.
 
-In: a design and a folder. Out: files, and an account of what the C costs. Files that lamc did not write are never
-overwritten.
+In: a design and a folder. Out: files, and an account of what the C costs. Files that lamc did not write, or that were
+edited, are never overwritten.
 """
 
 from dataclasses import dataclass
@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from lamc.codegen.emit import SourceTree
 from lamc.codegen.program import Program
-from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of, output_folder
+from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Terminal
 from lamc.effects.registry import Choice
-from lamc.errors import LamcError
-from lamc.files import write_text
+from lamc.export.folder import Origin, write_folder
 from lamc.pipeline import Times, equations_of, sources_of
 from lamc.places import told_at
 from lamc.report.equations_text import equations_tex, equations_txt, listing
@@ -23,9 +22,6 @@ from lamc.report.run_text import duration
 if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations
 
-_MARK = "lamc"  # stands in the first lines of every file that lamc writes
-_SIGNED = "by lamc "  # stands at the top of the equations; what is taken away must bear it
-_HEAD = 400  # characters
 _ALONE = "the mechanism alone"
 _EQUATIONS = ("equations.txt", "equations.tex")
 
@@ -45,7 +41,13 @@ class Built:
 
 
 def build(
-    source: Source, changes: SceneChanges, out: str | None, *, equations: bool, terminal: Terminal
+    source: Source,
+    changes: SceneChanges,
+    out: str | None,
+    *,
+    equations: bool,
+    force: bool,
+    terminal: Terminal,
 ) -> int:
     """Writes the C of a design, and with `equations` also equations.txt and equations.tex."""
     times = Times()
@@ -62,53 +64,13 @@ def build(
             with times.stage("write equations"):
                 listed = listing(derived, mechanism.name)
                 texts |= dict(zip(_EQUATIONS, (equations_txt(listed), equations_tex(listed)), strict=True))
-        with output_folder(out, loaded.name + "_c") as folder:
-            check_folder(folder, set(texts))
-            for name, text in texts.items():
-                write_text(folder / name, text)
-            _remove_stale(folder, set(texts))
-    made = Built(folder, tuple(texts), tree, program, derived, account, times, tuple(mechanism.scenes))
+        folder = Path(out) if out is not None else Path("out") / folder_name(f"{loaded.name[:50]}_build")
+        contents = {name: text.encode() for name, text in texts.items()}
+        files = write_folder(folder, contents, Origin(loaded.name, "build"), force=force)
+    made = Built(folder, files, tree, program, derived, account, times, tuple(mechanism.scenes))
     terminal.say(_summary(made))
     terminal.result(_data(made))
     return 0
-
-
-def check_folder(folder: Path, names: set[str]) -> None:
-    """Raises LamcError if writing `names` into `folder` would touch or mix with what lamc did not write there."""
-    present = sorted(folder.iterdir())
-    if not present:
-        return
-    if not _is_own(folder / "lamc.h"):
-        raise LamcError(
-            f"the folder {str(folder)!r} holds {present[0].name!r} and is no folder of `lamc build`; "
-            "name an empty or a new one with --out"
-        )
-    for path in present:
-        if path.name in names and not _is_own(path):
-            raise LamcError(
-                f"{str(path)!r} was not written by lamc; move it, or name another folder with --out"
-            )
-        if path.suffix == ".c" and path.name not in names and _is_own(path):
-            raise LamcError(
-                f"the folder {str(folder)!r} holds the C of another design ({path.name}); "
-                "name another folder with --out"
-            )
-
-
-def _remove_stale(folder: Path, names: set[str]) -> None:
-    """Takes away equations of an earlier build, which are not those of the C that was just written."""
-    for name in _EQUATIONS:
-        path = folder / name
-        if name not in names and path.is_file() and not path.is_symlink() and _is_own(path, _SIGNED):
-            path.unlink()
-
-
-def _is_own(path: Path, mark: str = _MARK) -> bool:
-    try:
-        with path.open(encoding="utf-8", errors="replace") as file:
-            return mark in file.read(_HEAD)
-    except OSError:
-        return False
 
 
 def _summary(made: Built) -> str:

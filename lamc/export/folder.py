@@ -203,8 +203,8 @@ def _digest_of(path: Path) -> str | None:
 
 def _manifest(origin: Origin, digests: Mapping[str, tuple[str, ...]]) -> bytes:
     data = {
-        "made_by": f"lamc {__version__}, lamc export",
-        "note": "Tells which files lamc wrote and nobody has edited; only those are replaced by the next export.",
+        "made_by": f"lamc {__version__}",
+        "note": "Tells which files lamc wrote and nobody has edited; only those does it replace later.",
         "design": origin.design,
         "target": origin.target,
         "sha256": {path: list(found) for path, found in sorted(digests.items())},

@@ -26,6 +26,7 @@ class ExportOrder:
     target: str  # of `lamc.export.TARGETS`, or "list"
     prefix: str | None
     real_time: bool
+    libm: bool
     single_header: bool
     integrator: str
     fmi: int
@@ -42,6 +43,7 @@ class ExportOrder:
             prefix=self.prefix,
             integrator=self.integrator,
             real_time=self.real_time,
+            libm=self.libm,
             single_header=self.single_header,
             fmi=self.fmi,
             step=self.step,

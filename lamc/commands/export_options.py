@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 @click.option(
     "--real-time", is_flag=True, help="Steps of fixed length and known cost only; their operations are told."
 )
+@click.option(
+    "--no-libm",
+    is_flag=True,
+    help="Call no mathematical library: the same bits on every machine and compiler.",
+)
 @click.option("--single-header", is_flag=True, help="One file, NAME.h, with the sources in it.")
 @click.option(
     "--integrator",
@@ -68,6 +73,7 @@ def export(
     changes: "SceneChanges",
     prefix: str | None,
     real_time: bool,
+    no_libm: bool,
     single_header: bool,
     integrator: str,
     fmi: str,
@@ -102,6 +108,7 @@ def export(
         target=target,
         prefix=prefix,
         real_time=real_time,
+        libm=not no_libm,
         single_header=single_header,
         integrator=integrator,
         fmi=int(fmi),

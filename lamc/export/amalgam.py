@@ -67,31 +67,24 @@ class _Reader:
 
     def _without_guards(self, stream: Sequence[Token]) -> Iterator[Token]:
         """Includes are read and left out, and so are include guards, extern "C" and groups that `defined` decides."""
-        skipping: list[bool] = []  # for each group that is decided here, whether its text is left out
-        kept = 0  # groups inside that are left as they are
+        groups: list[bool | None] = []  # open ones: whether the text counts; None: the compiler decides
         for position, token in enumerate(stream):
             if token.kind != "directive":
-                if not any(skipping):
+                if False not in groups:
                     yield token
                 continue
             word, _, rest = token.text[1:].strip().partition(" ")
             subject = rest.strip().split(" ")[0]
+            is_decided = False
             if word in ("if", "ifdef", "ifndef"):
-                decided = self._decide(word, subject, stream, position)
-                if decided is None or kept:
-                    kept += 1
-                else:
-                    skipping.append(not decided)
-                    continue
-            elif word == "endif" and not kept:
-                skipping.pop()
-                continue
+                groups.append(self._decide(word, subject, stream, position))
+                is_decided = groups[-1] is not None
             elif word == "endif":
-                kept -= 1
-            elif word == "else" and not kept:
-                skipping[-1] = not skipping[-1]
-                continue
-            if any(skipping):
+                is_decided = groups.pop() is not None
+            elif word == "else" and groups[-1] is not None:
+                groups[-1] = not groups[-1]
+                is_decided = True
+            if is_decided or False in groups:
                 continue
             if word == "include":
                 self._include(subject)
@@ -125,6 +118,7 @@ def amalgamate(
     *,
     replaced: Mapping[str, str] | None = None,
     defined: Collection[str] = (),
+    aliases: Mapping[str, str] | None = None,
 ) -> Amalgam:
     """One text of `sources` and the headers that they include.
 
@@ -135,12 +129,13 @@ def amalgamate(
     prefix    of all other names: prefix_rt_…
     replaced  "unit.name" → declaration that takes the place of the one of that name
     defined   macros that groups of directives may ask for; all other LAMC_… are not
+    aliases   names that stand for others, such as sqrt for a square root among the files
     """
     reader = _Reader(files, replaced or {}, defined)
     for source in sources:
         reader.read(source)
     units = sorted(reader.units.values(), key=lambda unit: not unit.is_header)
-    names = _Names(units, public, prefix)
+    names = _Names(units, public, prefix, aliases or {})
     reached = _reached(units, names, public)
     parts = []
     for unit in units:
@@ -158,7 +153,10 @@ def amalgamate(
 class _Names:
     """Which names there are, and what they become."""
 
-    def __init__(self, units: Sequence[Unit], public: Collection[str], prefix: str) -> None:
+    def __init__(
+        self, units: Sequence[Unit], public: Collection[str], prefix: str, aliases: Mapping[str, str]
+    ) -> None:
+        self._aliases = aliases
         self._own: dict[str, dict[str, str]] = {unit.name: {} for unit in units}
         self._shared: dict[str, str] = {}
         self._prefix = prefix
@@ -191,10 +189,12 @@ class _Names:
         """What a name means in a unit: "unit.name" for its own, the name for a shared one, None for any other."""
         if name in self._own[unit]:
             return f"{unit}.{name}"
+        name = self._aliases.get(name, name)
         return name if name in self._shared else None
 
     def renamed(self, name: str, unit: str) -> str:
-        return self._own[unit].get(name) or self._shared.get(name, name)
+        own = self._own[unit].get(name)
+        return own or self._shared.get(self._aliases.get(name, name), name)
 
     def renamed_words(self, text: str, unit: str) -> str:
         """Comments: only names that say that they are lamc's, since others are English words too."""

@@ -25,6 +25,11 @@ from lamc.run.native import METHODS
 from lamc.run.simulator import Simulator
 
 IMPLICIT = ("rodas5p", "radau5")
+# What stands for <math.h> in programs without it, where the text says the name at the left.
+_FUNCTIONS = """
+sqrt fabs fmin fmax copysign exp log pow sin cos tan asin acos atan atan2 sinh cosh tanh
+"""
+BARE = {"HUGE_VAL": "LAMC_INFINITY", **{name: f"lamc_{name}" for name in _FUNCTIONS.split()}}
 MODEL = "this"  # what names of the model's own C begin with; they are its alone, whatever the prefix of the export is
 
 
@@ -98,6 +103,8 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
         _public(header, prefix),
         prefix,
         replaced={"run.METHODS": _methods(options)},
+        defined=() if options.libm else ("LAMC_BARE",),
+        aliases={} if options.libm else BARE,
     )
     opening = (
         environment()
@@ -171,6 +178,8 @@ def _runtime(program: Program, options: ExportOptions) -> Mapping[str, str]:
     for unit in sorted(_absent(program, options)):
         files[f"{unit}.c"] = root / "absent" / f"{unit}.c"
     files["string.h"] = root / "absent" / "bytes.h"
+    if not options.libm:
+        files["math.h"] = root / "bare" / "elementary.h"
     return {name: path.read_text(encoding="utf-8") for name, path in files.items()}
 
 
@@ -236,6 +245,7 @@ def _context(
         "wide": run.wide,
         "real_time": options.real_time,
         "jacobian": options.jacobian,
+        "libm": options.libm,
         "method": "an integrator that suits" if options.integrator == "auto" else options.integrator,
         "method_number": f"LAMC_{options.integrator.upper()}",
         "bound": _bound(program),

@@ -21,6 +21,7 @@ class ExportOptions:
                 (implicit) that one only
     real_time   no adaptive step: steps of fixed length and bounded cost only
     jacobian    with a function for the derivatives of the accelerations
+    libm        call <math.h>; False: lamc's own functions, the same bits on every machine and compiler
     single_header  one file, NAME.h, with the source in it
     fmi         version of the standard of an FMU, 2 or 3; 2 is what most tools read
     inputs      torques from outside: "hinges" on every one, "none", or a tuple of names of hinges; a scene that has
@@ -36,6 +37,7 @@ class ExportOptions:
     integrator: str = "auto"
     real_time: bool = False
     jacobian: bool = True
+    libm: bool = True
     single_header: bool = False
     fmi: int = 2
     inputs: str | tuple[str, ...] = "hinges"
@@ -59,7 +61,7 @@ class ExportOptions:
             object.__setattr__(self, "step", step)
         if self.fmi not in (2, 3) or not isinstance(self.fmi, int):
             raise ExportError(f"fmi is {shown(self.fmi)}; it must be 2 or 3, the version of the standard")
-        for name in ("real_time", "jacobian", "single_header", "lossy"):
+        for name in ("real_time", "jacobian", "libm", "single_header", "lossy"):
             if not isinstance(getattr(self, name), bool):
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")
         are_names = isinstance(self.inputs, tuple) and all(isinstance(name, str) for name in self.inputs)

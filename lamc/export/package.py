@@ -88,7 +88,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "comment_title": comment(program.name),
         "digest": program.digest,
         "single_header": options.single_header,
-        "libm": True,
+        "libm": options.libm,
         "real_time": options.real_time,
         "real": "double",
         "steps_per_row": steps_per_row,
@@ -177,7 +177,7 @@ def markdown(text: str) -> str:
 
 def _compile_line(prefix: str, options: ExportOptions) -> str:
     sources = "example_main.c" if options.single_header else f"example_main.c {prefix}.c"
-    return f"cc -O2 -std=c99 {sources} -lm -o example"
+    return f"cc -O2 -std=c99 {sources}{' -lm' if options.libm else ''} -o example"
 
 
 def _usage(P: str, options: ExportOptions, h: float) -> list[str]:

@@ -16,6 +16,9 @@
 #include <float.h>
 
 #if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1)
+#ifdef LAMC_BARE
+#error "without a mathematical library sine and cosine need IEEE 754: no -ffast-math, and SSE2 instead of x87"
+#else
 #include <math.h>
 
 static inline void lamc_turn(double x, double *sine, double *cosine) {
@@ -27,6 +30,7 @@ static inline void lamc_turn_two(double x0, double x1, double *sines, double *co
   lamc_turn(x0, sines, cosines);
   lamc_turn(x1, sines + 1, cosines + 1);
 }
+#endif
 
 #else
 #include "trig_rows.h"

@@ -44,6 +44,8 @@ def test_it_writes_the_folder_that_python_writes_and_tells_what_is_in_it(tmp_pat
 
 def test_options_reach_the_export(tmp_path: Path) -> None:
     words = (
+        "--inputs",
+        "right",
         "--real-time",
         "--single-header",
         "--prefix",
@@ -63,6 +65,8 @@ def test_options_reach_the_export(tmp_path: Path) -> None:
     assert "wings_step_fixed(" in header
     assert "wings_step(" not in header
     assert "gravity" not in header
+    assert "double right_torque;" in header
+    assert "left_torque" not in header
     assert "0.349066" in (tmp_path / "here" / "README.md").read_text(encoding="utf-8")  # 20 degrees
 
 
@@ -90,6 +94,7 @@ def test_it_replaces_its_own_files_only(tmp_path: Path) -> None:
         (("--example", "flaps", "--integrator", "euler"), "integrator is 'euler'"),
         (("--example", "flaps", "--integrator", "scipy:LSODA"), "integrator is 'scipy:LSODA'"),
         (("--example", "flaps", "--out", "file"), "is a file"),
+        (("--example", "flaps", "--inputs", "left,nix"), "'nix'"),
         ((), "name a FILE"),
         (("none.yaml",), "there is no such file"),
     ],

@@ -29,6 +29,7 @@ lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format --style=file:runtime_c/.clang-format --dry-run -Werror templates/export/fmu/*.[ch]
 
 types: $(STAMP)
 	$(BIN)/mypy
@@ -36,6 +37,7 @@ types: $(STAMP)
 format: $(STAMP)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	$(BIN)/clang-format --style=file:runtime_c/.clang-format -i templates/export/fmu/*.[ch]
 	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 
 bench: $(STAMP)

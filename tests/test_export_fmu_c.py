@@ -200,6 +200,7 @@ def test_two_fmus_in_one_program(sources, fmi, tmp_path):
 UNITS = (
     "rad", "rad/s", "rad/s²", "kg", "m", "kg·m²", "N·m", "N·m/rad", "N·m·s/rad", "N·m/rad^3", "N/m", "N·s/m", "J", "V",
     "Ω", "N·m/A", "N·m/V", "N/V", "m/s", "m/s²", "kg/m³", "1/s", "s/m", "A", "m/V", "s", "N*m", "1/(m·V)",
+    "Hz", "C", "F", "H", "T", "mol/m³", "K",
 )  # fmt: skip
 
 

@@ -31,6 +31,7 @@ from lamc.export.fmu_description import (
 )
 from lamc.export.fmu_variables import Variable, variables
 from lamc.export.options import ExportOptions
+from lamc.export.picture import picture_of
 from lamc.resources import data_dir
 from lamc.run.simulator import RTOL, Simulator
 
@@ -54,8 +55,9 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
     """NAME.fmu. Raises ExportError for options that an FMU cannot have, BuildError where the compiler fails."""
     _check(options)
     source = c_source(simulator, options)
+    program = source.program
     parameters, inputs = ([member.slot for member in kind] for kind in (source.parameters, source.inputs))
-    listed = variables(source.program, parameters, inputs, [float(x) for x in simulator.start])
+    listed = variables(program, parameters, inputs, [float(x) for x in simulator.start])
     facts = _facts(source, simulator, options)
     facts = replace(facts, token=_token(source, listed, facts, options))
     sources = {name: text.encode() for name, text in _sources(source, listed, facts, options).items()}
@@ -65,6 +67,10 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
         **{f"sources/{name}": content for name, content in sources.items()},
         _binary_path(facts.identifier, options): _binary(facts, sources),
         "documentation/index.html": _page(source, listed, facts).encode(),
+        "documentation/licenses/fmi.txt": (_folder() / "headers" / "LICENSE.txt").read_bytes(),
+        "documentation/mechanism.png": picture_of(
+            simulator.mechanism, program.joints, program.cuts, program.bodies
+        ),
     }
     if options.fmi == 3:
         files["sources/buildDescription.xml"] = build_description(facts)
@@ -111,12 +117,17 @@ def _sources(
     source: CSource, listed: Sequence[Variable], facts: FmuFacts, options: ExportOptions
 ) -> dict[str, str]:
     """All files of the folder `sources`, flat."""
-    folder = data_dir("templates") / _FOLDER
+    folder = _folder()
     own = sorted([*folder.glob("slave*.h"), *folder.glob(f"fmi{options.fmi}*.[ch]")])
     headers = sorted((folder / "headers").glob(f"fmi{options.fmi}*.h"))
     model = environment().get_template(f"{_FOLDER}/model.h.j2").render(_context(source, listed, facts))
     texts = {path.name: path.read_text(encoding="utf-8") for path in (*own, *headers)}
     return {**texts, **source.files, "model.h": model}
+
+
+def _folder() -> Path:
+    """Where the files lie that are the same in all FMUs."""
+    return data_dir("templates") / _FOLDER
 
 
 def _context(source: CSource, listed: Sequence[Variable], facts: FmuFacts) -> dict[str, object]:

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+import lamc
 from tests.ctools import needs_cc
-from tests.exported_folders import STRICT, cc, does, exported, put
+from tests.exported_folders import STRICT, cc, does, exported, mechanism_of, needs, put
 
 ROOT = Path(__file__).parent.parent
 TEXTS = {
@@ -69,3 +70,21 @@ def test_cmake_lines_name_what_the_folder_has() -> None:
         for block in blocks(text, "cmake"):
             assert "pendulum::pendulum" in block
             assert "add_library(pendulum::pendulum ALIAS" in lists
+
+
+@needs("rustc", "ar")
+def test_the_program_in_rust_gets_the_bits_of_python(tmp_path: Path) -> None:
+    put(exported("pendulum"), tmp_path)
+    text = TEXTS["docs/embedding.md"]
+    (program,) = blocks(text, "rust")
+    (tmp_path / "main.rs").write_text(program)
+    (command,) = re.findall(r"^`(cc .* rustc .*)`$", text, re.MULTILINE)
+    does(["sh", "-e", "-c", command], tmp_path)
+    t, angle, _ = map(
+        float, does([tmp_path / "main"], tmp_path).split()
+    )  # Rust prints what reads back exactly
+    result = lamc.compile(mechanism_of("pendulum")).run(10.0, t_eval=[0.0, 0.5])
+    assert (t, angle) == (0.5, result.q[1, 0])
+    (room,) = re.findall(r"rest: \[u64; (\d+)\]", program)
+    (told,) = re.findall(r"one instance \| (\d+) bytes", exported("pendulum")["README.md"].decode())
+    assert 7 * 8 + 8 * int(room) >= int(told)

@@ -189,7 +189,7 @@ def test_a_thousand_instances_leave_nothing_behind(made, fmi):
     before = memory_after(100)  # what Python and FMPy keep of their own is there then
     grown = memory_after(1000) - before
     fmu.free()
-    # An instance has some 50 kB, and so has a state: one in a hundred left behind would be 1 MB.
+    # An instance and its state have some 12 kB: one in ten left behind would be 1 MB.
     assert grown < 1_000_000
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc.effects import Gravity, HingeDamping, HingeStiffness, JointLimits
+from lamc.effects import FreeBase, Gravity, HingeDamping, HingeStiffness, JointLimits
 from lamc.errors import ExportError
 from lamc.export.fmu import fmu_files
 from lamc.export.options import ExportOptions
@@ -316,9 +316,46 @@ def test_names_that_are_hard_to_bear(fmi, tmp_path):
     assert len(fmu.by_name) == len(fmu.description.modelVariables)  # no two alike
     rows = fmu.begin(stop=0.5).walk([0.0, 0.25, 0.5], *[v.name for v in angles(fmu)])
     assert np.array_equal(rows, simulator.run(0.5, t_eval=[0.0, 0.25, 0.5]).q)
-    with fmu.refusing("finite"):
-        mass = next(n for n in fmu.by_name if n.endswith(".mass"))
-        fmu.put({mass: float("nan")})
+    # To FMI 2.0 a message is a format, in which # begins a reference.
+    with fmu.refusing("%%n##r1##" if fmi == 2 else "%n#r1#", "finite"):
+        fmu.put({next(n for n in fmu.by_name if "%n#r1#" in n and n.endswith(".stiffness")): float("nan")})
+    fmu.free()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_a_body_without_a_hinge_falls(fmi, tmp_path):
+    """A mechanism of no joints: coordinates and rates are the base's alone."""
+    plain = chain(1, "parallel", seed=1)
+    body = next(b for b in plain.bodies if not b.fixed)
+    mechanism = Mechanism(name="stone", bodies=(replace(body, fixed=True),), joints=())
+    scene = Scene(effects=(Gravity((0.0, 0.0, -9.81)), FreeBase()))
+    file = written(lamc.compile(mechanism, scene), fmi, tmp_path)
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(tmp_path / "unzipped")
+    fmu = Fmu(tmp_path / "unzipped").begin(stop=1.0)
+    names = [f"{body.name}.position[{i}]" for i in (1, 2, 3)]
+    first, last = fmu.walk([0.0, 0.3, 1.0], *names)[::2]
+    # Runge-Kutta is exact for parabolas, but for round-off
+    assert np.subtract(last, first) == pytest.approx([0.0, 0.0, -9.81 / 2], abs=1e-12)
+    fmu.free()
+
+
+def test_the_time_reached_can_be_asked_for(made):
+    _, folder = made(2)
+    fmu = Fmu(folder).begin(stop=1.0)
+    fmu.step(0.0, STEP)
+    with fmu.refusing("stands at"):
+        fmu.step(0.5, STEP)
+    last_successful_time, terminated, do_step_status = 2, 3, 0  # fmi2StatusKind
+    assert fmu.fmu.getRealStatus(last_successful_time) == STEP
+    assert fmu.fmu.getBooleanStatus(terminated) is False
+    instance = ctypes.c_void_p(fmu.fmu.component)
+    discard = 2
+    assert (
+        fmu.function("fmi2GetRealStatus")(instance, do_step_status, ctypes.byref(ctypes.c_double()))
+        == discard
+    )
+    assert fmu.function("fmi2GetStatus")(instance, do_step_status, ctypes.byref(ctypes.c_int())) == discard
     fmu.free()
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 import shutil
 import struct
 from collections.abc import Sequence
@@ -170,6 +171,35 @@ def test_the_single_header_is_all_there_is(compiler: Sequence[str], tmp_path: Pa
         '#define PENDULUM_IMPLEMENTATION\n#include "pendulum.h"\n#include "pendulum.h"\n'
     )
     cc(folder, "-std=c99", "-c", *STRICT, "twice.c", command=compiler)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"single_header": True},
+        {"real_time": True},
+        {"libm": False},
+        {"libm": False, "single_header": True},
+    ],
+)
+def test_the_commands_of_its_readme_build_it(options: dict[str, object], tmp_path: Path) -> None:
+    """And the first lines of code that it shows, in a program of two lines more."""
+    files = exported("pendulum", **options)
+    folder = put(files, tmp_path)
+    readme = files["README.md"].decode()
+    (command,) = re.findall(r"```sh\n(cc .*)\n```", readme)
+    assert ("-lm" in command.split()) == options.get("libm", True)
+    does(["sh", "-e", "-c", command], folder)
+    assert len(does([folder / "example"], folder).splitlines()) == 2002
+    (usage,) = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
+    single = "#define PENDULUM_IMPLEMENTATION\n" if options.get("single_header") else ""
+    include, _, rest = usage.partition("\n")
+    (folder / "example_main.c").write_text(
+        f"{single}{include}\n#include <stdio.h>\nint main(void) {{\n{rest}return status != PENDULUM_OK;\n}}\n"
+    )
+    does(["sh", "-e", "-c", command], folder)
+    does([folder / "example"], folder)
 
 
 # --- CMake and pkg-config -----------------------------------------------------------------------------------------

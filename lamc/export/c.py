@@ -16,6 +16,7 @@ from lamc.codegen.names import comment, identifiers
 from lamc.codegen.printer import literal
 from lamc.codegen.program import Coordinate, Parameter, Program
 from lamc.export.amalgam import amalgamate
+from lamc.export.bound import step_bound
 from lamc.export.options import ExportOptions
 from lamc.export.prefixes import prefix_of
 from lamc.export.run_fields import run_fields
@@ -65,6 +66,7 @@ class CMember:
     unit: str
     meaning: str
     default: str
+    shown: str  # the default in print
     slot: int
 
 
@@ -132,7 +134,15 @@ def _members(parameters: Sequence[Parameter]) -> tuple[tuple[CMember, ...], tupl
     """Parameters and inputs."""
     fields = identifiers(p.name for p in parameters)
     members = [
-        CMember(field, comment(p.name), comment(p.unit), comment(p.meaning), literal(p.default), slot)
+        CMember(
+            field,
+            comment(p.name),
+            comment(p.unit),
+            comment(p.meaning),
+            literal(p.default),
+            repr(p.default),
+            slot,
+        )
         for slot, (field, p) in enumerate(zip(fields, parameters, strict=True))
     ]
     is_input = [getattr(p, "is_input", False) for p in parameters]
@@ -257,32 +267,5 @@ def _entry(coordinate: Coordinate) -> str:
 
 
 def _bound(program: Program) -> str:
-    """What a step of fixed length takes at most, without the linear algebra of loops and impacts.
-
-    Beside its four evaluations a step takes 14 operations for each component. Where there are loops, one evaluation may
-    settle them first, in eight iterations (`runtime_c/src/loops.c`), and the end of the step does; with guards, each
-    may bring about an impact there.
-    """
-    functions, guards = program.functions, len(program.guards)
-    times = (
-        {"acceleration": 4}
-        if "acceleration" in functions
-        else {"dynamics": 8}
-        if program.cuts
-        else {"system": 4}
-    )
-    if program.cuts:
-        times |= {
-            "system": 5,
-            "closure": 45,
-        }  # settling: once M, and closure at its start and after each iteration
-    if guards:
-        times |= {"guards": 2 + guards, "impacts": guards}
-        mass = next(name for name in ("dynamics", "inertia", "system", "acceleration") if name in functions)
-        times[mass] = times.get(mass, 0) + guards
-    times |= {"rates": 4 + (40 if program.cuts else 0)}
-    counted = [(count, functions[name].operations) for name, count in times.items() if name in functions]
-    flops = 14 * (len(program.coordinates) + len(program.rates)) + sum(k * o.flops for k, o in counted)
-    calls = sum(k * o.calls for k, o in counted)
-    linear = " and the linear algebra of loops and impacts" if program.cuts or guards else ""
-    return f"{flops} operations (+ - * /), {calls} calls of sin, cos and the like{linear}"
+    bound = step_bound(program)
+    return f"{bound.operations} operations (+ - * / and roots), {bound.calls} calls of sin, cos and the like"

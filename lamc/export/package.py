@@ -13,6 +13,7 @@ from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
 from lamc.codegen.program import Program
+from lamc.export.bound import step_bound
 from lamc.export.c import CMember, CSource
 from lamc.export.fixed_step import suitable_step
 from lamc.export.options import ExportOptions
@@ -194,11 +195,14 @@ def _usage(P: str, options: ExportOptions, h: float) -> list[str]:
 
 
 def _costs(source: CSource) -> list[dict[str, str]]:
-    """Operations of the equations themselves, not of the integrator around them; and bytes."""
-    functions = source.program.functions
+    """Operations and bytes."""
+    functions, bound = source.program.functions, step_bound(source.program)
     motion = next(n for n in ("acceleration", "dynamics", "system") if n in functions)
+    whole = "one right-hand side"
     named = {
-        "one right-hand side": functions[motion],
+        whole if motion == "acceleration" else f"{whole}, without solving for accelerations": functions[
+            motion
+        ],
         "energies": functions["energy"],
         "poses": functions["poses"],
         "a change of parameters or inputs": functions["setup"],
@@ -212,6 +216,10 @@ def _costs(source: CSource) -> list[dict[str, str]]:
     ]
     return [
         *rows,
+        {
+            "what": "a step of fixed length, at most",
+            "value": f"{bound.operations} operations, {bound.calls} calls, linear algebra included",
+        },
         {"what": "one instance", "value": f"{state_bytes(source)} bytes, `sizeof({source.prefix}_t)`"},
     ]
 

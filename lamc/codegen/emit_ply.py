@@ -14,6 +14,7 @@ from lamc.codegen.lowering import canonical
 from lamc.codegen.names import comment
 from lamc.codegen.printer import ShapePrinter
 from lamc.codegen.program import Function, Space
+from lamc.resources import data_dir
 
 PREFIX = "laminate"
 
@@ -34,10 +35,15 @@ def emit_ply(function: Function, numbers: Sequence[str], terms: Sequence[str]) -
         "term_count": len(terms),
         "output_count": len(function.outputs),
         "letter": Space.PLY.value,
-        "function": arrange(function, ShapePrinter(), []),
+        "function": arrange(function, ShapePrinter(own_trig=True), []),
     }
     files = {
         f"{PREFIX}.{end}": environment().get_template(f"laminate.{end}.j2").render(context) for end in "hc"
     }
     declarations = declarations_of(files[f"{PREFIX}.h"])
-    return SourceTree(PREFIX, MappingProxyType(files), (f"{PREFIX}.c",), declarations, (), "ply")
+    shared = {
+        path.name: path.read_text(encoding="utf-8")
+        for path in sorted((data_dir("runtime_c") / "src").glob("trig*.h"))
+    }
+    every = MappingProxyType({**files, **shared})
+    return SourceTree(PREFIX, every, (f"{PREFIX}.c",), declarations, tuple(sorted(shared)), "ply")

@@ -61,6 +61,13 @@ def _fmu(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     return fmu_files(simulator_of(mechanism, scene, options), options)
 
 
+def _wasm(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.driven import simulator_of
+    from lamc.export.wasm import wasm_files
+
+    return wasm_files(simulator_of(mechanism, scene, options), options)
+
+
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
@@ -71,6 +78,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
                 "urdf", "links, hinges and inertias of a mechanism without loops, as a ROS package", _urdf
             ),
             Target("fmu", "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0", _fmu),
+            Target("wasm", "WebAssembly for node and browsers, with a page that shows it move", _wasm),
         )
     }
 )

@@ -68,6 +68,13 @@ def _wasm(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     return wasm_files(simulator_of(mechanism, scene, options), options)
 
 
+def _wheel(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+    from lamc.export.driven import simulator_of
+    from lamc.export.wheel import wheel_files
+
+    return wheel_files(simulator_of(mechanism, scene, options), options)
+
+
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
@@ -79,6 +86,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
             ),
             Target("fmu", "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0", _fmu),
             Target("wasm", "WebAssembly for node and browsers, with a page that shows it move", _wasm),
+            Target("wheel", "a Python package of its own, without lamc and NumPy", _wheel),
         )
     }
 )

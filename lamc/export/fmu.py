@@ -6,12 +6,10 @@ same bytes, but for what the compiler makes of them. Never: derives anything; ch
 """
 
 import hashlib
-import io
 import math
 import platform
 import sys
 import tempfile
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -32,11 +30,11 @@ from lamc.export.fmu_description import (
 from lamc.export.fmu_variables import Variable, variables
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
+from lamc.export.zips import zipped
 from lamc.resources import data_dir
 from lamc.run.simulator import RTOL, Simulator
 
 _FOLDER = "export/fmu"
-_OLD = (1980, 1, 1, 0, 0, 0)  # the first date that a zip file can have
 _FLAGS = (
     "-std=c99",
     "-O2",
@@ -74,7 +72,11 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
     }
     if options.fmi == 3:
         files["sources/buildDescription.xml"] = build_description(facts)
-    return {f"{source.prefix}.fmu": _zipped(files)}
+    return {
+        f"{source.prefix}.fmu": zipped(
+            dict(sorted(files.items())), executable=[path for path in files if path.startswith("binaries/")]
+        )
+    }
 
 
 def _check(options: ExportOptions) -> None:
@@ -175,7 +177,7 @@ def _page(source: CSource, listed: Sequence[Variable], facts: FmuFacts) -> str:
     return environment().get_template(f"{_FOLDER}/index.html.j2").render(context)
 
 
-# --- binary and zip file --------------------------------------------------------------------------------------------
+# --- the binary --------------------------------------------------------------------------------------------
 
 
 def _system() -> tuple[str, str]:
@@ -209,16 +211,3 @@ def _binary(facts: FmuFacts, sources: Mapping[str, bytes]) -> bytes:
         if not (folder / library).is_file():
             raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
         return (folder / library).read_bytes()
-
-
-def _zipped(files: Mapping[str, bytes]) -> bytes:
-    """Entries by name, all of one date, so that equal files make equal bytes."""
-    whole = io.BytesIO()
-    with zipfile.ZipFile(whole, "w") as archive:
-        for name, content in sorted(files.items()):
-            entry = zipfile.ZipInfo(name, _OLD)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.create_system = 3  # Unix, wherever it was made
-            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, content)
-    return whole.getvalue()

@@ -32,14 +32,19 @@ from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement
 from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanics.staging import Scalar, Store, Value
+from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
 
 if TYPE_CHECKING:
     from lamc.effects.base import Effect
 
 INVERSE_DYNAMICS = "inverse dynamics"
-SPREAD = (
-    0.3  # rad and m/size: how far from the drawn position the rank of loops with yielding hinges is looked at
+# The rank of loops in which something yields: looked at that far from the drawn position, rad or parts of the size by
+# which a coordinate opens a loop, at so many places, each closed by so many steps of Gauss and Newton.
+SPREAD, PLACES, ROUNDS = 0.3, 4, 30
+CLOSED = 1e-9  # rad, or of the size
+DEPENDENT = (
+    1e-7  # of what a coordinate does to the closure: below it an equation is told from others by round-off
 )
 
 
@@ -75,7 +80,7 @@ def derive_general(
     closure = _widened(close(hinges, q[:plain], u[:plain]), len(u)) if hinges else None
     count = loops or count_loops(tree)
     if closure is not None and plain > len(tree.links):
-        count = _yielding(count, closure, store, q[:plain])
+        count = _yielding(count, closure, store, q[:plain], arrangement)
     rates = base.coordinate_rates if isinstance(base, StagedFloat) else ()
     speeds: dict[Value, Scalar] = dict(zip(q, [*u[:plain], *rates], strict=True)) | {time: 1}
     return Equations(
@@ -186,20 +191,33 @@ def _widened(closure: Closure, count: int) -> Closure:
     return replace(closure, jacobian=rows)
 
 
-def _yielding(count: LoopCount, closure: Closure, store: Store, q: Sequence[Value]) -> LoopCount:
-    """The count of loops some hinges of which yield: the rank of all coordinates, at closed positions near the drawn
-    one. Deterministic."""
+def _yielding(
+    count: LoopCount, closure: Closure, store: Store, q: Sequence[Value], arrangement: Arrangement
+) -> LoopCount:
+    """The count of loops some bodies or hinges of which yield: the rank by `q`, the coordinates without a base's, at
+    closed positions near the drawn one. Deterministic.
+
+    Coordinates are measured by what they do to the closure as drawn. Deflections as large as angles, or as the
+    mechanism, turn hinges by many rad; where that closes, far from any motion, the rank may be a larger one.
+    """
+    size = arrangement.tree.mechanism.size
+    least = np.array([1.0 if c.unit == "rad" else 1.0 / size for c in arrangement.coordinates[: len(q)]])
     rng = np.random.default_rng(0)
     flat = [*closure.residual, *(v for row in closure.jacobian for v in row[: len(q)])]
     m, rank = len(closure.residual), 0
-    for _ in range(4):
-        x = rng.uniform(-SPREAD, SPREAD, len(q))
-        for _ in range(30):
-            values = np.array(evaluate(store, flat, dict(zip(q, x.tolist(), strict=True))))
-            residual, jacobian = values[:m], values[m:].reshape(m, len(q))
-            x = x - np.linalg.pinv(jacobian, rcond=1e-9) @ residual
-        if np.abs(residual).max() < 1e-9:
-            rank = max(rank, int(np.linalg.matrix_rank(jacobian, tol=1e-7 * np.abs(jacobian).max())))
+
+    def at(x: Array) -> tuple[Array, Array]:
+        values = np.array(evaluate(store, flat, dict(zip(q, x.tolist(), strict=True)))) / size
+        return values[:m], values[m:].reshape(m, len(q))
+
+    units = 1.0 / np.maximum(np.abs(at(np.zeros(len(q)))[1]).max(axis=0, initial=0.0), least)
+    for _ in range(PLACES):
+        x = rng.uniform(-SPREAD, SPREAD, len(q)) * units
+        for _ in range(ROUNDS):
+            residual, jacobian = at(x)
+            x = x - units * (np.linalg.pinv(jacobian * units, rcond=1e-9) @ residual)
+        if np.abs(residual).max() < CLOSED:
+            rank = max(rank, int((np.linalg.svd(jacobian * units)[1] > DEPENDENT).sum()))
     rank = rank or min(m, len(q))
     return replace(count, rank=rank + count.loops, freedoms=len(q) - rank, misfit=None)
 

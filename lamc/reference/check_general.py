@@ -72,6 +72,8 @@ def check_general(
         )
     tell("run the C", 0.0)
     result = simulator.run(t_end, rtol=1e-10, atol=1e-12, t_eval=np.linspace(0.0, t_end, ROWS))
+    if not result.success:
+        notes.append(f"the run of the C did not reach its end: {result.message}")
     along = [(float(t), q, u) for t, q, u in zip(result.t, result.q, result.u, strict=True)]
     random = general_states(lagrange, simulator.mechanism, along[0], states, t_end, seed)
     if len(random) < states:

@@ -22,9 +22,10 @@ static const double PASSING = 3e-5;  /* of the first: what fades below is let go
 static const double TOGETHER = 3e-4; /* likewise: what has faded to this goes with it */
 static const double NEAR_SINGULAR =
     0.1; /* of the first: closer than this, states are settled before they are used */
-static const double CLOSED = 1e-13; /* of the size: round-off of the residuals */
-static const double EXACT = 1e-15;  /* likewise, to the last digit: what a place near to singular asks for */
-static const double LOST = 1e-4;    /* of the size: no drift of a step comes near it */
+static const double CLOSED = 1e-13;         /* of the size: round-off of the residuals */
+static const double EXACT = 1e-15;          /* likewise, to the last digit: what a singular place asks for */
+static const double OUT_OF_NOTHING = 1e-10; /* of accelerations: what being off closure may add to them */
+static const double LOST = 1e-4;            /* of the size: no drift of a step comes near it */
 static const int MAX_ITERATIONS = 8;
 static const double LONG_SINGULAR = 3000.0; /* steps in a row: a passage takes some hundred at 1e-13 */
 
@@ -193,10 +194,25 @@ static int prepare(const lamc_motion *motion, const parts *p, double t, const do
   return take_equations(motion, p);
 }
 
+/* The last pivot of the first; 0 where an equation was let go, 1 where there is none */
+static double last_pivot(const lamc_motion *motion, const parts *p, int count) {
+  if (count < motion->model->rank) return 0.0;
+  return count > 0 ? p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] / p->r[0] : 1.0;
+}
+
 /* 1 if an equation is about to become dependent: the state is near a singular position */
 static int is_near_singular(const lamc_motion *motion, const parts *p, int count) {
-  if (count < motion->model->rank) return 1;
-  return count > 0 && p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] < NEAR_SINGULAR * p->r[0];
+  return last_pivot(motion, p, count) < NEAR_SINGULAR;
+}
+
+/* How far from closure, of the size, a state may be: what it is off, divided by the square of the last pivot, is an
+ * acceleration out of nothing. No more is asked for: beside a light part, such as a mode of a link that bends, pivots
+ * are small everywhere, and what moves such a part by its last digit is an acceleration out of nothing as well. */
+static double close_enough(const lamc_motion *motion, const parts *p, int count) {
+  const double pivot = last_pivot(motion, p, count);
+  const double enough = OUT_OF_NOTHING * pivot * pivot;
+  if (enough > CLOSED) return CLOSED;
+  return enough > EXACT ? enough : EXACT;
 }
 
 /* lambda (m,) of the taken equations from x = L^T udot: R lambda = Q^T (x - L^-1 f), zero for the others */
@@ -299,8 +315,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   int count = take_equations(motion, &p);
   double gap = largest(p.m, p.extra);
   for (int round = 0; round < MAX_ITERATIONS; round++) {
-    const double enough = is_near_singular(motion, &p, count) ? EXACT : CLOSED;
-    if (gap <= enough * model->size) break;
+    if (gap <= close_enough(motion, &p, count) * model->size) break;
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
     impose(&p, count, p.extra, p.x);
     lamc_solve_upper(p.n, p.l, p.x);

@@ -1,4 +1,4 @@
-"""`lamc export`: the simulator of a design as files for other programs.
+"""`lamc export`: the simulator of a design, or the finite elements of a plate, as files for other programs.
 
 In: an `ExportOrder`. Out: a folder, and a list of what is in it. What is written is the business of `lamc.export`.
 """
@@ -6,10 +6,12 @@ In: an `ExportOrder`. Out: a folder, and a list of what is in it. What is writte
 from dataclasses import dataclass
 from pathlib import Path
 
+from lamc.commands.export_plate import edge_length, files_of_plate, is_plate_source
+from lamc.commands.export_plate import load as load_plate
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
-from lamc.commands.terminal import Terminal
+from lamc.commands.terminal import Progress, Terminal
 from lamc.errors import ExportError
-from lamc.export import TARGETS
+from lamc.export import TARGETS, Files
 from lamc.export.folder import Origin, write_folder
 from lamc.export.options import ExportOptions
 from lamc.pipeline import Times
@@ -31,6 +33,7 @@ class ExportOrder:
     integrator: str
     fmi: int
     step: float | None  # s
+    size: str | None  # of the edges of a plate's mesh
     lossy: bool
     inputs: str  # hinges, none, or names with commas between
     force: bool
@@ -47,6 +50,7 @@ class ExportOrder:
             single_header=self.single_header,
             fmi=self.fmi,
             step=self.step,
+            edge_length=edge_length(self.size),
             lossy=self.lossy,
             inputs=self.inputs
             if self.inputs in ("hinges", "none")
@@ -66,31 +70,58 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage
-        loaded = load_source(order.source, times, progress)
-        mechanism = mechanism_of(loaded, times, progress)
-        scene, account = changed_scene(mechanism, order.changes)
-        with told_at(scene.places), times.stage("export"):
-            files = TARGETS[order.target].files(mechanism, scene, options)
-        name = folder_name(f"{loaded.name[:50]}_{order.target}")
-        folder = Path(order.out) if order.out is not None else Path("out") / name
-        written = write_folder(folder, files, Origin(loaded.name, order.target), force=order.force)
-    effects = [choice.name for choice in account if choice.effect is not None]
+        if is_plate_source(order.source):
+            made = _plate(order, options, times)
+        else:
+            made = _mechanism(order, options, times, progress)
+        folder_of = folder_name(f"{made.name[:50]}_{order.target}")
+        folder = Path(order.out) if order.out is not None else Path("out") / folder_of
+        written = write_folder(folder, made.files, Origin(made.name, order.target), force=order.force)
+    files, effects = made.files, made.effects
     sizes = {path: len(files[path]) for path in sorted(files)}
     lines = [f"folder    {folder}"]
     lines += [
         f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
     ]
-    lines += [f"effects   {', '.join(effects) or 'none'}"]
+    if effects is not None:
+        lines += [f"effects   {', '.join(effects) or 'none'}"]
     terminal.say("\n".join(lines))
     data = {
         "ok": True,
-        "design": loaded.name,
+        "design": made.name,
         "target": order.target,
         "folder": str(folder),
         "files": list(written),
     }
-    terminal.result({**data, "bytes": sizes, "effects": effects})
+    terminal.result({**data, "bytes": sizes, **({} if effects is None else {"effects": effects})})
     return 0
+
+
+@dataclass(frozen=True)
+class _Made:
+    """Files of an export; `effects` None: there is nothing that moves."""
+
+    name: str
+    files: Files
+    effects: list[str] | None
+
+
+def _mechanism(order: ExportOrder, options: ExportOptions, times: Times, progress: Progress) -> _Made:
+    if order.size is not None:
+        raise ExportError("--size is for the mesh of a plate, and this file is no plate: leave it out")
+    loaded = load_source(order.source, times, progress)
+    mechanism = mechanism_of(loaded, times, progress)
+    scene, account = changed_scene(mechanism, order.changes)
+    with told_at(scene.places), times.stage("export"):
+        files = TARGETS[order.target].files(mechanism, scene, options)
+    return _Made(loaded.name, files, [choice.name for choice in account if choice.effect is not None])
+
+
+def _plate(order: ExportOrder, options: ExportOptions, times: Times) -> _Made:
+    with times.stage("load"):
+        plate = load_plate(order.source)
+    with times.stage("export"):
+        return _Made(plate.name, files_of_plate(plate, order.target, order.changes, options), None)
 
 
 def _list_targets(terminal: Terminal) -> int:

@@ -49,6 +49,11 @@ if TYPE_CHECKING:
     help="Time step of models for other engines.  [default: one that suits]",
 )
 @click.option(
+    "--size",
+    metavar="LENGTH",
+    help="Of a plate: length of the mesh's edges, such as '2 mm'; bare numbers are m.",
+)
+@click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
 @click.option(
@@ -78,17 +83,19 @@ def export(
     integrator: str,
     fmi: str,
     step: float | None,
+    size: str | None,
     lossy: bool,
     inputs: str,
     force: bool,
     out: str | None,
     terminal: Terminal,
 ) -> int:
-    """Write the simulator of a design as files for other programs.
+    """Write the simulator of a design, or the finite elements of a plate, as files for other programs.
 
     --to c gives a folder that needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a
     README with the mechanism's picture. --to mjcf is a model for MuJoCo, and --to urdf for ROS and others. Files that
-    lamc did not write, or that were edited, are not replaced.
+    lamc did not write, or that were edited, are not replaced. A plate's file gives the matrix of its elements,
+    its loads and a solver, with --to c only.
 
     \b
     Examples:
@@ -97,6 +104,7 @@ def export(
       lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
       lamc export flaps.yaml --to fmu --fmi 3
       lamc export four_bar.yaml --to mjcf --step 5e-4
+      lamc export strip.yaml --size '1 mm'
     """
     from lamc.commands.export import ExportOrder
     from lamc.commands.export import export as work
@@ -113,6 +121,7 @@ def export(
         integrator=integrator,
         fmi=int(fmi),
         step=step,
+        size=size,
         lossy=lossy,
         inputs=inputs,
         force=force,

@@ -1,13 +1,14 @@
-"""`lamc.export`: a mechanism in its scene as files for programs that have neither Python nor lamc.
+"""`lamc.export`: a mechanism in its scene, or a plate, as files for programs that have neither Python nor lamc.
 
-In: a design, what to make of it, options. Out: files, as a mapping first and as a folder then. The same design gives
-the same bytes. Never: writes over what it did not write.
+In: a design or a plate, what to make of it, options. Out: files, as a mapping first and as a folder then. The same
+design gives the same bytes. Never: writes over what it did not write.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING, TypeAlias, Union
 
 from lamc.codegen.names import identifier
 from lamc.design.records import Design
@@ -18,7 +19,12 @@ from lamc.export.options import ExportOptions, options_from
 from lamc.mechanism.records import Mechanism
 from lamc.scene import Scene
 
+if TYPE_CHECKING:
+    from lamc.plate.files.problem_records import PlateFile
+    from lamc.plate.problem import Problem
+
 Files = Mapping[str, bytes]  # relative path, parts joined by / → content
+Exported: TypeAlias = Union[Design, Mechanism, "PlateFile", "Problem"]
 
 
 @dataclass(frozen=True)
@@ -93,20 +99,31 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
 
 
 def files_of(
-    design: Design | Mechanism,
+    design: Exported,
     to: str = "c",
     scene: Scene | None = None,
     options: ExportOptions | None = None,
 ) -> Files:
-    """The files of an export, by relative path. Raises ExportError for an unknown target."""
+    """The files of an export, by relative path. Raises ExportError for an unknown target, and for a plate to another
+    target than "c"."""
     if to not in TARGETS:
         raise ExportError(f"there is no export to {to!r}; there are {', '.join(TARGETS)}")
+    if not isinstance(design, Design | Mechanism):
+        return _plate_files(design, to, options or ExportOptions())
     mechanism = split(design) if isinstance(design, Design) else design
     return TARGETS[to].files(mechanism, scene or mechanism.scene or Scene(), options or ExportOptions())
 
 
+def _plate_files(plate: "PlateFile | Problem", to: str, options: ExportOptions) -> Files:
+    from lamc.export.plate import plate_files
+
+    if to != "c":
+        raise ExportError(f"a plate is exported to 'c' only, not to {to!r}, which is for what moves")
+    return plate_files(plate, options)
+
+
 def export(
-    design: Design | Mechanism,
+    design: Exported,
     to: str = "c",
     scene: Scene | None = None,
     out: str | Path | None = None,
@@ -115,7 +132,8 @@ def export(
     force: bool = False,
     **values: object,
 ) -> Path:
-    """Writes an export into the folder `out` (None: NAME_c in the present folder, by target) and returns its path.
+    """Writes an export of a design, a mechanism, a plate file or a plate's Problem into the folder `out` (None: NAME_c
+    in the present folder, by target) and returns its path.
 
     scene    None: the design's own, else what the design asks for
     options  or their fields by name
@@ -126,6 +144,7 @@ def export(
     if options is not None and values:
         raise ExportError(f"give options or their fields ({', '.join(values)}), not both")
     files = files_of(design, to, scene, options or options_from(**values))
-    folder = Path(out) if out is not None else Path(f"{identifier(design.name)}_{to}")
-    write_folder(folder, files, Origin(design.name, to), force=force)
+    name = str(getattr(design, "name", "plate"))  # a Problem has none
+    folder = Path(out) if out is not None else Path(f"{identifier(name)}_{to}")
+    write_folder(folder, files, Origin(name, to), force=force)
     return folder

@@ -102,7 +102,7 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     amalgam = amalgamate(
         files,
         [*_units(options), f"{MODEL}.c", "api.c"],
-        _public(header, prefix),
+        public_functions(header, prefix),
         prefix,
         replaced={"run.METHODS": _methods(options)},
         defined=() if options.libm else ("LAMC_BARE",),
@@ -202,7 +202,7 @@ def _methods(options: ExportOptions) -> str:
     return f"static const method *const METHODS[] = {{{', '.join(entries)}}};"
 
 
-def _public(header: str, prefix: str) -> list[str]:
+def public_functions(header: str, prefix: str) -> list[str]:
     """Functions that the header declares."""
     lines = [line for line in header.splitlines() if line.startswith(f"{prefix.upper()}_API ")]
     return [line.split("(")[0].split()[-1].lstrip("*") for line in lines]

@@ -27,6 +27,7 @@ class ExportOptions:
     inputs      torques from outside: "hinges" on every one, "none", or a tuple of names of hinges; a scene that has
                 `ExternalTorque` itself keeps its own
     lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
+    edge_length  m, of the mesh of a plate; None: as its file says
     step        s, time step of models for other engines; None: one that suits the mechanism
 
     Raises ExportError for values of other kinds.
@@ -43,6 +44,7 @@ class ExportOptions:
     inputs: str | tuple[str, ...] = "hinges"
     lossy: bool = False
     step: float | None = None  # s
+    edge_length: float | None = None  # m
 
     def __post_init__(self) -> None:
         if self.prefix is not None:
@@ -51,14 +53,8 @@ class ExportOptions:
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be one of {told}")
-        if self.step is not None:
-            try:
-                step = checked_number(self.step, "the step of an export", minimum=0.0)
-            except DesignError as error:
-                raise ExportError(error.message) from error
-            if step == 0.0:
-                raise ExportError("the step of an export is 0; give seconds above zero, or None")
-            object.__setattr__(self, "step", step)
+        self._check_positive("step", "the step of an export", "seconds")
+        self._check_positive("edge_length", "the edge length of an export", "metres")
         if self.fmi not in (2, 3) or not isinstance(self.fmi, int):
             raise ExportError(f"fmi is {shown(self.fmi)}; it must be 2 or 3, the version of the standard")
         for name in ("real_time", "jacobian", "libm", "single_header", "lossy"):
@@ -69,6 +65,17 @@ class ExportOptions:
             raise ExportError(
                 f"inputs is {shown(self.inputs)}; it must be 'hinges', 'none' or a tuple of names of hinges"
             )
+
+    def _check_positive(self, name: str, what: str, unit: str) -> None:
+        if getattr(self, name) is None:
+            return
+        try:
+            value = checked_number(getattr(self, name), what, minimum=0.0)
+        except DesignError as error:
+            raise ExportError(error.message) from error
+        if value == 0.0:
+            raise ExportError(f"{what} is 0; give {unit} above zero, or None")
+        object.__setattr__(self, name, value)
 
 
 def options_from(**values: object) -> ExportOptions:

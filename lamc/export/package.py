@@ -82,6 +82,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
     steps_per_row = math.ceil(interval / longest * (1.0 - 1e-12))
     return {
         "prefix": prefix,
+        "what": "a simulator",
         "upper": prefix.upper(),
         "version": __version__,
         "package_version": ".".join(re.findall(r"\d+", __version__)[:3]),
@@ -95,7 +96,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "steps_per_row": steps_per_row,
         "h": literal(interval / steps_per_row),
         "effects": [markdown(effect.name) for effect in simulator.effects],
-        "compile_line": _compile_line(prefix, options),
+        "compile_line": compile_line(prefix, options),
         "usage": _usage(prefix, options, interval / steps_per_row),
         "coordinates": _coordinates(program, simulator.mechanism, start[:count]),
         "other_rates": [
@@ -176,7 +177,8 @@ def markdown(text: str) -> str:
     return _MARKUP.sub(r"\\\1", line)
 
 
-def _compile_line(prefix: str, options: ExportOptions) -> str:
+def compile_line(prefix: str, options: ExportOptions) -> str:
+    """How a compiler makes a program of the example."""
     sources = "example_main.c" if options.single_header else f"example_main.c {prefix}.c"
     return f"cc -O2 -std=c99 {sources}{' -lm' if options.libm else ''} -o example"
 

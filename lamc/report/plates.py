@@ -52,7 +52,12 @@ class Field:
 
 
 def draw_mesh(problem: Problem, path: Path, title: str, loads: Sequence[Any] = ()) -> Path:
-    """Cells, regions in colours, supports and loads. Raises LamcError if it cannot write."""
+    """Writes `mesh_figure`. Raises LamcError if it cannot write."""
+    return save(mesh_figure(problem, title, loads), path)
+
+
+def mesh_figure(problem: Problem, title: str, loads: Sequence[Any] = ()) -> Figure:
+    """Cells, regions in colours, supports and loads."""
     mesh, scale = problem.mesh, scale_of(problem.size)
     figure, axis = _plan(mesh, 6.4)
     handles: list[Line2D] = []
@@ -73,7 +78,7 @@ def draw_mesh(problem: Problem, path: Path, title: str, loads: Sequence[Any] = (
     handles += draw_supports(axis, problem, scale) + draw_loads(axis, problem, loads, scale)
     told = f"{title}: {len(mesh.cells)} {_cells(mesh)}{'' if visible else ', too small to be drawn'}"
     _finish(figure, axis, mesh, scale, told, handles)
-    return save(figure, path)
+    return figure
 
 
 def draw_deflection(problem: Problem, w: Array, path: Path, title: str, loads: Sequence[Any] = ()) -> Path:

@@ -15,6 +15,12 @@
 
 #include <float.h>
 
+#if defined(__GNUC__)
+#define LAMC_TRIG_UNUSED __attribute__((unused)) /* where all is one file, and has one angle */
+#else
+#define LAMC_TRIG_UNUSED
+#endif
+
 #if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1)
 #ifdef LAMC_BARE
 #error "without a mathematical library sine and cosine need IEEE 754: no -ffast-math, and SSE2 instead of x87"
@@ -26,7 +32,7 @@ static inline void lamc_turn(double x, double *sine, double *cosine) {
   *cosine = cos(x);
 }
 
-static inline void lamc_turn_two(double x0, double x1, double *sines, double *cosines) {
+static inline LAMC_TRIG_UNUSED void lamc_turn_two(double x0, double x1, double *sines, double *cosines) {
   lamc_turn(x0, sines, cosines);
   lamc_turn(x1, sines + 1, cosines + 1);
 }
@@ -207,7 +213,7 @@ static inline void lamc_turn(double x, double *sine, double *cosine) {
 }
 
 /* Sines (2,) and cosines (2,) of two angles, in hardly more time than those of one */
-static inline void lamc_turn_two(double x0, double x1, double *sines, double *cosines) {
+static inline LAMC_TRIG_UNUSED void lamc_turn_two(double x0, double x1, double *sines, double *cosines) {
 #if defined(__GNUC__) && !defined(LAMC_PLAIN_TRIG)
   const lamc_trig_lanes x = {x0, x1};
   lamc_trig_lanes s, c;

@@ -77,6 +77,11 @@ class Assembly:
             array.flags.writeable = False
 
     @property
+    def order(self) -> Integers:
+        """Cells in the order in which their matrices are summed, (m,)."""
+        return self._order
+
+    @property
     def entry_count(self) -> int:
         """Entries of the matrix, both triangles."""
         return len(self._sums.rows)

@@ -101,7 +101,7 @@ def test_plies_and_springs_are_parameters(load: Load) -> None:
     thick = plate.Laminate([plate.Ply(soft, 3e-4, -25.0), plate.Ply(STEEL, 3e-4)], 1e-4)
     first = 0 if own.mesh.region_names[0] != "patch" else 2
     laminates = {name: thick if name == "patch" else thin for name in own.mesh.region_names}
-    cfrp = [k for k in range(2) if p.E1[k] == CFRP.E1][0]
+    cfrp = next(k for k in range(2) if p.E1[k] == CFRP.E1)
     p.E1[cfrp], p.density[cfrp] = 90e9, 1500.0
     rest, patch = (0, 1) if first == 0 else (2, 0)
     p.angle[rest], p.thickness[rest] = 70.0, 4e-4

@@ -23,10 +23,10 @@ from lamc.mechanics.general import derive_general
 from lamc.mechanics.guards import guard_terms
 from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
 from lamc.mechanics.kinematics import Kinematics
-from lamc.mechanics.loads import Loads, potential_of_field
+from lamc.mechanics.loads import Loads
 from lamc.mechanics.mass_matrix import generalised_forces, mass_matrix, solve_by_mass_matrix, way_to_world
 from lamc.mechanics.parameters import Parameters
-from lamc.mechanics.placement import Placement, rotate_back
+from lamc.mechanics.placement import Placement, potential_of_field, rotate_back
 from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations

@@ -10,9 +10,9 @@ from lamc.mechanics.algebra import Vector3, cross, dot
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.inverse_dynamics import Masses
 from lamc.mechanics.kinematics import Motion
-from lamc.mechanics.loads import Loads, potential_of_field
+from lamc.mechanics.loads import Loads
 from lamc.mechanics.moving_base import StagedFloat
-from lamc.mechanics.placement import Placement, rotate
+from lamc.mechanics.placement import Placement, potential_of_field, rotate
 from lamc.mechanics.powers import point_motion
 from lamc.mechanics.staging import Scalar
 

@@ -15,7 +15,7 @@ from lamc.codegen.program import Space
 from lamc.errors import DesignError
 from lamc.mechanics import closure
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
+from lamc.mechanics.algebra import ZERO, Vector3, add, cross, scale
 from lamc.mechanics.body_points import BodyPoints, drawn_point
 from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.guards import Guard
@@ -293,14 +293,3 @@ class Loads(BodyPoints):
     @property
     def _account(self) -> Account:
         return self.accounts.setdefault(self._effect, Account())
-
-
-def potential_of_field(
-    placement: Placement, masses: Sequence[Scalar], coms: Sequence[Vector3], acceleration: Vector3
-) -> Scalar:
-    """-Σ m a·(centre of mass), J; zero at the world's origin."""
-    result: Scalar = 0
-    for index, (mass, com) in enumerate(zip(masses, coms, strict=True)):
-        placement.kinematics.store.link = index
-        result = result - mass * dot(acceleration, placement.point(index, com))
-    return result

@@ -3,12 +3,14 @@
 Only what is asked for is made: a scene without forces at points and without gravity energy needs none of it.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lamc.mechanics.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
 from lamc.mechanics.kinematics import Kinematics
+from lamc.mechanics.staging import Scalar
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import ROUND_OFF, WORLD, Link
 
@@ -139,3 +141,14 @@ def local_point(link: Link, point: Array) -> Vector3:
     """A point of the body, given in the drawn configuration (m, world), in the link's own frame."""
     x, y, z = (float(v) for v in link.frame.T @ (point - link.origin))
     return (x, y, z)
+
+
+def potential_of_field(
+    placement: Placement, masses: Sequence[Scalar], coms: Sequence[Vector3], acceleration: Vector3
+) -> Scalar:
+    """-Σ m a·(centre of mass), J; zero at the world's origin."""
+    result: Scalar = 0
+    for index, (mass, com) in enumerate(zip(masses, coms, strict=True)):
+        placement.kinematics.store.link = index
+        result = result - mass * dot(acceleration, placement.point(index, com))
+    return result

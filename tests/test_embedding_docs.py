@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 
 import lamc
+from lamc import plate
+from lamc.examples import plates
+from lamc.export import files_of
 from tests.ctools import needs_cc
 from tests.exported_folders import STRICT, cc, does, exported, mechanism_of, needs, put
 
@@ -43,6 +46,7 @@ def test_commands_in_their_order_leave_a_program_that_prints(name: str, tmp_path
 @pytest.mark.parametrize("name", sorted(TEXTS))
 def test_programs_compile_without_a_warning_and_run(name: str, tmp_path: Path) -> None:
     put(exported("pendulum"), tmp_path)
+    put(files_of(plate.load_plate(plates.find("strip").path), "c"), tmp_path)
     programs = blocks(TEXTS[name], "c")
     assert programs
     for program in programs:
@@ -60,7 +64,8 @@ return 0;
 """
         )
         (tmp_path / "program.c").write_text(whole)
-        cc(tmp_path, "-std=c99", *STRICT, "program.c", "pendulum.c", "-lm", "-o", "program")
+        source = "strip.c" if '"strip.h"' in program else "pendulum.c"
+        cc(tmp_path, "-std=c99", *STRICT, "program.c", source, "-lm", "-o", "program")
         does([tmp_path / "program"], tmp_path)
 
 

@@ -263,7 +263,7 @@ typedef struct lamc_run {
   double t_old;          /* s, where the last accepted step began; the dense output covers t_old .. t */
   double h;              /* s, the step to try next */
   double h_last;         /* s, the last accepted step; 0: none yet */
-  double log_error_old;  /* logarithm of the error norm of the last accepted step, for the PI controller */
+  double log_error_old;  /* log2 of the error norm of the last accepted step, for the PI controller */
   long long steps;       /* tried */
   long long accepted;
   long long rejected;

@@ -3,6 +3,9 @@
  * In: a lamc_run with y and dy/dt at t. Out: stages, the new state with its slope, the error norm, the dense output.
  * Never: decides anything; that is run.c.
  *
+ * Stages are summed number by number, to n. In vectors of two numbers a run of three hinges took 9 % longer (measured): it
+ * seems that a load of two numbers waits for the two stores by which an evaluation has just left them.
+ *
  * Coefficients: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19-26, table 2, "RK5(4)7M"; continuous
  * extension: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section
  * II.6, as in its code DOPRI5, whose PI control and steps these are. */
@@ -37,7 +40,7 @@ static const double D1 = -12715105075.0 / 11282082432.0, D3 = 87487479700.0 / 32
 
 /* The stages of a step of length h from t. Fills k2 .. k6, y and slope at the far end; six evaluations. */
 static void take_stages(lamc_run *run, double h) {
-  const int m = run->stride;
+  const int n = run->ode.n;
   const double t = run->t;
   const double *LAMC_RESTRICT y = slot(run, SLOT_Y + run->side);
   const double *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + run->side);
@@ -50,26 +53,19 @@ static void take_stages(lamc_run *run, double h) {
   double *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
   double *LAMC_RESTRICT s = slot(run, SLOT_STAGE);
 
-  for (int b = 0; b < m; b += LANES)
-    for (int i = b; i < b + LANES; i++) s[i] = y[i] + h * (A21 * k1[i]);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A21 * k1[i]);
   evaluate(run, t + C2 * h, s, k2);
-  for (int b = 0; b < m; b += LANES)
-    for (int i = b; i < b + LANES; i++) s[i] = y[i] + h * (A31 * k1[i] + A32 * k2[i]);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A31 * k1[i] + A32 * k2[i]);
   evaluate(run, t + C3 * h, s, k3);
-  for (int b = 0; b < m; b += LANES)
-    for (int i = b; i < b + LANES; i++) s[i] = y[i] + h * (A41 * k1[i] + A42 * k2[i] + A43 * k3[i]);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A41 * k1[i] + A42 * k2[i] + A43 * k3[i]);
   evaluate(run, t + C4 * h, s, k4);
-  for (int b = 0; b < m; b += LANES)
-    for (int i = b; i < b + LANES; i++)
-      s[i] = y[i] + h * (A51 * k1[i] + A52 * k2[i] + A53 * k3[i] + A54 * k4[i]);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A51 * k1[i] + A52 * k2[i] + A53 * k3[i] + A54 * k4[i]);
   evaluate(run, t + C5 * h, s, k5);
-  for (int b = 0; b < m; b += LANES)
-    for (int i = b; i < b + LANES; i++)
-      s[i] = y[i] + h * (A61 * k1[i] + A62 * k2[i] + A63 * k3[i] + A64 * k4[i] + A65 * k5[i]);
+  for (int i = 0; i < n; i++)
+    s[i] = y[i] + h * (A61 * k1[i] + A62 * k2[i] + A63 * k3[i] + A64 * k4[i] + A65 * k5[i]);
   evaluate(run, t + h, s, k6);
-  for (int b = 0; b < m; b += LANES)
-    for (int i = b; i < b + LANES; i++)
-      y_new[i] = y[i] + h * (B1 * k1[i] + B3 * k3[i] + B4 * k4[i] + B5 * k5[i] + B6 * k6[i]);
+  for (int i = 0; i < n; i++)
+    y_new[i] = y[i] + h * (B1 * k1[i] + B3 * k3[i] + B4 * k4[i] + B5 * k5[i] + B6 * k6[i]);
   evaluate(run, t + h, y_new, k7);
 }
 

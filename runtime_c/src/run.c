@@ -9,6 +9,7 @@
  * The error norm is the root mean square over the components, so that a tolerance means what it means in DOPRI5,
  * CVODE and solve_ivp. The largest component instead was measured on pendulum chains of 1, 3 and 6 links: 6, 14 and
  * 24 % more steps for half the energy drift, which a smaller tolerance buys at the same price. */
+#include "control.h"
 #include "events.h"
 #include "integrals.h"
 #include "rows.h"
@@ -21,7 +22,8 @@ static const double SAFETY = 0.9;     /* aim below the tolerance */
 static const double SHRINK_AT_MOST = 5.0;
 static const double SHRINK_NOT_FINITE =
     10.0; /* the step is divided by this after NaN, infinity or lost closure */
-static const double LOG_LEAST_ERROR = -9.210340371976182; /* log(1e-4): a lucky step is not trusted further */
+static const double LOG_LEAST_ERROR =
+    -13.287712379549449; /* log2(1e-4): a lucky step is not trusted further */
 
 static const method *const METHODS[] = {NULL, &lamc_method_rk45, &lamc_method_dop853, &lamc_method_rodas5p,
                                         &lamc_method_radau5};
@@ -69,7 +71,7 @@ const double *lamc_run_state(const lamc_run *run) {
 
 /* Hairer's PI control: the factor by which the step changes after an accepted step with this error. */
 static double growth_after(const lamc_run *run, const method *m, double log_error) {
-  const double factor = SAFETY * exp(m->beta * run->log_error_old - m->alpha * log_error);
+  const double factor = SAFETY * lamc_control_exp2(m->beta * run->log_error_old - m->alpha * log_error);
   const double most =
       run->was_rejected ? 1.0 : m->grow_at_most; /* a step just refused would be refused again */
   return smaller(most, larger(1.0 / SHRINK_AT_MOST, factor));
@@ -156,10 +158,10 @@ static lamc_status try_step(lamc_run *run) {
   if (run->steps >= run->options.max_steps) return LAMC_STEP_LIMIT;
   double squared;
   const lamc_status taken = lamc_run_take(run, h, is_last, &squared);
-  const double log_error = 0.5 * log(squared); /* -infinity at zero error, which the control can take */
+  const double log_error = 0.5 * lamc_control_log2(squared);
   if (taken == LAMC_PAUSED) {
     if (run->was_finite && run->was_closed) {
-      reject(run, h, SAFETY * exp(-m->alpha * log_error), 1.0 / SHRINK_AT_MOST);
+      reject(run, h, SAFETY * lamc_control_exp2(-m->alpha * log_error), 1.0 / SHRINK_AT_MOST);
     } else {
       reject(run, h, 0.0, 1.0 / SHRINK_NOT_FINITE);
     }

@@ -1,4 +1,5 @@
 /* test_control.c: every way in which a run can stop, go on, or be refused. */
+#include "../src/control.h"
 #include "check.h"
 #include "lamc.h"
 #include "problems.h"
@@ -358,8 +359,29 @@ static void every_status_has_a_message(check_counts *counts) {
   }
 }
 
+/* Against the library's. 1.2e-4 and 1.5e-4 are what polynomials of their orders leave between powers of two. */
+static void logarithms_and_powers_of_control_have_their_digits(check_counts *counts) {
+  for (int e = -1022; e < 1024; e++) {
+    CHECK(counts, lamc_control_log2(ldexp(1.0, e)) == e);
+    CHECK(counts, lamc_control_exp2(e) == ldexp(1.0, e));
+  }
+  double last_log = -1022.0, last_power = 0.0;
+  for (int i = 1; i <= 20000; i++) {
+    const double x = ldexp(1.0 + i % 1000 / 1000.0, i / 1000 - 10), y = -10.0 + i / 1000.0;
+    const double log_x = lamc_control_log2(x), power = lamc_control_exp2(y);
+    CHECK(counts, fabs(log_x - log2(x)) <= 1.2e-4);
+    CHECK(counts, fabs(power - exp2(y)) <= 1.5e-4 * exp2(y));
+    CHECK(counts, log_x > last_log && power > last_power); /* a larger error never means a longer step */
+    last_log = log_x;
+    last_power = power;
+  }
+  CHECK(counts, lamc_control_log2(0.0) == -1023.0);
+  CHECK(counts, lamc_control_exp2(0.17 * 0.5 * 1023.0) > 1e6); /* zero error: as long as control lets it be */
+}
+
 int main(void) {
   const check_case cases[] = {
+      CASE(logarithms_and_powers_of_control_have_their_digits),
       CASE(slices_and_small_buffers_give_the_same_bits),
       CASE(a_budget_ends_a_slice),
       CASE(counters_add_up),

@@ -28,7 +28,7 @@ test-all: $(STAMP)
 lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/single/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format --dry-run -Werror templates/export/fmu/*.[ch]
 
 types: $(STAMP)
@@ -38,7 +38,7 @@ format: $(STAMP)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format -i templates/export/fmu/*.[ch]
-	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/single/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 
 bench: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

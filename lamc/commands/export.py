@@ -29,6 +29,7 @@ class ExportOrder:
     prefix: str | None
     real_time: bool
     libm: bool
+    precision: str
     single_header: bool
     integrator: str
     fmi: int
@@ -47,6 +48,7 @@ class ExportOrder:
             integrator=self.integrator,
             real_time=self.real_time,
             libm=self.libm,
+            precision=self.precision,
             single_header=self.single_header,
             fmi=self.fmi,
             step=self.step,

@@ -32,6 +32,12 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Call no mathematical library: the same bits on every machine and compiler.",
 )
+@click.option(
+    "--float",
+    "single",
+    is_flag=True,
+    help="All numbers in single precision, for processors without doubles; with --real-time.",
+)
 @click.option("--single-header", is_flag=True, help="One file, NAME.h, with the sources in it.")
 @click.option(
     "--integrator",
@@ -79,6 +85,7 @@ def export(
     prefix: str | None,
     real_time: bool,
     no_libm: bool,
+    single: bool,
     single_header: bool,
     integrator: str,
     fmi: str,
@@ -117,6 +124,7 @@ def export(
         prefix=prefix,
         real_time=real_time,
         libm=not no_libm,
+        precision="float" if single else "double",
         single_header=single_header,
         integrator=integrator,
         fmi=int(fmi),

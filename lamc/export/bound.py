@@ -85,7 +85,8 @@ def step_bound(program: Program) -> Bound:
     n, m = len(program.rates), program.closure_count
     sizes = _Sizes(n, len(program.coordinates), m, min(program.rank, n))
     times: Counter[str] = Counter({"rates": STAGES})
-    inner = 14 * (len(program.coordinates) + n) + 2  # of the method itself, and 0.5 h and h / 6
+    # Of the method itself; of the time, its length, 0.5 h and h / 6; and, in single precision, whether all is finite
+    inner = 15 * (len(program.coordinates) + n) + 24
     if program.cuts:
         settles = STAGES + 1
         times += Counter(

@@ -20,6 +20,7 @@ from lamc.export.bound import step_bound
 from lamc.export.options import ExportOptions
 from lamc.export.prefixes import prefix_of
 from lamc.export.run_fields import run_fields
+from lamc.export.single import REPLACED, TOLERANCES, check_range, single_precision
 from lamc.export.sizes import sizes_of
 from lamc.resources import data_dir
 from lamc.run.native import METHODS
@@ -94,19 +95,24 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     parameters, inputs = _members(program.parameters)
     context = _context(simulator, program, options, prefix, parameters, inputs)
     header = environment().get_template("export/api.h.j2").render(context)
+    is_single = options.precision == "float"
     files = {
         **_runtime(program, options),
         **{name: tree.files[name] for name in (f"{MODEL}.h", f"{MODEL}.c")},
         "api.c": environment().get_template("export/api.c.j2").render(context),
     }
+    if is_single:
+        _check_ranges(simulator, program)
+        header = single_precision(header, f"{prefix}.h")
+        files = {name: single_precision(text, name) for name, text in files.items()}
     amalgam = amalgamate(
         files,
         [*_units(options), f"{MODEL}.c", "api.c"],
         public_functions(header, prefix),
         prefix,
-        replaced={"run.METHODS": _methods(options)},
-        defined=() if options.libm else ("LAMC_BARE",),
-        aliases={} if options.libm else BARE,
+        replaced={"run.METHODS": _methods(options), **(REPLACED if is_single else {})},
+        defined=() if options.calls_libm else ("LAMC_BARE",),
+        aliases={} if options.calls_libm else BARE,
     )
     opening = (
         environment()
@@ -114,6 +120,15 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
         .render(context | {"system_headers": amalgam.system_headers})
     )
     return CSource(prefix, header, opening + amalgam.text, program, parameters, inputs)
+
+
+def _check_ranges(simulator: Simulator, program: Program) -> None:
+    """Raises ExportError for numbers of the model that single precision does not hold."""
+    for parameter in program.parameters:
+        check_range(parameter.default, f"the parameter {parameter.name!r}")
+    motion = simulator.model.motion({})
+    for k in range(simulator.model.constant_count):
+        check_range(motion.handle.constants[k], "a number that follows from the parameters")
 
 
 def _needs_jacobian(options: ExportOptions) -> bool:
@@ -188,7 +203,9 @@ def _runtime(program: Program, options: ExportOptions) -> Mapping[str, str]:
     for unit in sorted(_absent(program, options)):
         files[f"{unit}.c"] = root / "absent" / f"{unit}.c"
     files["string.h"] = root / "absent" / "bytes.h"
-    if not options.libm:
+    if options.precision == "float":
+        files |= {"math.h": root / "single" / "elementary.h", "trig.h": root / "single" / "trig.h"}
+    elif not options.libm:
         files["math.h"] = root / "bare" / "elementary.h"
     return {name: path.read_text(encoding="utf-8") for name, path in files.items()}
 
@@ -255,7 +272,9 @@ def _context(
         "wide": run.wide,
         "real_time": options.real_time,
         "jacobian": options.jacobian,
-        "libm": options.libm,
+        "libm": options.calls_libm,
+        "single": options.precision == "float",
+        "tolerances": TOLERANCES[options.precision],
         "method": "an integrator that suits" if options.integrator == "auto" else options.integrator,
         "method_number": f"LAMC_{options.integrator.upper()}",
         "bound": _bound(program),

@@ -7,7 +7,7 @@ from lamc.errors import DesignError, ExportError
 from lamc.export.prefixes import check_prefix
 from lamc.mechanism.checks import checked_number, shown
 
-PRECISIONS = ("double",)
+PRECISIONS = ("double", "float")
 INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")
 
 
@@ -16,7 +16,8 @@ class ExportOptions:
     """What is exported, and how.
 
     prefix      of all public names and of the files; None: from the name of the design
-    precision   of all numbers: "double"
+    precision   of all numbers: "double", or "float" for processors without doubles: with lamc's own functions, and for
+                real_time
     integrator  of the adaptive step: "auto" links all four methods; "rk45", "dop853" (explicit), "rodas5p", "radau5"
                 (implicit) that one only
     real_time   no adaptive step: steps of fixed length and bounded cost only
@@ -53,6 +54,11 @@ class ExportOptions:
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
                 raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be one of {told}")
+        if self.precision == "float" and not self.real_time:
+            raise ExportError(
+                "precision is 'float', whose round-off no control of errors copes with; choose steps of fixed length "
+                "too: real_time=True, --real-time"
+            )
         self._check_positive("step", "the step of an export", "seconds")
         self._check_positive("edge_length", "the edge length of an export", "metres")
         if self.fmi not in (2, 3) or not isinstance(self.fmi, int):
@@ -76,6 +82,10 @@ class ExportOptions:
         if value == 0.0:
             raise ExportError(f"{what} is 0; give {unit} above zero, or None")
         object.__setattr__(self, name, value)
+
+    @property
+    def calls_libm(self) -> bool:
+        return self.libm and self.precision == "double"
 
 
 def options_from(**values: object) -> ExportOptions:

@@ -90,9 +90,9 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "comment_title": comment(program.name),
         "digest": program.digest,
         "single_header": options.single_header,
-        "libm": options.libm,
+        "libm": options.calls_libm,
         "real_time": options.real_time,
-        "real": "double",
+        "real": options.precision,
         "steps_per_row": steps_per_row,
         "h": literal(interval / steps_per_row),
         "effects": [markdown(effect.name) for effect in simulator.effects],
@@ -180,7 +180,7 @@ def markdown(text: str) -> str:
 def compile_line(prefix: str, options: ExportOptions) -> str:
     """How a compiler makes a program of the example."""
     sources = "example_main.c" if options.single_header else f"example_main.c {prefix}.c"
-    return f"cc -O2 -std=c99 {sources}{' -lm' if options.libm else ''} -o example"
+    return f"cc -O2 -std=c99 {sources}{' -lm' if options.calls_libm else ''} -o example"
 
 
 def _usage(P: str, options: ExportOptions, h: float) -> list[str]:
@@ -227,17 +227,18 @@ def _costs(source: CSource) -> list[dict[str, str]]:
 
 
 def state_bytes(source: CSource) -> int:
-    """sizeof of an instance where doubles and long longs have 8 bytes and are aligned to them."""
+    """sizeof of an instance where numbers of n bytes are aligned to n, long longs having 8."""
     settings = _bytes_of(source, f"{source.prefix}_settings", {})
     return _bytes_of(source, f"{source.prefix}_t", {f"{source.prefix}_settings": settings})
 
 
 def _bytes_of(source: CSource, record: str, known: Mapping[str, int]) -> int:
-    """Of a struct of the header whose members all fill multiples of 8 bytes."""
-    sizes = {"double": 8, "long long": 8, "unsigned char": 1, **known}
+    """Of a struct of the header that has a long long in it."""
+    sizes = {"double": 8, "float": 4, "long long": 8, "unsigned char": 1, **known}
     (body,) = re.findall(rf"typedef struct {record} {{\n(.*?)\n}} {record};", source.header, re.DOTALL)
     total = 0
     for kind, names in re.findall(r"^  ((?:\w+ )*\w+) ([^;]+);", body, re.MULTILINE):
         for name in names.split(","):
+            total += -total % min(sizes[kind], 8)
             total += sizes[kind] * int((re.findall(r"\[(\d+)\]", name) or ["1"])[0])
-    return total
+    return total + -total % 8

@@ -41,7 +41,8 @@ static int is_analytic(const lamc_motion *motion) {
 
 double lamc_linearise_cost(const lamc_motion *motion) {
   const lamc_model *model = motion->model;
-  return is_analytic(motion) ? model->jacobian_cost + 1.0 : model->coordinate_count + model->rate_count + 2.0;
+  return is_analytic(motion) ? model->jacobian_cost + 1.0
+                             : (double)(model->coordinate_count + model->rate_count) + 2.0;
 }
 
 static double step_from(double x) {

@@ -103,7 +103,7 @@ static int decompose(const parts *p, int rank, int metric, double tolerance) {
     double *w = p->q + (ptrdiff_t)i * p->n;
     memcpy(w, p->j + (ptrdiff_t)i * p->n, (size_t)p->n * sizeof *w);
     if (metric == MASS_METRIC) lamc_solve_lower(p->n, p->l, w);
-    p->order[i] = i;
+    p->order[i] = (double)i;
   }
   const int most = rank < p->n ? rank : p->n;
   double first = 0.0;
@@ -344,7 +344,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
     if (change > *moved) *moved = change;
     u[i] = p.x[i];
   }
-  p.state[0] = count;
+  p.state[0] = (double)count;
   return LAMC_OK;
 }
 
@@ -371,6 +371,6 @@ long long lamc_loops_doubts(const void *context) {
 lamc_status lamc_loops_judge(const void *context) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const parts p = parts_of(motion);
-  p.state[1] = p.state[0] < motion->model->rank ? p.state[1] + 1.0 : 0.0;
+  p.state[1] = p.state[0] < (double)motion->model->rank ? p.state[1] + 1.0 : 0.0;
   return p.state[1] > LONG_SINGULAR ? LAMC_RANK_LOST : LAMC_OK;
 }

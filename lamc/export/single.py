@@ -1,0 +1,84 @@
+"""C whose numbers are double as C whose numbers are float.
+
+In: C as lamc writes it, for files that take double as the type of every number. Out: the same declarations in single
+precision, or a refusal of constants that no float holds. Never: rearranges an expression; what else single precision
+asks for, such as other tolerances, stands in `REPLACED`.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamc.errors import ExportError
+from lamc.export.ctokens import tokens
+
+_NAMES = {
+    "double": "float",
+    **{f"DBL_{limit}": f"FLT_{limit}" for limit in ("EPSILON", "MIN", "MAX", "MANT_DIG")},
+}
+_DECIMAL = re.compile(r"(?!0[xX])[\d.]+(?:[eE][+-]?\d+)?")
+_LEAST, _GREATEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
+
+# What takes the place of declarations that hold for double alone. Loops: residuals round off at 1e-7 of the size, and
+# equations that fade to the cube root of that are let go, as those of double are (see take_equations in loops.c).
+REPLACED = {
+    "method.is_finite": "static inline int is_finite(float x) { return x - x == 0.0f; }",
+    "loops.RANK_TOLERANCE": "static const float RANK_TOLERANCE = 2e-3f;",
+    "loops.PASSING": "static const float PASSING = 1e-2f;",
+    "loops.TOGETHER": "static const float TOGETHER = 5e-2f;",
+    "loops.NEAR_SINGULAR": "static const float NEAR_SINGULAR = 0.2f;",
+    "loops.CLOSED": "static const float CLOSED = 2e-6f;",
+    "loops.EXACT": "static const float EXACT = 5e-7f;",
+    "loops.LOST": "static const float LOST = 1e-3f;",
+}
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Of steps, by precision, as C says them."""
+
+    rtol: str
+    atol: str
+    least_rtol: str  # 500 units of round-off or so: below, estimates of errors are noise
+    reach: str  # of a central difference, of 1: the cube root of the round-off
+
+
+TOLERANCES = {
+    "double": Tolerances("1e-9", "1e-11", "1e-13", "6e-6"),
+    "float": Tolerances("1e-4", "1e-6", "1e-5", "4e-3"),
+}
+
+
+def single_precision(text: str, file: str) -> str:
+    """`text` with floats for doubles. Raises ExportError for a constant out of their range, naming `file`."""
+    out = []
+    for token in tokens(text):
+        if token.kind == "name":
+            out.append(_NAMES.get(token.text, token.text))
+        elif token.kind == "number":
+            out.append(_number(token.text, file))
+        elif token.kind == "directive" and (macro := re.match(r"#\s*define\s+\w+(?:\([^)]*\))?", token.text)):
+            out.append(macro.group() + single_precision(token.text[macro.end() :], file))
+        else:
+            out.append(token.text)
+    return "".join(out)
+
+
+def check_range(value: float, what: str) -> None:
+    """Raises ExportError for what a float can only hold as infinity, or as zero, or with digits missing."""
+    size = abs(value)
+    if size > _GREATEST or 0.0 < size < _LEAST:
+        raise ExportError(
+            f"{what} is {value:.6g}, and single precision holds sizes of {_LEAST:.4g} to {_GREATEST:.4g}; "
+            "export in double precision"
+        )
+
+
+def _number(text: str, file: str) -> str:
+    is_real = _DECIMAL.fullmatch(text) is not None and not text.isdigit()
+    if not is_real:
+        return text
+    value = float(text)
+    check_range(value, f"a constant of {file}")
+    return f"{np.float32(value)!s}f"

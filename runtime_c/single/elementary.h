@@ -1,0 +1,366 @@
+/* elementary.h, of lamc, in single precision: what a model needs of <math.h> beside sine and cosine, for programs whose
+ * numbers are float.
+ *
+ * In:    any floats. Out: square root as IEEE 754 has it; exp, log and pow within 1 unit in the last place, the others within
+ *        3; at zeros, infinities and NaN what C99, annex F, says.
+ * Never: calls a library, sets errno, looks into a table, computes with doubles. Without contraction of a*b + c the same bits
+ *        on every machine.
+ *
+ * exp, log, atan, sinh, tanh: polynomials of the Cephes library (S. L. Moshier 1992). Sums and products of two floats in
+ * pow: T. J. Dekker, Numerische Mathematik 18 (1971) 224-242. */
+#ifndef LAMC_ELEMENTARY_H
+#define LAMC_ELEMENTARY_H
+
+#include "trig.h"
+
+#include <stdint.h>
+
+#define LAMC_INFINITY lamc_from_bits(0x7f800000u)
+#define LAMC_NAN lamc_from_bits(0x7fc00000u)
+
+static inline int lamc_is_negative(float x) {
+  return (int)(lamc_bits(x) >> 31);
+}
+
+static inline float lamc_fabs(float x) {
+  return lamc_from_bits(lamc_bits(x) & 0x7fffffffu);
+}
+
+/* size with the sign of x */
+static inline float lamc_copysign(float size, float x) {
+  return lamc_from_bits((lamc_bits(size) & 0x7fffffffu) | (lamc_bits(x) & 0x80000000u));
+}
+
+static inline float lamc_fmax(float a, float b) {
+  if (a != a) return b;
+  if (b != b) return a;
+  if (a == b) return lamc_is_negative(a) ? b : a; /* zeros of both signs */
+  return a > b ? a : b;
+}
+
+static inline float lamc_fmin(float a, float b) {
+  if (a != a) return b;
+  if (b != b) return a;
+  if (a == b) return lamc_is_negative(a) ? a : b;
+  return a < b ? a : b;
+}
+
+/* 2^k for a normal number */
+static inline float lamc_power_of_two(int k) {
+  return lamc_from_bits((uint32_t)(k + 127) << 23);
+}
+
+/* x 2^k, rounded once where it becomes subnormal, for 1/8 < |x| < 8 */
+static inline float lamc_scaled(float x, int k) {
+  if (k > 124) return k > 200 ? x * LAMC_INFINITY : x * lamc_power_of_two(100) * lamc_power_of_two(k - 100);
+  if (k >= -122) return x * lamc_power_of_two(k);
+  return k < -160 ? x * 0.0f : x * lamc_power_of_two(k + 60) * lamc_power_of_two(-60);
+}
+
+/* The exponent k of |x| = m 2^k, finite and not zero, and m in 1 .. 2 */
+static inline int lamc_split(float x, float *m) {
+  int k = 0;
+  uint32_t bits = lamc_bits(x) & 0x7fffffffu;
+  if (bits < 0x00800000u) {
+    bits = lamc_bits(lamc_from_bits(bits) * 33554432.0f); /* 2^25 */
+    k = -25;
+  }
+  *m = lamc_from_bits((bits & 0x007fffffu) | 0x3f800000u);
+  return k + (int)(bits >> 23) - 127;
+}
+
+/* Likewise with m in sqrt(1/2) .. sqrt(2) */
+static inline int lamc_split_evenly(float x, float *m) {
+  const int k = lamc_split(x, m);
+  if (!(*m > 1.4142135f)) return k;
+  *m *= 0.5f;
+  return k + 1;
+}
+
+/* ---- Numbers of two floats --------------------------------------------------------------------------------- */
+
+typedef struct lamc_two {
+  float high, low;
+} lamc_two;
+
+/* a + b, exactly */
+static inline lamc_two lamc_two_sum(float a, float b) {
+  const float sum = a + b, part = sum - a;
+  const lamc_two s = {sum, (a - (sum - part)) + (b - part)};
+  return s;
+}
+
+/* a b, exactly, for sizes of 1e-14 to 1e14 */
+static inline lamc_two lamc_two_product(float a, float b) {
+  const float split = 4097.0f; /* 2^12 + 1 */
+  const float pa = split * a, pb = split * b;
+  const float a1 = pa - (pa - a), b1 = pb - (pb - b), a2 = a - a1, b2 = b - b1, product = a * b;
+  const lamc_two p = {product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2};
+  return p;
+}
+
+static inline lamc_two lamc_two_add(lamc_two a, lamc_two b) {
+  const lamc_two s = lamc_two_sum(a.high, b.high);
+  return lamc_two_sum(s.high, s.low + (a.low + b.low));
+}
+
+static inline lamc_two lamc_two_times(lamc_two a, lamc_two b) {
+  const lamc_two p = lamc_two_product(a.high, b.high);
+  return lamc_two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
+}
+
+static inline lamc_two lamc_two_over(lamc_two a, lamc_two b) {
+  const float first = a.high / b.high;
+  const lamc_two p = lamc_two_product(first, b.high);
+  return lamc_two_sum(first, ((a.high - p.high) - p.low + a.low - first * b.low) / b.high);
+}
+
+/* ---- Roots ------------------------------------------------------------------------------------------------- */
+
+#if defined(__GNUC__) && defined(__arm__) && defined(__ARM_FP) && !defined(LAMC_PLAIN_SQRT)
+static inline float lamc_sqrt(float x) {
+  float y;
+  __asm__("vsqrt.f32 %0, %1" : "=t"(y) : "t"(x)); /* one instruction, and the same number */
+  return y;
+}
+#elif defined(__GNUC__) && defined(__NO_MATH_ERRNO__) && defined(__SSE2__) && !defined(LAMC_PLAIN_SQRT)
+static inline float lamc_sqrt(float x) {
+  return __builtin_sqrtf(x);
+}
+#else
+/* Bit by bit, as on paper */
+static inline float lamc_sqrt(float x) {
+  if (!(x > 0.0f) || x == LAMC_INFINITY) return x == 0.0f || x > 0.0f || x != x ? x : LAMC_NAN;
+  float m;
+  const int k = lamc_split(x, &m), is_odd = k & 1;
+  uint32_t left = ((lamc_bits(m) & 0x7fffffu) | 0x800000u) << (is_odd + 1), root = 0, sum = 0;
+  for (uint32_t bit = 0x1000000u; bit != 0; bit >>= 1) {
+    if (sum + bit <= left) {
+      left -= sum + bit;
+      sum += 2u * bit;
+      root += bit;
+    }
+    left *= 2u;
+  }
+  root = (root + (root & 1u)) / 2u; /* the last bit rounds; what is left tells that no tie is possible */
+  return lamc_scaled((float)(int32_t)root * 1.1920929e-07f, (k - is_odd) / 2);
+}
+#endif
+
+/* ---- Exponentials and logarithms --------------------------------------------------------------------------- */
+
+/* The whole number next to x / ln 2, and what is left of x */
+static inline int lamc_exp_reduce(float x, float *left) {
+  const float n = (x * 1.442695f + 12582912.0f) - 12582912.0f; /* adding 1.5 2^23 rounds */
+  *left = (x - n * 0.693359375f) - n * -0.00021219444f;
+  return (int)n;
+}
+
+/* e^x - 1 - x for sizes up to ln 2 / 2 */
+static inline float lamc_exp_rest(float x) {
+  return x * x *
+         (0.5f + x * (0.16666666f +
+                      x * (0.041665796f + x * (0.008333452f + x * (0.0013981999f + x * 0.00019875691f)))));
+}
+
+static inline float lamc_exp(float x) {
+  if (x != x) return x;
+  if (x > 88.8f) return LAMC_INFINITY;
+  if (x < -104.0f) return 0.0f;
+  float left;
+  const int k = lamc_exp_reduce(x, &left);
+  return lamc_scaled(1.0f + (left + lamc_exp_rest(left)), k);
+}
+
+/* log m for m in sqrt(1/2) .. sqrt(2), without m - 1 */
+static inline float lamc_log_rest(float f) {
+  const float z = f * f;
+  const float p =
+      f * z *
+      (0.3333333f +
+       f * (-0.24999994f +
+            f * (0.20000714f +
+                 f * (-0.16668057f +
+                      f * (0.14249323f + f * (-0.12420141f +
+                                              f * (0.116769984f + f * (-0.1151461f + f * 0.070376836f))))))));
+  return p - 0.5f * z;
+}
+
+static inline float lamc_log(float x) {
+  if (x != x) return x;
+  if (!(x > 0.0f)) return x == 0.0f ? -LAMC_INFINITY : LAMC_NAN;
+  if (x == LAMC_INFINITY) return x;
+  float m;
+  const float k = (float)lamc_split_evenly(x, &m), f = m - 1.0f;
+  return (f + (lamc_log_rest(f) - k * 0.00021219444f)) + k * 0.693359375f;
+}
+
+/* e^x in two floats, for sizes up to 1/2: (1 + (e^(x / 16) - 1))^16, by the first seven terms of the series */
+static inline lamc_two lamc_two_exp(lamc_two x) {
+  const lamc_two one = {1.0f, 0.0f}, small = {x.high * 0.0625f, x.low * 0.0625f};
+  lamc_two e = {0.0f, 0.0f};
+  for (int i = 7; i > 0; i--) {
+    const lamc_two i_two = {(float)i, 0.0f};
+    e = lamc_two_over(lamc_two_times(lamc_two_add(one, e), small), i_two);
+  }
+  /* (1 + e)^2 - 1 = 2 e + e^2 keeps the digits of e */
+  for (int i = 0; i < 4; i++) {
+    const lamc_two twice = {2.0f * e.high, 2.0f * e.low};
+    e = lamc_two_add(twice, lamc_two_times(e, e));
+  }
+  return lamc_two_add(one, e);
+}
+
+/* log m in two floats for m in 0.7 .. 1.42: one step of Halley's method, log m = y + 2 (m - e^y) / (m + e^y) */
+static inline lamc_two lamc_two_log(float m) {
+  const float rough = lamc_log(m);
+  const lamc_two y = {rough, 0.0f}, m_two = {m, 0.0f};
+  const lamc_two e = lamc_two_exp(y), minus = {-e.high, -e.low};
+  const float step = 2.0f * lamc_two_add(m_two, minus).high / (m + e.high);
+  return lamc_two_sum(y.high, step);
+}
+
+/* 1 if y is a whole number, 2 if an even one */
+static inline int lamc_is_whole(float y) {
+  const float size = lamc_fabs(y);
+  if (size >= 16777216.0f) return 2;
+  const int32_t whole = (int32_t)size;
+  if ((float)whole != size) return 0;
+  return whole % 2 == 0 ? 2 : 1;
+}
+
+/* |x|^y, both finite and x not zero */
+static inline float lamc_pow_of_size(float x, float y) {
+  float m;
+  const int k = lamc_split_evenly(x, &m);
+  if (m == 1.0f && k == 0) return 1.0f;
+  const float rough = y * ((float)k * 0.6931472f + lamc_log(m));
+  if (rough > 89.0f) return LAMC_INFINITY;
+  if (rough < -105.0f) return 0.0f;
+  if (lamc_fabs(rough) < 1e-9f) return 1.0f + rough;
+  const lamc_two ln2 = {0.6931472f, -1.9046542e-09f}, turns = {(float)k, 0.0f}, y_two = {y, 0.0f};
+  lamc_two power = lamc_two_times(y_two, lamc_two_add(lamc_two_times(turns, ln2), lamc_two_log(m)));
+  const float n = (power.high * 1.442695f + 12582912.0f) - 12582912.0f;
+  const lamc_two back = {-n, 0.0f};
+  power = lamc_two_add(power, lamc_two_times(back, ln2));
+  const lamc_two e = lamc_two_exp(power);
+  return lamc_scaled(e.high, (int)n);
+}
+
+static inline float lamc_pow(float x, float y) {
+  if (y == 0.0f || x == 1.0f) return 1.0f;
+  if (x != x || y != y) return x + y;
+  const float size = lamc_fabs(x);
+  const int whole = lamc_is_whole(y);
+  if (lamc_fabs(y) == LAMC_INFINITY) {
+    if (size == 1.0f) return 1.0f;
+    return (size > 1.0f) == (y > 0.0f) ? LAMC_INFINITY : 0.0f;
+  }
+  const int is_odd = whole == 1;
+  float result;
+  if (size == 0.0f) {
+    result = y > 0.0f ? 0.0f : LAMC_INFINITY;
+  } else if (size == LAMC_INFINITY) {
+    result = y > 0.0f ? LAMC_INFINITY : 0.0f;
+  } else if (x < 0.0f && !whole) {
+    return LAMC_NAN;
+  } else {
+    result = lamc_pow_of_size(size, y);
+  }
+  return lamc_is_negative(x) && is_odd ? -result : result;
+}
+
+/* ---- Angles ------------------------------------------------------------------------------------------------ */
+
+static inline float lamc_tan(float x) {
+  float sine, cosine;
+  lamc_turn(x, &sine, &cosine);
+  return sine / cosine;
+}
+
+/* atan x for x >= 0 */
+static inline float lamc_atan_of_size(float x) {
+  float high = 0.0f, low = 0.0f;
+  if (x > 2.4142137f) {
+    high = 1.5707964f;
+    low = -4.371139e-08f;
+    x = -1.0f / x;
+  } else if (x > 0.41421357f) {
+    high = 0.7853982f;
+    low = -2.1855695e-08f;
+    x = (x - 1.0f) / (x + 1.0f);
+  }
+  const float z = x * x;
+  const float rest = x * z * (-0.3333295f + z * (0.19977711f + z * (-0.13877686f + z * 0.080537446f)));
+  return high + (x + (rest + low));
+}
+
+static inline float lamc_atan(float x) {
+  return x == x ? lamc_copysign(lamc_atan_of_size(lamc_fabs(x)), x) : x;
+}
+
+static inline float lamc_atan2(float y, float x) {
+  if (x != x || y != y) return x + y;
+  const float rise = lamc_fabs(y), run = lamc_fabs(x);
+  float angle;
+  if (rise == run && (rise == 0.0f || rise == LAMC_INFINITY)) {
+    angle = rise == 0.0f ? 0.0f : 0.7853982f;
+  } else {
+    angle = lamc_atan_of_size(rise / run);
+  }
+  if (lamc_is_negative(x)) angle = 3.1415927f - (angle + 8.742278e-08f);
+  return lamc_copysign(angle, y);
+}
+
+static inline float lamc_asin(float x) {
+  const float size = lamc_fabs(x);
+  if (x != x) return x;
+  if (!(size <= 1.0f)) return LAMC_NAN;
+  if (size < 1e-4f) return x;
+  return lamc_copysign(lamc_atan2(size, lamc_sqrt((1.0f - size) * (1.0f + size))), x);
+}
+
+static inline float lamc_acos(float x) {
+  if (x != x) return x;
+  if (!(lamc_fabs(x) <= 1.0f)) return LAMC_NAN;
+  return lamc_atan2(lamc_sqrt((1.0f - x) * (1.0f + x)), x);
+}
+
+/* ---- Hyperbolic functions ---------------------------------------------------------------------------------- */
+
+/* e^x / 2 beyond where e^x is infinite already */
+static inline float lamc_half_exp(float x) {
+  if (x > 90.0f) return LAMC_INFINITY;
+  float left;
+  const int k = lamc_exp_reduce(x, &left);
+  return lamc_scaled(1.0f + (left + lamc_exp_rest(left)), k - 1);
+}
+
+static inline float lamc_sinh(float x) {
+  const float size = lamc_fabs(x);
+  if (x != x || size < 1e-4f) return x;
+  if (size > 1.0f) {
+    const float half = lamc_half_exp(size);
+    return lamc_copysign(half - 0.25f / half, x);
+  }
+  const float z = x * x;
+  return x + x * z * (0.16666716f + z * (0.008330284f + z * 0.00020372191f));
+}
+
+static inline float lamc_cosh(float x) {
+  const float half = lamc_half_exp(lamc_fabs(x));
+  return x == x ? half + 0.25f / half : x;
+}
+
+static inline float lamc_tanh(float x) {
+  const float size = lamc_fabs(x);
+  if (x != x || size < 1e-4f) return x;
+  if (size > 10.0f) return lamc_copysign(1.0f, x);
+  if (size > 0.625f) return lamc_copysign(1.0f - 2.0f / (lamc_exp(2.0f * size) + 1.0f), x);
+  const float z = x * x;
+  return x + x * z *
+                 (-0.33333284f +
+                  z * (0.13331442f + z * (-0.053739715f + z * (0.020639088f + z * -0.0057049887f))));
+}
+
+#endif /* LAMC_ELEMENTARY_H */

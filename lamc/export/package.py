@@ -185,7 +185,8 @@ def compile_line(prefix: str, options: ExportOptions) -> str:
 
 def _usage(P: str, options: ExportOptions, h: float) -> list[str]:
     """A few lines to begin with."""
-    step = f"{P}_step_fixed(&it, {h:.6g})" if options.real_time else f"{P}_step(&it, 0.01)"
+    suffix = "f" if options.precision == "float" else ""
+    step = f"{P}_step_fixed(&it, {h:.6g}{suffix})" if options.real_time else f"{P}_step(&it, 0.01)"
     return [
         f'#include "{P}.h"',
         "",

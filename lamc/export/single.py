@@ -30,6 +30,7 @@ REPLACED = {
     "loops.NEAR_SINGULAR": "static const float NEAR_SINGULAR = 0.2f;",
     "loops.CLOSED": "static const float CLOSED = 2e-6f;",
     "loops.EXACT": "static const float EXACT = 5e-7f;",
+    "loops.OUT_OF_NOTHING": "static const float OUT_OF_NOTHING = 2e-3f;",
     "loops.LOST": "static const float LOST = 1e-3f;",
 }
 

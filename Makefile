@@ -21,7 +21,8 @@ test: $(STAMP)
 	$(MAKE) -C runtime_c test sanitize cxx
 	$(BIN)/python -m pytest -q -n 2 -m "not slow"
 
-test-all: $(STAMP)
+test-all: $(STAMP) # with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench,fmi,cc]'
 	$(MAKE) -C runtime_c test sanitize cxx
 	$(BIN)/python -m pytest -q -n 2
 

@@ -48,6 +48,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.plates
 	$(BIN)/python -m benchmarks.precision
 	$(BIN)/python -m benchmarks.other_engines
+	$(BIN)/python -m benchmarks.embedding
 
 ledgers: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

@@ -33,11 +33,11 @@ from lamc.run.simulator import Simulator
 
 _FOLDER = "export/wasm"
 _PAGE = 65536  # bytes, of WebAssembly's memory
-# Against -O2 alone the triple pendulum is a fourth smaller and a sixth slower: sine and cosine are not put into every
+# Against -O2 alone the triple pendulum is a fourth smaller and a tenth slower: sine and cosine are not put into every
 # function that calls them. Bulk memory makes copies of memory instructions, where there is no library to call.
 _FLAGS = (
     *("-std=c99", "-Os", "-ffp-contract=off", "-ffreestanding", "-mbulk-memory", "-Werror=implicit"),
-    *("-mllvm", "-inline-threshold=10", "-mllvm", "-inlinehint-threshold=30"),
+    *("-mllvm", "-inline-threshold=10", "-mllvm", "-inlinehint-threshold=150"),
 )
 _LINK = ("--no-entry", "--strip-all", "--gc-sections", "--stack-first", "--export=__heap_base")
 INSTALL_HINT = "`pip install lamc[cc]`, or install clang with lld (Debian: apt install clang lld)"

@@ -2,7 +2,9 @@
 
 import math
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -71,6 +73,8 @@ def test_null_and_structs_that_were_never_initialised(pendulum: Exported) -> Non
     assert pendulum.call("init", null, null, null) == pendulum.status("BAD_ARGUMENT")
     assert pendulum.call("set_state", it, pendulum.new("state")) == pendulum.status("BAD_DIGEST")
     assert pendulum.call("init", it, pendulum.new("parameters"), null) == pendulum.status("BAD_DIGEST")
+    plausible = pendulum.ffi.new(f"{pendulum.prefix}_settings *", {"rtol": 1e-6, "max_steps": 1000})
+    assert pendulum.call("init", it, null, plausible) == pendulum.status("BAD_DIGEST")
     for name in ("parameters", "inputs", "settings"):
         pendulum.call(f"default_{name}", null)
 
@@ -109,6 +113,129 @@ def test_numbers_that_are_none(pendulum: Exported) -> None:
         setattr(settings, name, value)
         assert pendulum.call("init", it, pendulum.ffi.NULL, settings) == pendulum.status("BAD_ARGUMENT")
     assert bytes_of(pendulum, it) == before
+
+
+def test_parameters_that_nature_does_not_allow(pendulum: Exported) -> None:
+    """A mass is above zero, a stiffness and a damping are not below it; the header says so beside each."""
+    it = pendulum.instance()
+    before = bytes_of(pendulum, it)
+    text = (pendulum.folder / f"{pendulum.prefix}.h").read_text()
+    for ending, values, least in (
+        ("_mass", (0.0, -0.01), "> 0; "),
+        ("_stiffness", (-1e-9,), ">= 0; "),
+        ("_damping", (-1.0,), ">= 0; "),
+        ("_inertia_xx", (-1e-12,), ">= 0; "),
+    ):
+        parameters = pendulum.new("parameters")
+        pendulum.call("default_parameters", parameters)
+        fields = [name for name, _ in pendulum.ffi.typeof(parameters[0]).fields if name.endswith(ending)]
+        line = next(line for line in text.splitlines() if line.startswith(f"  double {fields[0]};"))
+        assert least in line
+        for value in values:
+            setattr(parameters, fields[0], value)
+            refused = pendulum.status("BAD_PARAMETER")
+            assert pendulum.call("set_parameters", it, parameters) == refused
+            assert pendulum.call("init", it, parameters, pendulum.ffi.NULL) == refused
+        setattr(parameters, fields[0], 0.0 if ending != "_mass" else 1e-3)
+        assert pendulum.call("set_parameters", pendulum.instance(), parameters) == 0
+    assert bytes_of(pendulum, it) == before
+
+
+def test_steps_of_fixed_length_that_blow_up(pendulum: Exported) -> None:
+    """Half a second is far beyond the hinges' period. The instance stays as it was, and goes on from there."""
+    it, calm = pendulum.instance(), pendulum.instance()
+    assert pendulum.call("step", it, 0.1) == 0
+    assert pendulum.call("step", calm, 0.1) == 0
+    statuses = []
+    for _ in range(20):
+        before = bytes_of(pendulum, it)
+        statuses.append(pendulum.call("step_fixed", it, 0.5))
+        if statuses[-1] != 0:
+            assert bytes_of(pendulum, it) == before
+            break
+    assert statuses[-1] == pendulum.status("STEP_TOO_LONG")
+    assert max(map(abs, it.q)) < 20 * math.pi  # no more than the half turns that were let through
+    if len(statuses) == 1:
+        assert pendulum.call("step", it, 0.2) == 0
+        assert pendulum.call("step", calm, 0.2) == 0
+        assert pendulum.state(it) == pendulum.state(calm)
+
+
+def test_a_fast_spin_that_steps_resolve(tmp_path: Path) -> None:
+    """A hinge without stiffness, and a plate that floats, at 1000 rad/s: one radian in a step of a millisecond, and four in
+    one of four, which are more than half a turn."""
+    for name, design in SPINNING.items():
+        exported = Exported(c_files(lamc.loads(design)), tmp_path / name)
+        nq, nu = exported.constant("coordinate_count"), exported.constant("rate_count")
+        it = exported.instance()
+        q, u = exported.ffi.new("double[]", list(it.q)[:nq]), exported.ffi.new("double[]", nu)
+        u[nu - 1] = 1000.0
+        assert exported.call("start", it, 0.0, q, u) == 0
+        for _ in range(10):
+            assert exported.call("step_fixed", it, 1e-3) == 0
+        assert it.u[nu - 1] == pytest.approx(1000.0, rel=1e-6)
+        before = bytes_of(exported, it)
+        assert exported.call("step_fixed", it, 4e-3) == exported.status("STEP_TOO_LONG")
+        assert bytes_of(exported, it) == before
+
+
+def fnv_1a(data: bytes) -> int:
+    """RFC 9923, 64 bits."""
+    value = 0xCBF29CE484222325
+    for byte in data:
+        value = (value ^ byte) * 0x100000001B3 % 2**64
+    return value
+
+
+def test_a_saved_state_that_was_damaged(pendulum: Exported) -> None:
+    """One byte anywhere. The sum is that of the RFC, whose vector for "foobar" is 85944171f73967e8."""
+    assert fnv_1a(b"foobar") == 0x85944171F73967E8
+    it, kept, other = pendulum.instance(t_stop=1.0), pendulum.new("state"), pendulum.instance()
+    assert pendulum.call("step", it, 0.3) == 0
+    assert pendulum.call("get_state", it, kept) == 0
+    assert kept.sum_ == fnv_1a(bytes_of(pendulum, it))
+    before, whole = bytes_of(pendulum, other), pendulum.ffi.buffer(kept)
+    refused = {pendulum.status("BAD_STATE"), pendulum.status("BAD_DIGEST")}
+    for place in range(len(whole)):
+        good = whole[place]
+        whole[place] = bytes([good[0] ^ 0x40])
+        assert pendulum.call("set_state", other, kept) in refused
+        whole[place] = good
+    assert bytes_of(pendulum, other) == before
+    assert pendulum.call("set_state", other, kept) == 0
+    assert bytes_of(pendulum, other) == bytes_of(pendulum, it)
+
+
+def test_a_saved_state_whose_sum_is_right_and_numbers_are_not(pendulum: Exported) -> None:
+    """Nothing that leads beyond an array is taken, whoever made the state."""
+    it, kept, other = pendulum.instance(t_stop=1.0), pendulum.new("state"), pendulum.instance()
+    assert pendulum.call("step", it, 0.3) == 0
+    assert pendulum.call("get_state", it, kept) == 0
+    before = bytes_of(pendulum, other)
+
+    def answer(spoil: Callable[[Any], None]) -> int:
+        state = pendulum.new("state")
+        state[0] = kept[0]
+        spoil(state.instance_)
+        state.sum_ = fnv_1a(bytes(pendulum.ffi.buffer(pendulum.ffi.addressof(state[0], "instance_"))))
+        return int(pendulum.call("set_state", other, state))
+
+    def put(name: str, i: int, value: float) -> Callable[[Any], None]:
+        return lambda instance: getattr(instance, name).__setitem__(i, value)
+
+    bad = pendulum.status("BAD_STATE")
+    assert answer(lambda instance: setattr(instance, "t", math.nan)) == bad
+    assert answer(put("q", 0, math.nan)) == bad
+    assert answer(put("u", 0, math.inf)) == bad
+    assert answer(put("parameters_", 0, math.nan)) == bad
+    assert answer(lambda instance: setattr(instance.settings_, "rtol", math.nan)) == bad
+    assert answer(put("flags_", 0, 3)) == bad
+    assert answer(put("flags_", 1, -1)) == bad
+    for i in range(len(kept.instance_.integers_)):
+        for value in (-2, 2**62):
+            assert answer(put("integers_", i, value)) == bad
+    assert bytes_of(pendulum, other) == before
+    assert answer(lambda instance: None) == 0
 
 
 def test_a_start_is_closed_or_refused(four_bar: Exported) -> None:

@@ -22,6 +22,12 @@ class Bound:
     calls: int
 
 
+def spins(program: Program) -> tuple[int, ...]:
+    """Which rates are those of a body that turns freely, beside the joints."""
+    first = len(program.joints)
+    return tuple(i for i, rate in enumerate(program.rates) if i >= first and rate.unit == "rad/s")
+
+
 @dataclass(frozen=True)
 class _Sizes:
     """Of the linear algebra: rates, coordinates, equations of loops, and how many of them are taken."""
@@ -85,8 +91,10 @@ def step_bound(program: Program) -> Bound:
     n, m = len(program.rates), program.closure_count
     sizes = _Sizes(n, len(program.coordinates), m, min(program.rank, n))
     times: Counter[str] = Counter({"rates": STAGES})
-    # Of the method itself; of the time, its length, 0.5 h and h / 6; and, in single precision, whether all is finite
-    inner = 15 * (len(program.coordinates) + n) + 24
+    # Of the method itself; of the time, its length, 0.5 h and h / 6; in single precision, whether all is finite; and how
+    # far each joint and the base turned
+    inner = 15 * (len(program.coordinates) + n) + 24 + len(program.joints)
+    inner += 2 * len(spins(program)) + (1 if spins(program) else 0)
     if program.cuts:
         settles = STAGES + 1
         times += Counter(

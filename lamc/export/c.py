@@ -7,6 +7,7 @@ answer at no cost, so that the code around them is the same and so are its bits.
 """
 
 import hashlib
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,14 +17,15 @@ from lamc.codegen.names import comment, identifiers
 from lamc.codegen.printer import literal
 from lamc.codegen.program import Coordinate, Parameter, Program
 from lamc.export.amalgam import amalgamate
-from lamc.export.bound import step_bound
+from lamc.export.bound import spins, step_bound
 from lamc.export.options import ExportOptions
 from lamc.export.prefixes import prefix_of
-from lamc.export.run_fields import run_fields
+from lamc.export.run_fields import integer_ranges, run_fields
 from lamc.export.single import REPLACED, TOLERANCES, check_range, single_precision
 from lamc.export.sizes import sizes_of
 from lamc.resources import data_dir
 from lamc.run.native import METHODS
+from lamc.run.parameters import Bounds, bounds
 from lamc.run.simulator import Simulator
 
 IMPLICIT = ("rodas5p", "radau5")
@@ -52,9 +54,10 @@ STATUSES = (
     CStatus("EVENTS_PILE_UP", -9, "impacts or switches follow each other ever faster"),
     CStatus("BAD_DIGEST", -20, "a struct of another design, or one that was never initialised"),
     CStatus("IN_PAST", -21, "the time asked for lies before the present one"),
-    CStatus("BAD_PARAMETER", -22, "a parameter is not finite"),
+    CStatus("BAD_PARAMETER", -22, "a parameter is not finite or outside its range"),
     CStatus("BAD_INPUT", -23, "an input is not finite"),
-    CStatus("BAD_STATE", -24, "a state is not finite, or no near state closes the loops"),
+    CStatus("BAD_STATE", -24, "a state is damaged or not finite, or no near state closes the loops"),
+    CStatus("STEP_TOO_LONG", -25, "something turned by more than half a turn in one step: take shorter ones"),
 )
 
 
@@ -69,6 +72,29 @@ class CMember:
     default: str
     shown: str  # the default in print
     slot: int
+    bounds: Bounds
+
+    @property
+    def least(self) -> str:
+        return literal(self.bounds.least) if math.isfinite(self.bounds.least) else "-DBL_MAX"
+
+    @property
+    def most(self) -> str:
+        return literal(self.bounds.most) if math.isfinite(self.bounds.most) else "DBL_MAX"
+
+    @property
+    def is_open(self) -> int:
+        return int(self.bounds.is_open)
+
+    @property
+    def range(self) -> str:
+        """What it can be, in print, with a semicolon; empty: any number."""
+        parts = []
+        if math.isfinite(self.bounds.least):
+            parts.append(f"{'>' if self.bounds.is_open else '>='} {self.bounds.least:g}")
+        if math.isfinite(self.bounds.most):
+            parts.append(f"<= {self.bounds.most:g}")
+        return " and ".join(parts) + ("; " if parts else "")
 
 
 @dataclass(frozen=True)
@@ -157,6 +183,7 @@ def _members(parameters: Sequence[Parameter]) -> tuple[tuple[CMember, ...], tupl
             literal(p.default),
             repr(p.default),
             slot,
+            bounds(p.name),
         )
         for slot, (field, p) in enumerate(zip(fields, parameters, strict=True))
     ]
@@ -269,8 +296,10 @@ def _context(
         "start": [literal(float(x)) for x in simulator.start] or ["0.0"],
         "reals": run.reals,
         "integers": run.integers,
+        "integer_ranges": integer_ranges(run, len(program.coordinates) + len(program.rates), len(program.guards)),
         "wide": run.wide,
         "real_time": options.real_time,
+        "spins": spins(program),
         "jacobian": options.jacobian,
         "libm": options.calls_libm,
         "single": options.precision == "float",

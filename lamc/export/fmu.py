@@ -124,6 +124,7 @@ def _sources(
     headers = sorted((folder / "headers").glob(f"fmi{options.fmi}*.h"))
     model = environment().get_template(f"{_FOLDER}/model.h.j2").render(_context(source, listed, facts))
     texts = {path.name: path.read_text(encoding="utf-8") for path in (*own, *headers)}
+    texts["sum.h"] = (data_dir("runtime_c") / "src" / "sum.h").read_text(encoding="utf-8")
     return {**texts, **source.files, "model.h": model}
 
 

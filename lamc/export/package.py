@@ -92,6 +92,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "single_header": options.single_header,
         "libm": options.calls_libm,
         "real_time": options.real_time,
+        "several_integrators": options.integrator == "auto" and not options.real_time,
         "real": options.precision,
         "steps_per_row": steps_per_row,
         "h": literal(interval / steps_per_row),

@@ -1,7 +1,7 @@
 """What a run under way consists of beside pointers, read from the runtime's own header.
 
 In: the text of lamc.h. Out: members of lamc_run by kind, so that a run can be kept as two arrays of plain numbers.
-Never: knows a member by its name, but for those that every call sets anew.
+Never: knows a member by its name, but for those that every call sets anew, and those whose numbers are indices.
 """
 
 from dataclasses import dataclass
@@ -20,6 +20,35 @@ class RunFields:
     reals: tuple[str, ...]
     integers: tuple[str, ...]
     wide: tuple[str, ...]  # of the integers, those that are long long
+
+
+@dataclass(frozen=True)
+class IntegerRange:
+    """What a member of a run that was kept can be, both ends included, as C says it."""
+
+    field: str
+    least: str
+    most: str
+
+
+def integer_ranges(fields: RunFields, n: int, guard_count: int) -> tuple[IntegerRange, ...]:
+    """One for each of `fields.integers`. Counters have room to go on counting for.
+
+    n  components of a state
+    """
+    stride = f"({n} + LANES - 1) / LANES * LANES" if n else "LANES"
+    known = {
+        "method": ("LAMC_RK45", "LAMC_RADAU5"),
+        "watch.next_method": ("0", "LAMC_RADAU5"),
+        "side": ("0", "1"),
+        "dense": ("0", "LAMC_DENSE_READY"),
+        "stride": (stride, stride),
+        "event_guard": ("-1", str(guard_count - 1)),
+        "t_eval_count": ("0", "0"),
+        "t_eval_next": ("0", "0"),
+    }
+    counted = {field: ("0", "LLONG_MAX / 4" if field in fields.wide else "INT_MAX / 4") for field in fields.integers}
+    return tuple(IntegerRange(field, *(counted | known)[field]) for field in fields.integers)
 
 
 def run_fields(header: str) -> RunFields:

@@ -5,7 +5,8 @@
  *
  * Knowns are parameters, inputs, coordinates and rates; unknowns are all that is calculated, and coordinates and rates
  * themselves. Accelerations by coordinates and rates are the model's own Jacobian; everything else is a central
- * difference over 6e-6 of the known, the cube root of round-off, with an error of some 1e-10 of the value.
+ * difference over 6e-6 of the known, the cube root of round-off, with an error of some 1e-10 of the value; at the end of a
+ * parameter's range, one of the same order to the inside.
  * Loops are taken as they are, without being closed again.
  */
 #ifndef SLAVE_DERIVATIVE_H
@@ -38,18 +39,31 @@ static MODEL(status) slave_try(slave *self, unsigned known, double value, double
   return status == MODEL_CODE(OK) ? slave_evaluate(&self->trial, given, values) : status;
 }
 
+/* 1 where `reach` below `value` lies beyond the range of the known, -1 where it does above, else 0 */
+static int slave_at_end(unsigned known, double value, double reach) {
+  if (known >= at_coordinates) return 0;
+  const model_range *range = &model_range_of[known];
+  if (value - reach < range->least || (range->is_open && value - reach == range->least)) return 1;
+  return value + reach > range->most ? -1 : 0;
+}
+
 /* Adds seed times the derivatives of all calculated variables by one known. */
 static MODEL(status) slave_add_differences(slave *self, unsigned known, double seed, double *sums) {
   const double value = self->values[known];
   const double least = known >= at_inputs || value == 0.0 ? 1.0 : 0.0; /* parameters may be small by nature */
   const double reach = 6e-6 * fmax(fabs(value), least);
-  const double span = (value + reach) - (value - reach);
-  MODEL(status) status = slave_try(self, known, value + reach, self->moved[0]);
-  if (status == MODEL_CODE(OK)) status = slave_try(self, known, value - reach, self->moved[1]);
+  const int inwards = slave_at_end(known, value, reach);
+  const double first = inwards < 0 ? value - reach : value + reach;
+  const double second = inwards == 0 ? value - reach : first + inwards * reach;
+  const double span = inwards == 0 ? first - second : second - value;
+  const double *moved = self->moved[0], *other = self->moved[1], *here = self->values;
+  MODEL(status) status = slave_try(self, known, first, self->moved[0]);
+  if (status == MODEL_CODE(OK)) status = slave_try(self, known, second, self->moved[1]);
   if (status != MODEL_CODE(OK)) return status;
   for (int i = at_slopes; i < slave_variable_count; ++i) {
     const int is_exact = known >= at_coordinates && i >= at_accelerations && i < at_cuts;
-    if (!is_exact) sums[i] += seed * ((self->moved[0][i] - self->moved[1][i]) / span);
+    const double change = inwards == 0 ? moved[i] - other[i] : 4.0 * (moved[i] - here[i]) - (other[i] - here[i]);
+    if (!is_exact) sums[i] += seed * (change / span);
   }
   return MODEL_CODE(OK);
 }

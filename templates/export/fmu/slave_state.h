@@ -10,20 +10,13 @@
 #define SLAVE_STATE_H
 
 #include "slave.h"
+#include "sum.h"
 
 typedef struct slave_bytes {
   char token[64];
   unsigned long long sum; /* of what follows */
   slave_record record;
 } slave_bytes;
-
-/* Fowler, Noll and Vo's hash FNV-1a: finds damage, not malice. */
-static unsigned long long slave_sum(const void *bytes, size_t size) {
-  const unsigned char *byte = (const unsigned char *)bytes;
-  unsigned long long sum = 14695981039346656037ULL;
-  for (size_t i = 0; i < size; ++i) sum = (sum ^ byte[i]) * 1099511628211ULL;
-  return sum;
-}
 
 static slave_status slave_restore(slave *self, const slave_record *record) {
   if (record == NULL) return slave_refuse(self, SLAVE_ERROR, "a state is set, but the pointer is null");
@@ -48,7 +41,7 @@ static slave_status slave_serialise(const slave *self, const slave_record *recor
   memset(to, 0, sizeof(slave_bytes));
   memcpy(to, token, sizeof token);
   memcpy(to + offsetof(slave_bytes, record), record, sizeof *record);
-  const unsigned long long sum = slave_sum(to + offsetof(slave_bytes, record), sizeof *record);
+  const unsigned long long sum = lamc_sum(to + offsetof(slave_bytes, record), sizeof *record);
   memcpy(to + offsetof(slave_bytes, sum), &sum, sizeof sum);
   return SLAVE_OK;
 }
@@ -67,7 +60,7 @@ static slave_status slave_check_bytes(const slave *self, const void *bytes, size
     return slave_refuse(self, SLAVE_ERROR, "these bytes are no state of the FMU " MODEL_TOKEN);
   }
   memcpy(&sum, from + offsetof(slave_bytes, sum), sizeof sum);
-  if (sum != slave_sum(from + offsetof(slave_bytes, record), sizeof(slave_record))) {
+  if (sum != lamc_sum(from + offsetof(slave_bytes, record), sizeof(slave_record))) {
     return slave_refuse(self, SLAVE_ERROR, "these bytes were a state, but are damaged");
   }
   return SLAVE_OK;

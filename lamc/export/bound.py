@@ -91,8 +91,8 @@ def step_bound(program: Program) -> Bound:
     n, m = len(program.rates), program.closure_count
     sizes = _Sizes(n, len(program.coordinates), m, min(program.rank, n))
     times: Counter[str] = Counter({"rates": STAGES})
-    # Of the method itself; of the time, its length, 0.5 h and h / 6; in single precision, whether all is finite; and how
-    # far each joint and the base turned
+    # Of the method itself; of the time, its length, 0.5 h and h / 6; in single precision, whether all is finite; and
+    # how far each joint and the base turned
     inner = 15 * (len(program.coordinates) + n) + 24 + len(program.joints)
     inner += 2 * len(spins(program)) + (1 if spins(program) else 0)
     if program.cuts:

@@ -296,7 +296,9 @@ def _context(
         "start": [literal(float(x)) for x in simulator.start] or ["0.0"],
         "reals": run.reals,
         "integers": run.integers,
-        "integer_ranges": integer_ranges(run, len(program.coordinates) + len(program.rates), len(program.guards)),
+        "integer_ranges": integer_ranges(
+            run, len(program.coordinates) + len(program.rates), len(program.guards)
+        ),
         "wide": run.wide,
         "real_time": options.real_time,
         "spins": spins(program),

@@ -47,7 +47,9 @@ def integer_ranges(fields: RunFields, n: int, guard_count: int) -> tuple[Integer
         "t_eval_count": ("0", "0"),
         "t_eval_next": ("0", "0"),
     }
-    counted = {field: ("0", "LLONG_MAX / 4" if field in fields.wide else "INT_MAX / 4") for field in fields.integers}
+    counted = {
+        field: ("0", "LLONG_MAX / 4" if field in fields.wide else "INT_MAX / 4") for field in fields.integers
+    }
     return tuple(IntegerRange(field, *(counted | known)[field]) for field in fields.integers)
 
 

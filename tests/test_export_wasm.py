@@ -16,6 +16,7 @@ import lamc
 from lamc.errors import BuildError, ExportError
 from lamc.export import files_of
 from lamc.export.wasm import find_wasm_tools
+from lamc.resources import data_dir
 from tests.ctools import needs_cc
 from tests.exported import Exported
 from tests.exported_folders import DURATION, KINDS, does, exported, mechanism_of, needs, put, scene_of
@@ -269,33 +270,110 @@ def test_a_hundred_simulators_take_the_memory_of_a_hundred_states(tmp_path: Path
 # --- the page and the script ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+def in_chromium(folder: Path, page: str, *more: str) -> str:
+    """What chromium prints, which runs through three seconds of its own clock."""
+    assert CHROMIUM is not None
+    flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000"]
+    flags += ["--window-size=1000,700", f"--user-data-dir={folder / 'p'}"]
+    return does([CHROMIUM, *flags, *more, f"file://{folder / page}"], folder)
+
+
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+
+
+@needs_chromium
 def test_a_page_opened_from_a_file_simulates_and_draws(tmp_path: Path) -> None:
     folder = put(in_wasm("pendulum"), tmp_path / "page")
-    assert CHROMIUM is not None
-    flags = [
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--virtual-time-budget=3000",
-        "--window-size=1000,700",
-    ]
-    address = f"file://{folder / 'index.html'}#t=0.5"
-    page = does([CHROMIUM, *flags, f"--user-data-dir={tmp_path / 'p'}", "--dump-dom", address], tmp_path)
+    page = in_chromium(folder, "index.html#t=0.5", "--dump-dom")
     assert '<span id="time">0.500</span>' in page
     assert re.search(r'<div id="problem" role="alert"></div>', page)
     shown = [float(text) for text in re.findall(r"<td>(-?[\d.]+)°</td>", page)]
+    rates = [float(text) for text in re.findall(r"<td>(-?[\d.]+) °/s</td>", page)]
     state = motion_here("pendulum", np.array([0.5]), tmp_path / "c")[0]
     np.testing.assert_allclose(shown, np.degrees(state[:3]), atol=0.00501)  # two digits are shown
+    np.testing.assert_allclose(rates, np.degrees(state[3:]), atol=0.0501)  # one digit is shown
     picture = tmp_path / "picture.png"
-    does(
-        [CHROMIUM, *flags, f"--user-data-dir={tmp_path / 'p'}", f"--screenshot={picture}", address], tmp_path
-    )
+    in_chromium(folder, "index.html#t=0.5", f"--screenshot={picture}")
     from PIL import Image
 
     colours = Image.open(picture).convert("RGB").getcolors(1 << 24)
     # Three links and the ground, each with faces in two or more shades, fill a good part of the picture.
     assert sum(1 for count, _ in colours if count > 1000) >= 8
+
+
+@needs_chromium
+def test_a_page_tells_the_angle_of_the_hinge_that_closes_a_loop(tmp_path: Path) -> None:
+    folder = put(in_wasm("four_bar"), tmp_path / "page")
+    page = in_chromium(folder, "index.html#t=0.1", "--dump-dom")
+    simulator = lamc.compile(mechanism_of("four_bar"), scene_of("four_bar"))
+    (cut,) = simulator.cut_joints
+    row = re.search(rf"{cut}<small>closes a loop: follows from the others</small></th><td>(.*?)°</td>", page)
+    assert row is not None
+    run = simulator.run(0.1, t_eval=[0.1], rtol=1e-9, atol=1e-11)
+    assert float(row[1]) == pytest.approx(np.degrees(run.angle(cut)[0]), abs=0.00501)  # two digits are shown
+
+
+FIELDS = """<script>
+setTimeout(() => {
+  const told = {};
+  const input = document.querySelector("#inputs input");
+  const set = (value) => { input.value = value; input.dispatchEvent(new Event("change")); };
+  const note = (what) => (told[what] = {
+    problem: byId("problem").textContent, wrong: byId("wrong_h1_torque").textContent,
+    invalid: input.getAttribute("aria-invalid"), button: byId("play").textContent,
+    t: Number(byId("time").textContent) });
+  set("0.5"); note("fine"); set(""); note("emptied"); set("1e300");
+  setTimeout(() => { note("huge"); set("0"); note("mended"); byId("again").click(); note("again");
+    const textContent = JSON.stringify(told);
+    document.body.append(Object.assign(document.createElement("pre"), { id: "told", textContent }));
+  }, 1000);
+}, 1000);
+</script></body>"""
+
+
+@needs_chromium
+def test_an_emptied_field_is_named_and_the_run_goes_on_but_a_run_that_stopped_says_so(tmp_path: Path) -> None:
+    folder = put(in_wasm("pendulum"), tmp_path / "page")
+    page = folder / "index.html"
+    page.write_text(page.read_text().replace("</body>", FIELDS))
+    found = re.search(r'<pre id="told">(.*?)</pre>', in_chromium(folder, "index.html", "--dump-dom"))
+    assert found is not None
+    told = json.loads(found[1])
+    assert told["fine"]["t"] > 0.0  # it plays
+    assert told["fine"] == told["fine"] | {"problem": "", "wrong": "", "invalid": None, "button": "Pause"}
+    emptied = told["emptied"]
+    assert emptied["wrong"] == "h1.torque: it takes a number; it stays at 0.5 N·m"
+    assert (emptied["invalid"], emptied["problem"], emptied["button"]) == ("true", "", "Pause")
+    stopped = told["huge"]
+    assert stopped["problem"].startswith("Stopped at t = ")
+    assert (stopped["wrong"], stopped["invalid"], stopped["button"]) == ("", None, "Play")
+    assert told["mended"]["problem"] == stopped["problem"]
+    assert told["again"]["problem"] == ""
+
+
+@needs("node")
+def test_what_is_nearer_hides_what_is_behind_even_where_faces_cross(tmp_path: Path) -> None:
+    """Two squares that cross at x = 20, one rising and one falling, with a hole in the one; no order of whole faces
+    is right for them."""
+    depth = (data_dir("templates") / "export/wasm/page/depth.js").read_text()
+    (tmp_path / "run.mjs").write_text(
+        "globalThis.ImageData = class { constructor(w, h) { this.data = new Uint8ClampedArray(4 * w * h); } };\n"
+        f"{depth}\nconst it = new DepthBuffer(40, 40); it.clear();\n"
+        "const flat = (...all) => all.map(([x, y, slope]) => [x, y, slope * (x - 20)]);\n"
+        "const square = (s) => flat([0, 0, s], [40, 0, s], [40, 40, s], [0, 40, s]);\n"
+        "it.fill([square(1), flat([30, 10, 1], [35, 10, 1], [35, 15, 1], [30, 15, 1])], [1, 0], [255, 0, 0]);\n"
+        "it.fill([square(-1)], [-1, 0], [0, 0, 255]);\n"
+        "const colour = (x, y) => [...it.image.data.slice(4 * (40 * y + x), 4 * (40 * y + x) + 4)];\n"
+        "console.log(JSON.stringify({ left: colour(5, 20), right: colour(36, 20), hole: colour(32, 12),\n"
+        "  lines: [[5.5, 15], [5.5, 14], [5.5, 0], [36.5, 17]].map(([x, z]) => it.isSeen([x, 20.5, z], 0.1)),\n"
+        "  within: [it.within([-40, 20, 0], [40, 20, 0]), it.within([0, -5, 0], [40, -5, 0])] }));\n"
+    )
+    found = json.loads(does(["node", "run.mjs"], tmp_path))
+    red, blue = [255, 0, 0, 255], [0, 0, 255, 255]
+    assert (found["left"], found["right"], found["hole"]) == (blue, red, blue)
+    # At x = 5.5 blue stands at 20 - 5.5 = 14.5, at 36.5 red at 16.5.
+    assert found["lines"] == [True, False, False, True]
+    assert found["within"] == [[0.5, 1], [1, 0]]
 
 
 @needs("node")

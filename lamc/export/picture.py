@@ -69,7 +69,7 @@ def _draw_hinge(axis: Axes, stage: Stage, joint: Joint, segment: Array, label: s
     half = max(float(np.linalg.norm(segment[1] - segment[0])) / 2, 0.05 * size)
     tip = middle + (half + 0.05 * size) * joint.axis
     _arrow(axis, _seen(stage, np.array([middle - half * joint.axis, tip])))
-    out = _towards_child(stage.solid.mechanism, joint, middle)
+    out = towards_child(stage.solid.mechanism, joint, middle)
     across = np.cross(joint.axis, out)
     radius = 0.055 * size
     circle = radius * (np.outer(np.cos(_ARC), out) + np.outer(np.sin(_ARC), across))
@@ -88,7 +88,7 @@ def _draw_hinge(axis: Axes, stage: Stage, joint: Joint, segment: Array, label: s
     )
 
 
-def _towards_child(mechanism: Mechanism, joint: Joint, middle: Array) -> Array:
+def towards_child(mechanism: Mechanism, joint: Joint, middle: Array) -> Array:
     """The unit vector across the axis that points to the child's centre of mass; any across it if that lies on it."""
     (child,) = (body for body in mechanism.bodies if body.name == joint.child)
     for along in (child.com - middle, *np.eye(3)):

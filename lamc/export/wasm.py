@@ -25,8 +25,9 @@ from lamc.errors import BuildError, ExportError
 from lamc.export.c import STATUSES, CMember, CSource, c_source
 from lamc.export.options import ExportOptions
 from lamc.export.package import markdown, state_bytes
+from lamc.export.picture import towards_child
 from lamc.mechanism.records import Array
-from lamc.report.solid import Lines, solid_of
+from lamc.report.solid import Lines, Solid, solid_of
 from lamc.report.stage import Stage, as_drawn
 from lamc.report.style import body_colours
 from lamc.run.simulator import Simulator
@@ -190,6 +191,7 @@ def _shape(simulator: Simulator, source: CSource) -> dict[str, object]:
         "elevation": round(float(np.degrees(np.arcsin(np.clip(towards[2], -1.0, 1.0)))), 3),
         "bodies": [
             {
+                "name": body.name,
                 "com": _rounded(body.com),
                 "moving": moving.index(body.name) if body.name in moving else -1,
                 "colour": [int(colours[body.name][k : k + 2], 16) for k in (1, 3, 5)],
@@ -199,8 +201,26 @@ def _shape(simulator: Simulator, source: CSource) -> dict[str, object]:
         "faces": [[f.body, _rounded(f.normal), [_rounded(ring) for ring in f.rings]] for f in solid.faces],
         "edges": _segments(solid.edges),
         "sticks": _segments(solid.sticks),
-        "hinges": _segments(solid.hinges),
+        "hinges": _hinges(solid),
+        "closing": list(source.program.cuts),
     }
+
+
+def _hinges(solid: Solid) -> list[dict[str, object]]:
+    """Ends of what is drawn of the axis, its direction, and the direction from it to the child's side, as drawn."""
+    mechanism = solid.mechanism
+    places = {body.name: k for k, body in enumerate(mechanism.bodies)}
+    return [
+        {
+            "name": joint.name,
+            "parent": places[joint.parent],
+            "child": places[joint.child],
+            "ends": _rounded(ends),
+            "axis": _rounded(joint.axis),
+            "out": _rounded(towards_child(mechanism, joint, ends.mean(axis=0))),
+        }
+        for joint, ends in zip(mechanism.joints, solid.hinges.segments, strict=True)
+    ]
 
 
 def _segments(lines: Lines) -> list[object]:

@@ -181,5 +181,5 @@ def test_a_folder_is_written_by_the_public_name(tmp_path: Path) -> None:
     model = (folder / "leg.xml").read_text(encoding="utf-8")
     assert 'timestep="0.001"' in model
     assert {path.name for path in folder.iterdir()} >= {"README.md", "names.json", "meshes"}
-    with pytest.raises(ExportError, match="the step of an export is 0"):
+    with pytest.raises(ExportError, match=r"--step \(step\) is 0"):
         lamc.export(two_links(), "mjcf", out=tmp_path / "none", step=0.0)

@@ -111,7 +111,7 @@ def test_hostile_names_stay_text_in_the_readme(tmp_path: Path) -> None:
     ],
 )
 def test_prefixes_that_cannot_be_are_refused_by_name(prefix: object) -> None:
-    with pytest.raises(lamc.ExportError, match="the prefix is"):
+    with pytest.raises(lamc.ExportError, match=r"--prefix \(prefix\) is"):
         lamc.ExportOptions(prefix=prefix)  # type: ignore[arg-type]
 
 

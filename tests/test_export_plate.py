@@ -317,10 +317,13 @@ def test_the_command_knows_a_plate_by_its_content(tmp_path: Path, monkeypatch: p
     expected = files_of(file, "c", options=lamc.ExportOptions(edge_length=5e-3))
     assert {path: (tmp_path / "here" / path).read_bytes() for path in expected} == dict(expected)
     for words, said in (
-        (("card.yaml", "--real-time"), "real_time is True, which belongs to mechanisms"),
+        (("card.yaml", "--real-time"), "--real-time (real_time): a plate has no use for it"),
         (("card.yaml", "--angle", "h=1"), "effects, angles, rates and scenes belong to mechanisms"),
         (("card.yaml", "--size", "2 kg"), "--size '2 kg'"),
-        (("--example", "pendulum", "--size", "2 mm"), "--size is for the mesh of a plate"),
+        (
+            ("--example", "pendulum", "--size", "2 mm"),
+            "--size (edge_length): c has no use for it; leave it out (it is for a plate)",
+        ),
     ):
         refused = CliRunner().invoke(main, ["export", *words])
         assert refused.exit_code == 2
@@ -329,9 +332,15 @@ def test_the_command_knows_a_plate_by_its_content(tmp_path: Path, monkeypatch: p
 
 
 def test_options_and_targets_of_mechanisms_are_refused() -> None:
-    with pytest.raises(ExportError, match="real_time is True, which belongs to mechanisms"):
+    with pytest.raises(
+        ExportError, match=r"--real-time \(real_time\): a Problem, which has its mesh, has no"
+    ):
         files_of(problem("square"), "c", options=lamc.ExportOptions(real_time=True))
     with pytest.raises(ExportError, match="to 'c' only, not to 'fmu'"):
         files_of(problem("square"), "fmu")
-    with pytest.raises(ExportError, match="edge length of an export is 0"):
+    with pytest.raises(
+        ExportError, match=r"--size \(edge_length\): a Problem, which has its mesh, .* for a plate"
+    ):
+        files_of(problem("square"), "c", options=lamc.ExportOptions(edge_length=1e-3))
+    with pytest.raises(ExportError, match=r"--size \(edge_length\) is 0"):
         lamc.ExportOptions(edge_length=0.0)

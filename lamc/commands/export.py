@@ -32,7 +32,7 @@ class ExportOrder:
     precision: str
     single_header: bool
     integrator: str
-    fmi: int
+    fmi: int | None
     step: float | None  # s
     size: str | None  # of the edges of a plate's mesh
     lossy: bool
@@ -86,7 +86,10 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
         f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
     ]
     if effects is not None:
-        lines += [f"effects   {', '.join(effects) or 'none'}"]
+        left_out = "; README.md lists what of them is left out" if options.lossy else ""
+        lines += [f"effects   {', '.join(effects) or 'none'}{left_out}"]
+    step = TARGETS[order.target].step(str(folder), files, options)
+    lines += [f"next      {step}"]
     terminal.say("\n".join(lines))
     data = {
         "ok": True,
@@ -94,6 +97,7 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
         "target": order.target,
         "folder": str(folder),
         "files": list(written),
+        "next": step,
     }
     terminal.result({**data, "bytes": sizes, **({} if effects is None else {"effects": effects})})
     return 0
@@ -109,14 +113,13 @@ class _Made:
 
 
 def _mechanism(order: ExportOrder, options: ExportOptions, times: Times, progress: Progress) -> _Made:
-    if order.size is not None:
-        raise ExportError("--size is for the mesh of a plate, and this file is no plate: leave it out")
     loaded = load_source(order.source, times, progress)
     mechanism = mechanism_of(loaded, times, progress)
-    scene, account = changed_scene(mechanism, order.changes)
+    scene, _ = changed_scene(mechanism, order.changes)
     with told_at(scene.places), times.stage("export"):
-        files = TARGETS[order.target].files(mechanism, scene, options)
-    return _Made(loaded.name, files, [choice.name for choice in account if choice.effect is not None])
+        target = TARGETS[order.target]
+        files = target.files(mechanism, scene, options)
+        return _Made(loaded.name, files, target.effects(mechanism, scene, options))
 
 
 def _plate(order: ExportOrder, options: ExportOptions, times: Times) -> _Made:

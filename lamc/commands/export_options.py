@@ -11,14 +11,15 @@ if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
 
 
-@click.command()
+@click.command(short_help="Write a simulator, or a plate, for other programs.")
 @design
 @click.option(
     "--to",
     "target",
     default="c",
     metavar="TARGET",
-    help="c: sources for any C or C++ program; others: `lamc export --to list`.",
+    help="c, fmu, wasm, mjcf, urdf or wheel; `lamc export --to list` tells what each is.",
+    show_default=True,
 )
 @staged()
 @click.option(
@@ -46,13 +47,13 @@ if TYPE_CHECKING:
     help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported.",
 )
 @click.option(
-    "--fmi", type=click.Choice(["2", "3"]), default="2", help="Of --to fmu: the version of the standard."
+    "--fmi", type=click.Choice(["2", "3"]), help="Of --to fmu: the version of the standard.  [default: 2]"
 )
 @click.option(
     "--step",
     type=float,
     metavar="SECONDS",
-    help="Time step of models for other engines.  [default: one that suits]",
+    help="Of --to mjcf: the time step of the model.  [default: one that suits]",
 )
 @click.option(
     "--size",
@@ -88,7 +89,7 @@ def export(
     single: bool,
     single_header: bool,
     integrator: str,
-    fmi: str,
+    fmi: str | None,
     step: float | None,
     size: str | None,
     lossy: bool,
@@ -97,12 +98,13 @@ def export(
     out: str | None,
     terminal: Terminal,
 ) -> int:
-    """Write the simulator of a design, or the finite elements of a plate, as files for other programs.
+    """Write a design's simulator, or a plate's elements, for other programs. Targets: c (C and C++), fmu
+    (co-simulation), wasm (browsers, node), mjcf (MuJoCo), urdf (ROS), wheel (Python). A plate's file, with --to c only,
+    gives the matrix of its elements, its loads and a solver.
 
-    --to c gives a folder that needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a
-    README with the mechanism's picture. --to mjcf is a model for MuJoCo, and --to urdf for ROS and others. Files that
-    lamc did not write, or that were edited, are not replaced. A plate's file gives the matrix of its elements,
-    its loads and a solver, with --to c only.
+    The folder of --to c needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a README
+    with the mechanism's picture. Files that lamc did not write, or that were edited, are not replaced; options that
+    the target has no use for are refused.
 
     \b
     Examples:
@@ -127,7 +129,7 @@ def export(
         precision="float" if single else "double",
         single_header=single_header,
         integrator=integrator,
-        fmi=int(fmi),
+        fmi=None if fmi is None else int(fmi),
         step=step,
         size=size,
         lossy=lossy,

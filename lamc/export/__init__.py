@@ -15,7 +15,15 @@ from lamc.design.records import Design
 from lamc.design.split import split
 from lamc.errors import ExportError
 from lamc.export.folder import Origin, write_folder
-from lamc.export.options import ExportOptions, options_from
+from lamc.export.next_step import (
+    build_urdf,
+    compile_c,
+    install_wheel,
+    open_page,
+    simulate_fmu,
+    view_mjcf,
+)
+from lamc.export.options import ExportOptions, check_used, options_from
 from lamc.mechanism.records import Mechanism
 from lamc.scene import Scene
 
@@ -31,12 +39,29 @@ Exported: TypeAlias = Union[Design, Mechanism, "PlateFile", "Problem"]
 class Target:
     """Something that a mechanism can be exported to.
 
-    files  the export itself: pure but for temporary files of a compiler
+    uses  fields of `ExportOptions` that it reads; others are refused where they differ from their defaults
+    make  the export itself: pure but for temporary files of a compiler
+    step  one line of a shell, or a sentence, that comes next: of the folder, its files and the options
     """
 
     name: str
     summary: str
-    files: Callable[[Mechanism, Scene, ExportOptions], Files]
+    uses: tuple[str, ...]
+    make: Callable[[Mechanism, Scene, ExportOptions], Files]
+    step: Callable[[str, Files, ExportOptions], str]
+
+    def files(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+        """Raises ExportError for options that it does not read, and as `make` does."""
+        check_used(options, self.name, self.uses, _uses())
+        return self.make(mechanism, scene, options)
+
+    def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str]:
+        """Names of what acts in the export, torques from outside among them."""
+        from lamc.export.driven import driven_scene
+        from lamc.pipeline import effects_of
+
+        acting = driven_scene(mechanism, scene, options) if "inputs" in self.uses else scene
+        return [effect.name for effect in effects_of(mechanism, acting)]
 
 
 def _c(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
@@ -81,21 +106,63 @@ def _wheel(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     return wheel_files(simulator_of(mechanism, scene, options), options)
 
 
+# wasm calls no mathematical library whatever `libm` says: what is asked for by False is given.
+_SIMULATOR = ("prefix", "integrator", "libm", "inputs")
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
         for target in (
-            Target("c", "sources in C99, valid C++ too, with build files, an example and a README", _c),
-            Target("mjcf", "a model for MuJoCo, loops included, with meshes", _mjcf),
             Target(
-                "urdf", "links, hinges and inertias of a mechanism without loops, as a ROS package", _urdf
+                "c",
+                "sources in C99, valid C++ too, with build files, an example and a README",
+                (*_SIMULATOR, "precision", "real_time", "jacobian", "single_header"),
+                _c,
+                compile_c,
             ),
-            Target("fmu", "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0", _fmu),
-            Target("wasm", "WebAssembly for node and browsers, with a page that shows it move", _wasm),
-            Target("wheel", "a Python package of its own, without lamc and NumPy", _wheel),
+            Target(
+                "mjcf",
+                "a model for MuJoCo, loops included, with meshes",
+                ("prefix", "lossy", "step"),
+                _mjcf,
+                view_mjcf,
+            ),
+            Target(
+                "urdf",
+                "links, hinges and inertias of a mechanism without loops, as a ROS package",
+                ("prefix", "lossy"),
+                _urdf,
+                build_urdf,
+            ),
+            Target(
+                "fmu",
+                "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0",
+                (*_SIMULATOR, "fmi"),
+                _fmu,
+                simulate_fmu,
+            ),
+            Target(
+                "wasm",
+                "WebAssembly for node and browsers, with a page that shows it move",
+                (*_SIMULATOR, "jacobian"),
+                _wasm,
+                open_page,
+            ),
+            Target(
+                "wheel",
+                "a Python package of its own, without lamc and NumPy",
+                (*_SIMULATOR, "real_time", "jacobian"),
+                _wheel,
+                install_wheel,
+            ),
         )
     }
 )
+PLATE_USES = ("prefix", "libm", "single_header", "lossy", "edge_length")  # of a plate to c
+
+
+def _uses() -> dict[str, tuple[str, ...]]:
+    """What reads which options."""
+    return {**{name: target.uses for name, target in TARGETS.items()}, "a plate": PLATE_USES}
 
 
 def files_of(
@@ -104,8 +171,8 @@ def files_of(
     scene: Scene | None = None,
     options: ExportOptions | None = None,
 ) -> Files:
-    """The files of an export, by relative path. Raises ExportError for an unknown target, and for a plate to another
-    target than "c"."""
+    """The files of an export, by relative path. Raises ExportError for an unknown target, for options that it does not
+    read, and for a plate to another target than "c"."""
     if to not in TARGETS:
         raise ExportError(f"there is no export to {to!r}; there are {', '.join(TARGETS)}")
     if not isinstance(design, Design | Mechanism):
@@ -116,9 +183,15 @@ def files_of(
 
 def _plate_files(plate: "PlateFile | Problem", to: str, options: ExportOptions) -> Files:
     from lamc.export.plate import plate_files
+    from lamc.plate.files.problem_records import PlateFile
 
     if to != "c":
         raise ExportError(f"a plate is exported to 'c' only, not to {to!r}, which is for what moves")
+    if isinstance(plate, PlateFile):
+        check_used(options, "a plate", PLATE_USES, _uses())
+    else:
+        own = tuple(name for name in PLATE_USES if name != "edge_length")
+        check_used(options, "a Problem, which has its mesh,", own, _uses())
     return plate_files(plate, options)
 
 

@@ -30,7 +30,7 @@ def driven_scene(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> 
     for name in wanted:
         if name not in names:
             raise ExportError(
-                f"inputs names the hinge {name!r}, which is not there; {did_you_mean(name, names)}"
+                f"--inputs (inputs) names the hinge {name!r}, which is not there; {did_you_mean(name, names)}"
             )
     is_said = any(effect.name == ExternalTorque.name for effect in effects_of(mechanism, scene))
     if is_said or not wanted or ExternalTorque.name in scene.without:

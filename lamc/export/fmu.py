@@ -50,8 +50,7 @@ _SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": 
 
 
 def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
-    """NAME.fmu. Raises ExportError for options that an FMU cannot have, BuildError where the compiler fails."""
-    _check(options)
+    """NAME.fmu. Raises ExportError for systems that FMI has no name for, BuildError where the compiler fails."""
     source = c_source(simulator, options)
     program = source.program
     parameters, inputs = ([member.slot for member in kind] for kind in (source.parameters, source.inputs))
@@ -59,7 +58,7 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
     facts = _facts(source, simulator, options)
     facts = replace(facts, token=_token(source, listed, facts, options))
     sources = {name: text.encode() for name, text in _sources(source, listed, facts, options).items()}
-    describe = description_2 if options.fmi == 2 else description_3
+    describe = description_2 if options.fmi_version == 2 else description_3
     files = {
         "modelDescription.xml": describe(facts, listed),
         **{f"sources/{name}": content for name, content in sources.items()},
@@ -70,28 +69,13 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
             simulator.mechanism, program.joints, program.cuts, program.bodies
         ),
     }
-    if options.fmi == 3:
+    if options.fmi_version == 3:
         files["sources/buildDescription.xml"] = build_description(facts)
     return {
         f"{source.prefix}.fmu": zipped(
             dict(sorted(files.items())), executable=[path for path in files if path.startswith("binaries/")]
         )
     }
-
-
-def _check(options: ExportOptions) -> None:
-    if options.real_time:
-        raise ExportError(
-            "an FMU steps to times of its caller's, which real_time has no step for; leave it out"
-        )
-    if options.single_header:
-        raise ExportError("an FMU's sources are more than a header, and single_header is True; leave it out")
-    if not options.jacobian:
-        raise ExportError("an FMU tells derivatives, and jacobian is False; leave it out")
-    if options.precision != "double":
-        raise ExportError(
-            f"an FMU's numbers are double, and precision is {options.precision!r}; leave it out"
-        )
 
 
 def _facts(source: CSource, simulator: Simulator, options: ExportOptions) -> FmuFacts:
@@ -101,13 +85,13 @@ def _facts(source: CSource, simulator: Simulator, options: ExportOptions) -> Fmu
         identifier=source.prefix,
         duration=float(duration),
         tolerance=RTOL,
-        sources=(f"fmi{options.fmi}.c", f"{source.prefix}.c"),
+        sources=(f"fmi{options.fmi_version}.c", f"{source.prefix}.c"),
     )
 
 
 def _token(source: CSource, listed: Sequence[Variable], facts: FmuFacts, options: ExportOptions) -> str:
     """A name for what description and sources say without it, in the form of a GUID."""
-    describe = description_2 if options.fmi == 2 else description_3
+    describe = description_2 if options.fmi_version == 2 else description_3
     digest = hashlib.sha256(describe(facts, listed))
     for name, text in sorted(_sources(source, listed, facts, options).items()):
         digest.update(f"\0{name}\0{text}".encode())
@@ -120,8 +104,8 @@ def _sources(
 ) -> dict[str, str]:
     """All files of the folder `sources`, flat."""
     folder = _folder()
-    own = sorted([*folder.glob("slave*.h"), *folder.glob(f"fmi{options.fmi}*.[ch]")])
-    headers = sorted((folder / "headers").glob(f"fmi{options.fmi}*.h"))
+    own = sorted([*folder.glob("slave*.h"), *folder.glob(f"fmi{options.fmi_version}*.[ch]")])
+    headers = sorted((folder / "headers").glob(f"fmi{options.fmi_version}*.h"))
     model = environment().get_template(f"{_FOLDER}/model.h.j2").render(_context(source, listed, facts))
     texts = {path.name: path.read_text(encoding="utf-8") for path in (*own, *headers)}
     texts["sum.h"] = (data_dir("runtime_c") / "src" / "sum.h").read_text(encoding="utf-8")
@@ -194,7 +178,7 @@ def _system() -> tuple[str, str]:
 def _binary_path(identifier: str, options: ExportOptions) -> str:
     """Where the standard wants the binary of this platform."""
     system, ending = _system()
-    if options.fmi == 2:
+    if options.fmi_version == 2:
         bits = 64 if sys.maxsize > 2**32 else 32
         return f"binaries/{'win' if system == 'windows' else system}{bits}/{identifier}{ending}"
     machine = platform.machine().lower()

@@ -1,6 +1,12 @@
-"""`ExportOptions`: everything a user can choose of an export. What is not here cannot be chosen."""
+"""`ExportOptions`: everything a user can choose of an export. What is not here cannot be chosen.
 
+In: values. Out: a record of checked ones, or an ExportError in the words of the command line and of Python. Never:
+knows a target; which options a target reads is told by `lamc.export.TARGETS`, and held against it by `check_used`.
+"""
+
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any, cast
 
 from lamc.errors import DesignError, ExportError
@@ -9,6 +15,29 @@ from lamc.mechanism.checks import checked_number, shown
 
 PRECISIONS = ("double", "float")
 INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")
+FMI = 2  # most tools read it
+
+# Fields as the command line calls them; the others cannot be chosen there.
+FLAGS: Mapping[str, str] = MappingProxyType(
+    {
+        "prefix": "--prefix",
+        "precision": "--float",
+        "integrator": "--integrator",
+        "real_time": "--real-time",
+        "libm": "--no-libm",
+        "single_header": "--single-header",
+        "fmi": "--fmi",
+        "inputs": "--inputs",
+        "lossy": "--lossy",
+        "step": "--step",
+        "edge_length": "--size",
+    }
+)
+
+
+def named(field: str) -> str:
+    """A field in a message: `--real-time (real_time)`."""
+    return f"{FLAGS[field]} ({field})" if field in FLAGS else field
 
 
 @dataclass(frozen=True)
@@ -24,12 +53,12 @@ class ExportOptions:
     jacobian    with a function for the derivatives of the accelerations
     libm        call <math.h>; False: lamc's own functions, the same bits on every machine and compiler
     single_header  one file, NAME.h, with the source in it
-    fmi         version of the standard of an FMU, 2 or 3; 2 is what most tools read
+    fmi         version of the standard of an FMU, 2 or 3; None: 2, which most tools read
     inputs      torques from outside: "hinges" on every one, "none", or a tuple of names of hinges; a scene that has
                 `ExternalTorque` itself keeps its own
     lossy       of formats that cannot tell all of a scene: leave out what they cannot, instead of refusing it
     edge_length  m, of the mesh of a plate; None: as its file says
-    step        s, time step of models for other engines; None: one that suits the mechanism
+    step        s, time step of a model for MuJoCo; None: one that suits the mechanism
 
     Raises ExportError for values of other kinds.
     """
@@ -41,7 +70,7 @@ class ExportOptions:
     jacobian: bool = True
     libm: bool = True
     single_header: bool = False
-    fmi: int = 2
+    fmi: int | None = None
     inputs: str | tuple[str, ...] = "hinges"
     lossy: bool = False
     step: float | None = None  # s
@@ -53,39 +82,45 @@ class ExportOptions:
         for name, allowed in (("precision", PRECISIONS), ("integrator", INTEGRATORS)):
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
-                raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be one of {told}")
+                raise ExportError(f"{named(name)} is {shown(getattr(self, name))}; it must be one of {told}")
         if self.precision == "float" and not self.real_time:
             raise ExportError(
-                "precision is 'float', whose round-off no control of errors copes with; choose steps of fixed length "
-                "too: real_time=True, --real-time"
+                f"{named('precision')} is 'float', whose round-off no control of errors copes with; choose steps of "
+                "fixed length too: --real-time (real_time=True)"
             )
-        self._check_positive("step", "the step of an export", "seconds")
-        self._check_positive("edge_length", "the edge length of an export", "metres")
-        if self.fmi not in (2, 3) or not isinstance(self.fmi, int):
-            raise ExportError(f"fmi is {shown(self.fmi)}; it must be 2 or 3, the version of the standard")
+        self._check_positive("step", "seconds")
+        self._check_positive("edge_length", "metres")
+        if self.fmi not in (None, 2, 3) or not isinstance(self.fmi, int | None):
+            raise ExportError(
+                f"{named('fmi')} is {shown(self.fmi)}; it must be 2 or 3, the version of the standard"
+            )
         for name in ("real_time", "jacobian", "libm", "single_header", "lossy"):
             if not isinstance(getattr(self, name), bool):
-                raise ExportError(f"{name} is {shown(getattr(self, name))}; it must be True or False")
+                raise ExportError(f"{named(name)} is {shown(getattr(self, name))}; it must be True or False")
         are_names = isinstance(self.inputs, tuple) and all(isinstance(name, str) for name in self.inputs)
         if self.inputs not in ("hinges", "none") and not are_names:
             raise ExportError(
-                f"inputs is {shown(self.inputs)}; it must be 'hinges', 'none' or a tuple of names of hinges"
+                f"{named('inputs')} is {shown(self.inputs)}; it must be 'hinges', 'none' or a tuple of names of hinges"
             )
 
-    def _check_positive(self, name: str, what: str, unit: str) -> None:
+    def _check_positive(self, name: str, unit: str) -> None:
         if getattr(self, name) is None:
             return
         try:
-            value = checked_number(getattr(self, name), what, minimum=0.0)
+            value = checked_number(getattr(self, name), named(name), minimum=0.0)
         except DesignError as error:
             raise ExportError(error.message) from error
         if value == 0.0:
-            raise ExportError(f"{what} is 0; give {unit} above zero, or None")
+            raise ExportError(f"{named(name)} is 0; give {unit} above zero, or leave it out")
         object.__setattr__(self, name, value)
 
     @property
     def calls_libm(self) -> bool:
         return self.libm and self.precision == "double"
+
+    @property
+    def fmi_version(self) -> int:
+        return FMI if self.fmi is None else self.fmi
 
 
 def options_from(**values: object) -> ExportOptions:
@@ -95,3 +130,22 @@ def options_from(**values: object) -> ExportOptions:
         if name not in known:
             raise ExportError(f"there is no option {name!r} of an export; there are {', '.join(known)}")
     return ExportOptions(**cast(Any, values))  # __post_init__ looks at the values
+
+
+def check_used(
+    options: ExportOptions, by: str, read: Collection[str], uses: Mapping[str, Collection[str]]
+) -> None:
+    """Raises ExportError for options that were chosen and that nothing reads: what has no effect is not asked for.
+
+    by    what is exported, in words, of which `read` are the fields that it reads
+    uses  who else reads which, for the way out
+    """
+    usual = ExportOptions()
+    names = [field.name for field in fields(options)]
+    idle = [name for name in names if name not in read and getattr(options, name) != getattr(usual, name)]
+    if not idle:
+        return
+    it, they_are = ("it", "it is") if len(idle) == 1 else ("them", "they are")
+    takers = [name for name, fields_read in uses.items() if set(idle) <= set(fields_read)]
+    hint = f" ({they_are} for {', '.join(takers)})" if takers else ""
+    raise ExportError(f"{', '.join(map(named, idle))}: {by} has no use for {it}; leave {it} out{hint}")

@@ -19,7 +19,6 @@ from lamc.codegen.lowering import Lowering, canonical
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import ElementProgram, Function, Space
-from lamc.errors import ExportError
 from lamc.export.amalgam import amalgamate
 from lamc.export.c import BARE, CStatus, public_functions
 from lamc.export.options import ExportOptions
@@ -73,25 +72,13 @@ class PlateSource:
 def plate_files(plate: PlateFile | Problem, options: ExportOptions, name: str = "plate") -> dict[str, bytes]:
     """All files of the export of `plate`; `name` is that of a Problem, which has none.
 
-    Raises ExportError for plates that are not held or too large, for options that belong to mechanisms, and for loads
-    that it does not have; DesignError as `problem_of` does.
+    Raises ExportError for plates that are not held or too large, and for loads that it does not have; DesignError as
+    `problem_of` does.
     """
-    _check(options)
     name = plate.name if isinstance(plate, PlateFile) else name
     problem = problem_of(plate, size=options.edge_length) if isinstance(plate, PlateFile) else plate
     source = plate_source(problem, options, name)
     return folder_of(source.prefix, source.header, source.source, problem, source.context, options)
-
-
-def _check(options: ExportOptions) -> None:
-    """Raises ExportError for what is asked of a mechanism's export only."""
-    usual = ExportOptions()
-    for field in ("precision", "integrator", "real_time", "jacobian", "inputs", "step", "fmi"):
-        if getattr(options, field) != getattr(usual, field):
-            raise ExportError(
-                f"{field} is {getattr(options, field)!r}, which belongs to mechanisms; a plate does not move: leave it "
-                "out"
-            )
 
 
 def plate_source(problem: Problem, options: ExportOptions, name: str) -> PlateSource:

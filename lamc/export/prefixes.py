@@ -46,8 +46,9 @@ def check_prefix(prefix: object) -> None:
     """Raises ExportError for what is no prefix."""
     rule = f"letters, digits and single _, a letter first, {MAX_IDENTIFIER} characters at most"
     if not isinstance(prefix, str) or not _PREFIX.fullmatch(prefix) or len(prefix) > MAX_IDENTIFIER:
-        raise ExportError(f"the prefix is {shown(prefix)}; it must be a C name: {rule}")
+        raise ExportError(f"--prefix (prefix) is {shown(prefix)}; it must be a C name: {rule}")
     if prefix.lower() in TAKEN:
         raise ExportError(
-            f"the prefix is {prefix!r}, which C, C++, a system or lamc uses itself; take another, such as {prefix}_1"
+            f"--prefix (prefix) is {prefix!r}, which C, C++, a system or lamc uses itself; take another, "
+            f"such as {prefix}_1"
         )

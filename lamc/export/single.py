@@ -72,7 +72,7 @@ def check_range(value: float, what: str) -> None:
     if size > _GREATEST or 0.0 < size < _LEAST:
         raise ExportError(
             f"{what} is {value:.6g}, and single precision holds sizes of {_LEAST:.4g} to {_GREATEST:.4g}; "
-            "export in double precision"
+            "export in double precision, without --float (precision)"
         )
 
 

@@ -21,7 +21,7 @@ from lamc._version import __version__
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import Compiler, run_compiler
-from lamc.errors import BuildError, ExportError
+from lamc.errors import BuildError
 from lamc.export.c import STATUSES, CMember, CSource, c_source
 from lamc.export.options import ExportOptions
 from lamc.export.package import markdown, state_bytes
@@ -53,8 +53,7 @@ class WasmTools:
 
 
 def wasm_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
-    """The folder. Raises ExportError for options that do not fit, BuildError without a compiler for WebAssembly."""
-    _check(options)
+    """The folder. Raises BuildError without a compiler for WebAssembly."""
     tools = find_wasm_tools()
     source = c_source(simulator, replace(options, libm=False))
     context = _context(source, options)
@@ -92,17 +91,6 @@ def find_wasm_tools() -> WasmTools:
             f"an export to wasm needs a compiler for it, and {missing} is missing; {INSTALL_HINT}"
         )
     return WasmTools(Compiler((clang, "--target=wasm32"), clang), Compiler((linker,), linker))
-
-
-def _check(options: ExportOptions) -> None:
-    if options.real_time:
-        raise ExportError("the page steps to times of its own, which real_time has no step for; leave it out")
-    if options.single_header:
-        raise ExportError("an export to wasm has no header, and single_header is True; leave it out")
-    if options.precision != "double":
-        raise ExportError(
-            f"an export to wasm computes in double, and precision is {options.precision!r}; leave it out"
-        )
 
 
 def _compiled(source: CSource, glue: str, tools: WasmTools) -> bytes:

@@ -59,13 +59,12 @@ _OWN = {
 
 
 def wheel_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
-    """The wheel. Raises ExportError for names and options that do not fit, BuildError where the compiler fails."""
-    _check(options)
+    """The wheel. Raises ExportError for names that do not fit, BuildError where the compiler fails."""
     source = c_source(simulator, options)
     if source.prefix in _TAKEN:
         raise ExportError(
             f"a package cannot be named {source.prefix!r}, which Python or a package that it needs has; "
-            f"take another prefix, such as {source.prefix}_model"
+            f"take another by --prefix (prefix), such as {source.prefix}_model"
         )
     library, binding = _compiled(source)
     package = {
@@ -86,15 +85,6 @@ def wheel_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes
     )
     files[f"{named}.dist-info/RECORD"] = _record(files, f"{named}.dist-info/RECORD").encode()
     return {f"{named}-{tag}.whl": zipped(files, executable=[f"{P}/{LIBRARY}"])}
-
-
-def _check(options: ExportOptions) -> None:
-    if options.single_header:
-        raise ExportError("a wheel has no header, and single_header is True; leave it out")
-    if options.precision != "double":
-        raise ExportError(
-            f"a wheel's numbers are double, and precision is {options.precision!r}; leave it out"
-        )
 
 
 def _compiled(source: CSource) -> tuple[bytes, str]:

@@ -265,7 +265,7 @@ def in_cxx(mechanism: Mechanism, folder: Path, turns: int) -> Times:
 
 
 def in_python(mechanism: Mechanism, folder: Path, turns: int) -> Times:
-    (wheel,) = _written(mechanism, "wheel", folder)
+    wheel, _ = _written(mechanism, "wheel", folder)
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder)
     return _told(_output([sys.executable, "-c", PYTHON_TIMER, str(turns)], folder))

@@ -33,8 +33,14 @@ pytestmark = needs_cc
 def wheel_of(name: str, **options: object) -> tuple[str, bytes]:
     """Name and bytes."""
     chosen = lamc.ExportOptions(**options)  # type: ignore[arg-type]
-    ((path, content),) = files_of(mechanism_of(name), "wheel", scene_of(name), chosen).items()
-    return path, content
+    files = files_of(mechanism_of(name), "wheel", scene_of(name), chosen)
+    return the_wheel(files)
+
+
+def the_wheel(files: Mapping[str, bytes]) -> tuple[str, bytes]:
+    """Beside it there is what tells how to use it, and nothing else."""
+    (path,) = files.keys() - {"README.md"}
+    return path, files[path]
 
 
 @pytest.fixture(scope="module")
@@ -176,7 +182,19 @@ def test_a_wheel_is_as_its_format_has_it() -> None:
 def test_the_same_design_gives_the_same_bytes() -> None:
     chosen = lamc.ExportOptions()
     again: Mapping[str, bytes] = files_of(mechanism_of("pendulum"), "wheel", scene_of("pendulum"), chosen)
-    assert dict(again) == dict([wheel_of("pendulum")])
+    assert the_wheel(again) == wheel_of("pendulum")
+
+
+def test_what_the_readme_shows_runs(python: Path) -> None:
+    files = files_of(mechanism_of("pendulum"), "wheel", scene_of("pendulum"))
+    readme, wheel = files["README.md"].decode(), the_wheel(files)
+    assert f"pip install {wheel[0]}\n" in readme
+    assert "| coordinate | unit |\n|---|---|\n| h1 | rad |\n| h2 | rad |\n| h3 | rad |\n" in readme
+    assert "| h1.torque | 0 | N·m |" in readme
+    install(python, wheel)
+    script = readme.split("```python\n")[1].split("```")[0].replace("print(", "result = (")
+    q, u, _ = run(python, script)
+    assert list(q) == list(u) == ["h1", "h2", "h3"]
 
 
 def test_steps_of_fixed_length_alone(python: Path) -> None:
@@ -202,10 +220,8 @@ def test_names_that_no_package_can_have_are_refused(name: str) -> None:
 
 def test_a_hostile_name_stays_a_name(python: Path) -> None:
     mechanism = replace(mechanism_of("pendulum"), name='""" + exit(1) + """ \\')
-    ((path, content),) = files_of(
-        mechanism, "wheel", scene_of("pendulum"), lamc.ExportOptions(prefix="type_error")
-    ).items()
-    install(python, (path, content))
+    files = files_of(mechanism, "wheel", scene_of("pendulum"), lamc.ExportOptions(prefix="type_error"))
+    install(python, the_wheel(files))
     assert run(python, "import type_error\nresult = type_error.TypeErrorModel().t") == 0.0
 
 

@@ -1,8 +1,8 @@
 """A model as a Python package of its own: a wheel with the compiled C and a binding by cffi, and nothing else.
 
-In: a simulator and options. Out: NAME-VERSION-py3-none-PLATFORM.whl. The package needs cffi, not lamc or NumPy, and
-any Python from 3.9 on. The same design gives the same bytes, but for what the compiler makes of them. Never: derives
-anything; compiles for another platform than this one.
+In: a simulator and options. Out: NAME-VERSION-py3-none-PLATFORM.whl and a README.md beside it. The package needs cffi,
+not lamc or NumPy, and any Python from 3.9 on. The same design gives the same bytes, but for what the compiler makes of
+them. Never: derives anything; compiles for another platform than this one.
 """
 
 import base64
@@ -28,6 +28,7 @@ from lamc.codegen.toolchain import find_compiler, run_compiler
 from lamc.errors import BuildError, ExportError
 from lamc.export.c import STATUSES, CMember, CSource, c_source
 from lamc.export.options import ExportOptions
+from lamc.export.package import markdown
 from lamc.export.zips import zipped
 from lamc.run.simulator import Simulator
 
@@ -59,7 +60,10 @@ _OWN = {
 
 
 def wheel_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
-    """The wheel. Raises ExportError for names that do not fit, BuildError where the compiler fails."""
+    """The wheel, and what tells how to use it.
+
+    Raises ExportError for names that do not fit, BuildError where the compiler fails.
+    """
     source = c_source(simulator, options)
     if source.prefix in _TAKEN:
         raise ExportError(
@@ -84,7 +88,11 @@ def wheel_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes
         f"Wheel-Version: 1.0\nGenerator: lamc {__version__}\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     )
     files[f"{named}.dist-info/RECORD"] = _record(files, f"{named}.dist-info/RECORD").encode()
-    return {f"{named}-{tag}.whl": zipped(files, executable=[f"{P}/{LIBRARY}"])}
+    wheel = f"{named}-{tag}.whl"
+    return {
+        wheel: zipped(files, executable=[f"{P}/{LIBRARY}"]),
+        "README.md": _readme(source, options, wheel).encode(),
+    }
 
 
 def _compiled(source: CSource) -> tuple[bytes, str]:
@@ -157,6 +165,33 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
         "real_time": options.real_time,
         "jacobian": options.jacobian,
     }
+
+
+def _readme(source: CSource, options: ExportOptions, wheel: str) -> str:
+    program = source.program
+    told = {
+        "title_md": markdown(program.name),
+        "wheel": wheel,
+        "coordinates_md": [{"name": markdown(c.name), "unit": markdown(c.unit)} for c in program.coordinates],
+        "inputs_md": _told(source, source.inputs),
+        "parameters_md": _told(source, source.parameters),
+    }
+    template = environment().get_template("export/wheel/README.md.j2")
+    return template.render(_context(source, options) | told)
+
+
+def _told(source: CSource, members: Sequence[CMember]) -> list[dict[str, str]]:
+    """Rows of a table, text of the design as text of Markdown."""
+    numbers = [source.program.parameters[member.slot] for member in members]
+    return [
+        {
+            "name": markdown(p.name),
+            "default": f"{p.default:.6g}",
+            "unit": markdown(p.unit),
+            "meaning": markdown(p.meaning),
+        }
+        for p in numbers
+    ]
 
 
 def class_name(prefix: str) -> str:

@@ -62,7 +62,7 @@ def test_what_the_model_does_not_call_is_not_there() -> None:
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "limit_stop"])
 def test_the_motion_is_that_with_a_library_to_the_tolerance(name: str, tmp_path: Path) -> None:
-    """Powers in the choice of a first step may differ in their last digits, and with them all steps; nothing else does."""
+    """A first step comes of pow, whose last digits differ, and with it all steps; nothing else does."""
     t_end = DURATION[name]
     times = np.linspace(0.0, t_end, 21)[1:]
     mechanism, scene = mechanism_of(name), scene_of(name)

@@ -230,8 +230,10 @@ def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
     assert np.abs(centre[:, 1]).max() < 1e-3 * radius  # straight on
 
 
-def test_the_crawler_walks_alike_at_any_tolerance() -> None:
-    """Strokes are alike once it has found its gait, 36 mm/s, and do not depend on tolerance or method."""
+def test_the_crawler_walks_alike_by_any_method() -> None:
+    """Strokes are alike once it has found its gait, 36 mm/s, and do not depend on the method. From rtol 1e-5 on ways are
+    alike to 1e-4; around 1e-4 they scatter by up to 0.8 %, as touches fall on other steps (any change of step control
+    deals that anew), so nothing is asked there."""
     mechanism = lamc.split(lamc.load(Path(lamc.__file__).parent / "examples" / "crawler.yaml"))
     sim = lamc.compile(mechanism)
     strokes = np.arange(1.0, 3.01, 0.125)  # s, eight a second
@@ -245,7 +247,7 @@ def test_the_crawler_walks_alike_at_any_tolerance() -> None:
         np.full(16, steps.mean()), rel=0.02
     )  # each touch of 16 a stroke is a little different
     assert steps.mean() == pytest.approx(4.54e-3, rel=0.01)  # m, as the story tells
-    assert walks[1] - walks[1][0] == pytest.approx(walks[0] - walks[0][0], rel=5e-3)
+    assert walks[1] - walks[1][0] == pytest.approx(walks[0] - walks[0][0], rel=1e-3)  # ten times what is seen
 
 
 def test_the_crawler_stays_where_friction_holds_it() -> None:

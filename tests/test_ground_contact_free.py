@@ -231,7 +231,7 @@ def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
 
 
 def test_the_crawler_walks_alike_by_any_method() -> None:
-    """Strokes are alike once it has found its gait, 36 mm/s, and do not depend on the method. From rtol 1e-5 on ways are
+    """Strokes are alike once the gait is found, 36 mm/s, and do not depend on the method. From rtol 1e-5 on they are
     alike to 1e-4; around 1e-4 they scatter by up to 0.8 %, as touches fall on other steps (any change of step control
     deals that anew), so nothing is asked there."""
     mechanism = lamc.split(lamc.load(Path(lamc.__file__).parent / "examples" / "crawler.yaml"))

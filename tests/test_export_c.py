@@ -10,32 +10,27 @@ import lamc
 from lamc.export.options import ExportOptions
 from tests.ctools import needs_cc
 from tests.exported import Exported, c_files
+from tests.exported_folders import mechanism_of
 
 pytestmark = needs_cc
 
-EXAMPLES = Path(lamc.__file__).parent / "examples"
 # name, end s: tree, stiff hinges, loops of each kind, limits with and without impact, contact and a floating base
 SCENES = (
-    ("pendulum.yaml", 2.0),
-    ("stiff_triple.yaml", 0.3),
-    ("four_bar.yaml", 1.0),
-    ("vertex.yaml", 0.5),
-    ("two_loops.yaml", 0.5),
-    ("limit_stop.yaml", 1.0),
-    ("flaps.yaml", 0.5),
-    ("crawler.yaml", 0.2),
-    ("flapping_wing.yaml", 0.02),
+    ("pendulum", 2.0),
+    ("stiff_triple", 0.3),
+    ("four_bar", 1.0),
+    ("vertex", 0.5),
+    ("two_loops", 0.5),
+    ("limit_stop", 1.0),
+    ("flaps", 0.5),
+    ("crawler", 0.2),
+    ("flapping_wing", 0.02),
 )
-
-
-def example(name: str) -> lamc.Mechanism:
-    design = lamc.load(EXAMPLES / name)
-    return design if isinstance(design, lamc.Mechanism) else lamc.split(design)
 
 
 @pytest.mark.parametrize(("name", "t_end"), SCENES)
 def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp_path: Path) -> None:
-    mechanism = example(name)
+    mechanism = mechanism_of(name)
     times = np.linspace(0.0, t_end, 38)[1:]
     result = lamc.compile(mechanism).run(t_end, t_eval=times)
     assert result.success
@@ -45,9 +40,9 @@ def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp
 
 
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5"])
-@pytest.mark.parametrize("name", ["pendulum.yaml", "four_bar.yaml"])
+@pytest.mark.parametrize("name", ["pendulum", "four_bar"])
 def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str, tmp_path: Path) -> None:
-    mechanism = example(name)
+    mechanism = mechanism_of(name)
     times = np.linspace(0.0, 0.3, 11)[1:]
     result = lamc.compile(mechanism).run(0.3, t_eval=times, integrator=integrator)
     exported = Exported(c_files(mechanism, options=ExportOptions(integrator=integrator)), tmp_path)
@@ -58,17 +53,17 @@ def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str,
 @pytest.fixture(scope="module")
 def crawler(tmp_path_factory: pytest.TempPathFactory) -> Exported:
     """Contact, a floating base, switches: of all examples the one with the most to keep between two steps."""
-    return Exported(c_files(example("crawler.yaml")), tmp_path_factory.mktemp("crawler"))
+    return Exported(c_files(mechanism_of("crawler")), tmp_path_factory.mktemp("crawler"))
 
 
 @pytest.fixture(scope="module")
 def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(c_files(example("pendulum.yaml")), tmp_path_factory.mktemp("pendulum"))
+    return Exported(c_files(mechanism_of("pendulum")), tmp_path_factory.mktemp("pendulum"))
 
 
 @pytest.fixture(scope="module")
 def four_bar(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(c_files(example("four_bar.yaml")), tmp_path_factory.mktemp("four_bar"))
+    return Exported(c_files(mechanism_of("four_bar")), tmp_path_factory.mktemp("four_bar"))
 
 
 def test_many_targets_change_nothing(crawler: Exported) -> None:
@@ -119,7 +114,7 @@ def test_parameters_changed_on_the_way_act_from_there_on(pendulum: Exported) -> 
     assert pendulum.call("set_parameters", it, parameters) == 0
     assert pendulum.state(it) == state
     assert pendulum.call("step", it, 1.37) == 0
-    mechanism = example("pendulum.yaml")
+    mechanism = mechanism_of("pendulum")
     names = [joint.name for joint in mechanism.joints]
     n = len(names)
     scene = lamc.Scene(
@@ -146,7 +141,7 @@ def test_modes_of_contact_survive_a_change_of_parameters(crawler: Exported) -> N
 
 
 def test_rates_of_change_outputs_and_derivatives_are_those_of_python(four_bar: Exported) -> None:
-    mechanism = example("four_bar.yaml")
+    mechanism = mechanism_of("four_bar")
     sim = lamc.compile(mechanism)
     result = sim.run(0.2, t_eval=[0.2])
     it, outputs = four_bar.instance(t_stop=0.2), four_bar.new("outputs")
@@ -174,11 +169,11 @@ def test_rates_of_change_outputs_and_derivatives_are_those_of_python(four_bar: E
     np.testing.assert_array_equal(np.array(list(by_u)).reshape(count, count), expected[1])
 
 
-@pytest.mark.parametrize("name", ["pendulum.yaml", "four_bar.yaml"])
+@pytest.mark.parametrize("name", ["pendulum", "four_bar"])
 def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> None:
     """Errors against a run at the tightest tolerance fall by 16 where the step is halved; by 13 at least, since steps
     of this length leave some of the next order. The same bits with `real_time`, which has nothing else."""
-    mechanism = example(name)
+    mechanism = mechanism_of(name)
     tight = lamc.compile(mechanism).run(0.05, rtol=1e-12, atol=1e-14, t_eval=[0.05])
     exported = Exported(c_files(mechanism), tmp_path / "whole")
     lean = Exported(

@@ -13,20 +13,20 @@ from lamc import Body, FreeBase, Joint, Mechanism, Scene
 from lamc.export.options import ExportOptions
 from tests.ctools import needs_cc
 from tests.exported import Exported, c_files
+from tests.exported_folders import mechanism_of
 from tests.floating import lone_body
-from tests.test_export_c import example
 
 pytestmark = needs_cc
 
 
 @pytest.fixture(scope="module")
 def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(c_files(example("pendulum.yaml")), tmp_path_factory.mktemp("pendulum"))
+    return Exported(c_files(mechanism_of("pendulum")), tmp_path_factory.mktemp("pendulum"))
 
 
 @pytest.fixture(scope="module")
 def four_bar(tmp_path_factory: pytest.TempPathFactory) -> Exported:
-    return Exported(c_files(example("four_bar.yaml")), tmp_path_factory.mktemp("four_bar"))
+    return Exported(c_files(mechanism_of("four_bar")), tmp_path_factory.mktemp("four_bar"))
 
 
 def bytes_of(exported: Exported, struct: object) -> bytes:
@@ -300,11 +300,11 @@ def test_no_writable_data_and_nothing_but_libm(tmp_path: Path) -> None:
         "hypot",
     }
     for name, options in (
-        ("crawler.yaml", ExportOptions()),
-        ("four_bar.yaml", ExportOptions(integrator="rk45")),
-        ("pendulum.yaml", ExportOptions(real_time=True, jacobian=False)),
+        ("crawler", ExportOptions()),
+        ("four_bar", ExportOptions(integrator="rk45")),
+        ("pendulum", ExportOptions(real_time=True, jacobian=False)),
     ):
-        files = c_files(example(name), options=options)
+        files = c_files(mechanism_of(name), options=options)
         source = next(n for n in files if n.endswith(".c"))
         text = files[source].decode()
         assert "malloc" not in text

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc.mechanism.records import Mechanism
 from lamc.run.simulator import Simulator
 from tests.ctools import needs_cc
+from tests.exported_folders import mechanism_of
 from tests.fmus import VERSIONS, Fmu, need_fmpy, written
 
 pytestmark = needs_cc
@@ -25,12 +25,6 @@ EXAMPLES = {  # what each has that the others have not
 }
 
 
-def example(name: str) -> Mechanism:
-    folder = Path(lamc.__file__).parent / "examples"
-    loaded = lamc.load(folder / f"{name}.yaml")
-    return loaded if isinstance(loaded, Mechanism) else lamc.split(loaded)
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory):
     """made(name, fmi) -> simulator, FMU file, unzipped folder; each made once."""
@@ -40,7 +34,7 @@ def made(tmp_path_factory: pytest.TempPathFactory):
     def make(name: str, fmi: int) -> tuple[Simulator, Path, Path]:
         if (name, fmi) not in known:
             if name not in simulators:
-                simulators[name] = lamc.compile(example(name))
+                simulators[name] = lamc.compile(mechanism_of(name))
             file = written(simulators[name], fmi, tmp_path_factory.mktemp(name))
             folder = file.with_suffix("")
             with zipfile.ZipFile(file) as archive:

@@ -15,8 +15,8 @@ import lamc
 from lamc.cli import main
 from lamc.commands.export_options import export
 from lamc.export import PLATE_USES, TARGETS
+from lamc.export.markdown import markdown
 from lamc.export.options import FLAGS
-from lamc.export.package import markdown
 from tests.ctools import needs_cc
 from tests.exported_folders import mechanism_of
 

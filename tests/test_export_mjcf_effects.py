@@ -57,7 +57,7 @@ def test_a_torque_in_time_acts_by_the_control_callback_beside_the_model(tmp_path
     simulator = lamc.compile(two_links(), scene)
     result = simulator.run(0.5, rtol=1e-12, atol=1e-14, t_eval=[0.0, 0.5])
     engine = InMujoco(two_links(), scene, tmp_path)
-    assert "3&#42;sin(5&#42;t) - rate&#42;rate" in engine.readme
+    assert "3\\*sin(5\\*t) - rate\\*rate" in engine.readme
     mujoco.set_mjcb_control(runpy.run_path(str(tmp_path / "torques.py"))["control"])
     try:
         engine.end(0.5, 1e-3)

@@ -10,7 +10,7 @@ import pytest
 
 import lamc
 from lamc.export import files_of
-from lamc.export.package import markdown
+from lamc.export.markdown import markdown
 from tests.ctools import needs_cc
 from tests.exported_folders import STRICT, cc, does, put
 

@@ -110,6 +110,12 @@ class _Reader:
         return None
 
 
+def public_functions(header: str, prefix: str) -> list[str]:
+    """Functions that an export's header declares."""
+    lines = [line for line in header.splitlines() if line.startswith(f"{prefix.upper()}_API ")]
+    return [line.split("(")[0].split()[-1].lstrip("*") for line in lines]
+
+
 def amalgamate(
     files: Mapping[str, str],
     sources: Sequence[str],

@@ -3,16 +3,13 @@
 In: numbers and names. Out: text that reads back exactly, and Markdown in which a name is a name. Never: lays out XML.
 """
 
-import html
 import json
-import re
 from collections.abc import Iterable
 from xml.etree import ElementTree
 
 from lamc.codegen.emit import environment
 from lamc.export.engine_model import EngineModel
-
-_MARKDOWN = re.compile(r"[|`*\[\]\\]|(?<![^\W_])_|_(?![^\W_])")  # an underscore within a word is plain
+from lamc.export.markdown import markdown
 
 
 def number(value: float) -> str:
@@ -24,11 +21,6 @@ def number(value: float) -> str:
 def row(values: Iterable[float]) -> str:
     """Numbers with spaces between them."""
     return " ".join(number(value) for value in values)
-
-
-def markdown(text: str) -> str:
-    """`text` so that Markdown shows it as it is."""
-    return _MARKDOWN.sub(lambda found: f"&#{ord(found[0])};", html.escape(text, quote=False))
 
 
 def filled(template: str, model: EngineModel, facts: dict[str, object]) -> bytes:

@@ -19,7 +19,8 @@ from lamc.export.engine_loads import Stop
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
-from lamc.export.engine_text import filled, markdown, names_json, number, row, xml_text
+from lamc.export.engine_text import filled, names_json, number, row, xml_text
+from lamc.export.markdown import markdown
 from lamc.export.meshes import body_meshes
 from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds, hinges_of
 from lamc.export.options import ExportOptions

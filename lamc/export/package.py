@@ -14,8 +14,10 @@ from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
 from lamc.codegen.program import Program
 from lamc.export.bound import step_bound
-from lamc.export.c import CMember, CSource
+from lamc.export.c import CSource
 from lamc.export.fixed_step import suitable_step
+from lamc.export.markdown import markdown
+from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
 from lamc.mechanism.records import Mechanism
@@ -29,8 +31,6 @@ _TEMPLATES = {
     "example_main.c": "example_main.c.j2",
     "README.md": "README.md.j2",
 }
-# What Markdown reads as markup, where it does: _ within a word is none.
-_MARKUP = re.compile(r"([\\`*\[\]<>|~$&@#]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9]))")
 
 
 def package_files(source: CSource, simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
@@ -111,8 +111,8 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
             if k >= len(program.joints)
         ],
         "cuts": [markdown(name) for name in program.cuts],
-        "parameters": _members(program, source.parameters),
-        "inputs": _members(program, source.inputs),
+        "parameters": table_rows(program, source.parameters),
+        "inputs": table_rows(program, source.inputs),
         "first_parameter": next((member.field for member in source.parameters), ""),
         "bodies": [markdown(name) for name in program.bodies],
         "energies": [markdown(name) for name in program.energies],
@@ -153,29 +153,8 @@ def _coordinates(program: Program, mechanism: Mechanism, start: Sequence[float])
     return rows
 
 
-def _members(program: Program, members: Sequence[CMember]) -> list[dict[str, str]]:
-    rows = []
-    for member in members:
-        parameter = program.parameters[member.slot]
-        rows.append(
-            {
-                "field": member.field,
-                "default": _number(parameter.default),
-                "unit": markdown(parameter.unit),
-                "meaning": f"{markdown(parameter.name)}: {markdown(parameter.meaning)}",
-            }
-        )
-    return rows
-
-
 def _number(value: float) -> str:
     return f"{value:.6g}"
-
-
-def markdown(text: str) -> str:
-    """`text` as it is, in a line of Markdown: no markup, no tag, no cell's end, no character that steers."""
-    line = "".join(ch if ch.isprintable() else " " for ch in text)
-    return _MARKUP.sub(r"\\\1", line)
 
 
 def compile_line(prefix: str, options: ExportOptions) -> str:

@@ -19,13 +19,14 @@ from lamc.codegen.lowering import Lowering, canonical
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.program import ElementProgram, Function, Space
-from lamc.export.amalgam import amalgamate
-from lamc.export.c import BARE, CStatus, public_functions
+from lamc.export.amalgam import amalgamate, public_functions
 from lamc.export.options import ExportOptions
 from lamc.export.plate_laminates import MODULI, LaminateTables, laminate_tables
 from lamc.export.plate_package import folder_of
 from lamc.export.plate_tables import PlateTables, plate_tables
 from lamc.export.prefixes import prefix_of
+from lamc.export.runtime import BARE
+from lamc.export.statuses import CStatus
 from lamc.mechanics.staging import Level
 from lamc.plate.elements.build import element_program
 from lamc.plate.files.problem_make import problem_of

@@ -8,8 +8,9 @@ from collections.abc import Mapping
 
 from lamc._version import __version__
 from lamc.codegen.emit import environment
+from lamc.export.markdown import markdown
 from lamc.export.options import ExportOptions
-from lamc.export.package import compile_line, markdown, single_header
+from lamc.export.package import compile_line, single_header
 from lamc.plate.problem import Problem
 from lamc.report.plates import mesh_figure
 from lamc.report.style import png_of

@@ -11,7 +11,6 @@ import json
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,10 +21,13 @@ from lamc.codegen.emit import environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import Compiler, run_compiler
 from lamc.errors import BuildError
-from lamc.export.c import STATUSES, CMember, CSource, c_source
+from lamc.export.c import CSource, c_source
+from lamc.export.markdown import markdown
+from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
-from lamc.export.package import markdown, state_bytes
+from lamc.export.package import state_bytes
 from lamc.export.picture import towards_child
+from lamc.export.statuses import STATUSES
 from lamc.mechanism.records import Array
 from lamc.report.solid import Lines, Solid, solid_of
 from lamc.report.stage import Stage, as_drawn
@@ -135,27 +137,12 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
         "inputs_js": _js([member.field for member in source.inputs]),
         "parameters": source.parameters,
         "inputs": source.inputs,
-        "parameters_md": _members(source, source.parameters),
-        "inputs_md": _members(source, source.inputs),
+        "parameters_md": table_rows(program, source.parameters),
+        "inputs_md": table_rows(program, source.inputs),
         "jacobian": options.jacobian,
         "value_count": max(1, nq + nu),
         "found_count": max(1, nq + nu, nu * (nq + nu + inputs), len(program.energies)),
     }
-
-
-def _members(source: CSource, members: Sequence[CMember]) -> list[dict[str, str]]:
-    rows = []
-    for member in members:
-        parameter = source.program.parameters[member.slot]
-        rows.append(
-            {
-                "field": member.field,
-                "default": f"{parameter.default:.6g}",
-                "unit": markdown(parameter.unit),
-                "meaning": f"{markdown(parameter.name)}: {markdown(parameter.meaning)}",
-            }
-        )
-    return rows
 
 
 def _js(value: object) -> str:

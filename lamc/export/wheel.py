@@ -26,9 +26,11 @@ from lamc.codegen.emit import declarations_of, environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import find_compiler, run_compiler
 from lamc.errors import BuildError, ExportError
-from lamc.export.c import STATUSES, CMember, CSource, c_source
+from lamc.export.c import CSource, c_source
+from lamc.export.markdown import markdown
+from lamc.export.members import CMember
 from lamc.export.options import ExportOptions
-from lamc.export.package import markdown
+from lamc.export.statuses import STATUSES
 from lamc.export.zips import zipped
 from lamc.run.simulator import Simulator
 

@@ -1,0 +1,87 @@
+"""Which files of the runtime an exported simulator takes along, and in which form.
+
+In: a program and options. Out: names and texts of C files. Units that a model does not need (loops without loops,
+events without guards) are replaced by those of `runtime_c/absent/`, which answer at no cost, so that the code around
+them is the same and so are its bits.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from lamc.codegen.program import Program
+from lamc.export.options import ExportOptions
+from lamc.resources import data_dir
+from lamc.run.native import METHODS
+
+IMPLICIT = ("rodas5p", "radau5")
+# What stands for <math.h> in programs without it, where the text says the name at the left.
+_FUNCTIONS = """
+sqrt fabs fmin fmax copysign exp log pow sin cos tan asin acos atan atan2 sinh cosh tanh
+"""
+BARE = {"HUGE_VAL": "LAMC_INFINITY", **{name: f"lamc_{name}" for name in _FUNCTIONS.split()}}
+
+
+def _needs_jacobian(options: ExportOptions) -> bool:
+    """Whether anything asks for derivatives of the accelerations."""
+    is_implicit = not options.real_time and options.integrator in ("auto", *IMPLICIT)
+    return options.jacobian or is_implicit
+
+
+def lean(program: Program, options: ExportOptions) -> Program:
+    """The program without functions that nothing calls."""
+    if _needs_jacobian(options) or "jacobian" not in program.functions:
+        return program
+    unused = {"jacobian"} if "impacts" in program.functions else {"jacobian", "inertia"}
+    return replace(program, functions={k: f for k, f in program.functions.items() if k not in unused})
+
+
+def units(options: ExportOptions) -> list[str]:
+    """Sources of the runtime, in an order in which objects stand before their use."""
+    first = ["system.c", "guards.c", "loops.c", "linearise.c", "powers.c", "motion.c", "fixed.c"]
+    if options.real_time:
+        return first
+    methods = [name for name in METHODS if name != "auto" and options.integrator in ("auto", name)]
+    implicit = ["implicit.c"] if any(name in IMPLICIT for name in methods) else []
+    return [
+        *("integrals.c", *first, *implicit, *(f"{name}.c" for name in methods)),
+        *("run.c", "watch.c", "events.c", "rows.c"),
+    ]
+
+
+def _absent(program: Program, options: ExportOptions) -> set[str]:
+    """Units that the model does without."""
+    needed = {
+        "loops": bool(program.cuts),
+        "guards": bool(program.guards),
+        "events": bool(program.guards) and not options.real_time,
+        "linearise": _needs_jacobian(options),
+        "system": "acceleration" not in program.functions and not program.cuts,
+        "watch": options.integrator == "auto" and not options.real_time,
+        "powers": False,
+        "integrals": False,
+    }
+    return {unit for unit, is_needed in needed.items() if not is_needed}
+
+
+def runtime_files(program: Program, options: ExportOptions) -> Mapping[str, str]:
+    """The runtime's files by name, with the absent form of what the model does without."""
+    root = data_dir("runtime_c")
+    paths = sorted([*(root / "include").glob("*.h"), *(root / "src").glob("*.[ch]")])
+    files = {path.name: path for path in paths}
+    for unit in sorted(_absent(program, options)):
+        files[f"{unit}.c"] = root / "absent" / f"{unit}.c"
+    files["string.h"] = root / "absent" / "bytes.h"
+    if options.precision == "float":
+        files |= {"math.h": root / "single" / "elementary.h", "trig.h": root / "single" / "trig.h"}
+    elif not options.libm:
+        files["math.h"] = root / "bare" / "elementary.h"
+    return {name: path.read_text(encoding="utf-8") for name, path in files.items()}
+
+
+def table_of_methods(options: ExportOptions) -> str:
+    """The table of methods, with those that are linked."""
+    entries = [
+        f"&lamc_method_{name}" if name != "auto" and options.integrator in ("auto", name) else "NULL"
+        for name in METHODS
+    ]
+    return f"static const method *const METHODS[] = {{{', '.join(entries)}}};"

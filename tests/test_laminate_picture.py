@@ -5,6 +5,8 @@ from pathlib import Path
 import matplotlib.image
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 from lamc import plate
 from lamc.errors import LamcError
@@ -60,6 +62,26 @@ def test_the_reference_surface_does_not_strike_a_label_through(tmp_path: Path) -
     middle = slice(int(0.45 * image.shape[1]), int(0.55 * image.shape[1]))
     assert red[line].mean() > 0.3
     assert not red[:, middle].any()
+
+
+@pytest.mark.parametrize("angle", [0.0, 22.5, 45.0, 90.0, -60.0])
+def test_strokes_have_the_angle_of_the_fibres_on_paper(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, angle: float
+) -> None:
+    kept: list[Figure] = []
+    monkeypatch.setattr(
+        "lamc.report.laminate_picture.save", lambda figure, path: (kept.append(figure), path)[1]
+    )
+    draw_stack(Laminate([Ply(plate.material("T300/5208"), 1e-4, angle)]), tmp_path / "stack.png")
+    (axis,) = kept[0].axes
+    (strokes,) = axis.collections
+    assert isinstance(strokes, LineCollection)
+    ends = [axis.transData.transform(each) for each in strokes.get_segments()]  # pixels
+    assert len(ends) > 5
+    for start, end in ends:
+        x, y = end - start
+        turn = np.degrees(np.arctan2(y, x)) - angle
+        assert abs((turn + 90.0) % 180.0 - 90.0) < 1e-6  # round-off of some hundred pixels
 
 
 def test_same_laminate_gives_the_same_picture(tmp_path: Path) -> None:

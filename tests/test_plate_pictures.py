@@ -9,22 +9,23 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import LineString, Point, Polygon
 
 from lamc.errors import LamcError
 from lamc.plate.files.field_files import write_table, write_vtu
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.library import material
 from lamc.plate.laminates.plies import Ply
-from lamc.plate.loads import EdgeLoad, PointLoad
+from lamc.plate.loads import EdgeLoad, PointLoad, Pressure
 from lamc.plate.meshing.grid import grid
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.problem import Problem
-from lamc.plate.supports import Clamped, SimplySupported, Symmetry
+from lamc.plate.supports import Clamped, SimplySupported, Support, Symmetry
 from lamc.report.numbers import prefixed, shown_number
+from lamc.report.plate_contours import Field, bands, triangulation
 from lamc.report.plate_marks import scale_of
 from lamc.report.plate_solid import bent, colours_of, rounded
-from lamc.report.plates import Field, draw_deflection, draw_fields, draw_mesh, draw_modes, triangulation
+from lamc.report.plates import draw_deflection, draw_fields, draw_mesh, draw_modes
 
 SHEET = Laminate([Ply(material("steel"), 1e-3)])
 METRE = scale_of(1.0)
@@ -122,6 +123,39 @@ def test_peaks_beyond_the_colour_bar_are_no_white_holes(tmp_path: Path) -> None:
     columns = np.flatnonzero(coloured[rows.min() : rows.max()].sum(axis=0) > 100)
     inside = rgb[rows.min() + 3 : rows.max() - 3, columns.min() + 3 : columns.min() + 200]
     assert (inside.min(axis=2) < 250).all()
+
+
+@pytest.mark.parametrize(("low", "high"), [(-12.6, 2.1), (-1.0, 1.0), (-0.03, 7.0), (-900.0, 120.0)])
+def test_zero_is_the_middle_of_a_band_of_colour_and_has_a_number(low: float, high: float) -> None:
+    """Moments that vanish are plus and minus a little from cell to cell: a border at zero would draw that."""
+    levels, ticks = bands(low, high, about_zero=True)
+    assert ticks is not None
+    below, above = levels[levels < 0.0].max(), levels[levels > 0.0].min()
+    assert below == pytest.approx(-above, rel=1e-12)
+    assert 0.0 in ticks
+    step = above - below  # half a band at each end may be peaks
+    assert levels[0] == pytest.approx(low, abs=step)
+    assert levels[-1] == pytest.approx(high, abs=step)
+
+
+def test_the_legend_tells_regions_supports_and_loads_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[Figure] = []
+    monkeypatch.setattr("lamc.report.plates.save", lambda figure, path: (kept.append(figure), path)[1])
+    mesh = grid(2.0, 1.0, 12, 6, regions={"soft": Polygon([(0.5, 0), (1, 0), (1, 1), (0.5, 1)])})
+    supports = [
+        Support(Point(0.0, 0.0), dofs=("w", "w_x", "w_y")),
+        Support(Point(2.0, 0.0), dofs=("w", "w_x")),
+        Support(Point(0.0, 1.0), dofs=("w",)),
+    ]
+    problem = Problem(mesh, SHEET, supports=supports, loads=[Pressure(10.0)])
+    draw_deflection(problem, mesh.points[:, 0] ** 2, tmp_path / "w.png", "w", problem.loads)
+    (legend,) = kept[0].legends
+    marks = {text.get_text(): line for text, line in zip(legend.get_texts(), legend.get_lines(), strict=True)}
+    assert {"border of soft", "at rest", "pressure 10 Pa"} < set(marks)
+    held = [line.get_marker() for name, line in marks.items() if name.startswith("held")]
+    assert len(set(held)) == 3
 
 
 def test_colours_are_even_to_the_eye_and_zero_is_pale_where_signs_differ() -> None:

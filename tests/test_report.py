@@ -211,6 +211,11 @@ def test_the_film_is_a_gif_without_ffmpeg(
         film.seek(film.n_frames - 1)
         assert (np.abs(np.asarray(film.convert("RGB")).astype(int) - first) > 50).any()
     assert seen[-1][0] == seen[-1][1]
+    foot = first[-60:]  # the axes at the left, a scale at the right, on white paper
+    third = foot.shape[1] // 3
+    assert (foot[:, :third] < 100).any()
+    assert (foot[:, -third:] < 100).any()
+    assert (foot[:, third:-third] == 255).all()
 
 
 def test_an_ffmpeg_that_fails_gives_a_gif(result: Result, tmp_path: Path) -> None:

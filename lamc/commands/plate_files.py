@@ -16,8 +16,9 @@ from lamc.mechanism.checks import Array
 from lamc.plate.files.field_files import write_table, write_vtu
 from lamc.report.laminate_picture import draw_stack
 from lamc.report.numbers import shown_number
+from lamc.report.plate_contours import Field
 from lamc.report.plate_records import CaseReport, PlateReport
-from lamc.report.plates import Field, draw_deflection, draw_fields, draw_mesh, draw_modes
+from lamc.report.plates import draw_deflection, draw_fields, draw_mesh, draw_modes
 
 _AXES = ("x", "y", "xy")
 _MADE = (
@@ -142,7 +143,7 @@ def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> Iterator[
         plane = [Field(f"displacement {name}", "m", unknowns[name][1]) for name in ("u", "v")]
         yield draw_fields(problem, plane, path("displacement"), title).name
     for stem, letter, unit, values in (
-        ("moments", "M", "N", fields.moments),
+        ("moments", "M", "N·m/m", fields.moments),
         ("forces", "N", "N/m", fields.forces),
     ):
         if values is not None:

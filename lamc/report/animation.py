@@ -1,7 +1,7 @@
 """A film of the moving device: MP4 where ffmpeg is installed, else GIF.
 
 In: a `Result`. Out: one file, written whole or not at all. Short runs are slowed down and long ones sped up, and every
-frame says by how much.
+frame says by how much, and has the axes and a scale.
 """
 
 import shutil
@@ -16,7 +16,8 @@ from PIL import Image, ImageDraw, ImageFont
 from lamc.errors import LamcError
 from lamc.files import replacing
 from lamc.mechanism.records import Array
-from lamc.report.plan_view import shortened
+from lamc.report.folded import round_length
+from lamc.report.plan_view import length_text, shortened
 from lamc.report.raster import Pixels
 from lamc.report.stage import stage_of
 from lamc.run.result import Result
@@ -25,6 +26,9 @@ FRAMES_PER_SECOND = 25  # the fastest that GIF players keep to: 40 ms a frame
 LONGEST, SHORTEST = 10.0, 2.0  # s, of the film
 _SIDE = 560  # pixels
 _MARGIN = 26  # pixels above the picture, for the time
+_FOOT = 84  # pixels below it, for axes and scale
+_ARROW = 28  # pixels
+_PAPER = 244  # of 255: colours as pale as this are white
 _TIMEOUT = 300  # s
 
 Progress = Callable[[int, int], None]
@@ -73,7 +77,7 @@ class _Frames:
         self._pace = "real time" if abs(speed - 1.0) < 1e-9 else f"{speed:.3g} × real time"
         # matplotlib brings this font, so that the film looks alike everywhere
         self._font = ImageFont.truetype(Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf", 14)
-        self.width, self.height = self._stage.width, self._stage.height + _MARGIN
+        self.width, self.height = self._stage.width, self._stage.height + _MARGIN + _FOOT
 
     def __len__(self) -> int:
         return len(self._times)
@@ -86,7 +90,33 @@ class _Frames:
         pen.text((8, 5), self._name, fill="black", font=self._font)
         text = f"t = {self._times[index]:.3f} s   {self._pace}"
         pen.text((self.width - 8, 5), text, fill="black", font=self._font, anchor="ra")
+        self._draw_axes(pen)
+        self._draw_scale(pen)
         return sheet
+
+    def _draw_axes(self, pen: ImageDraw.ImageDraw) -> None:
+        """The world's axes at the lower left, as the camera sees them."""
+        camera = self._stage.camera
+        arrows = np.column_stack([camera.right, -camera.up]) * _ARROW  # (3, 2)
+        low, high = np.minimum(arrows.min(axis=0), 0.0), np.maximum(arrows.max(axis=0), 0.0)
+        origin = np.array([24.0 - low[0], self.height - (_FOOT + low[1] + high[1]) / 2])
+        for arrow, name in zip(arrows, "xyz", strict=True):
+            tip, along = origin + arrow, arrow / max(float(np.hypot(*arrow)), 1.0)
+            across = 3.0 * np.array([-along[1], along[0]])
+            head = [tip + 4.0 * along, tip - 4.0 * along + across, tip - 4.0 * along - across]
+            pen.line([*origin, *tip], fill="black", width=2)
+            pen.polygon([(float(x), float(y)) for x, y in head], fill="black")
+            x, y = tip + 13.0 * along
+            pen.text((float(x), float(y)), name, fill="black", font=self._font, anchor="mm")
+
+    def _draw_scale(self, pen: ImageDraw.ImageDraw) -> None:
+        """A bar of a round length at the lower right; in a parallel projection it holds everywhere across the view."""
+        scale = self._stage.camera.scale
+        length = round_length(0.25 * self.width / scale)
+        right, y = self.width - 16, self.height - 18
+        left = right - length * scale
+        pen.line([(left, y), (right, y)], fill="black", width=4)
+        pen.text(((left + right) / 2, y - 6), length_text(length), fill="black", font=self._font, anchor="mb")
 
     def __iter__(self) -> Iterator[Image.Image]:
         for index in range(len(self)):
@@ -124,6 +154,11 @@ def _write_gif(frames: _Frames, path: Path) -> Path:
     for k, sample in enumerate(samples):
         strip.paste(sample, (0, k * frames.height))
     palette = strip.quantize(colors=128, method=Image.Quantize.MEDIANCUT)
+    colours = np.array(palette.getpalette()).reshape(-1, 3)
+    colours[colours.min(axis=1) > _PAPER] = (
+        255  # a mean of white and what is nearly white would be grey paper
+    )
+    palette.putpalette(colours.ravel().tolist())
     pictures = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     duration = 1000 // FRAMES_PER_SECOND
     with replacing(path) as temporary, temporary.open("wb") as file:

@@ -8,6 +8,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from lamc.bench import Bench, Row
 from lamc.report.plan_view import shortened
@@ -65,7 +66,7 @@ def _hinges(bench: Bench) -> str:
 
 def draw_bench(bench: Bench, path: Path) -> Path:
     """Bars on logarithmic scales: time per evaluation, time per simulated second. Raises LamcError as `save` does."""
-    figure = Figure(figsize=(10.5, 3.4), layout="constrained")
+    figure = Figure(figsize=(10.5, 3.6), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
     left, right = figure.subplots(1, 2, sharey=True)
     figure.suptitle(
         f"{shortened(bench.design, 50)}: symbolic against generated ({_hinges(bench)})",
@@ -77,9 +78,9 @@ def draw_bench(bench: Bench, path: Path) -> Path:
     marks = ["*" if row.extrapolated else "" for row in bench.rows]
     _bars(right, names, [row.second for row in bench.rows], marks)
     left.invert_yaxis()  # both: the panels share it
-    left.set_xlabel("time per right-hand side [s]")
-    extrapolated = " (* extrapolated)" if any(marks) else ""
-    right.set_xlabel(f"time per simulated second, RK45 at rtol 1e-6 [s]{extrapolated}")
+    left.set_xlabel("time per evaluation of the right-hand side [s]")
+    extrapolated = "\n* extrapolated from the time of one evaluation" if any(marks) else ""
+    right.set_xlabel(f"time per simulated second [s], RK45 at rtol 1e-6{extrapolated}")
     return save(figure, path)
 
 

@@ -17,7 +17,7 @@ from lamc.mechanism.records import Array
 from lamc.report.plan_view import length_text, shortened
 from lamc.report.raster import Pixels
 from lamc.report.stage import HINGE, Stage, stage_of
-from lamc.report.style import body_colours, save
+from lamc.report.style import WORLD, body_colours, save
 from lamc.run.result import Result
 
 PANELS = 4
@@ -26,6 +26,7 @@ _PANEL_WIDTH = 4.6  # inches
 _ALIKE = math.radians(
     2.0
 )  # instants whose angles all differ by less, and lengths by as much of the size, look alike
+_EDGE = "#444444"
 _NAMED = 8  # bodies and joints beyond this are not named
 
 
@@ -147,10 +148,13 @@ def _legend(figure: Figure, result: Result) -> None:
     bodies = result.mechanism.bodies
     handles: list[Any] = [Line2D([], [], color=f"#{HINGE[0]:02x}{HINGE[1]:02x}{HINGE[2]:02x}", linewidth=2)]
     names = ["hinge line"]
+    moving = result.motion.model.bodies
     if len(bodies) <= _NAMED:
-        handles += [Patch(facecolor=colours[b.name], edgecolor="#444444", linewidth=0.5) for b in bodies]
-        moving = result.motion.model.bodies
+        handles += [Patch(facecolor=colours[b.name], edgecolor=_EDGE, linewidth=0.5) for b in bodies]
         names += [shortened(b.name, 24) + ("" if b.name in moving else " (fixed)") for b in bodies]
+    elif any(b.name not in moving for b in bodies):
+        handles.append(Patch(facecolor=WORLD, edgecolor=_EDGE, linewidth=0.5))
+        names.append("fixed")
     legend = figure.legend(
         handles=handles,
         labels=[str(k) for k in range(len(names))],

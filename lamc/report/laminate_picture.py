@@ -2,8 +2,8 @@
 
 In: a laminate and a path ending in .png. Out: that file. Never: computes anything about the laminate but heights.
 
-Colours tell materials apart, hatching the direction of fibres, and both are written out. Plies too thin to be labelled
-at true scale are drawn thicker, all others stay in proportion, and the picture says so.
+Colours tell materials apart, strokes the direction of fibres as seen from above, and both are written out. Plies too
+thin to be labelled at true scale are drawn thicker, all others stay in proportion, and the picture says so.
 """
 
 import math
@@ -12,7 +12,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch, Rectangle
@@ -21,7 +23,7 @@ from lamc.errors import LamcError
 from lamc.mechanism.checks import Array
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.plies import Ply
-from lamc.report.plan_view import length_text, shortened
+from lamc.report.plan_view import shortened
 from lamc.report.style import PALETTE, save
 
 _WIDTH = 7.0  # inches
@@ -30,6 +32,8 @@ _LINE = 0.36  # inches per ply
 _LEAST = 0.7  # of the mean height of a ply: what every ply is drawn with at least
 _MOST_LABELS = 48
 _TINT = 0.45  # share of white in a ply's colour
+_STROKES = 0.11  # inches between strokes
+_INK = "#333333"
 
 
 def draw_stack(laminate: Laminate, path: str | os.PathLike[str], title: str = "") -> Path:
@@ -43,12 +47,15 @@ def draw_stack(laminate: Laminate, path: str | os.PathLike[str], title: str = ""
     axis = figure.subplots()
     colours = _colours(laminate)
     for ply, low, height in zip(laminate.plies, bottoms, heights, strict=True):
-        _draw_ply(axis, ply, low, height, colours)
+        face = tint(colours[_material_name(ply)])
+        axis.add_patch(
+            Rectangle((0.0, low), 1.0, height, facecolor=face, edgecolor=_INK, linewidth=0.8, zorder=1)
+        )
     _draw_labels(axis, laminate, bottoms, heights)
     _draw_reference(axis, laminate, bottoms, heights)
     _draw_axis(axis, laminate, bottoms, heights)
     count = len(laminate.plies)
-    lines = [f"{count} {'ply' if count == 1 else 'plies'}, {length_text(laminate.thickness)} thick"]
+    lines = [f"{count} {'ply' if count == 1 else 'plies'}, {_told(laminate.thickness, laminate)} thick"]
     if title:
         lines[0] = f"{shortened(title, 50)}: {lines[0]}"
     if not _is_true(laminate, heights):
@@ -56,13 +63,10 @@ def draw_stack(laminate: Laminate, path: str | os.PathLike[str], title: str = ""
     if not _holds_reference(laminate):
         lines.append(_where_reference_is(laminate))
     axis.set_title("\n".join(lines), fontsize=10, parse_math=False)
-    handles = [Patch(facecolor=tint(colour), edgecolor="#333333", label="m") for colour in colours.values()]
-    legend = axis.legend(
-        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.04), ncols=3, fontsize=8, frameon=False
-    )
-    for text, name in zip(legend.get_texts(), colours, strict=True):
-        text.set_parse_math(False)
-        text.set_text(shortened(name, 32))
+    _draw_legend(axis, laminate, colours)
+    figure.draw_without_rendering()  # lays the axes out: angles of strokes are angles on paper
+    for ply, low, height in zip(laminate.plies, bottoms, heights, strict=True):
+        _draw_fibres(figure, axis, ply, low, height)
     return save(figure, target)
 
 
@@ -85,16 +89,41 @@ def _material_name(ply: Ply) -> str:
     return f"E1 = {ply.material.E1 / 1e9:.3g} GPa, E2 = {ply.material.E2 / 1e9:.3g} GPa"
 
 
-def _hatch(ply: Ply) -> str:
-    """Strokes for the direction of fibres: along x, upwards, downwards, across; none where there is no direction."""
+def _draw_legend(axis: Axes, laminate: Laminate, colours: dict[str, str]) -> None:
+    handles = [Patch(facecolor=tint(colour), edgecolor=_INK, label="m") for colour in colours.values()]
+    names = [shortened(name, 32) for name in colours]
+    if any(not ply.material.is_isotropic for ply in laminate.plies):
+        handles.append(Patch(facecolor="none", edgecolor="none", label="m"))
+        names.append("strokes: fibres as seen from above, x to the right")
+    legend = axis.legend(
+        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.04), ncols=3, fontsize=8, frameon=False
+    )
+    for text, name in zip(legend.get_texts(), names, strict=True):
+        text.set_parse_math(False)
+        text.set_text(name)
+
+
+def _draw_fibres(figure: Figure, axis: Axes, ply: Ply, low: float, height: float) -> None:
+    """Strokes at the ply's angle, which matplotlib's hatches do not have; none where there is no direction."""
     if ply.material.is_isotropic:
-        return ""
-    angle = math.remainder(ply.angle, 180.0)
-    if abs(angle) < 1.0:
-        return "--"
-    if abs(angle) > 89.0:
-        return ".."  # fibres seen from their ends
-    return "//" if angle > 0.0 else "\\\\"
+        return
+    to_paper = (axis.transData - figure.dpi_scale_trans).transform  # inches
+    (left, bottom), (right, top) = to_paper([(0.0, low), (1.0, low + height)])
+    angle = math.radians(ply.angle)
+    along, across = (
+        np.array([math.cos(angle), math.sin(angle)]),
+        np.array([-math.sin(angle), math.cos(angle)]),
+    )
+    middle, reach = np.array([left + right, bottom + top]) / 2, math.hypot(right - left, top - bottom) / 2
+    count = math.floor(reach / _STROKES)
+    starts = middle + np.outer(_STROKES * (np.arange(-count, count) + 0.5), across)
+    strokes = shapely.multilinestrings(
+        list(np.stack([starts - reach * along, starts + reach * along], axis=1))
+    )
+    inside = shapely.intersection(strokes, shapely.box(left, bottom, right, top))
+    from_paper = (figure.dpi_scale_trans - axis.transData).transform
+    lines = [from_paper(np.asarray(part.coords)) for part in shapely.get_parts(inside) if part.length > 0.0]
+    axis.add_collection(LineCollection(lines, colors=_INK, linewidths=0.4, zorder=1.5))
 
 
 def _drawn(laminate: Laminate) -> tuple[Array, Array]:
@@ -122,22 +151,8 @@ def _holds_reference(laminate: Laminate) -> bool:
 def _where_reference_is(laminate: Laminate) -> str:
     low, high = float(laminate.heights[0, 0]), float(laminate.heights[-1, 1])
     if low > 0.0:
-        return f"the reference surface, z = 0, lies {length_text(low)} below"
-    return f"the reference surface, z = 0, lies {length_text(-high)} above"
-
-
-def _draw_ply(axis: Axes, ply: Ply, low: float, height: float, colours: dict[str, str]) -> None:
-    place = Rectangle(
-        (0.0, low),
-        1.0,
-        height,
-        facecolor=tint(colours[_material_name(ply)]),
-        edgecolor="#333333",
-        linewidth=0.8,
-        hatch=_hatch(ply),
-    )
-    place.set_hatch_linewidth(0.4)
-    axis.add_patch(place)
+        return f"the reference surface, z = 0, lies {_told(low, laminate)} below"
+    return f"the reference surface, z = 0, lies {_told(-high, laminate)} above"
 
 
 def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
@@ -150,7 +165,7 @@ def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array)
         axis.text(
             0.5,
             low + 0.5 * height,
-            f"{k + 1}   {length_text(ply.thickness)}   {direction}",
+            f"{k + 1}   {_told(ply.thickness, laminate)}   {direction}",
             ha="center",
             va="center",
             fontsize=8 if len(laminate.plies) < 30 else 6,
@@ -174,6 +189,16 @@ def _place_of(height: float, z: Array, bottoms: Array, heights: Array) -> float:
     return float(np.interp(height, real, drawn))
 
 
+def _unit(laminate: Laminate) -> tuple[float, str]:
+    """Units per metre, and their name, for all lengths of the picture."""
+    return (1e3, "mm") if laminate.thickness >= 1e-3 else (1e6, "µm")
+
+
+def _told(metres: float, laminate: Laminate) -> str:
+    scale, unit = _unit(laminate)
+    return f"{metres * scale:.4g} {unit}"
+
+
 def _draw_axis(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
     """Heights of the faces at the left, as many as can be read, and the direction of z."""
     z = laminate.heights
@@ -182,7 +207,7 @@ def _draw_axis(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -
     every = math.ceil(len(faces) / (_MOST_LABELS + 1))
     ticks: Sequence[float] = sorted(faces)
     shown = [tick for k, tick in enumerate(ticks) if k % every == 0 or k == len(ticks) - 1]
-    scale, unit = (1e3, "mm") if laminate.thickness >= 1e-3 else (1e6, "µm")
+    scale, unit = _unit(laminate)
     axis.set_yticks(shown, [f"{faces[tick] * scale + 0.0:.5g}" for tick in shown], fontsize=7)
     axis.set_ylabel(f"z [{unit}]  ↑", fontsize=9)
     axis.set_xticks([])

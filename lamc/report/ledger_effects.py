@@ -16,6 +16,7 @@ from lamc.report.plan_view import shortened
 from lamc.report.run_text import duration
 
 GRID = "#E3E3E3"
+_DOUBT = "#777777"
 _MOST_SHOWN = 200.0  # %, where bars end
 
 
@@ -38,16 +39,18 @@ def draw_effects(figure: Any, account: Account, rows: Sequence[EffectRow], ledge
         change = max(row.change or least, least)
         left.plot([least, change], [place, place], color="#0072B2", linewidth=1.4)
         left.plot(change, place, "o", color="#0072B2", markersize=5.5)
+        unsure = row.discretisation is not None and row.discretisation > least
+        if unsure:
+            left.plot(row.discretisation, place, "|", color=_DOUBT, markersize=9)
+        end = max(change, row.discretisation or 0.0) if unsure else change
         left.annotate(
             _change_text(row),
-            (change, place),
+            (end, place),
             xytext=(7, 0),
             textcoords="offset points",
             fontsize=8,
             va="center",
         )
-        if row.discretisation is not None and row.discretisation > least:
-            left.plot(row.discretisation, place, "|", color="#777777", markersize=9)
     top = max(row.change or least for row in rows)
     left.xaxis.set_minor_locator(NullLocator())
     left.set_xlim(least, max(top, ledger.sweep.accuracy) * 30.0)
@@ -66,7 +69,8 @@ def draw_effects(figure: Any, account: Account, rows: Sequence[EffectRow], ledge
     left.invert_yaxis()
     left.set_ylim(len(rows) - 0.4, -0.6)
     left.set_title("Leaving an effect out changes the outputs by", fontsize=9.5, loc="left", pad=14)
-    left.set_xlabel("largest change, over the largest range of an output", fontsize=8)
+    doubt = "\n| up to there it may be the integrator's doing"
+    left.set_xlabel(f"largest change, over the largest range of an output{doubt}", fontsize=8)
     _draw_savings(right, account, rows, places)
     for axis in (left, right):
         axis.grid(visible=True, axis="x", color=GRID, linewidth=0.6)

@@ -12,6 +12,7 @@ import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from shapely.geometry.base import BaseGeometry
 
 from lamc.mechanism.checks import Array
@@ -31,6 +32,7 @@ from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.problem import Problem
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
 from lamc.report.numbers import shown_number
+from lamc.report.plan_view import shortened
 
 INK = "#202020"
 LOAD = "#D55E00"  # vermilion of Okabe and Ito
@@ -42,7 +44,15 @@ _STYLES: tuple[tuple[type, str, Any, float], ...] = (
     (Hinged, "hinged", (0, (0.6, 0.6)), 4.0),
     (Symmetry, "symmetry", "dashdot", 2.0),
 )
-_FAINTEST = 150  # cells along the picture beyond which mesh lines are a grey wash
+_OTHERS: tuple[tuple[Any, str], ...] = (  # lines and marks of other sets of unknowns that are held
+    ("solid", "s"),
+    ((0, (5.0, 1.0)), "D"),
+    ((0, (1.0, 1.0)), "o"),
+    ("dashdot", "P"),
+)
+_LINE, _BORDER = 0.5, 0.8  # pt, of mesh lines and of borders between regions
+_FAINTEST = 75  # edges along the picture beyond which mesh lines are thinner, as they would be a grey wash
+_THIN = 0.1  # of a mesh line's width: what is left of it at least
 
 
 @dataclass(frozen=True)
@@ -67,15 +77,39 @@ def draw_outline(axis: Axes, mesh: Mesh, scale: Scale, *, lines: bool = False) -
     counts = np.bincount(mesh.cell_edges.ravel(), minlength=len(ends))
     boundary = counts == 1
     if lines:
-        width = 0.5 if len(mesh.cells) < _FAINTEST**2 else 0.15
-        axis.add_collection(
-            LineCollection(list(ends[~boundary]), colors=INK, linewidths=width, alpha=0.25, zorder=3)
-        )
-    border = _borders(mesh)
+        inner = ends[~boundary]
+        lengths = np.linalg.norm(inner[:, 1] - inner[:, 0], axis=1) / np.ptp(ends, axis=(0, 1)).max()
+        widths = np.clip(lengths * _FAINTEST, _THIN, 1.0) * _LINE
+        axis.add_collection(LineCollection(list(inner), colors=INK, linewidths=widths, alpha=0.25, zorder=3))
     axis.add_collection(
-        LineCollection(list(ends[border]), colors=INK, linewidths=0.8, linestyles=":", zorder=4)
+        LineCollection(
+            _merged(ends[_borders(mesh)]),
+            colors=INK,
+            linewidths=_BORDER,
+            linestyles=":",
+            zorder=4,
+            path_effects=[
+                withStroke(linewidth=2.5 * _BORDER, foreground="white", alpha=0.7)
+            ],  # on dark colours
+        )
     )
     axis.add_collection(LineCollection(list(ends[boundary]), colors=INK, linewidths=1.0, zorder=4))
+
+
+def region_borders(mesh: Mesh) -> list[Line2D]:
+    """The entry of a legend for the dotted lines of `draw_outline`, if there are any."""
+    names = ", ".join(name for name in mesh.region_names if name)
+    if len(mesh.region_names) < 2:
+        return []
+    return [_line(f"border of {shortened(names, 32)}", INK, ":", _BORDER)]
+
+
+def _merged(ends: Array) -> list[Array]:
+    """Edges (k, 2, 2) as few long lines, so that dashes run on from edge to edge."""
+    if not len(ends):
+        return []
+    lines = shapely.line_merge(shapely.multilinestrings(list(ends)))
+    return [np.asarray(part.coords) for part in shapely.get_parts(lines)]
 
 
 def _borders(mesh: Mesh) -> Array:
@@ -96,20 +130,25 @@ def draw_supports(axis: Axes, problem: Problem, scale: Scale) -> list[Line2D]:
         dashes = (0, (1.5, 1.5)) if hinge.stiffness == 0.0 else (0, (4.0, 2.0))
         _place(axis, problem, hinge.where, scale, _FOLD, dashes, 1.8, "", order=4.5)
         handles.setdefault(fold, _line(fold, _FOLD, dashes, 1.8))
+    others: dict[str, tuple[Any, str]] = {}
     for support in problem.supports:
         kinds = [(name, style, width) for kind, name, style, width in _STYLES if isinstance(support, kind)]
-        default = (f"held: {', '.join(getattr(support, 'dofs', ()))}", "solid", 2.0)
-        name, style, width = kinds[0] if kinds else default
+        held = f"held: {', '.join(getattr(support, 'dofs', ()))}"
+        if kinds:
+            (name, style, width), marker = kinds[0], "s"
+        else:
+            name, width = held, 2.0
+            style, marker = others.setdefault(held, _OTHERS[len(others) % len(_OTHERS)])
         if isinstance(support, SimplySupported) and support.kind == "soft":
             name += " (soft)"
-        as_points = _place(axis, problem, support.where, scale, _HELD, style, width, "s")
-        spot = Line2D([], [], color=_HELD, linestyle="", marker="s", markersize=6, label=name)
+        as_points = _place(axis, problem, support.where, scale, _HELD, style, width, marker)
+        spot = Line2D([], [], color=_HELD, linestyle="", marker=marker, markersize=6, label=name)
         handles.setdefault(name, spot if as_points else _line(name, _HELD, style, width))
     return list(handles.values())
 
 
 def draw_loads(axis: Axes, problem: Problem, loads: Sequence[Any], scale: Scale) -> list[Line2D]:
-    """Forces at points and along edges; handles for a legend, one per load."""
+    """Forces at points and along edges; handles for a legend, one per load, without a mark for what acts on areas."""
     handles: list[Line2D] = []
     for load in loads:
         if isinstance(load, PointLoad):
@@ -120,6 +159,8 @@ def draw_loads(axis: Axes, problem: Problem, loads: Sequence[Any], scale: Scale)
         elif isinstance(load, EdgeLoad | EdgeMoment):
             _place(axis, problem, load.where, scale, LOAD, "solid", 1.6, "^", order=6)
             handles.append(_line(load_text(load), LOAD, "solid", 1.6))
+        else:  # acts everywhere, or on a region that its text names
+            handles.append(_line(shortened(load_text(load), 48), LOAD, "none", 0.0))
     return handles
 
 
@@ -162,13 +203,13 @@ def load_text(load: LoadRecord) -> str:
         case EdgeLoad(force=force):
             told = vector_text(force, "N/m")
         case EdgeMoment(moment=moment):
-            told = f"moment {shown_number(moment, 'N')} per length"
+            told = f"moment {shown_number(moment, 'N·m/m')}"
         case Pressure(intensity=intensity):
             told = f"pressure {_amount(intensity, lambda value: shown_number(value, 'Pa'))}"
         case Gravity(acceleration=acceleration):
             told = f"gravity {vector_text(acceleration, 'm/s²')}"
         case Temperature(rise=rise):
-            told = _amount(rise, lambda value: f"{value:+g}") + " K"
+            told = f"temperature change {_amount(rise, lambda value: f'{value:+g} K')}"
         case Moisture(content=content):
             told = f"moisture {_amount(content, lambda value: f'{value:g}')}"
         case ElectricField(field=field):
@@ -210,11 +251,9 @@ def _place(
         ends = np.stack(
             [mesh.cells[cells, local], mesh.cells[cells, (local + 1) % mesh.corner_count]], axis=1
         )
-        lines = shapely.line_merge(shapely.multilinestrings(list(mesh.points[ends] * scale.per_metre)))
-        pieces = [np.asarray(part.coords) for part in shapely.get_parts(lines)]
         axis.add_collection(
             LineCollection(
-                pieces,
+                _merged(mesh.points[ends] * scale.per_metre),
                 colors=colour,
                 linewidths=width,
                 linestyles=style,

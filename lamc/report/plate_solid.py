@@ -23,7 +23,8 @@ from lamc.report.plate_marks import INK
 ONE_SIGN, TWO_SIGNS = "viridis", "PuOr"
 _SOLID = 12_000  # triangles of a view in space
 _TALL = 0.18  # of the plate's size: the largest deflection as it is drawn
-_REST = "#9A9A9A"
+REST = "#9A9A9A"  # the edge where nothing has moved
+_AXES = 0.09  # of the view's width: arrows along x, y and z
 
 
 def _directions(turn: float, tilt: float) -> tuple[Array, Array]:
@@ -59,7 +60,7 @@ def bent(axis: Axes, mesh: Mesh, w: Array, *, signed: bool = False) -> float:
         )
     )
     ends = mesh.edges[np.bincount(mesh.cell_edges.ravel(), minlength=len(mesh.edges)) == 1]
-    for height, colour, width, above in ((0.0, _REST, 0.7, 0), (factor, INK, 0.8, 3)):
+    for height, colour, width, above in ((0.0, REST, 0.7, 0), (factor, INK, 0.8, 3)):
         rim = np.column_stack([mesh.points, height * w])[ends] @ _VIEW.T
         axis.add_collection(LineCollection(list(rim), colors=colour, linewidths=width, zorder=above))
     everything = np.concatenate([(corners @ _VIEW.T).reshape(-1, 2), mesh.points @ _VIEW[:, :2].T])
@@ -69,7 +70,31 @@ def bent(axis: Axes, mesh: Mesh, w: Array, *, signed: bool = False) -> float:
     axis.set_ylim(low[1] - margin, high[1] + margin)
     axis.set_aspect("equal")
     axis.set_axis_off()
+    _triad(axis, low, high, middle @ _VIEW.T)
     return factor
+
+
+def _triad(axis: Axes, low: Array, high: Array, taken: Array) -> None:
+    """Arrows along x, y and z in the upper left or lower right corner, where fewer of the points `taken` (k, 2) are."""
+    length = _AXES * float(high[0] - low[0])
+    arrows = length * _VIEW.T
+    room = 1.3 * (np.maximum(arrows.max(axis=0), 0.0) - np.minimum(arrows.min(axis=0), 0.0))
+    corners = [np.array([low[0], high[1] - room[1]]), np.array([high[0] - room[0], low[1]])]
+    corner = min(corners, key=lambda c: int(((taken > c) & (taken < c + room)).all(axis=1).sum()))
+    origin = corner + 0.15 * room - np.minimum(arrows.min(axis=0), 0.0)
+    for arrow, name in zip(arrows, "xyz", strict=True):
+        tip = origin + arrow
+        style = {
+            "arrowstyle": "-|>",
+            "color": INK,
+            "linewidth": 0.8,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "mutation_scale": 7,
+        }
+        axis.annotate("", tuple(tip), tuple(origin), annotation_clip=False, arrowprops=style)
+        x, y = (float(v) for v in tip + 0.25 * arrow)
+        axis.text(x, y, name, fontsize=7, ha="center", va="center", color=INK)
 
 
 def view_aspect(mesh: Mesh) -> float:

@@ -87,7 +87,7 @@ def _figure(steps: SplitSteps) -> Figure:
         note = panel(axis, steps, view)
         axis.set_title(note or " ", fontsize=7.5, color="#444444", parse_math=False)
         frame(axis, view)
-    figure.legend(handles=_legend(steps), loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    figure.legend(handles=_legend(steps), loc="outside lower center", ncols=5, fontsize=8, frameon=False)
     return figure
 
 
@@ -109,9 +109,10 @@ def _count(things: Sized, noun: str) -> str:
 
 
 def _draw_device(axis: Axes, steps: SplitSteps, view: View) -> str:
-    _headline(
-        axis, f"1  device: {_count(steps.design.layers, 'layer')}, {_count(steps.hinges, 'hinge line')}"
-    )
+    layers = steps.design.layers
+    thick = length_text(sum(layer.thickness for layer in layers))
+    told = f"{_count(layers, 'layer')}, {thick} thick in all, {_count(steps.hinges, 'hinge line')}"
+    _headline(axis, f"1  device: {told}")
     for layer in steps.design.layers:
         alpha = 0.25 + 0.6 / len(steps.design.layers)
         fill(axis, layer.geometry.geoms, view, face=MATERIAL, alpha=alpha, edge="#5A6B76", line=0.5)

@@ -19,7 +19,7 @@ import numpy as np
 
 from lamc.effects.base import Effect
 from lamc.effects.registry import choose
-from lamc.errors import DesignError, about
+from lamc.errors import DesignError
 from lamc.export.engine_inertia import drawn_jacobian, drawn_mass_matrix, freedoms, robust_inertia, time_step
 from lamc.export.engine_loads import EngineLoads, GroundPlane, HingeLoads, Loss, PointSpring, carried
 from lamc.export.engine_names import engine_names
@@ -28,6 +28,7 @@ from lamc.mechanics.arrangement import FloatingBase, arrange
 from lamc.mechanism.records import Array, Body, Joint, Mechanism
 from lamc.mechanism.tree import WORLD, Cut, Tree, plan
 from lamc.readonly import ReadOnlyDict
+from lamc.run.start_checks import check_angles
 from lamc.scene import Scene
 
 
@@ -119,11 +120,7 @@ def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) ->
         )
     names = builder.names
     angles, rates = joint_start(tree, scene)
-    for effect in effects:
-        check = getattr(effect, "check_start", None)
-        if check is not None:
-            with about(effect):
-                check(mechanism, angles)
+    check_angles(effects, mechanism, angles)
     mass_matrix = drawn_mass_matrix(pieces)
     return EngineModel(
         name=engine_names([name or mechanism.name])[0],

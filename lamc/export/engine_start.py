@@ -8,12 +8,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lamc.errors import DesignError, about
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.starts import Starter, loops_of
 from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
 from lamc.run.arguments import check_names
+from lamc.run.start_checks import refuse_branch
 from lamc.scene import Scene
 
 
@@ -25,11 +25,7 @@ def joint_start(tree: Tree, scene: Scene) -> tuple[Mapping[str, float], Mapping[
     geometry = LoopGeometry(tree)
     check_names(scene, geometry.names)
     if not tree.cuts:
-        if scene.branch is not None:
-            with about(("branch",)):
-                raise DesignError(
-                    f"branch is {scene.branch}, and a mechanism without loops has none; leave it out"
-                )
+        refuse_branch(scene)
         angles = {name: scene.angles.get(name, 0.0) for name in geometry.names}
         return angles, {name: scene.rates.get(name, 0.0) for name in geometry.names}
     state = Starter(geometry, loops_of(tree, scene)).state(scene)

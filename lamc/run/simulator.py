@@ -16,8 +16,7 @@ import numpy.typing as npt
 
 from lamc._version import __version__
 from lamc.effects.base import PlaneMark, marks_of
-from lamc.effects.drives import check_drives
-from lamc.errors import DesignError, RequestError, about
+from lamc.errors import RequestError
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
@@ -39,6 +38,7 @@ from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.start_checks import check_driven, check_poses, check_start, refuse_branch
 from lamc.scene import OutputPoint, Scene
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
@@ -114,11 +114,8 @@ class Simulator(Evaluations):
         if self._model.cuts:
             start = self._starter.state(self.scene)
         else:
-            if self.scene.branch is not None:
-                with told_at(self.scene.places), about(("branch",)):
-                    raise DesignError(
-                        f"branch is {self.scene.branch}, and a mechanism without loops has none; leave it out"
-                    )
+            with told_at(self.scene.places):
+                refuse_branch(self.scene)
             yields = len(self.joints) + len(self._model.cuts) < len(self.mechanism.joints)
             start = (
                 yielding_start(plan(self.mechanism), self.scene)
@@ -129,7 +126,8 @@ class Simulator(Evaluations):
             count = len(self.joints)
             start = np.concatenate(self._arrangement.start(start[:count].tolist(), start[count:].tolist()))
         start.flags.writeable = False
-        self._check_start(start, self.mechanism)
+        with told_at(self.scene.places):
+            check_start(self.effects, self.mechanism, self._default_motion, start)
         return start
 
     @property
@@ -205,15 +203,12 @@ class Simulator(Evaluations):
         )
         rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
         motion = self._motion(parameters, rate) if not books else self._telling.motion(parameters, rate)
-        limited = with_limits(self.mechanism, parameters)
-        if limited is not self.mechanism:
-            self._check_start(self.start, limited)
-        driven = [effect for effect in self.effects if hasattr(effect, "drives")]
-        if driven:
-            with told_at(self.scene.places):
-                named = dict(zip(self._model.parameters, motion.parameters.tolist(), strict=False))
-                check_drives(driven, *self._start_by_joint(self.start), request.t_end, named)
-        self._check_poses(motion)
+        with told_at(self.scene.places):
+            limited = with_limits(self.mechanism, parameters)
+            if limited is not self.mechanism:
+                check_start(self.effects, limited, motion, self.start)
+            check_driven(self.effects, motion, self.start, request.t_end)
+            check_poses(self.effects, self.mechanism, motion, self.start)
         telling = (lambda: motion) if books else (lambda: self._telling.motion(parameters, rate))
 
         def run(name: str, asked: Request) -> tuple[Result, float]:
@@ -260,38 +255,6 @@ class Simulator(Evaluations):
             points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
         )
         return result, trajectory.effort
-
-    def _check_start(self, start: Array, mechanism: Mechanism) -> None:
-        """Shows the start and the mechanism with the limits of the run to the effects that ask for it. Raises
-        DesignError if one of them refuses it."""
-        checks = [effect for effect in self.effects if hasattr(effect, "check_start")]
-        if checks:
-            angles, _ = self._start_by_joint(start)
-            for effect in checks:
-                with told_at(self.scene.places), about(effect):
-                    effect.check_start(mechanism, angles)
-
-    def _check_poses(self, motion: Motion) -> None:
-        """Shows where the bodies are at the start of a run to the effects that ask for it, as `_check_start`."""
-        checks = [effect for effect in self.effects if hasattr(effect, "check_poses")]
-        if checks:
-            (rows,) = motion.poses(np.zeros(1), self.start.reshape(1, -1))
-            placed = {n: (r[:3], r[3:].reshape(3, 3)) for n, r in zip(self._model.bodies, rows, strict=True)}
-            parameters = dict(zip(self._model.parameters, motion.parameters.tolist(), strict=False))
-            for effect in checks:
-                with told_at(self.scene.places), about(effect):
-                    effect.check_poses(self.mechanism, placed, parameters)
-
-    def _start_by_joint(self, start: Array) -> tuple[dict[str, float], dict[str, float]]:
-        """Angles, rad, and rates, rad/s, of all joints in the state `start`, those that close loops too."""
-        count, cuts, nq = len(self.joints), len(self.cut_joints), len(self.coordinates)
-        angles = dict(zip(self.joints, start[:count].tolist(), strict=True))
-        rates = dict(zip(self.joints, start[nq : nq + count].tolist(), strict=True))
-        if cuts:
-            state = self._default_motion.cut_states(start.reshape(1, -1))[0]
-            angles |= dict(zip(self.cut_joints, state[:cuts].tolist(), strict=True))
-            rates |= dict(zip(self.cut_joints, state[cuts:].tolist(), strict=True))
-        return angles, rates
 
     @cached_property
     def _starter(self) -> Starter:

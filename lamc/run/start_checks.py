@@ -1,0 +1,78 @@
+"""Where a run begins, shown to the effects that ask for it before it does.
+
+In: effects, a motion with the parameters of the run, its start. Out: nothing, or the error of the effect that refuses
+it, which is about that effect. Never: integrates, or knows an effect by name.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from lamc.effects.drives import check_drives
+from lamc.errors import DesignError, about
+from lamc.mechanism.records import Mechanism
+from lamc.run.model import Motion
+from lamc.run.request import Array
+from lamc.scene import Scene
+
+
+def refuse_branch(scene: Scene) -> None:
+    """Raises DesignError if the scene chooses among branches, of a mechanism without loops."""
+    if scene.branch is not None:
+        with about(("branch",)):
+            raise DesignError(
+                f"branch is {scene.branch}, and a mechanism without loops has none; leave it out"
+            )
+
+
+def check_start(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array) -> None:
+    """Shows the angles at the start (nq + nu,) and the mechanism with the limits of the run. Raises DesignError if an
+    effect refuses them."""
+    if any(hasattr(effect, "check_start") for effect in effects):
+        check_angles(effects, mechanism, _by_joint(motion, start)[0])
+
+
+def check_angles(effects: Sequence[Any], mechanism: Mechanism, angles: Mapping[str, float]) -> None:
+    """As `check_start`, of angles by joint, rad."""
+    for effect in effects:
+        if hasattr(effect, "check_start"):
+            with about(effect):
+                effect.check_start(mechanism, angles)
+
+
+def check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array) -> None:
+    """Shows where the bodies are at the start, as `check_start`."""
+    checks = [effect for effect in effects if hasattr(effect, "check_poses")]
+    if checks:
+        (rows,) = motion.poses(np.zeros(1), start.reshape(1, -1))
+        names = motion.model.bodies
+        placed = {n: (row[:3], row[3:].reshape(3, 3)) for n, row in zip(names, rows, strict=True)}
+        for effect in checks:
+            with about(effect):
+                effect.check_poses(mechanism, placed, _parameters(motion))
+
+
+def check_driven(effects: Sequence[Any], motion: Motion, start: Array, t_end: float) -> None:
+    """Raises ExpressionError for a drive without a value at the start, or within a run of t_end s."""
+    driven = [effect for effect in effects if hasattr(effect, "drives")]
+    if driven:
+        check_drives(driven, *_by_joint(motion, start), t_end, _parameters(motion))
+
+
+def _parameters(motion: Motion) -> dict[str, float]:
+    """The values of a run, by name."""
+    return dict(zip(motion.model.parameters, motion.parameters.tolist(), strict=False))
+
+
+def _by_joint(motion: Motion, start: Array) -> tuple[dict[str, float], dict[str, float]]:
+    """Angles, rad, and rates, rad/s, of all joints in the state `start`, those that close loops too."""
+    model = motion.model
+    joints, count, nq = model.joints, len(model.joints), len(model.coordinates)
+    angles = dict(zip(joints, start[:count].tolist(), strict=True))
+    rates = dict(zip(joints, start[nq : nq + count].tolist(), strict=True))
+    if model.cuts:
+        state = motion.cut_states(start.reshape(1, -1))[0]
+        angles |= dict(zip(model.cuts, state[: len(model.cuts)].tolist(), strict=True))
+        rates |= dict(zip(model.cuts, state[len(model.cuts) :].tolist(), strict=True))
+    return angles, rates

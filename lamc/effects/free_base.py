@@ -13,7 +13,7 @@ from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging, FloatingBase
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.records import Array, Body, Mechanism, checked_array
-from lamc.mechanism.tree import snap
+from lamc.mechanism.turns import snap
 
 if TYPE_CHECKING:
     from lamc.export.engine_loads import EngineLoads

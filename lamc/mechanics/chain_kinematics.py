@@ -20,7 +20,8 @@ from lamc.mechanics.moving_base import STILL, MovingBase, Twist
 from lamc.mechanics.placement import numeric, rotate, rotate_back
 from lamc.mechanics.staging import Scalar, Store, cos, sin
 from lamc.mechanism.checks import Array
-from lamc.mechanism.tree import WORLD, Link, snap
+from lamc.mechanism.tree import WORLD, Link
+from lamc.mechanism.turns import snap
 
 UNITS: tuple[Vector3, Vector3, Vector3] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

@@ -14,7 +14,7 @@ from lamc.mechanics.algebra import ZERO, Turn, Vector3, add, cross, dot, inward,
 from lamc.mechanics.kinematics import acceleration_gradient
 from lamc.mechanics.staging import Scalar, Store, cos, sin
 from lamc.mechanism.checks import Array
-from lamc.mechanism.tree import constant_turns, snap
+from lamc.mechanism.turns import constant_turns, snap
 
 Wrench = tuple[Vector3, Vector3]  # force N, moment about the frame's origin N·m
 

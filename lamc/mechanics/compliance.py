@@ -16,7 +16,8 @@ from lamc.mechanics.loads import Loads
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanics.staging import Scalar, Value, call
 from lamc.mechanism.checks import Array
-from lamc.mechanism.tree import WORLD, Side, snap
+from lamc.mechanism.tree import WORLD, Side
+from lamc.mechanism.turns import snap
 
 _PER = {("rad", "rad"): "N·m/rad", ("m", "rad"): "N/rad", ("m", "m"): "N/m"}
 _UNITS = {"twist": "rad", "angle": "rad", "slide": "m"}

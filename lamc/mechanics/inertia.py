@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 from lamc.mechanics.algebra import Symmetric, Vector3
 from lamc.mechanics.staging import Scalar, Store
-from lamc.mechanism.tree import ROUND_OFF, WORLD, Link, Tree
+from lamc.mechanism.tree import WORLD, Link, Tree
+from lamc.mechanism.turns import ROUND_OFF
 
 ParameterMaker = Callable[[str, float, str, str], Scalar]  # name, default, unit, meaning
 AXES = "xyz"

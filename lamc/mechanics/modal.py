@@ -13,7 +13,8 @@ from lamc.mechanics.chains import Going, Wrench, total_vector
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Motion
 from lamc.mechanics.staging import Scalar, Store
-from lamc.mechanism.tree import Link, snap
+from lamc.mechanism.tree import Link
+from lamc.mechanism.turns import snap
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 

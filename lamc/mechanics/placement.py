@@ -12,7 +12,8 @@ from lamc.mechanics.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.staging import Scalar
 from lamc.mechanism.records import Array
-from lamc.mechanism.tree import ROUND_OFF, WORLD, Link
+from lamc.mechanism.tree import WORLD, Link
+from lamc.mechanism.turns import ROUND_OFF
 
 if TYPE_CHECKING:
     from lamc.mechanics.moving_base import MovingBase

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from lamc.export.single import single_precision
 from lamc.resources import data_dir
 from tests.ctools import STRICT, STRICT_CXX, cc, needs_cc
 
@@ -95,9 +96,11 @@ def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
         lines.append(f"{head};\n{head} {{ for (long i = 0; i < n; i++) y[i] = {call}; }}")
     lines += ["#ifdef __cplusplus", "}", "#endif"]
     (folder / "maps.c").write_text("\n".join(lines) + "\n")
+    shared = (data_dir("runtime_c") / "bare" / "two.h").read_text(encoding="utf-8")
+    (folder / "two.h").write_text(single_precision(shared, "two.h"))
     dialect = STRICT_CXX if request.param == "c++" else STRICT
     cc(folder, *dialect, "-Wdouble-promotion", "-O2", "-ffp-contract=off", "-fPIC", "-shared",
-       f"-I{data_dir('runtime_c') / 'single'}",
+       f"-I{data_dir('runtime_c') / 'single'}", "-I.",
        *(["-x", "c++"] if request.param == "c++" else []), "maps.c", "-o", "maps.so")  # fmt: skip
     return ctypes.CDLL(str(folder / "maps.so"))
 

@@ -25,7 +25,7 @@ from lamc.export.plate_laminates import MODULI, LaminateTables, laminate_tables
 from lamc.export.plate_package import folder_of
 from lamc.export.plate_tables import PlateTables, plate_tables
 from lamc.export.prefixes import prefix_of
-from lamc.export.runtime import BARE
+from lamc.export.runtime import BARE, mathematics
 from lamc.export.statuses import CStatus
 from lamc.mechanics.staging import Level
 from lamc.plate.elements.build import element_program
@@ -93,8 +93,7 @@ def plate_source(problem: Problem, options: ExportOptions, name: str) -> PlateSo
     files = {"api.c": _render("api.c", context)}
     files |= {path.name: path.read_text(encoding="utf-8") for path in sorted((root / "src").glob("trig*.h"))}
     files["string.h"] = (root / "absent" / "bytes.h").read_text(encoding="utf-8")
-    if not options.libm:
-        files["math.h"] = (root / "bare" / "elementary.h").read_text(encoding="utf-8")
+    files |= {name: path.read_text(encoding="utf-8") for name, path in mathematics(options).items()}
     amalgam = amalgamate(
         files,
         ["api.c"],

@@ -7,6 +7,7 @@ them is the same and so are its bits.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from lamc.codegen.program import Program
 from lamc.export.options import ExportOptions
@@ -71,11 +72,21 @@ def runtime_files(program: Program, options: ExportOptions) -> Mapping[str, str]
     for unit in sorted(_absent(program, options)):
         files[f"{unit}.c"] = root / "absent" / f"{unit}.c"
     files["string.h"] = root / "absent" / "bytes.h"
-    if options.precision == "float":
-        files |= {"math.h": root / "single" / "elementary.h", "trig.h": root / "single" / "trig.h"}
-    elif not options.libm:
-        files["math.h"] = root / "bare" / "elementary.h"
+    files |= mathematics(options)
     return {name: path.read_text(encoding="utf-8") for name, path in files.items()}
+
+
+def mathematics(options: ExportOptions) -> dict[str, Path]:
+    """Files by the names of those whose place they take: of <math.h> where it is not called, and of sine and cosine in
+    single precision."""
+    bare, single = data_dir("runtime_c") / "bare", data_dir("runtime_c") / "single"
+    if options.calls_libm:
+        return {}
+    shared = {"two.h": bare / "two.h"}
+    if options.precision == "double":
+        return {"math.h": bare / "elementary.h", "bits.h": bare / "bits.h", **shared}
+    own = {name: single / name for name in ("trig.h", "bits.h")}
+    return {"math.h": single / "elementary.h", **own, **shared}
 
 
 def table_of_methods(options: ExportOptions) -> str:

@@ -4,120 +4,15 @@
  *        the others within 3; at zeros, infinities and NaN what C99, annex F, says.
  * Never: calls a library, sets errno, looks into a table. Without contraction of a*b + c the same bits on every machine.
  *
- * exp, expm1, log and atan: reductions and minimax polynomials of fdlibm (Sun Microsystems 1993). Sums and products of
- * two doubles in pow: T. J. Dekker, Numerische Mathematik 18 (1971) 224-242. */
+ * exp, expm1, log and atan: reductions and minimax polynomials of fdlibm (Sun Microsystems 1993). */
 #ifndef LAMC_ELEMENTARY_H
 #define LAMC_ELEMENTARY_H
 
+#include "bits.h"
 #include "trig.h"
+#include "two.h"
 
 #include <stdint.h>
-#include <string.h>
-
-static inline uint64_t lamc_bits(double x) {
-  uint64_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return bits;
-}
-
-static inline double lamc_from_bits(uint64_t bits) {
-  double x;
-  memcpy(&x, &bits, sizeof x);
-  return x;
-}
-
-#define LAMC_INFINITY lamc_from_bits(0x7ff0000000000000u)
-#define LAMC_NAN lamc_from_bits(0x7ff8000000000000u)
-
-static inline int lamc_is_negative(double x) {
-  return (int)(lamc_bits(x) >> 63);
-}
-
-static inline double lamc_fabs(double x) {
-  return lamc_from_bits(lamc_bits(x) & 0x7fffffffffffffffu);
-}
-
-/* size with the sign of x */
-static inline double lamc_copysign(double size, double x) {
-  return lamc_from_bits((lamc_bits(size) & 0x7fffffffffffffffu) | (lamc_bits(x) & 0x8000000000000000u));
-}
-
-static inline double lamc_fmax(double a, double b) {
-  if (a != a) return b;
-  if (b != b) return a;
-  if (a == b) return lamc_is_negative(a) ? b : a; /* zeros of both signs */
-  return a > b ? a : b;
-}
-
-static inline double lamc_fmin(double a, double b) {
-  if (a != a) return b;
-  if (b != b) return a;
-  if (a == b) return lamc_is_negative(a) ? a : b;
-  return a < b ? a : b;
-}
-
-/* 2^k for a normal number */
-static inline double lamc_power_of_two(int k) {
-  return lamc_from_bits((uint64_t)(k + 1023) << 52);
-}
-
-/* x 2^k, rounded once where it becomes subnormal: x has at most 53 bits, and 1/8 < |x| < 8 */
-static inline double lamc_scaled(double x, int k) {
-  if (k > 1020)
-    return k > 2000 ? x * LAMC_INFINITY : x * lamc_power_of_two(1000) * lamc_power_of_two(k - 1000);
-  if (k >= -1018) return x * lamc_power_of_two(k);
-  return k < -1100 ? x * 0.0 : x * lamc_power_of_two(k + 200) * lamc_power_of_two(-200);
-}
-
-/* The exponent k of |x| = m 2^k, finite and not zero, and m in 1 .. 2 */
-static inline int lamc_split(double x, double *m) {
-  int k = 0;
-  uint64_t bits = lamc_bits(x) & 0x7fffffffffffffffu;
-  if (bits < 0x0010000000000000u) {
-    bits = lamc_bits(lamc_from_bits(bits) * lamc_power_of_two(54));
-    k = -54;
-  }
-  *m = lamc_from_bits((bits & 0x000fffffffffffffu) | 0x3ff0000000000000u);
-  return k + (int)(bits >> 52) - 1023;
-}
-
-/* ---- Numbers of two doubles -------------------------------------------------------------------------------- */
-
-typedef struct lamc_two {
-  double high, low;
-} lamc_two;
-
-/* a + b, exactly */
-static inline lamc_two lamc_two_sum(double a, double b) {
-  const double sum = a + b, part = sum - a;
-  const lamc_two s = {sum, (a - (sum - part)) + (b - part)};
-  return s;
-}
-
-/* a b, exactly, for sizes of 1e-140 to 1e140 */
-static inline lamc_two lamc_two_product(double a, double b) {
-  const double split = 134217729.0; /* 2^27 + 1 */
-  const double pa = split * a, pb = split * b;
-  const double a1 = pa - (pa - a), b1 = pb - (pb - b), a2 = a - a1, b2 = b - b1, product = a * b;
-  const lamc_two p = {product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2};
-  return p;
-}
-
-static inline lamc_two lamc_two_add(lamc_two a, lamc_two b) {
-  const lamc_two s = lamc_two_sum(a.high, b.high);
-  return lamc_two_sum(s.high, s.low + (a.low + b.low));
-}
-
-static inline lamc_two lamc_two_times(lamc_two a, lamc_two b) {
-  const lamc_two p = lamc_two_product(a.high, b.high);
-  return lamc_two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
-}
-
-static inline lamc_two lamc_two_over(lamc_two a, lamc_two b) {
-  const double first = a.high / b.high;
-  const lamc_two p = lamc_two_product(first, b.high);
-  return lamc_two_sum(first, ((a.high - p.high) - p.low + a.low - first * b.low) / b.high);
-}
 
 /* ---- Roots ------------------------------------------------------------------------------------------------- */
 

@@ -6,114 +6,15 @@
  * Never: calls a library, sets errno, looks into a table, computes with doubles. Without contraction of a*b + c the same bits
  *        on every machine.
  *
- * exp, log, atan, sinh, tanh: polynomials of the Cephes library (S. L. Moshier 1992). Sums and products of two floats in
- * pow: T. J. Dekker, Numerische Mathematik 18 (1971) 224-242. */
+ * exp, log, atan, sinh, tanh: polynomials of the Cephes library (S. L. Moshier 1992). */
 #ifndef LAMC_ELEMENTARY_H
 #define LAMC_ELEMENTARY_H
 
+#include "bits.h"
 #include "trig.h"
+#include "two.h" /* that of bare/, with floats for doubles */
 
 #include <stdint.h>
-
-#define LAMC_INFINITY lamc_from_bits(0x7f800000u)
-#define LAMC_NAN lamc_from_bits(0x7fc00000u)
-
-static inline int lamc_is_negative(float x) {
-  return (int)(lamc_bits(x) >> 31);
-}
-
-static inline float lamc_fabs(float x) {
-  return lamc_from_bits(lamc_bits(x) & 0x7fffffffu);
-}
-
-/* size with the sign of x */
-static inline float lamc_copysign(float size, float x) {
-  return lamc_from_bits((lamc_bits(size) & 0x7fffffffu) | (lamc_bits(x) & 0x80000000u));
-}
-
-static inline float lamc_fmax(float a, float b) {
-  if (a != a) return b;
-  if (b != b) return a;
-  if (a == b) return lamc_is_negative(a) ? b : a; /* zeros of both signs */
-  return a > b ? a : b;
-}
-
-static inline float lamc_fmin(float a, float b) {
-  if (a != a) return b;
-  if (b != b) return a;
-  if (a == b) return lamc_is_negative(a) ? a : b;
-  return a < b ? a : b;
-}
-
-/* 2^k for a normal number */
-static inline float lamc_power_of_two(int k) {
-  return lamc_from_bits((uint32_t)(k + 127) << 23);
-}
-
-/* x 2^k, rounded once where it becomes subnormal, for 1/8 < |x| < 8 */
-static inline float lamc_scaled(float x, int k) {
-  if (k > 124) return k > 200 ? x * LAMC_INFINITY : x * lamc_power_of_two(100) * lamc_power_of_two(k - 100);
-  if (k >= -122) return x * lamc_power_of_two(k);
-  return k < -160 ? x * 0.0f : x * lamc_power_of_two(k + 60) * lamc_power_of_two(-60);
-}
-
-/* The exponent k of |x| = m 2^k, finite and not zero, and m in 1 .. 2 */
-static inline int lamc_split(float x, float *m) {
-  int k = 0;
-  uint32_t bits = lamc_bits(x) & 0x7fffffffu;
-  if (bits < 0x00800000u) {
-    bits = lamc_bits(lamc_from_bits(bits) * 33554432.0f); /* 2^25 */
-    k = -25;
-  }
-  *m = lamc_from_bits((bits & 0x007fffffu) | 0x3f800000u);
-  return k + (int)(bits >> 23) - 127;
-}
-
-/* Likewise with m in sqrt(1/2) .. sqrt(2) */
-static inline int lamc_split_evenly(float x, float *m) {
-  const int k = lamc_split(x, m);
-  if (!(*m > 1.4142135f)) return k;
-  *m *= 0.5f;
-  return k + 1;
-}
-
-/* ---- Numbers of two floats --------------------------------------------------------------------------------- */
-
-typedef struct lamc_two {
-  float high, low;
-} lamc_two;
-
-/* a + b, exactly */
-static inline lamc_two lamc_two_sum(float a, float b) {
-  const float sum = a + b, part = sum - a;
-  const lamc_two s = {sum, (a - (sum - part)) + (b - part)};
-  return s;
-}
-
-/* a b, exactly, for sizes of 1e-14 to 1e14 */
-static inline lamc_two lamc_two_product(float a, float b) {
-  const float split = 4097.0f; /* 2^12 + 1 */
-  const float pa = split * a, pb = split * b;
-  const float a1 = pa - (pa - a), b1 = pb - (pb - b), a2 = a - a1, b2 = b - b1, product = a * b;
-  const lamc_two p = {product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2};
-  return p;
-}
-
-static inline lamc_two lamc_two_add(lamc_two a, lamc_two b) {
-  const lamc_two s = lamc_two_sum(a.high, b.high);
-  return lamc_two_sum(s.high, s.low + (a.low + b.low));
-}
-
-static inline lamc_two lamc_two_times(lamc_two a, lamc_two b) {
-  const lamc_two p = lamc_two_product(a.high, b.high);
-  return lamc_two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
-}
-
-static inline lamc_two lamc_two_over(lamc_two a, lamc_two b) {
-  const float first = a.high / b.high;
-  const lamc_two p = lamc_two_product(first, b.high);
-  return lamc_two_sum(first, ((a.high - p.high) - p.low + a.low - first * b.low) / b.high);
-}
 
 /* ---- Roots ------------------------------------------------------------------------------------------------- */
 

@@ -9,25 +9,14 @@
 #ifndef LAMC_TRIG_H
 #define LAMC_TRIG_H
 
+#include "bits.h"
+
 #include <float.h>
 #include <stdint.h>
-#include <string.h>
 
 #if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0)
 #error "sine and cosine need IEEE 754 in single precision: no -ffast-math, and SSE2 instead of x87"
 #endif
-
-static inline uint32_t lamc_bits(float x) {
-  uint32_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return bits;
-}
-
-static inline float lamc_from_bits(uint32_t bits) {
-  float x;
-  memcpy(&x, &bits, sizeof x);
-  return x;
-}
 
 /* 1 / (2 pi) after 32 zeros, the bits of which count 2^31 to 2^0 */
 static const uint32_t LAMC_TRIG_PER_TURN[8] = {0x00000000u, 0x28be60dbu, 0x9391054au, 0x7f09d5f4u,

@@ -6,7 +6,7 @@ In: an `ExportOrder`. Out: a folder, and a list of what is in it. What is writte
 from dataclasses import dataclass
 from pathlib import Path
 
-from lamc.commands.export_plate import edge_length, files_of_plate, is_plate_source
+from lamc.commands.export_plate import files_of_plate, is_plate_source
 from lamc.commands.export_plate import load as load_plate
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Progress, Terminal
@@ -26,38 +26,14 @@ class ExportOrder:
     source: Source
     changes: SceneChanges
     target: str  # of `lamc.export.TARGETS`, or "list"
-    prefix: str | None
-    real_time: bool
-    libm: bool
-    precision: str
-    single_header: bool
-    integrator: str
-    fmi: int | None
-    step: float | None  # s
-    size: str | None  # of the edges of a plate's mesh
-    lossy: bool
-    inputs: str  # hinges, none, or names with commas between
+    options: ExportOptions
     force: bool
     out: str | None
 
-    @property
-    def options(self) -> ExportOptions:
-        """Raises ExportError for values that make none."""
-        return ExportOptions(
-            prefix=self.prefix,
-            integrator=self.integrator,
-            real_time=self.real_time,
-            libm=self.libm,
-            precision=self.precision,
-            single_header=self.single_header,
-            fmi=self.fmi,
-            step=self.step,
-            edge_length=edge_length(self.size),
-            lossy=self.lossy,
-            inputs=self.inputs
-            if self.inputs in ("hinges", "none")
-            else tuple(name.strip() for name in self.inputs.split(",")),
-        )
+
+def inputs_of(text: str) -> str | tuple[str, ...]:
+    """What --inputs says: hinges, none, or names with commas between."""
+    return text if text in ("hinges", "none") else tuple(name.strip() for name in text.split(","))
 
 
 def export(order: ExportOrder, terminal: Terminal) -> int:
@@ -68,14 +44,10 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
         raise ExportError(
             f"--to: no target is named {order.target[:40]!r}; {did_you_mean(order.target, list(TARGETS))}"
         )
-    options = order.options
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage
-        if is_plate_source(order.source):
-            made = _plate(order, options, times)
-        else:
-            made = _mechanism(order, options, times, progress)
+        made = _plate(order, times) if is_plate_source(order.source) else _mechanism(order, times, progress)
         folder_of = folder_name(f"{made.name[:50]}_{order.target}")
         folder = Path(order.out) if order.out is not None else Path("out") / folder_of
         written = write_folder(folder, made.files, Origin(made.name, order.target), force=order.force)
@@ -86,9 +58,9 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
         f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
     ]
     if effects is not None:
-        left_out = "; README.md lists what of them is left out" if options.lossy else ""
+        left_out = "; README.md lists what of them is left out" if order.options.lossy else ""
         lines += [f"effects   {', '.join(effects) or 'none'}{left_out}"]
-    step = TARGETS[order.target].step(str(folder), files, options)
+    step = TARGETS[order.target].step(str(folder), files, order.options)
     lines += [f"next      {step}"]
     terminal.say("\n".join(lines))
     data = {
@@ -112,21 +84,21 @@ class _Made:
     effects: list[str] | None
 
 
-def _mechanism(order: ExportOrder, options: ExportOptions, times: Times, progress: Progress) -> _Made:
+def _mechanism(order: ExportOrder, times: Times, progress: Progress) -> _Made:
     loaded = load_source(order.source, times, progress)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, order.changes)
     with told_at(scene.places), times.stage("export"):
         target = TARGETS[order.target]
-        files = target.files(mechanism, scene, options)
-        return _Made(loaded.name, files, target.effects(mechanism, scene, options))
+        files = target.files(mechanism, scene, order.options)
+        return _Made(loaded.name, files, target.effects(mechanism, scene, order.options))
 
 
-def _plate(order: ExportOrder, options: ExportOptions, times: Times) -> _Made:
+def _plate(order: ExportOrder, times: Times) -> _Made:
     with times.stage("load"):
         plate = load_plate(order.source)
     with times.stage("export"):
-        return _Made(plate.name, files_of_plate(plate, order.target, order.changes, options), None)
+        return _Made(plate.name, files_of_plate(plate, order.target, order.changes, order.options), None)
 
 
 def _list_targets(terminal: Terminal) -> int:

@@ -115,26 +115,23 @@ def export(
       lamc export four_bar.yaml --to mjcf --step 5e-4
       lamc export strip.yaml --size '1 mm'
     """
-    from lamc.commands.export import ExportOrder
+    from lamc.commands.export import ExportOrder, inputs_of
     from lamc.commands.export import export as work
+    from lamc.commands.export_plate import edge_length
     from lamc.commands.inputs import Source
+    from lamc.export.options import ExportOptions
 
-    order = ExportOrder(
-        source=Source(file, example),
-        changes=changes,
-        target=target,
+    options = ExportOptions(
         prefix=prefix,
+        precision="float" if single else "double",
+        integrator=integrator,
         real_time=real_time,
         libm=not no_libm,
-        precision="float" if single else "double",
         single_header=single_header,
-        integrator=integrator,
         fmi=None if fmi is None else int(fmi),
-        step=step,
-        size=size,
+        inputs=inputs_of(inputs),
         lossy=lossy,
-        inputs=inputs,
-        force=force,
-        out=out,
+        step=step,
+        edge_length=edge_length(size),
     )
-    return work(order, terminal)
+    return work(ExportOrder(Source(file, example), changes, target, options, force, out), terminal)

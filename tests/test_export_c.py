@@ -123,6 +123,7 @@ def test_parameters_changed_on_the_way_act_from_there_on(pendulum: Exported) -> 
     sim = lamc.compile(mechanism, scene)
     name = next(p for p in sim.parameters if p.replace(".", "_").replace(" ", "_").lower() == field)
     result = sim.run(1.0, parameters={name: 2.0 * sim.parameters[name]})
+    # Other steps, each good to 1e-9 of some 10 rad/s; a few hundred of them add up to less than 1e-6.
     np.testing.assert_allclose(pendulum.state(it), [*result.q[-1], *result.u[-1]], rtol=0.0, atol=1e-6)
 
 
@@ -137,7 +138,7 @@ def test_modes_of_contact_survive_a_change_of_parameters(crawler: Exported) -> N
     for t in times:
         assert crawler.call("set_parameters", stirred, parameters) == 0
         rows.append(crawler.trajectory(stirred, np.array([t]))[0])
-    np.testing.assert_allclose(np.array(rows), expected, rtol=0.0, atol=1e-4)
+    np.testing.assert_allclose(np.array(rows), expected, rtol=0.0, atol=1e-5)
 
 
 def test_rates_of_change_outputs_and_derivatives_are_those_of_python(four_bar: Exported) -> None:
@@ -194,7 +195,8 @@ def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> Non
 
 
 def test_fixed_steps_and_adaptive_ones_go_on_from_each_other(crawler: Exported) -> None:
-    """Steps of 20 us err by less than 1e-4 in contact; neither kind of step forgets where the other one was."""
+    """Neither kind of step forgets where the other one was. Steps of 20 us see contacts begin at their ends: rates of
+    some 10 rad/s are off by 1e-4 of that, and angles by what this comes to within milliseconds."""
     mixed, whole = crawler.instance(), crawler.instance()
     for k in range(20):
         assert crawler.call("step", mixed, mixed.t + 1e-3) == 0
@@ -202,4 +204,5 @@ def test_fixed_steps_and_adaptive_ones_go_on_from_each_other(crawler: Exported) 
             assert crawler.call("step_fixed", mixed, 2e-5) == 0
         assert mixed.t == pytest.approx(2e-3 * (k + 1), rel=1e-12)
     assert crawler.call("step", whole, mixed.t) == 0
-    np.testing.assert_allclose(crawler.state(mixed), crawler.state(whole), rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(list(mixed.q), list(whole.q), rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose(list(mixed.u), list(whole.u), rtol=0.0, atol=1e-3)

@@ -43,8 +43,9 @@ def test_a_sheet_with_a_hole_has_its_volume_and_lies_in_its_frame() -> None:
     # 1e-5: STL holds single precision, of which the thickness loses some digits
     assert abs(volume(corners) / drawn - 1.0) < 1e-5
     low, high = corners.reshape(-1, 3).min(axis=0) + origin, corners.reshape(-1, 3).max(axis=0) + origin
-    assert np.allclose(low, [0.0, 0.0, 0.0], atol=1e-7)
-    assert np.allclose(high, [0.2, 0.1, 0.006], atol=1e-7)
+    # 1e-7 m: half a metre in single precision is good to 6e-8
+    assert np.allclose(low, [0.0, 0.0, 0.0], rtol=0.0, atol=1e-7)
+    assert np.allclose(high, [0.2, 0.1, 0.006], rtol=0.0, atol=1e-7)
 
 
 def test_a_body_without_an_outline_is_a_bar_from_hinge_to_centre() -> None:
@@ -52,7 +53,7 @@ def test_a_body_without_an_outline_is_a_bar_from_hinge_to_centre() -> None:
     mechanism = Mechanism(bodies, (Joint("h", "ground", "rod", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),))
     corners = triangles(body_meshes(mechanism, {"rod": np.zeros(3)})["rod"])
     ends = corners.reshape(-1, 3) @ np.array([0.6, 0.0, 0.8])
-    assert np.allclose([ends.min(), ends.max()], [0.0, 0.5], atol=1e-7)
+    assert np.allclose([ends.min(), ends.max()], [0.0, 0.5], rtol=0.0, atol=1e-7)
     assert volume(corners) > 0.0  # outward
 
 

@@ -30,12 +30,12 @@ def assert_same(a: Mechanism, b: Mechanism, *, names: bool = True) -> None:
         assert x.fixed == y.fixed
         assert x.name == y.name or not names
         np.testing.assert_allclose(x.mass, y.mass, rtol=SAME)
-        np.testing.assert_allclose(x.com, y.com, atol=SAME)
-        np.testing.assert_allclose(x.inertia, y.inertia, atol=SAME * np.abs(x.inertia).max())
+        np.testing.assert_allclose(x.com, y.com, rtol=0.0, atol=SAME)
+        np.testing.assert_allclose(x.inertia, y.inertia, rtol=0.0, atol=SAME * np.abs(x.inertia).max())
     for j, k in zip(a.joints, b.joints, strict=True):
         assert (j.name, j.parent, j.child) == (k.name, k.parent, k.child) or not names
-        np.testing.assert_allclose(j.point, k.point, atol=SAME)
-        np.testing.assert_allclose(j.axis, k.axis, atol=SAME)
+        np.testing.assert_allclose(j.point, k.point, rtol=0.0, atol=SAME)
+        np.testing.assert_allclose(j.axis, k.axis, rtol=0.0, atol=SAME)
         np.testing.assert_allclose(
             [j.stiffness, j.damping, j.rest_angle, *j.limits],
             [k.stiffness, k.damping, k.rest_angle, *k.limits],
@@ -54,7 +54,7 @@ def test_flaps_has_the_masses_of_its_plates(shared: Path) -> None:
 
 def test_flaps_has_the_hinges_of_its_file(shared: Path) -> None:
     left, right = mechanism(shared / "designs" / "flaps.joints").joints
-    np.testing.assert_allclose(left.point, [-0.02, 0.006, 0.000525], atol=SAME)
+    np.testing.assert_allclose(left.point, [-0.02, 0.006, 0.000525], rtol=0.0, atol=SAME)
     np.testing.assert_array_equal(left.axis, [0, 1, 0])
     assert (left.parent, left.child) == ("ground", "link_1")
     assert left.rest_angle == pytest.approx(np.pi / 12, rel=SAME)

@@ -34,10 +34,10 @@ def test_popupcad_pendulum_has_the_published_masses_and_inertia() -> None:
         ("link_2", "link_3"),
     ]
     np.testing.assert_allclose(
-        [j.point for j in mechanism.joints], [[x, 0.5, 0.5] for x in range(3)], atol=1e-15
+        [j.point for j in mechanism.joints], [[x, 0.5, 0.5] for x in range(3)], rtol=0.0, atol=1e-15
     )
     np.testing.assert_allclose(
-        [j.axis for j in mechanism.joints], [[0, 1, 0], [0, 1, 0], [0, -1, 0]], atol=1e-15
+        [j.axis for j in mechanism.joints], [[0, 1, 0], [0, 1, 0], [0, -1, 0]], rtol=0.0, atol=1e-15
     )
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from lamc.effects.contact_points import ContactPoint
 
 Vector = tuple[float, float, float]
+FAR = 1e3  # rad, the limit on a side that has none
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ class Stop:
     upper: float | None
     stiffness: float
     damping: float
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Both limits, rad, for formats that want two."""
+        return (-FAR if self.lower is None else self.lower), (FAR if self.upper is None else self.upper)
 
 
 @dataclass(frozen=True)

@@ -96,6 +96,11 @@ class EngineModel:
     inputs: Mapping[str, float]
     lost: tuple[Loss, ...]
 
+    @property
+    def hinges(self) -> list[EngineJoint]:
+        """In the order of their pieces."""
+        return [piece.joint for piece in self.pieces if piece.joint is not None]
+
     def origin(self, index: int) -> Array:
         """(3,), m, world, of a piece's frame as drawn; zero for the world's."""
         return np.zeros(3) if index == WORLD else self.pieces[index].origin

@@ -23,6 +23,12 @@ def row(values: Iterable[float]) -> str:
     return " ".join(number(value) for value in values)
 
 
+def rgba(colour: str) -> str:
+    """A colour such as #1f77b4 as four shares of one."""
+    shares = [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
+    return " ".join(f"{share:.3f}" for share in (*shares, 1.0))
+
+
 def filled(template: str, model: EngineModel, facts: dict[str, object]) -> bytes:
     """A file of an exported model: the template's text with the model's names and `facts`."""
     renamed = [

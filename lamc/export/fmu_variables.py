@@ -20,8 +20,6 @@ from lamc.run.parameters import Bounds, bounds
 _AXES = (1, 2, 3)
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _UNQUOTABLE = re.compile(r"[^A-Za-z0-9_!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]")
-
-
 UNBOUNDED = Bounds(-inf, False, inf)
 
 
@@ -108,7 +106,7 @@ class _Listing:
                 variable = Variable(
                     self._state_name(entry, i < joints, is_angle),
                     entry.unit,
-                    _state_meaning(entry, i < joints, is_angle),
+                    _state_meaning(i < joints, is_angle),
                     "output",
                     initial=initial,
                     start=float(self.start[i if is_angle else nq + i]),
@@ -213,7 +211,7 @@ def _part(text: str) -> str:
     return f"'{_UNQUOTABLE.sub('_', text) or '_'}'"
 
 
-def _state_meaning(entry: Coordinate, is_joint: bool, is_angle: bool) -> str:
+def _state_meaning(is_joint: bool, is_angle: bool) -> str:
     if is_joint:
         return "angle of the joint, zero as drawn" if is_angle else "rate of the joint"
     return "coordinate" if is_angle else "rate"

@@ -19,10 +19,10 @@ from lamc.export.engine_loads import Stop
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
-from lamc.export.engine_text import filled, names_json, number, row, xml_text
+from lamc.export.engine_text import filled, names_json, number, rgba, row, xml_text
 from lamc.export.markdown import markdown
 from lamc.export.meshes import body_meshes
-from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds, hinges_of
+from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds
 from lamc.export.options import ExportOptions
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import WORLD
@@ -33,7 +33,6 @@ from lamc.scene import Scene
 LEAST = 1e-15  # kg and kg·m²: MuJoCo refuses moving bodies that have no more (mjMINVAL)
 SOFTEST = 1e-4  # MuJoCo's smallest impedance (mjMINIMP): a constraint is then a spring and a damper
 DRIVEN_BY = ("t", "angle", "rate")  # what a torque's expression may hold besides inputs
-FAR = 1e3  # rad, the limit on a side that has none
 
 
 def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
@@ -136,8 +135,7 @@ def _stop(joint: Element, stop: Stop, inverse_inertia: float) -> None:
     """A stop as a spring and damper. With impedance d the constraint's force at depth r and speed v is
     ((K r + B v) - d a) / (d A + (1 - d) A₀), where solref = (-K, -B), a is the acceleration without it, A = J M⁻¹ Jᵀ
     and A₀ is A as drawn; d → 0 leaves (K r + B v) / A₀."""
-    low, high = (-FAR if stop.lower is None else stop.lower), (FAR if stop.upper is None else stop.upper)
-    joint.set("range", row((low, high)))
+    joint.set("range", row(stop.range))
     joint.set("solreflimit", row((-stop.stiffness * inverse_inertia, -stop.damping * inverse_inertia)))
     joint.set("solimplimit", row((SOFTEST, SOFTEST, 1.0)))
 
@@ -154,14 +152,13 @@ def _pictures(bodies: Mapping[int, Element], model: EngineModel, meshes: Mapping
     for name, index in model.places.items():
         made = model.body_names[name]
         if made in meshes:
-            rgb = (int(colours[name][k : k + 2], 16) / 255.0 for k in (1, 3, 5))
             SubElement(
                 bodies[index],
                 "geom",
                 name=made,
                 type="mesh",
                 mesh=made,
-                rgba=" ".join(f"{part:.3f}" for part in (*rgb, 1.0)),
+                rgba=rgba(colours[name]),
                 contype="0",
                 conaffinity="0",
                 group="1",
@@ -187,7 +184,7 @@ def _torques(model: EngineModel) -> dict[str, object]:
     """Torques that are expressions: place in ctrl, of the angle in qpos and of the rate in qvel, and Python's text; and
     the inputs that they hold."""
     floats = model.base is not None
-    actuators = [hinge for hinge in hinges_of(model) if hinge.loads.has_torque]
+    actuators = [hinge for hinge in model.hinges if hinge.loads.has_torque]
     drives = [
         (
             actuators.index(hinge),
@@ -195,7 +192,7 @@ def _torques(model: EngineModel) -> dict[str, object]:
             place + 6 * floats,
             in_python(hinge.loads.drive, DRIVEN_BY),
         )
-        for place, hinge in enumerate(hinges_of(model))
+        for place, hinge in enumerate(model.hinges)
         if hinge.loads.drive is not None
     ]
     inputs = [(name, number(value)) for name, value in model.inputs.items()]
@@ -209,17 +206,16 @@ def _facts(model: EngineModel, step: float) -> dict[str, object]:
     """What the README says of this model."""
     floats = model.base is not None
     joints = [
-        (h.name, markdown(h.joint.name), k + 7 * floats, k + 6 * floats)
-        for k, h in enumerate(hinges_of(model))
+        (h.name, markdown(h.joint.name), k + 7 * floats, k + 6 * floats) for k, h in enumerate(model.hinges)
     ]
     return {
         "floats": floats,
         "joints": joints,
         "cuts": [markdown(name) for name in model.cuts],
-        "drives": [(h.name, markdown(h.loads.drive)) for h in hinges_of(model) if h.loads.drive is not None],
-        "outside": [h.name for h in hinges_of(model) if h.loads.outside],
-        "torques": [h.name for h in hinges_of(model) if h.loads.has_torque],
-        "stops": any(h.loads.stop is not None for h in hinges_of(model)),
+        "drives": [(h.name, markdown(h.loads.drive)) for h in model.hinges if h.loads.drive is not None],
+        "outside": [h.name for h in model.hinges if h.loads.outside],
+        "torques": [h.name for h in model.hinges if h.loads.has_torque],
+        "stops": any(h.loads.stop is not None for h in model.hinges),
         "ground": model.ground is not None,
         "lost": [markdown(loss.what) for loss in model.lost],
         "step": number(step),

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from lamc.export.engine_loads import GroundPlane
-from lamc.export.engine_model import EngineJoint, EngineModel
+from lamc.export.engine_model import EngineModel
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_text import number, row
 from lamc.mechanism.tree import WORLD
@@ -123,7 +123,7 @@ def add_welds(root: Element, model: EngineModel) -> None:
 
 def add_torques(root: Element, model: EngineModel) -> None:
     """A motor on each hinge with a torque: force = control + constant + per_angle angle + per_rate rate."""
-    driven = [hinge for hinge in hinges_of(model) if hinge.loads.has_torque]
+    driven = [hinge for hinge in model.hinges if hinge.loads.has_torque]
     if not driven:
         return
     actuators = SubElement(root, "actuator")
@@ -152,13 +152,8 @@ def add_start(root: Element, model: EngineModel) -> None:
     if model.base is not None:
         qpos += [*model.base.position, *model.base.rotation]
         qvel += [*model.base.velocity, *model.base.spin]
-    for hinge in hinges_of(model):
+    for hinge in model.hinges:
         qpos.append(model.angles[hinge.joint.name])
         qvel.append(model.rates[hinge.joint.name])
     keyframe = SubElement(root, "keyframe")
     SubElement(keyframe, "key", name="start", qpos=row(qpos), qvel=row(qvel))
-
-
-def hinges_of(model: EngineModel) -> list[EngineJoint]:
-    """In MuJoCo's order."""
-    return [piece.joint for piece in model.pieces if piece.joint is not None]

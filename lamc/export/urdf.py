@@ -15,7 +15,7 @@ from lamc.export.engine_loads import Loss
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
-from lamc.export.engine_text import filled, names_json, number, row, xml_text
+from lamc.export.engine_text import filled, names_json, number, rgba, row, xml_text
 from lamc.export.markdown import markdown
 from lamc.export.meshes import body_meshes
 from lamc.export.options import ExportOptions
@@ -26,7 +26,6 @@ from lamc.places import told_at
 from lamc.report.palette import body_colours
 from lamc.scene import Scene
 
-FAR = 1e3  # rad, the limit on a side that has none
 EFFORT, VELOCITY = 1e6, 1e6  # N·m and rad/s: URDF asks for a bound of either, and a mechanism has none
 
 
@@ -66,11 +65,10 @@ def _check_tree(model: EngineModel) -> None:
 
 def _own_losses(model: EngineModel) -> list[Loss]:
     """What acts in the scene and has no place in URDF."""
-    hinges = [piece.joint for piece in model.pieces if piece.joint is not None]
     lost = []
     for what, among in (
-        ("stiffness", [h for h in hinges if h.loads.stiffness]),
-        ("torque", [h for h in hinges if h.loads.has_torque]),
+        ("stiffness", [h for h in model.hinges if h.loads.stiffness]),
+        ("torque", [h for h in model.hinges if h.loads.has_torque]),
     ):
         if among:
             names = some([repr(h.joint.name) for h in among])
@@ -106,9 +104,8 @@ def _robot(model: EngineModel, meshes: Mapping[str, bytes], package: str) -> Ele
     colours = body_colours(mechanism)
     for body, made in model.body_names.items():
         if made in meshes:
-            rgb = (int(colours[body][k : k + 2], 16) / 255.0 for k in (1, 3, 5))
             material = SubElement(robot, "material", name=f"{made}_colour")
-            SubElement(material, "color", rgba=" ".join(f"{part:.3f}" for part in (*rgb, 1.0)))
+            SubElement(material, "color", rgba=rgba(colours[body]))
     return robot
 
 
@@ -144,8 +141,7 @@ def _hinge(robot: Element, hinge: EngineJoint, parent: str, child: str, place: A
     SubElement(joint, "axis", xyz=row(hinge.axis))
     bounds = {"effort": number(EFFORT), "velocity": number(VELOCITY)}
     if stop is not None:
-        bounds["lower"] = number(-FAR if stop.lower is None else stop.lower)
-        bounds["upper"] = number(FAR if stop.upper is None else stop.upper)
+        bounds["lower"], bounds["upper"] = map(number, stop.range)
         SubElement(joint, "limit", bounds)
     if hinge.loads.damping:
         SubElement(joint, "dynamics", damping=number(hinge.loads.damping))
@@ -169,7 +165,6 @@ def _package(package: str, model: EngineModel) -> Element:
 
 def _facts(model: EngineModel, package: str, lost: tuple[Loss, ...]) -> dict[str, object]:
     """What the README says of this model."""
-    hinges = [piece.joint for piece in model.pieces if piece.joint is not None]
     rows = [
         (
             h.name,
@@ -177,7 +172,7 @@ def _facts(model: EngineModel, package: str, lost: tuple[Loss, ...]) -> dict[str
             number(model.angles[h.joint.name]),
             number(model.rates[h.joint.name]),
         )
-        for h in hinges
+        for h in model.hinges
     ]
     return {
         "package": package,
@@ -185,6 +180,6 @@ def _facts(model: EngineModel, package: str, lost: tuple[Loss, ...]) -> dict[str
         "base": model.pieces[0].name,
         "joints": rows,
         "gravity": row(model.gravity),
-        "stops": any(h.loads.stop is not None for h in hinges),
+        "stops": any(h.loads.stop is not None for h in model.hinges),
         "lost": [markdown(loss.what) for loss in lost],
     }

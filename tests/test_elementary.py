@@ -1,15 +1,14 @@
 """The functions that programs without <math.h> get, against long double and against what C99 says of special values."""
 
 import ctypes
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 from lamc.resources import data_dir
-from tests.ctools import STRICT, STRICT_CXX, cc, needs_cc
+from tests.ctools import needs_cc
+from tests.elementary import EXACT, Case, check_errors, check_special_values, compiled, mapped, one
 
 Array = npt.NDArray[np.float64]
 
@@ -44,8 +43,6 @@ SPECIAL = np.array(
         for s in (1.0, -1.0)
     ]
 )
-TWO = ("atan2", "pow", "fmin", "fmax")
-NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "pow": "power"}
 
 
 def sizes(low: float, high: float) -> Array:
@@ -59,18 +56,6 @@ def signed(low: float, high: float) -> Array:
 
 def evenly(low: float, high: float) -> Array:
     return RANDOM.uniform(low, high, COUNT)
-
-
-@dataclass(frozen=True)
-class Case:
-    """Units in the last place that the header allows, and arguments that are hard: near zeros, ends and seams."""
-
-    ulps: float
-    arguments: tuple[tuple[Callable[[], Array], ...], ...]
-
-
-def one(*makers: Callable[[], Array]) -> tuple[tuple[Callable[[], Array], ...], ...]:
-    return tuple((maker,) for maker in makers)
 
 
 CASES = {
@@ -98,47 +83,16 @@ CASES = {
 
 @pytest.fixture(scope="module", params=["c", "c++"])
 def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    folder = tmp_path_factory.mktemp("elementary")
-    lines = ['#include "elementary.h"', "#ifdef __cplusplus", 'extern "C" {', "#endif"]
-    for name in ("sqrt", "fabs", *CASES, "fmin", "fmax"):
-        given = "const double *x, " + ("const double *z, " if name in TWO else "")
-        call = f"lamc_{name}(x[i]{', z[i]' if name in TWO else ''})"
-        head = f"void map_{name}(long n, {given}double *y)"
-        lines.append(f"{head};\n{head} {{ for (long i = 0; i < n; i++) y[i] = {call}; }}")
-    lines += ["#ifdef __cplusplus", "}", "#endif"]
-    (folder / "maps.c").write_text("\n".join(lines) + "\n")
     root = data_dir("runtime_c")
-    dialect = STRICT_CXX if request.param == "c++" else STRICT
-    cc(folder, *dialect, "-O2", "-ffp-contract=off", "-fPIC", "-shared", f"-I{root / 'bare'}", f"-I{root / 'src'}",
-       *(["-x", "c++"] if request.param == "c++" else []), "maps.c", "-o", "maps.so")  # fmt: skip
-    return ctypes.CDLL(str(folder / "maps.so"))
-
-
-def mapped(library: ctypes.CDLL, name: str, *arguments: Array) -> Array:
-    given = [np.ascontiguousarray(a) for a in arguments]
-    out = np.empty_like(given[0])
-    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*given, out)]
-    getattr(library, f"map_{name}")(ctypes.c_long(len(out)), *pointers)
-    return out
-
-
-def in_numpy(name: str) -> Callable[..., npt.NDArray[np.floating]]:
-    found: Callable[..., npt.NDArray[np.floating]] = getattr(np, NUMPY.get(name, name))
-    return found
+    folders = (f"-I{root / 'bare'}", f"-I{root / 'src'}")
+    return compiled(
+        tmp_path_factory.mktemp("elementary"), [*EXACT, *CASES], "double", request.param, *folders
+    )
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_errors_are_what_the_header_says(name: str, library: ctypes.CDLL) -> None:
-    for makers in CASES[name].arguments:
-        arguments = [make() for make in makers]
-        with np.errstate(all="ignore"):
-            exact = in_numpy(name)(*(a.astype(np.longdouble) for a in arguments))
-            values = mapped(library, name, *arguments)
-            spacing = np.spacing(np.maximum(np.abs(exact.astype(np.float64)), 5e-324))
-            error = np.abs(values - exact) / spacing
-            told = np.isfinite(exact.astype(np.float64))  # beyond the range of doubles infinity is right
-        assert np.array_equal(np.isfinite(values), told)
-        assert np.max(error[told]) <= CASES[name].ulps
+    check_errors(library, name, CASES[name], np.longdouble)
 
 
 def test_square_roots_are_rounded_correctly(library: ctypes.CDLL) -> None:
@@ -154,16 +108,6 @@ def test_square_roots_are_rounded_correctly(library: ctypes.CDLL) -> None:
         assert np.array_equal(mapped(library, "sqrt", x), np.sqrt(x))
 
 
-@pytest.mark.parametrize("name", ["sqrt", "fabs", *CASES, "fmin", "fmax"])
+@pytest.mark.parametrize("name", [*EXACT, *CASES])
 def test_special_values_are_those_of_annex_f(name: str, library: ctypes.CDLL) -> None:
-    pairs = [m.ravel() for m in np.meshgrid(SPECIAL, SPECIAL)] if name in TWO else [SPECIAL]
-    with np.errstate(all="ignore"):
-        right = in_numpy(name)(*pairs)
-    values = mapped(library, name, *pairs)
-    alike = (np.isnan(values) & np.isnan(right)) | (
-        (values == right) & (np.signbit(values) == np.signbit(right))
-    )
-    with np.errstate(all="ignore"):
-        near = np.abs(values - right) <= 3.0 * np.spacing(np.abs(right))  # the header's worst
-    wrong = [tuple(float(p[k]) for p in pairs) for k in np.flatnonzero(~(alike | near))]
-    assert not wrong
+    check_special_values(library, name, SPECIAL, np.float64)

@@ -1,8 +1,6 @@
 """The functions of models whose numbers are float, against numpy in double and what C99 says of special values."""
 
 import ctypes
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +8,8 @@ import pytest
 
 from lamc.export.single import single_precision
 from lamc.resources import data_dir
-from tests.ctools import STRICT, STRICT_CXX, cc, needs_cc
+from tests.ctools import needs_cc
+from tests.elementary import EXACT, Case, check_errors, check_special_values, compiled, mapped, one
 
 Single = npt.NDArray[np.float32]
 
@@ -20,8 +19,6 @@ COUNT = 200_000
 RANDOM = np.random.default_rng(21)
 SIZES = (0.0, 0.5, 1.0, 2.0, 3.0, 88.9, 104.5, 1e7, 2.0**24 - 1.0, 1e-45, 1e-38, 3e38, np.inf, np.nan)
 SPECIAL = np.array([s * x for x in SIZES for s in (1.0, -1.0)], dtype=np.float32)
-TWO = ("atan2", "pow", "fmin", "fmax")
-NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "pow": "power"}
 
 
 def single(values: npt.NDArray[np.float64]) -> Single:
@@ -45,18 +42,6 @@ def near_quarter_turns() -> Single:
     """Multiples of pi/4 and their neighbours, where digits of the reduced angle are lost"""
     exact = single(RANDOM.integers(1, 2**22, COUNT) * (np.pi / 4.0))
     return single(exact + RANDOM.integers(-2, 3, COUNT) * np.spacing(exact).astype(np.float64))
-
-
-@dataclass(frozen=True)
-class Case:
-    """Units in the last place that the headers allow, and arguments that are hard: near zeros, ends and seams."""
-
-    ulps: float
-    arguments: tuple[tuple[Callable[[], Single], ...], ...]
-
-
-def one(*makers: Callable[[], Single]) -> tuple[tuple[Callable[[], Single], ...], ...]:
-    return tuple((maker,) for maker in makers)
 
 
 ANGLES = one(lambda: evenly(-7, 7), lambda: signed(-20, 15), near_quarter_turns)
@@ -87,49 +72,17 @@ CASES = {
 
 @pytest.fixture(scope="module", params=["c", "c++"])
 def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    folder = tmp_path_factory.mktemp("elementary")
-    lines = ['#include "elementary.h"', "#ifdef __cplusplus", 'extern "C" {', "#endif"]
-    for name in ("sqrt", "fabs", *CASES, "fmin", "fmax"):
-        given = "const float *x, " + ("const float *z, " if name in TWO else "")
-        call = f"lamc_{name}(x[i]{', z[i]' if name in TWO else ''})"
-        head = f"void map_{name}(long n, {given}float *y)"
-        lines.append(f"{head};\n{head} {{ for (long i = 0; i < n; i++) y[i] = {call}; }}")
-    lines += ["#ifdef __cplusplus", "}", "#endif"]
-    (folder / "maps.c").write_text("\n".join(lines) + "\n")
-    shared = (data_dir("runtime_c") / "bare" / "two.h").read_text(encoding="utf-8")
+    """With what both precisions have in common as exports make floats of it."""
+    folder, root = tmp_path_factory.mktemp("elementary"), data_dir("runtime_c")
+    shared = (root / "bare" / "two.h").read_text(encoding="utf-8")
     (folder / "two.h").write_text(single_precision(shared, "two.h"))
-    dialect = STRICT_CXX if request.param == "c++" else STRICT
-    cc(folder, *dialect, "-Wdouble-promotion", "-O2", "-ffp-contract=off", "-fPIC", "-shared",
-       f"-I{data_dir('runtime_c') / 'single'}", "-I.",
-       *(["-x", "c++"] if request.param == "c++" else []), "maps.c", "-o", "maps.so")  # fmt: skip
-    return ctypes.CDLL(str(folder / "maps.so"))
-
-
-def mapped(library: ctypes.CDLL, name: str, *arguments: Single) -> Single:
-    given = [np.ascontiguousarray(a, dtype=np.float32) for a in arguments]
-    out = np.empty_like(given[0])
-    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*given, out)]
-    getattr(library, f"map_{name}")(ctypes.c_long(len(out)), *pointers)
-    return out
-
-
-def in_numpy(name: str) -> Callable[..., npt.NDArray[np.float64]]:
-    found: Callable[..., npt.NDArray[np.float64]] = getattr(np, NUMPY.get(name, name))
-    return found
+    flags = ("-Wdouble-promotion", f"-I{root / 'single'}", "-I.")
+    return compiled(folder, [*EXACT, *CASES], "float", request.param, *flags)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_errors_are_what_the_headers_say(name: str, library: ctypes.CDLL) -> None:
-    for makers in CASES[name].arguments:
-        arguments = [make() for make in makers]
-        with np.errstate(all="ignore"):
-            exact = in_numpy(name)(*(a.astype(np.float64) for a in arguments))  # 29 bits more than are judged
-            values = mapped(library, name, *arguments)
-            spacing = np.spacing(np.maximum(np.abs(exact.astype(np.float32)), np.float32(1e-45)))
-            error = np.abs(values - exact) / spacing
-            told = np.isfinite(exact.astype(np.float32))  # beyond the range of floats infinity is right
-        assert np.array_equal(np.isfinite(values), told)
-        assert np.max(error[told]) <= CASES[name].ulps
+    check_errors(library, name, CASES[name], np.float64)  # 29 bits more than are judged
 
 
 def test_square_roots_are_rounded_correctly(library: ctypes.CDLL) -> None:
@@ -145,16 +98,6 @@ def test_square_roots_are_rounded_correctly(library: ctypes.CDLL) -> None:
         assert np.array_equal(mapped(library, "sqrt", x), np.sqrt(x))
 
 
-@pytest.mark.parametrize("name", ["sqrt", "fabs", *CASES, "fmin", "fmax"])
+@pytest.mark.parametrize("name", [*EXACT, *CASES])
 def test_special_values_are_those_of_annex_f(name: str, library: ctypes.CDLL) -> None:
-    pairs = [m.ravel() for m in np.meshgrid(SPECIAL, SPECIAL)] if name in TWO else [SPECIAL]
-    with np.errstate(all="ignore"):
-        right = in_numpy(name)(*(p.astype(np.float64) for p in pairs)).astype(np.float32)
-    values = mapped(library, name, *pairs)
-    alike = (np.isnan(values) & np.isnan(right)) | (
-        (values == right) & (np.signbit(values) == np.signbit(right))
-    )
-    with np.errstate(all="ignore"):
-        near = np.abs(values - right) <= 3.0 * np.spacing(np.abs(right))  # the headers' worst
-    wrong = [tuple(float(p[k]) for p in pairs) for k in np.flatnonzero(~(alike | near))]
-    assert not wrong
+    check_special_values(library, name, SPECIAL, np.float64)

@@ -15,7 +15,7 @@ demo: $(STAMP)
 	$(BIN)/lamc bench lamc/examples/pendulum.cad --out $(OUT)
 	$(BIN)/lamc plate --example strip --out $(OUT)/plate
 	@echo
-	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, the animation, results.csv; plate/deflection.png"
+	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, bench.png, the animation, results.csv; plate/deflection.png"
 
 test: $(STAMP)
 	$(MAKE) -C runtime_c test sanitize cxx

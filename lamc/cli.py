@@ -12,7 +12,17 @@ import click
 from lamc._version import __version__
 from lamc.commands.export_options import export
 from lamc.commands.ledger_options import ledger
-from lamc.commands.options import SETTINGS, Cli, compiler, design, folder, precision, speaking, staged
+from lamc.commands.options import (
+    SETTINGS,
+    Cli,
+    compiler,
+    design,
+    folder,
+    precision,
+    seconds,
+    speaking,
+    staged,
+)
 from lamc.commands.plate_options import plate
 from lamc.commands.terminal import Terminal
 
@@ -48,7 +58,10 @@ def main(context: click.Context) -> None:
 @main.command()
 @design
 @click.option(
-    "--t-end", type=float, metavar="SECONDS", help="End of the run.  [default: the scene's duration, else 10]"
+    "--t-end",
+    callback=seconds,
+    metavar="SECONDS",
+    help="End of the run.  [default: the scene's duration, else 10]",
 )
 @click.option(
     "--points",
@@ -184,7 +197,9 @@ def build(
 @staged()
 @compiler
 @click.option("--states", type=int, default=20, metavar="N", help="Random states to compare at.")
-@click.option("--t-end", type=float, default=1.0, metavar="SECONDS", help="End of the run that is compared.")
+@click.option(
+    "--t-end", callback=seconds, default="1.0", metavar="SECONDS", help="End of the run that is compared."
+)
 @speaking
 def check(
     file: str | None,

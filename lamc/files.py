@@ -1,5 +1,6 @@
 """Reading and writing whole files: bounded, atomic, with errors that say what to do."""
 
+import difflib
 import os
 import tempfile
 from collections.abc import Iterator
@@ -19,7 +20,7 @@ def read_bytes(path: Path, limit: int) -> bytes:
         if path.is_dir():
             raise DesignError("this is a folder; name a file in it", place)
         if not path.exists():
-            raise DesignError("there is no such file", place)
+            raise DesignError(f"there is no such file{_nearest(path)}", place)
         if not path.is_file():
             raise DesignError("this is not a plain file", place)
         with path.open("rb") as stream:
@@ -31,6 +32,14 @@ def read_bytes(path: Path, limit: int) -> bytes:
     if len(data) > limit:
         raise DesignError(f"the file is larger than the limit 'bytes' of {limit}", place)
     return data
+
+
+def _nearest(path: Path) -> str:
+    """The end of an error message: the name in the folder that may have been meant, or that there is no such folder."""
+    if not path.parent.is_dir():
+        return f", nor the folder {str(path.parent)!r}"
+    near = difflib.get_close_matches(path.name, sorted(os.listdir(path.parent)), n=1, cutoff=0.6)
+    return f"; did you mean {str(path.parent / near[0])!r}?" if near else ""
 
 
 def checked_path(path: object) -> Path:

@@ -345,7 +345,8 @@ def test_examples_are_listed_and_copied_once() -> None:
     ("words", "told"),
     [
         ((), "name a FILE"),
-        (("s.yaml", "--example", "square"), "name a FILE"),
+        (("s.yaml", "--example", "square"), "not both"),
+        (("square.yaml",), "--example square"),
         (("--example", "sqare"), "did you mean 'square'?"),
         (("none.yaml",), "there is no such file"),
         (("s.yaml", "--clamp", "left"), "is a plate file"),

@@ -47,10 +47,20 @@ class Source:
         return CompileOptions(self.compiler, self.fast, self.precision)
 
     def check(self) -> None:
-        """Raises LamcError if no design is named, or two."""
-        if (self.file is None) == (self.example is None):
-            known = ", ".join(examples.names())
-            raise LamcError(f"name a FILE, or one of the examples with --example NAME: {known}")
+        """Raises LamcError if no design is named, or two, or a file that is none but has an example's name."""
+        check_named(self.file, self.example, examples.names())
+
+
+def check_named(file: str | None, example: str | None, known: Sequence[str]) -> None:
+    """Raises LamcError unless either a file or an example is named, and for a missing file that an example is like."""
+    if file is None and example is None:
+        raise LamcError(f"name a FILE, or one of the examples with --example NAME: {', '.join(known)}")
+    if file is not None and example is not None:
+        raise LamcError(f"name a FILE, {file!r}, or --example {example}, not both")
+    if file is not None and not os.path.exists(file):
+        shipped = next((name for name in (file, Path(file).stem) if name in known), None)
+        if shipped is not None:
+            raise LamcError(f"{file}: there is no such file, but an example is named so: --example {shipped}")
 
 
 @dataclass(frozen=True, eq=False)

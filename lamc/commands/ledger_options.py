@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, folder, speaking, staged
+from lamc.commands.options import compiler, design, folder, seconds, speaking, staged
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @compiler
 @click.option(
     "--t-end",
-    type=float,
+    callback=seconds,
     metavar="SECONDS",
     help="End of the runs.  [default: the scene's duration, else 10]",
 )

@@ -6,11 +6,13 @@ In: words. Out: click decorators, and a group whose commands return exit codes. 
 import functools
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 import click
 
 from lamc.commands.terminal import INTERRUPTED, Terminal, printable
+from lamc.errors import DesignError
 from lamc.options import PRECISIONS
 
 Function = Callable[..., Any]
@@ -49,6 +51,20 @@ class Cli(click.Group):
         if not standalone_mode:
             return code
         sys.exit(code if isinstance(code, int) else 0)
+
+
+def seconds(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
+    """Callback of an option that is a time: a number of seconds, or text with a unit such as '500 ms'."""
+    if value is None:
+        return None
+    with suppress(ValueError):
+        return float(value)
+    from lamc.design.units import DURATION, to_si  # `--help` does without it
+
+    try:
+        return to_si(value, DURATION)
+    except DesignError as error:
+        raise click.BadParameter(str(error), context, parameter) from error
 
 
 def together(*options: Function) -> Function:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lamc.commands.inputs import split_pair
+from lamc.commands.inputs import check_named, split_pair
 from lamc.design import popupcad
 from lamc.design.checking import did_you_mean
 from lamc.design.inert import ListNode, MapNode, Node, ScalarNode, compose
@@ -51,9 +51,7 @@ class PlateSource:
 
 def load_source(source: PlateSource) -> tuple[PlateFile, str]:
     """The plate and where it comes from. Raises LamcError for neither file nor example, or both, and as readers do."""
-    if (source.file is None) == (source.example is None):
-        known = ", ".join(plates.names())
-        raise LamcError(f"name a FILE, or one of the examples with --example NAME: {known}")
+    check_named(source.file, source.example, plates.names())
     if source.example is not None:
         path = plates.find(source.example).path
         assert path is not None

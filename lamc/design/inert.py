@@ -185,6 +185,8 @@ def _events(text: str, file: str) -> Iterator[Any]:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file)
         problem = error.problem or error.context or "it cannot be parsed"
+        if "'\\t'" in problem:
+            problem += "; indent with spaces, not tabs"
         raise DesignError(f"this is not YAML: {problem}", place) from error
     except YAMLError as error:
         raise DesignError(f"this is not YAML: {str(error)[:200]}", Place(file)) from error

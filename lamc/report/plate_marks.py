@@ -88,9 +88,7 @@ def draw_outline(axis: Axes, mesh: Mesh, scale: Scale, *, lines: bool = False) -
             linewidths=_BORDER,
             linestyles=":",
             zorder=4,
-            path_effects=[
-                withStroke(linewidth=2.5 * _BORDER, foreground="white", alpha=0.7)
-            ],  # on dark colours
+            path_effects=[_halo(_BORDER)],
         )
     )
     axis.add_collection(LineCollection(list(ends[boundary]), colors=INK, linewidths=1.0, zorder=4))
@@ -110,6 +108,11 @@ def _merged(ends: Array) -> list[Array]:
         return []
     lines = shapely.line_merge(shapely.multilinestrings(list(ends)))
     return [np.asarray(part.coords) for part in shapely.get_parts(lines)]
+
+
+def _halo(width: float) -> withStroke:
+    """White beside a line of `width` pt, which may cross a field of its own colour."""
+    return withStroke(linewidth=width + 1.2, foreground="white", alpha=0.7)
 
 
 def _borders(mesh: Mesh) -> Array:
@@ -259,6 +262,7 @@ def _place(
                 linestyles=style,
                 zorder=order,
                 capstyle="projecting" if style == "solid" else None,  # a ring has no notch where it closes
+                path_effects=[_halo(width)] if colour == _FOLD else None,
             )
         )
         return False

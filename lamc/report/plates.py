@@ -97,7 +97,7 @@ def draw_fields(
     )
     lines = math.ceil(len(fields) / columns)
     panel = 10.5 / columns if columns > 1 else 7.4
-    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + 0.95
+    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + 1.1
     figure = Figure(figsize=(panel * columns, tall * lines + 0.5), layout="compressed")
     axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     handles: list[Line2D] = []

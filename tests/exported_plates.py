@@ -18,6 +18,19 @@ from tests.exported_folders import cc, put
 Array = npt.NDArray[np.float64]
 CFRP = plate.Material(E1=150e9, E2=9e9, nu12=0.3, G12=5e9, density=1600.0, name="cfrp")
 STEEL = plate.Material.isotropic(E=200e9, nu=0.3, density=7850.0, name="steel")
+GRAPHITE = plate.Material(
+    181e9,
+    10.3e9,
+    0.28,
+    7.17e9,
+    1600.0,
+    alpha1=0.02e-6,
+    alpha2=22.5e-6,
+    beta1=0.0,
+    beta2=0.6,
+    name="T300/5208",
+)
+PZT = plate.Material(61e9, 61e9, 0.35, 22.6e9, 7750.0, 2e-6, 3e-6, d31=-171e-12, d32=-150e-12, name="PZT")
 SIDE = 0.2  # m
 
 
@@ -85,7 +98,26 @@ def _squares() -> Problem:
     )
 
 
-MAKERS = {"square": _square, "coupled": _coupled, "oblique": _oblique, "squares": _squares}
+def _warm() -> Problem:
+    """Two regions that warm, swell and have piezoelectric plies, each in its own way; two cases."""
+    patch = shapely.box(0.05, 0.0, 0.1, 0.1)
+    mesh = plate.grid(0.2, 0.1, 8, 4, "union-jack", regions={"patch": patch})
+    thin = plate.Laminate([plate.Ply(GRAPHITE, 2e-4, 10.0), plate.Ply(GRAPHITE, 1e-4, 80.0)])
+    thick = plate.Laminate([plate.Ply(GRAPHITE, 2e-4, 10.0), plate.Ply(PZT, 3e-4, -20.0)], "top")
+    rest = next(name for name in mesh.region_names if name != "patch")
+    return Problem(
+        mesh,
+        {rest: thin, "patch": thick},
+        supports=[plate.Clamped(shapely.LineString([(0.0, 0.0), (0.0, 0.1)]))],
+        loads=[plate.Temperature(-80.0), plate.Pressure(3.0)],
+        cases={
+            "wet": [plate.Moisture(0.008), plate.Moisture(0.004, region="patch")],
+            "driven": [plate.ElectricField([0.0, 4e5], region="patch"), plate.Temperature(20.0, region=rest)],
+        },
+    )
+
+
+MAKERS = {"warm": _warm, "square": _square, "coupled": _coupled, "oblique": _oblique, "squares": _squares}
 
 
 @cache
@@ -103,8 +135,13 @@ def exported(name: str, **options: object) -> dict[str, bytes]:
 class Library:
     """The exported C as a library of this process."""
 
-    def __init__(self, name: str, folder: Path, **options: object) -> None:
-        self.name, self.files = name, exported(name, **options)
+    def __init__(self, name: str, folder: Path, made: Problem | None = None, **options: object) -> None:
+        """Of the plate of MAKERS that has this name, or of `made` under this name."""
+        self.name = name
+        if made is None:
+            self.files = exported(name, **options)
+        else:
+            self.files = dict(files_of(made, "c", options=lamc.ExportOptions(**{"prefix": name, **options})))  # type: ignore[arg-type]
         put(self.files, folder)
         self.prefix = str(options.get("prefix", name))
         made = f"lib{self.prefix}.so"
@@ -130,6 +167,13 @@ class Library:
     def call(self, function: str, *arguments: object) -> int:
         made = [a.ctypes.data_as(ctypes.c_void_p) if isinstance(a, np.ndarray) else a for a in arguments]
         return int(getattr(self.lib, f"{self.prefix}_{function}")(*made))
+
+    def at(self, x: Array | None, at_x: float, at_y: float, out: Array | None) -> int:
+        """Status of what the plate does at a point, into `out` (6,)."""
+        return self.call("displacement_at", x, ctypes.c_double(at_x), ctypes.c_double(at_y), out)
+
+    def cell(self, at_x: float, at_y: float) -> int:
+        return self.call("cell_at", ctypes.c_double(at_x), ctypes.c_double(at_y))
 
     def array(self, count: str) -> Array:
         return np.full(self.counts[count], np.nan)

@@ -2,6 +2,7 @@
 
 import ctypes
 import json
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,7 @@ from lamc.cli import main
 from lamc.errors import ExportError
 from lamc.examples import plates
 from lamc.export import files_of
+from lamc.export.plate_profile import check_profile, profile_of
 from lamc.export.plate_tables import pattern_of
 from lamc.plate.problem import Problem
 from lamc.plate.solving.system import system
@@ -180,26 +182,27 @@ def test_it_builds_without_a_warning_and_prints_the_same(
 
 
 @needs("g++")
-@pytest.mark.parametrize("name", ["oblique", "squares"])
+@pytest.mark.parametrize("name", ["oblique", "squares", "warm"])
 def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
-    cc(folder, *STRICT_CXX, "-c", "-x", "c++", f"{name}.c", "-o", "it.o", command=("g++",))
+    cc(folder, *STRICT_CXX, "-Wconversion", "-c", "-x", "c++", f"{name}.c", "-o", "it.o", command=("g++",))
 
 
-def test_the_single_header_without_a_library_is_all_there_is(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["oblique", "squares"])
+def test_the_single_header_without_a_library_is_all_there_is(name: str, tmp_path: Path) -> None:
     """Sines and cosines of plies are lamc's own either way, so the bits are the same."""
-    folder = put(exported("oblique"), tmp_path / "usual")
-    cc(folder, "-std=c99", "-O2", "example_main.c", "oblique.c", "-lm", "-o", "example")
+    folder = put(exported(name), tmp_path / "usual")
+    cc(folder, "-std=c99", "-O2", "example_main.c", f"{name}.c", "-lm", "-o", "example")
     expected = does([folder / "example"], folder)
-    files = exported("oblique", single_header=True, libm=False)
-    assert "oblique.c" not in files
+    files = exported(name, single_header=True, libm=False)
+    assert f"{name}.c" not in files
     folder = put(files, tmp_path / "single")
     cc(folder, "-std=c99", "-O2", *STRICT, "example_main.c", "-o", "example")
     assert does([folder / "example"], folder) == expected
 
 
 @needs("nm")
-@pytest.mark.parametrize("name", ["coupled", "oblique"])
+@pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
 def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     cc(folder, "-std=c99", "-O2", "-fno-pic", "-fno-pie", "-c", f"{name}.c", "-o", "it.o")
@@ -209,7 +212,7 @@ def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path)
     assert all(s.startswith(f"{name}_") for s, kind in kinds.items() if kind == "T")
 
 
-@pytest.mark.parametrize("name", ["coupled", "oblique", "squares"])
+@pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
 def test_it_runs_clean_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     flags = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     if not sanitizer_works(tmp_path, *flags):
@@ -292,10 +295,9 @@ EDGE = shapely.LineString([(0.0, 0.0), (0.0, SIDE)])
     ("made", "said"),
     [
         (lambda: _grid(3), r"not held: nothing prevents that it .*add a support"),
-        (lambda: _grid(101, supports=[plate.Clamped(EDGE)]), r"20402 cells; 20000 at most.*--size"),
         (
-            lambda: _grid(3, supports=[plate.Clamped(EDGE)], loads=[plate.Temperature(5.0)]),
-            r"a load Temperature.*--lossy",
+            lambda: _grid(101, supports=[plate.Clamped(EDGE)]),
+            r"20402 cells; 20000 at most.*--size '2.1 mm'.*edge_length=0.0021",
         ),
     ],
 )
@@ -332,6 +334,32 @@ def test_the_command_knows_a_plate_by_its_content(tmp_path: Path, monkeypatch: p
         assert all(stage.endswith(" …") for stage in stages)
 
 
+def test_the_length_of_edges_that_a_refusal_tells_is_long_enough(tmp_path: Path) -> None:
+    """By the limit of cells: the gallery's square, as the command meets it. By that of the factors, five unknowns per
+    node: the same mesh but for the plies."""
+    words = ["export", "--example", "square", "--out", str(tmp_path / "square"), "--json"]
+    refused = CliRunner().invoke(main, words)
+    assert refused.exit_code == 2
+    said = refused.stderr.strip().splitlines()[-1]
+    assert "the mesh has 51200 cells; 20000 at most" in said
+    (size,) = re.findall(r"--size '([^']+)'", said)
+    assert float(size.removesuffix(" mm")) < 1.1 * 2.0  # 100 by 100 squares are the finest
+    assert CliRunner().invoke(main, [*words, "--size", size]).exit_code == 0
+
+    plies = plate.Laminate([plate.Ply(CFRP, 1e-3, 30.0), plate.Ply(CFRP, 1e-3)])
+
+    def of(count: int) -> Problem:
+        return Problem(plate.grid(SIDE, SIDE, count, count), plies, supports=[plate.Clamped(EDGE)])
+
+    for count in (80, 101):
+        with pytest.raises(ExportError, match=r"at most are exported") as told:
+            files_of(of(count), "c")
+        (length,) = re.findall(r"edge_length=(\S+)", str(told.value))
+        enough = round(SIDE / float(length))
+        assert 0.9 * 77 < enough <= 77  # the finest
+        check_profile(of(enough), int(profile_of(pattern_of(system(of(enough))))[1][-1]))
+
+
 def test_options_and_targets_of_mechanisms_are_refused() -> None:
     with pytest.raises(
         ExportError, match=r"--real-time \(real_time\): a Problem, which has its mesh, has no"
@@ -343,5 +371,8 @@ def test_options_and_targets_of_mechanisms_are_refused() -> None:
         ExportError, match=r"--size \(edge_length\): a Problem, which has its mesh, .* for a plate"
     ):
         files_of(problem("square"), "c", options=lamc.ExportOptions(edge_length=1e-3))
+    for call in (files_of, lamc.export):
+        with pytest.raises(ExportError, match=r"a scene is given with a plate.*leave scene= out"):
+            call(problem("square"), "c", lamc.Scene())
     with pytest.raises(ExportError, match=r"--size \(edge_length\) is 0"):
         lamc.ExportOptions(edge_length=0.0)

@@ -172,10 +172,14 @@ def files_of(
     options: ExportOptions | None = None,
 ) -> Files:
     """The files of an export, by relative path. Raises ExportError for an unknown target, for options that it does not
-    read, and for a plate to another target than "c"."""
+    read, and for a plate to another target than "c" or in a scene."""
     if to not in TARGETS:
         raise ExportError(f"there is no export to {to!r}; there are {', '.join(TARGETS)}")
     if not isinstance(design, Design | Mechanism):
+        if scene is not None:
+            raise ExportError(
+                "a scene is given with a plate, which does not move: leave scene= out, or export a design with joints"
+            )
         return _plate_files(design, to, options or ExportOptions())
     mechanism = split(design) if isinstance(design, Design) else design
     return TARGETS[to].files(mechanism, scene or mechanism.scene or Scene(), options or ExportOptions())

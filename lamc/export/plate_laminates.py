@@ -4,6 +4,7 @@ In: a problem. Out: numbers with names and the structure that C needs to take a 
 stiffness itself.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lamc.codegen.names import comment
@@ -11,7 +12,7 @@ from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import Material
 from lamc.plate.problem import Problem
 
-MODULI = ("E1", "E2", "nu12", "G12", "density")  # of a material; Pa, Pa, -, Pa, kg/m³
+MODULI = ("E1", "E2", "nu12", "G12", "density")  # of every material; Pa, Pa, -, Pa, kg/m³
 _SURFACES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # as in `Laminate`
 
 
@@ -26,7 +27,7 @@ class PlyRow:
 
 @dataclass(frozen=True)
 class LaminateTables:
-    """materials  (name, moduli); plies of all laminates, bottom to top, one laminate after the other.
+    """materials  (name, numbers); plies of all laminates, bottom to top, one laminate after the other.
 
     begins     where each laminate's plies begin, and the end
     surface    height of each reference surface above the middle in thicknesses; `reference` m, added to it
@@ -42,8 +43,9 @@ class LaminateTables:
     of_region: tuple[int, ...]
 
 
-def laminate_tables(problem: Problem) -> LaminateTables:
-    """Of all laminates of `problem`; one that serves several regions is there once, and so is a material."""
+def laminate_tables(problem: Problem, fields: Sequence[str]) -> LaminateTables:
+    """Of all laminates of `problem`; one that serves several regions is there once, and so is a material, of which C
+    has `fields`."""
     laminates: list[Laminate] = []
     of_region: list[int] = []
     names: list[str] = []
@@ -65,7 +67,7 @@ def laminate_tables(problem: Problem) -> LaminateTables:
         begins.append(len(plies))
     return LaminateTables(
         tuple(
-            (comment(m.name) or f"material {k + 1}", tuple(float(getattr(m, field)) for field in MODULI))
+            (comment(m.name) or f"material {k + 1}", tuple(float(getattr(m, field)) for field in fields))
             for k, m in enumerate(materials)
         ),
         tuple(plies),

@@ -49,7 +49,7 @@ def folder_of(
         "names": list(problem.dofs.names),
         "rows": {
             kind: [markdown(str(row)) for row in _listed(context[kind])]
-            for kind in ("materials", "plies", "laminates", "springs", "left_out")
+            for kind in ("materials", "plies", "laminates", "springs", "climates", "left_out")
         },
         "cases": [markdown(case) for case in problem.cases],
         "source_kilobytes": round(len(source) / 1000),

@@ -1,20 +1,20 @@
 """A plate problem as tables of numbers: all that exported C knows of mesh, supports and loads.
 
 In: a problem that is held. Out: cells in the order in which lamc sums them, what each unknown of the mesh is in terms
-of the free ones, the pattern of their matrix, springs, loads, and an ordering in which the matrix has a short profile.
-Never: stiffness of laminates, C text.
-
-The ordering is the reversed one of E. Cuthill and J. McKee, Proc. 24th Nat. Conf. ACM, 1969.
+of the free ones, the pattern of their matrix, springs, loads, an ordering in which the matrix has a short profile, and
+the cells near every place. Never: stiffness of laminates, C text.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from lamc.errors import ExportError
+from lamc.export.plate_climate import ClimateTables, climate_tables
+from lamc.export.plate_points import PointTables, point_tables
+from lamc.export.plate_profile import check_cells, check_profile, profile_of
 from lamc.mechanism.checks import Array
 from lamc.plate.loads import CLIMATES, Gravity, LoadRecord
 from lamc.plate.meshing.mesh import Integers
@@ -23,10 +23,7 @@ from lamc.plate.solving.load_vectors import load_vector
 from lamc.plate.solving.springs import Springs, with_added
 from lamc.plate.solving.system import System, system
 
-MOST_CELLS = 20_000  # beyond it the C is longer than 5 MB, which compilers take long over
-MOST_PROFILE = 8_000_000  # numbers of the factored matrix: 64 MB of the caller's memory
 HELD, ABSENT, OBLIQUE = -1, -2, -3  # what is no row of the matrix
-_COARSER = "mesh coarser, by --size (in Python edge_length=)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +66,8 @@ class PlateTables:
     node_rows  (nodes, 6): row of the matrix of each of u, v, w, w_x, w_y, w_xy; or HELD, ABSENT, OBLIQUE
     node_unknowns  (nodes, 6), of the mesh; -1: the node has none
     loads      (cases, f), of what does not depend on laminates; `gravity` (cases, regions, f) per kg/m²
-    left_out   names of loads that are not in them
+    climate    what makes laminates expand, which is not in the loads
+    near       cells near every place
     condition  of the matrix, scaled to a diagonal near one
     order      (f,): rows in the order of the factorisation; `profile` (f + 1,): where each begins in it
     """
@@ -89,20 +87,19 @@ class PlateTables:
     cases: tuple[str, ...]
     loads: Array
     gravity: Array
-    left_out: tuple[str, ...]
+    climate: ClimateTables
+    near: PointTables
     order: Integers
     profile: Integers
     condition: float
 
 
 def plate_tables(problem: Problem, *, lossy: bool) -> PlateTables:
-    """Tables of `problem`. Raises ExportError for a plate that is not held, is too large, or has loads that follow from
-    expansion; the latter are left out where `lossy`."""
-    count = len(problem.mesh.cells)
-    if count > MOST_CELLS:
-        raise ExportError(
-            f"the mesh has {count} cells; {MOST_CELLS} at most are exported as tables in C: {_COARSER}"
-        )
+    """Tables of `problem`. Raises ExportError for a plate that is not held, is too large, or has loads that C does not
+    have (`climate_tables`); the latter are left out where `lossy`."""
+    check_cells(problem)
+    cases = {name: (*problem.loads, *own) for name, own in (dict(problem.cases) or {"": ()}).items()}
+    climate = climate_tables(problem, cases, lossy=lossy)
     made = system(problem)
     _check_held(made)
     free = sp.csr_array(made.constraints.free)
@@ -111,8 +108,9 @@ def plate_tables(problem: Problem, *, lossy: bool) -> PlateTables:
         raise ExportError("the supports hold every unknown of the plate; there is nothing to solve for")
     fixed = np.asarray(made.constraints.fixed.T @ made.constraints.values)
     matrix = pattern_of(made)
-    order, profile = _profile(matrix)
-    cases, loads, gravity, left_out = _loads(made, free, lossy)
+    order, profile = profile_of(matrix)
+    check_profile(problem, int(profile[-1]))
+    loads, gravity = _loads(made, free, cases.values())
     kept = made.assembly.order
     unknown_rows = _rows_of_unknowns(free)
     table = problem.dofs.table
@@ -129,12 +127,13 @@ def plate_tables(problem: Problem, *, lossy: bool) -> PlateTables:
         nodes=problem.dofs.points,
         node_rows=np.where(table >= 0, unknown_rows[table], ABSENT).astype(np.int32),
         node_unknowns=table,
-        cases=cases,
+        cases=tuple(cases),
         loads=loads,
         gravity=gravity,
-        left_out=left_out,
+        climate=climate,
+        near=point_tables(problem, kept),
         order=order,
-        profile=profile,
+        profile=profile.astype(np.int32),
         condition=made.condition,
     )
 
@@ -164,23 +163,6 @@ def _rows_of_unknowns(free: sp.csr_array) -> Integers:
     alone = single[free.data[free.indptr[single]] == 1.0]
     rows[alone] = free.indices[free.indptr[alone]]
     return rows
-
-
-def _profile(matrix: sp.csc_array) -> tuple[Integers, Integers]:
-    """Rows in a new order, and where each begins among all entries from its first to its diagonal."""
-    order = reverse_cuthill_mckee(sp.csr_matrix(matrix), symmetric_mode=True).astype(np.int32)
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order), dtype=np.int32)
-    columns = place[matrix.indices]
-    first = np.minimum.reduceat(columns, matrix.indptr[:-1])[order]
-    lengths = np.arange(len(order)) - first + 1
-    ends = np.concatenate([[0], np.cumsum(lengths)])
-    if ends[-1] > MOST_PROFILE:
-        raise ExportError(
-            f"the factored matrix of {len(order)} unknowns has {ends[-1]} entries within its profile, "
-            f"{8e-6 * ends[-1]:.0f} MB; {MOST_PROFILE} at most are exported: {_COARSER}"
-        )
-    return order, ends.astype(np.int32)
 
 
 def _springs(made: System, free: sp.csr_array, fixed: Array) -> SpringTables:
@@ -222,29 +204,16 @@ def _spring_name(springs: Springs, record: object, owner: int, *, is_hinge: bool
     return str(getattr(record, "name", "") or f"{kind} {owner + 1}")
 
 
-def _loads(
-    made: System, free: sp.csr_array, lossy: bool
-) -> tuple[tuple[str, ...], Array, Array, tuple[str, ...]]:
-    problem = made.problem
-    cases = dict(problem.cases) or {"": ()}
-    left_out: dict[str, None] = {}
+def _loads(made: System, free: sp.csr_array, cases: Iterable[Sequence[LoadRecord]]) -> tuple[Array, Array]:
+    """Of every case, what does not depend on laminates, and what weight does per kg/m²."""
     constant, gravity = [], []
-    for own in cases.values():
-        acting = (*problem.loads, *own)
-        for load in acting:
-            if isinstance(load, CLIMATES):
-                left_out[type(load).__name__] = None
+    for acting in cases:
         kept = [load for load in acting if not isinstance(load, CLIMATES)]
         weights = [load for load in kept if isinstance(load, Gravity)]
         others = [load for load in kept if not isinstance(load, Gravity)]
-        constant.append(free.T @ load_vector(problem, made.kernels, others))
+        constant.append(free.T @ load_vector(made.problem, made.kernels, others))
         gravity.append([free.T @ vector for vector in _gravity(made, weights)])
-    if left_out and not lossy:
-        raise ExportError(
-            f"the plate has a load {next(iter(left_out))}, by which its plies expand; exported C has forces and weight "
-            "only: leave it out with --lossy (in Python lossy=True), or take the load out of the file"
-        )
-    return tuple(cases), np.array(constant), np.array(gravity), tuple(left_out)
+    return np.array(constant), np.array(gravity)
 
 
 def _gravity(made: System, loads: Sequence[LoadRecord]) -> list[Array]:

@@ -12,7 +12,7 @@ from lamc.mechanism.checks import Array
 
 Integers = NDArray[np.int32]
 
-_TOLERANCE = 1e-9  # of the mesh's extent: a point this far outside of a cell still belongs to it
+TOLERANCE = 1e-9  # of the mesh's extent: a point this far outside of a cell still belongs to it
 _BATCH = 100_000  # points at a time: bounds the memory for candidates
 
 
@@ -22,7 +22,7 @@ class Locator:
     def __init__(self, corners: Array) -> None:
         self._corners = corners
         low, high = corners.min(axis=1), corners.max(axis=1)
-        self._tolerance = _TOLERANCE * float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
+        self._tolerance = TOLERANCE * float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
         low, high = low - self._tolerance, high + self._tolerance
         self._tree = shapely.STRtree(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
 

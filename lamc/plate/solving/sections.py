@@ -15,13 +15,13 @@ from lamc.plate.elements.definition import Element
 from lamc.plate.laminates.laminate import Laminate
 
 _ENTRIES = np.triu_indices(3)
-_NO_COUPLING = 1e-10  # of B over sqrt(A D): below it is round-off of a stack that is symmetric
+NO_COUPLING = 1e-10  # of B over sqrt(A D): below it is round-off of a stack that is symmetric
 
 
 def couples(laminate: Laminate) -> bool:
     """Whether bending and stretching are coupled: whether B is more than round-off."""
     size = np.sqrt(np.abs(laminate.A).max() * np.abs(laminate.D).max())
-    return bool(np.abs(laminate.B).max() > _NO_COUPLING * size)
+    return bool(np.abs(laminate.B).max() > NO_COUPLING * size)
 
 
 def sections(laminates: Sequence[Laminate], element: Element) -> Array:

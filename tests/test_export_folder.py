@@ -186,6 +186,28 @@ def test_a_manifest_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
     write_folder(tmp_path / "out", FILES, ORIGIN, force=True)
 
 
+def test_a_manifest_that_is_a_link_a_folder_or_huge_is_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Force replaces the link, not what it points to; a folder may hold what nobody wants to lose."""
+    out, precious = tmp_path / "out", tmp_path / "precious"
+    write_folder(out, FILES, ORIGIN)
+    with monkeypatch.context() as patched:
+        patched.setattr(folder_module, "_LARGEST_MANIFEST", 100)
+        assert "is no manifest of lamc's" in refused(out)
+    (out / MANIFEST).rename(precious)
+    (out / MANIFEST).symlink_to(precious)
+    before = precious.read_bytes()
+    assert "is no manifest of lamc's" in refused(out)
+    write_folder(out, {"pend.c": b"int b;\n"}, ORIGIN, force=True)
+    assert precious.read_bytes() == before
+    assert not (out / MANIFEST).is_symlink()
+    (out / MANIFEST).unlink()
+    (out / MANIFEST).mkdir()
+    for force in (False, True):
+        assert "is no manifest of lamc's" in refused(out, force=force)
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
 def test_a_read_only_folder_is_told_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "ro").mkdir(mode=0o500)

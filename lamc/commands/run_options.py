@@ -1,0 +1,111 @@
+"""The words of `lamc run`: its options and their help. What simulates is imported when the verb runs."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from lamc.commands.options import compiler, design, folder, precision, seconds, speaking, staged
+from lamc.commands.terminal import Terminal
+
+if TYPE_CHECKING:
+    from lamc.commands.inputs import SceneChanges
+
+
+@click.command()
+@design
+@click.option(
+    "--t-end",
+    callback=seconds,
+    metavar="SECONDS",
+    help="End of the run.  [default: the scene's duration, else 10]",
+)
+@click.option(
+    "--points",
+    type=int,
+    metavar="N",
+    help="Rows of the results, evenly spread; 0: every step.  [default: 200 a second]",
+)
+@click.option(
+    "--accuracy",
+    metavar="SHARE",
+    help="Error of the outputs that is wanted, of their range: 1e-3 or '0.1 %'. It finds integrator and tolerances.",
+)
+@click.option("--rtol", type=float, help="Relative tolerance of a step.  [default: 1e-9]")
+@click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11]")
+@click.option(
+    "--integrator",
+    default="auto",
+    metavar="NAME",
+    help="auto, rk45, dop853, rodas5p, radau5, or scipy:LSODA, ...",
+)
+@click.option(
+    "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
+)
+@click.option(
+    "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
+)
+@staged()
+@compiler
+@precision
+@click.option(
+    "--books", is_flag=True, help="Keep the work of every effect: who stored, supplied, dissipated."
+)
+@click.option("--no-animation", is_flag=True, help="Make no film.")
+@folder
+@speaking
+def run(
+    file: str | None,
+    example: str | None,
+    changes: "SceneChanges",
+    t_end: float | None,
+    points: int | None,
+    accuracy: str | None,
+    rtol: float | None,
+    atol: float | None,
+    integrator: str,
+    max_steps: int,
+    settings: tuple[str, ...],
+    cc: str | None,
+    fast: bool,
+    precision: str,
+    books: bool,
+    no_animation: bool,
+    out: str | None,
+    terminal: Terminal,
+) -> int:
+    """Simulate a design; write results, pictures and a film.
+
+    Writes results.npz, results.csv, angles_energy.png, folded.png, an animation and manifest.json. Ctrl-C ends the
+    run and keeps what was computed. A run that reaches its end but not its --accuracy says so and ends with exit
+    code 0; manifest.json has the error that it reached.
+
+    \b
+    Examples:
+      lamc run pendulum.cad
+      lamc run flaps.yaml --t-end 2 --angle left='20 deg' --set left.stiffness=0.002
+      lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
+      lamc run pendulum.yaml --scene driven
+      lamc run pendulum.yaml --accuracy '0.1 %'
+      lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
+      lamc run --example pendulum --books
+    """
+    from lamc.commands.inputs import Source
+    from lamc.commands.run import RunOrder
+    from lamc.commands.run import run as work
+
+    order = RunOrder(
+        source=Source(file, example, cc, fast, precision),
+        changes=changes,
+        settings=settings,
+        t_end=t_end,
+        accuracy=accuracy,
+        rtol=rtol,
+        atol=atol,
+        integrator=integrator,
+        points=points,
+        max_steps=max_steps,
+        animation=not no_animation,
+        books=books,
+        out=out,
+    )
+    return work(order, terminal)

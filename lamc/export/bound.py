@@ -1,17 +1,18 @@
 """The most that a step of fixed length can cost, counted: for programs that must be done in time.
 
 In: a program. Out: operations (+ - * / and square roots) and calls of functions. Comparisons, absolute values and moves
-are not counted. The counts follow the loops of `runtime_c/src/`: `fixed.c`, `loops.c`, `system.c`, `guards.c` and
-`cholesky.h`; `tests/test_export_bound.py` counts what really happens, and it is never more.
+are not counted. The counts follow the loops of `runtime_c/src/`: `fixed.c`, `stiff.c` with what it calls, `loops.c`,
+`system.c`, `guards.c` and `cholesky.h`; `tests/test_export_bound.py` counts what really happens, and it is never more.
 """
 
 from collections import Counter
 from dataclasses import dataclass
 
 from lamc.codegen.program import Program
+from lamc.export.options import ExportOptions
 
 ITERATIONS = 8  # at most, of bringing a state back to closure: MAX_ITERATIONS of loops.c
-STAGES = 4  # of the classical Runge-Kutta method
+RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, 8
 
 
 @dataclass(frozen=True)
@@ -81,45 +82,114 @@ class _Sizes:
         """An impact: the gradient in the metric, its parts along the loops, the jump."""
         return self.lower + self.rank * 4 * self.n + 2 * self.n + 2 * self.n + 3 + self.upper + 2 * self.n
 
+    @property
+    def find_lambda(self) -> int:
+        return self.lower + self.n + sum(2 * self.n + 2 * k + 1 for k in range(self.rank))
 
-def step_bound(program: Program) -> Bound:
+
+@dataclass(frozen=True)
+class _Work:
+    """How often functions of the model are called, and operations beside them."""
+
+    times: Counter[str]
+    inner: int = 0
+
+    def __add__(self, other: "_Work") -> "_Work":
+        return _Work(self.times + other.times, self.inner + other.inner)
+
+
+def step_bound(program: Program, options: ExportOptions) -> Bound:
     """What `step_fixed` takes at most.
 
     Near a singular position every evaluation settles the loops first and evaluates twice; the end of the step settles
     them once more. At its end each guard may bring about one impact, after which all guards are looked at again.
     """
-    n, m = len(program.rates), program.closure_count
-    sizes = _Sizes(n, len(program.coordinates), m, min(program.rank, n))
-    times: Counter[str] = Counter({"rates": STAGES})
-    # Of the method itself; of the time, its length, 0.5 h and h / 6; in single precision, whether all is finite; and
-    # how far each joint and the base turned
-    inner = 15 * (len(program.coordinates) + n) + 24 + len(program.joints)
-    inner += 2 * len(spins(program)) + (1 if spins(program) else 0)
-    if program.cuts:
-        settles = STAGES + 1
-        times += Counter(
-            dynamics=2 * STAGES,
-            system=settles,
-            closure=settles * (1 + ITERATIONS),
-            rates=settles * ITERATIONS,
-        )
-        inner += 2 * STAGES * (sizes.cholesky + sizes.take) + STAGES * sizes.solve + settles * sizes.settle
-    elif "acceleration" in program.functions:
-        times["acceleration"] = STAGES
-    else:
-        times["system"] = STAGES
-        inner += STAGES * (sizes.cholesky + sizes.lower + sizes.upper)
-    if program.guards:
-        count = len(program.guards)
-        times += Counter(guards=2 + count, impacts=count)  # before a first step they are looked at, too
-        mass = next(
-            name for name in ("dynamics", "inertia", "system", "acceleration") if name in program.functions
-        )
-        times[mass] += count
-        inner += count * (sizes.cholesky + (sizes.take if program.cuts else 0) + sizes.bounce + n)
+    sizes = _Sizes(
+        n=len(program.rates),
+        nq=len(program.coordinates),
+        m=program.closure_count,
+        rank=min(program.rank, len(program.rates)),
+    )
+    work = _stiff_step(program, sizes) if options.is_stiff else _explicit_step(program, sizes)
+    work += _settling(sizes, 1) if program.cuts else _Work(Counter())
+    work += _meeting(program, sizes)
+    work += _telling(program)
     counted = [
         (count, program.functions[name].operations)
-        for name, count in times.items()
+        for name, count in work.times.items()
         if name in program.functions
     ]
-    return Bound(inner + sum(k * o.flops for k, o in counted), sum(k * o.calls for k, o in counted))
+    return Bound(work.inner + sum(k * o.flops for k, o in counted), sum(k * o.calls for k, o in counted))
+
+
+def _telling(program: Program) -> _Work:
+    """What is done with the end of a step: how far each joint and the base turned, the time, and in single precision
+    whether all is finite."""
+    spinning = len(spins(program))
+    return _Work(Counter(), 24 + len(program.joints) + 2 * spinning + (1 if spinning else 0))
+
+
+def _accelerations(program: Program, sizes: _Sizes, count: int) -> _Work:
+    if program.cuts:
+        inner = 2 * count * (sizes.cholesky + sizes.take) + count * sizes.solve
+        return _Work(Counter(dynamics=2 * count), inner) + _settling(sizes, count)
+    if "acceleration" in program.functions:
+        return _Work(Counter(acceleration=count))
+    return _Work(Counter(system=count), count * (sizes.cholesky + sizes.lower + sizes.upper))
+
+
+def _settling(sizes: _Sizes, count: int) -> _Work:
+    times = Counter(system=count, closure=count * (1 + ITERATIONS), rates=count * ITERATIONS)
+    return _Work(times, count * sizes.settle)
+
+
+def _meeting(program: Program, sizes: _Sizes) -> _Work:
+    """Guards: before a first step they are looked at, too."""
+    count = len(program.guards)
+    if not count:
+        return _Work(Counter())
+    mass = next(
+        name for name in ("dynamics", "inertia", "system", "acceleration") if name in program.functions
+    )
+    inner = count * (sizes.cholesky + (sizes.take if program.cuts else 0) + sizes.bounce + sizes.n)
+    return _Work(Counter(guards=2 + count, impacts=count) + Counter({mass: count}), inner)
+
+
+def _explicit_step(program: Program, sizes: _Sizes) -> _Work:
+    """Stages of the classical Runge-Kutta method, and their sums."""
+    work = _accelerations(program, sizes, RUNGE_KUTTA_STAGES)
+    return work + _Work(Counter(rates=RUNGE_KUTTA_STAGES), 15 * (sizes.nq + sizes.n))
+
+
+def _stiff_step(program: Program, sizes: _Sizes) -> _Work:
+    """Stages of Rodas5P: sums, evaluations, and a linear system of the size of u where q̇ is u, else of q and u."""
+    size, has_structure = sizes.nq + sizes.n, "rates" not in program.functions
+    k = sizes.n if has_structure else size
+    fill = 2 * k * k + 2 * k if has_structure else k
+    factors = sum(row * (1 + 2 * row) for row in range(k)) + k
+    solve = 2 * k * (k - 1) + k + (k * (2 + 2 * k) + 2 * k if has_structure else 0)
+    inner = 2 + fill + factors
+    for stage in range(RODAS_STAGES):
+        sums = 2 * min(stage, 5) + 1 if stage < 6 else 1  # of the argument; the last two stages have one term
+        inner += size * (sums + 2 * stage + 2) + 3 * k + solve + (2 if stage else 0)
+    inner += (
+        7 * size + 4
+    )  # the new state, whether it is finite, and the norm of an error that is not looked at
+    work = _Work(Counter(rates=RODAS_STAGES), inner)
+    return work + _accelerations(program, sizes, RODAS_STAGES) + _jacobian(program, sizes)
+
+
+def _jacobian(program: Program, sizes: _Sizes) -> _Work:
+    """`linearise.c`: by the residuals, or by differences where their derivatives would be too long."""
+    columns = sizes.nq + sizes.n + 1
+    if "jacobian" not in program.functions:
+        work = _accelerations(program, sizes, columns + 1)
+        work += _Work(Counter(), columns * (3 + 3 * sizes.n))
+        if "rates" in program.functions:
+            work += _Work(Counter(rates=columns), (columns - 1) * (3 + 3 * sizes.nq))
+        return work
+    work = _accelerations(program, sizes, 1) + _Work(Counter(jacobian=1))
+    if program.cuts:
+        return work + _Work(Counter(), columns * sizes.solve + sizes.find_lambda)
+    work += _Work(Counter(), columns * (sizes.lower + sizes.upper))
+    return work + _Work(Counter(inertia=1), sizes.cholesky) if "inertia" in program.functions else work

@@ -128,7 +128,7 @@ def _context(
             "guards": len(program.guards),
             "closure": program.closure_count,
         },
-        "sizes": sizes_of(simulator.model, options.integrator),
+        "sizes": sizes_of(simulator.model, options),
         "start": [literal(float(x)) for x in simulator.start] or ["0.0"],
         "reals": run.reals,
         "integers": run.integers,
@@ -137,6 +137,7 @@ def _context(
         ),
         "wide": run.wide,
         "real_time": options.real_time,
+        "is_stiff": options.is_stiff,
         "spins": spins(program),
         "jacobian": options.jacobian,
         "libm": options.calls_libm,
@@ -144,7 +145,7 @@ def _context(
         "tolerances": TOLERANCES[options.precision],
         "method": "an integrator that suits" if options.integrator == "auto" else options.integrator,
         "method_number": f"LAMC_{options.integrator.upper()}",
-        "bound": _bound(program),
+        "bound": _bound(program, options),
     }
 
 
@@ -152,6 +153,6 @@ def _entry(coordinate: Coordinate) -> str:
     return f"{comment(coordinate.name)}, {comment(coordinate.unit)}"
 
 
-def _bound(program: Program) -> str:
-    bound = step_bound(program)
+def _bound(program: Program, options: ExportOptions) -> str:
+    bound = step_bound(program, options)
     return f"{bound.operations} operations (+ - * / and roots), {bound.calls} calls of sin, cos and the like"

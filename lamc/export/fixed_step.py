@@ -15,33 +15,35 @@ _WINDOW = 0.5  # s, that is tried
 _SLACK = 3.0  # of rates: what is stable but coarse may pass beyond them
 
 
-def suitable_step(simulator: Simulator, duration: float) -> float:
+def suitable_step(simulator: Simulator, duration: float, *, is_stiff: bool) -> float:
     """A step, s, that is stable from the scene's start on for half a second at most, or the shortest one tried.
 
     duration  s, of the scene's run
+    is_stiff  whether steps are those for stiff equations
     """
     t_end = min(duration, _WINDOW)
     run = simulator.run(t_end, rtol=1e-5, atol=1e-7, max_steps=100_000)
     largest = _SLACK * max(1e-3, float(np.abs(run.u).max(initial=0.0)))
     for h in _LENGTHS:
-        if _is_stable(simulator, h, math.ceil(t_end / h), largest):
+        if _is_stable(simulator, h, math.ceil(t_end / h), largest, is_stiff=is_stiff):
             return h
     return _LENGTHS[-1]
 
 
-def _is_stable(simulator: Simulator, h: float, count: int, largest: float) -> bool:
+def _is_stable(simulator: Simulator, h: float, count: int, largest: float, *, is_stiff: bool) -> bool:
     """Whether rates stay finite and below `largest` over so many steps of length h, s."""
     model = simulator.model
     motion, lib = model.motion({}), model.lib
     ode = model.ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
     y = simulator.start.copy()
-    scratch = np.zeros(lib.lamc_fixed_scratch(ode))
+    step = lib.lamc_stiff_step if is_stiff else lib.lamc_fixed_step
+    scratch = np.zeros(lib.lamc_stiff_scratch(ode) if is_stiff else lib.lamc_fixed_scratch(ode))
     state, room = model.write(y), model.write(scratch)
     if model.guards:
         ode.sense(ode.context, 0.0, state)
     rates = y[len(model.coordinates) :]
     for k in range(count):
-        if lib.lamc_fixed_step(ode, k * h, h, state, room) != lib.LAMC_OK:
+        if step(ode, k * h, h, state, room) != lib.LAMC_OK:
             return False
         if rates.size and not float(np.abs(rates).max()) <= largest:
             return False

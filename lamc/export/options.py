@@ -48,7 +48,8 @@ class ExportOptions:
     precision   of all numbers: "double", or "float" for processors without doubles: with lamc's own functions, and for
                 real_time
     integrator  of the adaptive step: "auto" links all four methods; "rk45", "dop853" (explicit), "rodas5p", "radau5"
-                (implicit) that one only
+                (implicit) that one only. With "rodas5p" steps of fixed length are its steps, too, and stable however
+                stiff the hinges; else they are those of the classical Runge-Kutta method
     real_time   no adaptive step: steps of fixed length and bounded cost only
     jacobian    with a function for the derivatives of the accelerations
     libm        call <math.h>; False: lamc's own functions, the same bits on every machine and compiler
@@ -113,6 +114,11 @@ class ExportOptions:
         if value == 0.0:
             raise ExportError(f"{named(name)} is 0; give {unit} above zero, or leave it out")
         object.__setattr__(self, name, value)
+
+    @property
+    def is_stiff(self) -> bool:
+        """Whether steps of fixed length are those of an implicit method."""
+        return self.integrator == "rodas5p"
 
     @property
     def calls_libm(self) -> bool:

@@ -78,7 +78,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
     start = simulator.start.tolist()
     row_count = default_rows(duration, len(start))
     interval = duration / (row_count - 1)
-    longest = suitable_step(simulator, duration) if options.real_time else interval
+    longest = suitable_step(simulator, duration, is_stiff=options.is_stiff) if options.real_time else interval
     steps_per_row = math.ceil(interval / longest * (1.0 - 1e-12))
     return {
         "prefix": prefix,
@@ -116,7 +116,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "first_parameter": next((member.field for member in source.parameters), ""),
         "bodies": [markdown(name) for name in program.bodies],
         "energies": [markdown(name) for name in program.energies],
-        "costs": _costs(source),
+        "costs": _costs(source, options),
         "state_bytes": state_bytes(source),
         "row_count": row_count,
         "t_end": literal(duration),
@@ -177,9 +177,9 @@ def _usage(P: str, options: ExportOptions, h: float) -> list[str]:
     ]
 
 
-def _costs(source: CSource) -> list[dict[str, str]]:
+def _costs(source: CSource, options: ExportOptions) -> list[dict[str, str]]:
     """Operations and bytes."""
-    functions, bound = source.program.functions, step_bound(source.program)
+    functions, bound = source.program.functions, step_bound(source.program, options)
     motion = next(n for n in ("acceleration", "dynamics", "system") if n in functions)
     whole = "one right-hand side"
     named = {

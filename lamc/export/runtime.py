@@ -25,7 +25,7 @@ BARE = {"HUGE_VAL": "LAMC_INFINITY", **{name: f"lamc_{name}" for name in _FUNCTI
 def _needs_jacobian(options: ExportOptions) -> bool:
     """Whether anything asks for derivatives of the accelerations."""
     is_implicit = not options.real_time and options.integrator in ("auto", *IMPLICIT)
-    return options.jacobian or is_implicit
+    return options.jacobian or is_implicit or options.is_stiff
 
 
 def lean(program: Program, options: ExportOptions) -> Program:
@@ -40,11 +40,12 @@ def units(options: ExportOptions) -> list[str]:
     """Sources of the runtime, in an order in which objects stand before their use."""
     first = ["system.c", "guards.c", "loops.c", "linearise.c", "powers.c", "motion.c", "fixed.c"]
     if options.real_time:
-        return first
+        return [*first, "integrals.c", "implicit.c", "rodas5p.c", "stiff.c"] if options.is_stiff else first
     methods = [name for name in METHODS if name != "auto" and options.integrator in ("auto", name)]
     implicit = ["implicit.c"] if any(name in IMPLICIT for name in methods) else []
     return [
         *("integrals.c", *first, *implicit, *(f"{name}.c" for name in methods)),
+        *(["stiff.c"] if options.is_stiff else []),
         *("run.c", "watch.c", "events.c", "rows.c"),
     ]
 

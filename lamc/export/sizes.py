@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from lamc.export.options import ExportOptions
 from lamc.run.model import Model
 from lamc.run.native import METHODS
 
@@ -25,8 +26,8 @@ class Sizes:
     scratch: int  # what derivatives work with
 
 
-def sizes_of(model: Model, integrator: str) -> Sizes:
-    """Lengths for `model` run by `integrator`."""
+def sizes_of(model: Model, options: ExportOptions) -> Sizes:
+    """Lengths for `model` run as the options say."""
     lib, motion = model.lib, model.motion({})
     ode = model.ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
     ode.integral_count = 0
@@ -41,8 +42,8 @@ def sizes_of(model: Model, integrator: str) -> Sizes:
         "constants": model.constant_count,
         "modes": len(model.guards),
         "motion": lib.lamc_motion_work_size(model.handle),
-        "work": lib.lamc_run_work_size(ode, METHODS[integrator]),
-        "fixed": lib.lamc_fixed_scratch(ode),
+        "work": lib.lamc_run_work_size(ode, METHODS[options.integrator]),
+        "fixed": lib.lamc_stiff_scratch(ode) if options.is_stiff else lib.lamc_fixed_scratch(ode),
         "scratch": lib.lamc_motion_jacobian_scratch(model.handle),
     }
     return Sizes(**{name: max(1, int(length)) for name, length in lengths.items()})

@@ -337,6 +337,13 @@ long long lamc_fixed_scratch(const lamc_ode *ode);
  * LAMC_NOT_FINITE, or what settling says; y is then spoilt. */
 lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch);
 
+/* Doubles of scratch for the function below; 0 where the equation has no Jacobian */
+long long lamc_stiff_scratch(const lamc_ode *ode);
+
+/* The same by one step of Rodas5P, of order 5: stable for every h, however stiff the equation. Eight evaluations, one
+ * Jacobian and one factorisation. LAMC_BAD_ARGUMENT without a Jacobian; LAMC_NOT_FINITE also where h is singular for it. */
+lamc_status lamc_stiff_step(const lamc_ode *ode, double t, double h, double *y, double *scratch);
+
 /* lamc: declarations end */
 
 #ifdef __cplusplus

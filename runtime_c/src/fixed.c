@@ -3,11 +3,15 @@
  * In: a lamc_ode, a state, a step. Out: the state at its end. Never: tries a step again, or looks at its error.
  *
  * The classical Runge-Kutta method: W. Kutta, Z. Math. Phys. 46 (1901) 435-453. Four evaluations, stable for h times
- * eigenvalue up to 2.8: of the methods of order 4 and more, none takes fewer. */
-#include "method.h"
+ * eigenvalue up to 2.8: of the methods of order 4 and more, none takes fewer. Beyond, stiff.c. */
+#include "fixed.h"
+
+long long lamc_fixed_guards(const lamc_ode *ode) {
+  return 2LL * ode->guard_count;
+}
 
 long long lamc_fixed_scratch(const lamc_ode *ode) {
-  const long long guards = 2LL * ode->guard_count;
+  const long long guards = lamc_fixed_guards(ode);
   return 3LL * ode->n + (guards > 0 ? guards : 1); /* one: also where nothing moves */
 }
 
@@ -24,10 +28,16 @@ static lamc_status meet(const lamc_ode *ode, double t, double *y, double *guards
   return status;
 }
 
+lamc_status lamc_fixed_end(const lamc_ode *ode, double t, double *y, double *guards) {
+  double moved = 0.0;
+  const lamc_status status = ode->settle == NULL ? LAMC_OK : ode->settle(ode->context, t, y, &moved);
+  return status == LAMC_OK && ode->guard_count > 0 ? meet(ode, t, y, guards) : status;
+}
+
 lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch) {
   const int n = ode->n;
   double *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
-  double size = 0.0, moved = 0.0;
+  double size = 0.0;
   ode->rhs(ode->context, t, y, slope);
   for (int i = 0; i < n; i++) {
     sum[i] = slope[i];
@@ -46,6 +56,5 @@ lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, 
     size += fabs(y[i]);
   }
   if (!is_finite(size)) return LAMC_NOT_FINITE;
-  const lamc_status status = ode->settle == NULL ? LAMC_OK : ode->settle(ode->context, t + h, y, &moved);
-  return status == LAMC_OK && ode->guard_count > 0 ? meet(ode, t + h, y, guards) : status;
+  return lamc_fixed_end(ode, t + h, y, guards);
 }

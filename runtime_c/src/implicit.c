@@ -54,7 +54,7 @@ static int factorise(int k, double *w, double *from) {
     int best = j;
     for (int i = j + 1; i < k; i++)
       if (fabs(w[i * k + j]) > fabs(w[best * k + j])) best = i;
-    from[j] = best;
+    from[j] = (double)best;
     for (int i = 0; i < k && best != j; i++) {
       const double keep = w[j * k + i];
       w[j * k + i] = w[best * k + i];
@@ -124,7 +124,7 @@ double lamc_implicit_pass(const lamc_run *run, const implicit *parts, double c, 
   if (!run->may_pass || squared <= 1.0 || !(squared <= MOST)) return squared;
   for (int i = 0; i < run->ode.n; i++) room[i] = c * error[i];
   lamc_implicit_solve(parts, c, room);
-  const double left = weighed(run, room) / run->ode.n;
+  const double left = weighed(run, room) / (double)run->ode.n;
   return left <= 1.0 ? left : squared;
 }
 
@@ -161,7 +161,7 @@ static int factorise_pairs(int k, double *w, double *from) {
     int best = j;
     for (int i = j + 1; i < k; i++)
       if (squared_size(w + 2 * (i * k + j)) > squared_size(w + 2 * (best * k + j))) best = i;
-    from[j] = best;
+    from[j] = (double)best;
     for (int i = 0; i < k && best != j; i++) swap_pairs(w + 2 * (j * k + i), w + 2 * (best * k + i));
     const double *pivot = w + 2 * (j * k + j);
     const double size = squared_size(pivot);

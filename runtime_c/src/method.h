@@ -82,6 +82,11 @@ static inline double smaller(double a, double b) {
   return a < b ? a : b;
 }
 
+/* n rounded up to whole blocks, and one block where n is 0 */
+static inline int padded(int n) {
+  return n > 0 ? (n + LANES - 1) / LANES * LANES : LANES;
+}
+
 static inline double *slot(const lamc_run *run, int index) {
   return run->work + (ptrdiff_t)index * run->stride;
 }

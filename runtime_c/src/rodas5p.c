@@ -99,7 +99,7 @@ static double attempt(lamc_run *run, double h) {
   for (int i = 0; i < n; i++) y_new[i] += error[i];
   if (!all_finite(run, y_new)) return HUGE_VAL;
   if (n == 0) return 0.0;
-  return lamc_implicit_pass(run, &parts, shift, error, weighed(run, error) / n, sum);
+  return lamc_implicit_pass(run, &parts, shift, error, weighed(run, error) / (double)n, sum);
 }
 
 static void make_dense(lamc_run *run) {

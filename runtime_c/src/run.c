@@ -32,11 +32,6 @@ const method *lamc_method_of(int which) {
   return METHODS[which];
 }
 
-/* n rounded up to whole blocks, and one block where n is 0 */
-static int padded(int n) {
-  return n > 0 ? (n + LANES - 1) / LANES * LANES : LANES;
-}
-
 /* Doubles for one method; 0 if it cannot run */
 static long long size_for(const lamc_ode *ode, const method *m) {
   const long long extra = m->extra == NULL ? 0 : m->extra(ode);

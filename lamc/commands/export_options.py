@@ -44,7 +44,8 @@ if TYPE_CHECKING:
     "--integrator",
     default="auto",
     metavar="NAME",
-    help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported.",
+    help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported. With "
+    "--real-time, rodas5p takes steps that are stable with stiff hinges.",
 )
 @click.option(
     "--fmi", type=click.Choice(["2", "3"]), help="Of --to fmu: the version of the standard.  [default: 2]"

@@ -32,7 +32,9 @@ lamc_status lamc_stiff_step(const lamc_ode *ode, double t, double h, double *y, 
   run.work = scratch;
   memcpy(y_here(&run), y, bytes);
   evaluate(&run, t, y, slope_here(&run));
-  if (!is_finite(lamc_method_rodas5p.attempt(&run, h))) return LAMC_NOT_FINITE;
+  if (!all_finite(&run, slope_here(&run))) return LAMC_NOT_FINITE;
+  const double squared = lamc_method_rodas5p.attempt(&run, h);
   memcpy(y, y_there(&run), bytes);
+  if (!is_finite(squared)) return LAMC_NOT_FINITE;
   return lamc_fixed_end(ode, t + h, y, scratch + size);
 }

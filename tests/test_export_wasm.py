@@ -231,8 +231,48 @@ def test_refusals_name_what_is_wrong_and_leave_the_simulator_as_it_was(tmp_path:
     assert "lies before the present one" in result["past"][1]
     assert '"mass"' in result["unknown"][1]
     assert "link_1_mass" in result["unknown"][1]
-    assert "q has 1 numbers; it takes 3" in result["short"][1]
+    assert "q has length 1; it takes 3 numbers" in result["short"][1]
     assert result["same"] is True
+
+
+@needs("node")
+def test_what_is_no_name_and_no_number_is_told_in_one_line(tmp_path: Path) -> None:
+    calls = {
+        "model.create({ parms: {} })": 'there is no option "parms"; did you mean "parameters"?',
+        "model.create({ inputs: {} })": 'there is no option "inputs"; there are parameters, settings',
+        "model.create(null)": "options are an object of names and values, not null",
+        "model.create({ parameters: [1] })": "parameters are an object of names and values, not [1]",
+        'it.setParameters({ "h1.damping": 1 })': 'there is no parameter "h1.damping"; did you mean "h1_damping"?',
+        "model.create({ settings: { rtoll: 1 } })": 'there is no setting "rtoll"; did you mean "rtol"?',
+        "model.create({ settings: { rtol: 2 } })": "create({settings: {rtol: 2}}): a number is not finite or outside",
+        "it.step()": "the time is missing; give a number",
+        "it.step(NaN)": "step(NaN) at t = 0.5 s: a number is not finite or outside its range",
+        'it.step("1")': 'the time is "1"; give a number',
+        "it.step(0.4)": "step(0.4) at t = 0.5 s: the time asked for lies before the present one",
+        "it.stepFixed()": "the step is missing; give a number",
+        "it.start(0)": "q is missing; it takes 3 numbers",
+        'it.start(0, [0, 0, "a"], [0, 0, 0])': 'q[2] is "a"; give a number',
+        "it.setParameters()": "parameters are an object of names and values, not undefined",
+        "it.setInputs({ h1_torqe: 1 })": 'there is no input "h1_torqe"; did you mean "h1_torque"?',
+        "it.setInputs({ h1_torque: NaN })": "setInputs({h1_torque: NaN}): an input is not finite",
+        "it.rhs(0, [1])": "y has length 1; it takes 6 numbers",
+        "it.restore([1, 2])": "restore takes the Uint8Array that save gave, not [1, 2]",
+        "it.restore(new Uint8Array(4))": "restore(4 bytes): a state of another design, or none",
+        "load(5)": "load takes an address, bytes or a module of WebAssembly, not 5",
+        'load(readFileSync("limit_stop.wasm"))': "the module is that of another export, limit_stop, digest ",
+        "load(Uint8Array.of(0, 97, 115, 109, 1, 0, 0, 0))": "the module is none that lamc made",
+    }
+    put({n: c for n, c in in_wasm("limit_stop").items() if n.endswith(".wasm")}, tmp_path)
+    found = in_node(
+        in_wasm("pendulum"), tmp_path, "pendulum",
+        'import { readFileSync } from "node:fs";\nconst it = model.create(); it.step(0.5); result = [];\n'
+        f"for (const call of {json.dumps(list(calls))}) {{\n"
+        "  try { await eval(call); result.push(null); } catch (error) { result.push(error.message); }\n}",
+    )  # fmt: skip
+    for call, told, expected in zip(calls, found, calls.values(), strict=True):
+        assert told is not None, call
+        assert told.startswith(f"pendulum: {expected}"), call
+        assert "\n" not in told
 
 
 @needs("node")

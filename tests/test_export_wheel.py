@@ -139,18 +139,82 @@ def test_states_copies_inputs_and_refusals(python: Path) -> None:
         "other": ("SimulatorError", "BAD_DIGEST"),
         "zeros": ("SimulatorError", "BAD_DIGEST"),
         "negative": ("SimulatorError", "BAD_ARGUMENT"),
-        "name": ("KeyError", None),
+        "name": ("UnknownNameError", None),
         "parameter": ("SimulatorError", "BAD_PARAMETER"),
         "row": ("ValueError", None),
         "input": ("SimulatorError", "BAD_INPUT"),
     }
-    assert "'mass'" in found["refusals"]["name"][2]
+    assert found["refusals"]["past"][2].startswith(
+        "pendulum: step(0.5) at t = 0.6 s: the time asked for lies"
+    )
     # Accelerations are linear in torques; the slopes are central differences, good to about 1e-9 of their size.
     change = np.subtract(found["driven"], found["free"])[3:]
     np.testing.assert_allclose(change, np.array(found["by"]) @ [2.0, 0.0, -1.0], rtol=1e-7)
     assert found["total"] == pytest.approx(sum(found["energies"].values()), rel=1e-14)
     assert found["angles"] == found["q"]
     assert found["bodies"] == ["link_1", "link_2", "link_3"]
+
+
+def test_what_is_no_name_and_no_number_is_told_in_one_line(python: Path) -> None:
+    install(python, wheel_of("pendulum"))
+    calls = {
+        "pendulum.Pendulum({'h1_damping': 1})": "pendulum has no parameter 'h1_damping'; did you mean 'h1.damping'?",
+        "pendulum.Pendulum(5)": "parameters are numbers by name, not 5",
+        "pendulum.Pendulum(rtol=2)": "pendulum: Pendulum(rtol=2): a number is not finite or outside its range",
+        "pendulum.Pendulum(max_steps=1.5)": "max_steps is 1.5; pendulum takes a whole number",
+        "it.step('1')": "t is '1'; pendulum takes a number",
+        "it.set_inputs({'h1.torqe': 1.0})": "pendulum has no input 'h1.torqe'; did you mean 'h1.torque'?",
+        "it.set_inputs({'drive': 1.0})": "pendulum has no input 'drive'; there are h1.torque, h2.torque, h3.torque",
+        "it.set_parameters({'h1.stiffness': None})": "the parameter 'h1.stiffness' is None; pendulum takes a number",
+        "it.q['h9']": "pendulum has no coordinate 'h9'; there are h1, h2, h3",
+        "it.outputs().poses['link1']": "pendulum has no body 'link1'; did you mean 'link_1'?",
+        "it.start(0.0, {'h1': 0.1}, [0.0] * 3)": "q lacks h2, h3",
+        "it.start(0.0, 'abc', [0.0] * 3)": "q is 'abc'; pendulum takes 3 numbers",
+        "it.restore('abc')": "restore takes the bytes that save gave, not 'abc'",
+    }
+    found = run(
+        python,
+        f"{TOLD}\nimport pendulum\nit = pendulum.Pendulum()\n"
+        f"result = [told(lambda: eval(call)) for call in {list(calls)!r}]\n",
+    )
+    assert [each[2] for each in found] == list(calls.values())
+    names = {each[0] for each in found}
+    assert names == {"UnknownNameError", "TypeError", "SimulatorError", "ValueError"}
+
+
+def test_it_starts_from_what_it_gave_and_shows_its_own_names_alone(python: Path) -> None:
+    install(python, wheel_of("pendulum"))
+    here, there, names, known = run(
+        python,
+        "import pendulum\na, b = pendulum.Pendulum(), pendulum.Pendulum()\na.step(0.3); b.start(a.t, a.q, a.u)\n"
+        "result = [[a.t, a.q, a.u], [b.t, b.q, b.u], dir(pendulum), sorted(pendulum.__all__)]",
+    )
+    assert here == there
+    assert names == known
+    assert {"Pendulum", "COORDINATES", "SimulatorError"} < set(names)
+    assert not {"Mapping", "TypedDict", "annotations", "dataclass"} & set(names)
+
+
+def test_types_hold_for_who_checks_them(tmp_path: Path) -> None:
+    """The package itself, strictly, and a program that uses it; cffi has no types of its own."""
+    (tmp_path / "it.whl").write_bytes(wheel_of("pendulum")[1])
+    with zipfile.ZipFile(tmp_path / "it.whl") as archive:
+        archive.extractall(tmp_path)
+    assert (tmp_path / "pendulum" / "py.typed").is_file()
+    (tmp_path / "use.py").write_text(
+        "import pendulum\nit = pendulum.Pendulum({'link_1.mass': 1.0}, rtol=1e-8)\nit.start(0.0, it.q, it.u)\n"
+        "x: float = it.outputs().poses['link_1'].centre[0] + it.q['h1']\nit.set_inputs({'h1.torque': 'much'})\n"
+    )
+    pytest.importorskip("mypy")
+    mypy = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache")]
+    mypy += ["--no-error-summary", "--disable-error-code", "import-untyped"]
+    told = [
+        subprocess.run([*mypy, *what], cwd=tmp_path, capture_output=True, text=True, check=False).stdout
+        for what in (["use.py"], ["-p", "pendulum"])
+    ]
+    assert told[1] == ""
+    (line,) = [line for line in told[0].splitlines() if "error" in line]
+    assert line.startswith("use.py:5: error:")
 
 
 def test_a_wheel_is_as_its_format_has_it() -> None:

@@ -31,6 +31,8 @@ _TEMPLATES = {
     "example_main.c": "example_main.c.j2",
     "README.md": "README.md.j2",
 }
+# Of decimals: as many as any decimal keeps, and as tell all numbers apart
+DIGITS = {"double": {"few_digits": 15, "most_digits": 17}, "float": {"few_digits": 6, "most_digits": 9}}
 
 
 def package_files(source: CSource, simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
@@ -94,6 +96,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "real_time": options.real_time,
         "several_integrators": options.integrator == "auto" and not options.real_time,
         "real": options.precision,
+        **DIGITS[options.precision],
         "steps_per_row": steps_per_row,
         "h": literal(interval / steps_per_row),
         "effects": [markdown(effect.name) for effect in simulator.effects],

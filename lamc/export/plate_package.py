@@ -10,7 +10,7 @@ from lamc._version import __version__
 from lamc.codegen.emit import environment
 from lamc.export.markdown import markdown
 from lamc.export.options import ExportOptions
-from lamc.export.package import compile_line, single_header
+from lamc.export.package import DIGITS, compile_line, single_header
 from lamc.plate.problem import Problem
 from lamc.report.plates import mesh_figure
 from lamc.report.style import png_of
@@ -46,6 +46,8 @@ def folder_of(
         "single_header": options.single_header,
         "compile_line": compile_line(prefix, options),
         "heading_title": markdown(title),
+        "real": "double",
+        **DIGITS["double"],
         "names": list(problem.dofs.names),
         "rows": {
             kind: [markdown(str(row)) for row in _listed(context[kind])]

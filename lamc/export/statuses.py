@@ -28,3 +28,14 @@ STATUSES = (
     CStatus("BAD_STATE", -24, "a state is damaged or not finite, or no near state closes the loops"),
     CStatus("STEP_TOO_LONG", -25, "something turned by more than half a turn in one step: take shorter ones"),
 )
+
+# Of a binding, where there are no pointers and no structs
+_BOUND = {
+    "BAD_ARGUMENT": "a number is not finite or outside its range",
+    "BAD_DIGEST": "a state of another design, or none",
+}
+
+
+def of_bindings() -> dict[int, tuple[str, str]]:
+    """Number → name and meaning, as bindings for other languages tell them."""
+    return {status.value: (status.name, _BOUND.get(status.name, status.meaning)) for status in STATUSES}

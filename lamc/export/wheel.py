@@ -30,7 +30,7 @@ from lamc.export.c import CSource, c_source
 from lamc.export.markdown import markdown
 from lamc.export.members import CMember
 from lamc.export.options import ExportOptions
-from lamc.export.statuses import STATUSES
+from lamc.export.statuses import of_bindings
 from lamc.export.zips import zipped
 from lamc.run.simulator import Simulator
 
@@ -48,17 +48,12 @@ _TAKEN = {
     "setuptools",
     "numpy",
 }
-_OWN = {
-    "Inputs",
-    "Outputs",
-    "Parameters",
-    "Pose",
-    "SimulatorError",
-    "Mapping",
-    "Sequence",
-    "TypedDict",
-    "Any",
-}
+# What the package has besides the class of the model
+_OWN = (
+    *("Inputs", "Outputs", "Parameters", "Pose", "SimulatorError", "UnknownNameError"),
+    *("BODIES", "COORDINATES", "COORDINATE_UNITS", "ENERGIES", "JOINTS", "RATES", "RATE_UNITS"),
+    *("DIGEST", "LAMC_VERSION"),
+)
 
 
 def wheel_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
@@ -162,7 +157,11 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
         "energies": ascii(tuple(program.energies)),
         "parameters": _members(source, source.parameters),
         "inputs": _members(source, source.inputs),
-        "statuses": repr({status.value: status.name for status in STATUSES}),
+        "own_names": _OWN,
+        "statuses": [
+            {"number": number, "name": name, "meaning": meaning}
+            for number, (name, meaning) in of_bindings().items()
+        ],
         "library": LIBRARY,
         "real_time": options.real_time,
         "jacobian": options.jacobian,
@@ -211,7 +210,7 @@ def _members(source: CSource, members: Sequence[CMember]) -> list[dict[str, obje
             "slot": member.slot,
             "unit": member.unit,
             "meaning": member.meaning,
-            "default": member.default,
+            "default": f"{member.range}{member.shown}",
         }
         for member in members
     ]

@@ -33,7 +33,7 @@ function fields(parent, members, take) {
         input.title = String(held);
       } catch (error) {
         input.setAttribute("aria-invalid", "true");
-        wrong.textContent = `${name}: ${error.message}; it stays at ${Number(held.toPrecision(7))}${unit === "1" ? "" : ` ${unit}`}`;
+        wrong.textContent = `${name}: ${error.reason ?? error.message}; it stays at ${Number(held.toPrecision(7))}${unit === "1" ? "" : ` ${unit}`}`;
       }
     });
     parent.append(label, wrong);
@@ -117,7 +117,7 @@ async function main() {
       work();
       byId("problem").textContent = "";
     } catch (error) {
-      byId("problem").textContent = `Stopped at t = ${simulator?.t.toFixed(3) ?? 0} s: ${error.message}`;
+      byId("problem").textContent = `Stopped at t = ${simulator?.t.toFixed(3) ?? 0} s: ${error.reason ?? error.message}`;
       play(false);
     }
   };

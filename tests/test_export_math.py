@@ -79,7 +79,7 @@ def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_s
     name: str, tmp_path: Path
 ) -> None:
     """Sine and cosine are lamc's own in both, square roots are rounded correctly in both, and what is left is pow,
-    which chooses a first step. Hinges that close loops call atan2, contact exp and log: they differ in the last digit."""
+    which chooses a first step. Hinges that close loops call atan2, contact exp and log: those may differ."""
     times = np.linspace(0.0, DURATION[name], 21)[1:]
     states = []
     for libm in (True, False):

@@ -1,3 +1,5 @@
+const SAME = 1e-3; // pixels: of faces in one plane the first stays, where round-off would make a pattern of them
+
 /**
  * Colours and depths of a picture's pixels: what lies nearer hides what lies behind it, pixel by pixel.
  * Points are [x, y, depth] in pixels, x to the right, y down; a greater depth is nearer to the viewer.
@@ -42,7 +44,7 @@ class DepthBuffer {
         for (let column = Math.max(0, Math.ceil(cuts[k] - 0.5)); column < end; column++) {
           const depth = Math.min(nearest, Math.max(farthest, base + alongX * column));
           const place = row * this.width + column;
-          if (depth <= this.depths[place]) continue;
+          if (depth <= this.depths[place] + SAME) continue;
           this.depths[place] = depth;
           this.colours[place] = word;
           this.owners[place] = owner;

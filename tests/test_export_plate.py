@@ -323,6 +323,10 @@ def test_the_command_knows_a_plate_by_its_content(tmp_path: Path, monkeypatch: p
         (("card.yaml", "--angle", "h=1"), "effects, angles, rates and scenes belong to mechanisms"),
         (("card.yaml", "--size", "2 kg"), "--size '2 kg'"),
         (
+            ("--example", "squar"),
+            "there is no example 'squar'; did you mean 'square'?",
+        ),
+        (
             ("--example", "pendulum", "--size", "2 mm"),
             "--size (edge_length): c has no use for it; leave it out (it is for a plate)",
         ),

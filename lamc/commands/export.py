@@ -6,7 +6,7 @@ In: an `ExportOrder`. Out: a folder, and a list of what is in it. What is writte
 from dataclasses import dataclass
 from pathlib import Path
 
-from lamc.commands.export_plate import files_of_plate, is_plate_source
+from lamc.commands.export_plate import check_example, files_of_plate, is_plate_source
 from lamc.commands.export_plate import load as load_plate
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Progress, Terminal
@@ -85,6 +85,7 @@ class _Made:
 
 
 def _mechanism(order: ExportOrder, times: Times, progress: Progress) -> _Made:
+    check_example(order.source)
     loaded = load_source(order.source, times, progress)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, order.changes)

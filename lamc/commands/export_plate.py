@@ -18,6 +18,7 @@ from lamc.export import Files, files_of
 from lamc.export.options import ExportOptions
 from lamc.plate.files.problem_file import is_plate
 from lamc.plate.files.problem_records import PlateFile
+from lamc.run.request import did_you_mean
 
 
 def is_plate_source(source: Source) -> bool:
@@ -31,6 +32,18 @@ def is_plate_source(source: Source) -> bool:
         return ("plate" in text or "supports" in text) and is_plate(compose(text, source.file))
     except LamcError:
         return False
+
+
+def check_example(source: Source) -> None:
+    """Raises DesignError for an example that neither a design nor a plate is, with names of both."""
+    if source.example is None or source.file is not None:
+        return
+    known = {*design_names(), *plates.names()}
+    if source.example.partition(":")[0] not in known:
+        hint = did_you_mean(source.example, sorted(known))
+        raise DesignError(
+            f"there is no example {source.example[:60]!r}; {hint}; `lamc examples` and `lamc plate --examples` tell more"
+        )
 
 
 def load(source: Source) -> PlateFile:

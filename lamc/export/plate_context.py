@@ -130,7 +130,7 @@ def plate_context(
         "only_bends": element.bends and not element.stretches,
         "motions": ["u", "v"] * element.stretches + ["w", "w_x", "w_y"] * element.bends,
         "told": "w" if element.bends else "u",
-        "acting": [member for kind, (_, member) in EXPANSIONS.items() if kind in kinds],
+        "told_climates": _told(kinds),
         "near": tables.near,
         "outside": f"{max(tables.near.outside, tables.near.inside):.2g}",
         "near_numbers": {
@@ -213,6 +213,13 @@ def _climate_rows(problem: Problem, tables: PlateTables) -> list[str]:
             found += [told + " ".join(f"{field:g}" for field in own) + " V/m"] * (ElectricField in t.kinds)
             rows.append(", ".join(found))
     return rows
+
+
+def _told(kinds: Sequence[type]) -> str:
+    """What the list of climates is about."""
+    whole = [f"`{EXPANSIONS[kind][1]}`" for kind in kinds if kind is not ElectricField]
+    of_plies = ["`field` of its plies"] * (ElectricField in kinds)
+    return f"Climate i, a region in a load case: {', '.join([*whole, *of_plies])}:"
 
 
 def _middle(problem: Problem) -> tuple[float, float]:

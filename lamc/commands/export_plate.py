@@ -42,7 +42,7 @@ def check_example(source: Source) -> None:
     if source.example.partition(":")[0] not in known:
         hint = did_you_mean(source.example, sorted(known))
         raise DesignError(
-            f"there is no example {source.example[:60]!r}; {hint}; `lamc examples` and `lamc plate --examples` tell more"
+            f"there is no example {source.example[:60]!r}; {hint}; see `lamc examples`, `lamc plate --examples`"
         )
 
 

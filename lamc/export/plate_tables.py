@@ -180,7 +180,7 @@ def _springs(made: System, free: sp.csr_array, fixed: Array) -> SpringTables:
             offsets.append(springs.turns[own] @ fixed)
             lengths.append(springs.stiffness[own] / value)
             groups.append(np.full(len(own), len(names)))
-            names.append(_spring_name(springs, records[owner], owner, is_hinge=springs is made.hinge_springs))
+            names.append(_spring_name(records[owner], owner, is_hinge=springs is made.hinge_springs))
             stiffness.append(value)
     if not rows:
         none = np.zeros(0)
@@ -199,7 +199,7 @@ def _springs(made: System, free: sp.csr_array, fixed: Array) -> SpringTables:
     )
 
 
-def _spring_name(springs: Springs, record: object, owner: int, *, is_hinge: bool) -> str:
+def _spring_name(record: object, owner: int, *, is_hinge: bool) -> str:
     kind = "hinge line" if is_hinge else "support"
     return str(getattr(record, "name", "") or f"{kind} {owner + 1}")
 

@@ -20,7 +20,7 @@ from lamc.plate.loads import CLIMATES, Gravity, LoadRecord
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
 from lamc.plate.solving.load_vectors import load_vector
-from lamc.plate.solving.springs import Springs, with_added
+from lamc.plate.solving.springs import with_added
 from lamc.plate.solving.system import System, system
 
 HELD, ABSENT, OBLIQUE = -1, -2, -3  # what is no row of the matrix

@@ -121,6 +121,15 @@ class ExportOptions:
         return self.integrator == "rodas5p"
 
     @property
+    def fixed_method(self) -> str:
+        """What takes steps of fixed length, in words."""
+        return (
+            "Rodas5P, stable for every stiffness"
+            if self.is_stiff
+            else "the classical Runge-Kutta method of order 4"
+        )
+
+    @property
     def calls_libm(self) -> bool:
         return self.libm and self.precision == "double"
 

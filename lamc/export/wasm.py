@@ -127,6 +127,7 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
     }
     return {
         "P": source.prefix,
+        "fixed_method": options.fixed_method,
         "PU": source.prefix.upper(),
         "version": __version__,
         "title": comment(program.name),

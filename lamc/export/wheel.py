@@ -164,6 +164,7 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
         ],
         "library": LIBRARY,
         "real_time": options.real_time,
+        "fixed_method": options.fixed_method,
         "jacobian": options.jacobian,
     }
 

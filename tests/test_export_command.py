@@ -133,6 +133,7 @@ IDLE = {
     "urdf": [
         "--real-time",
         "--single-header",
+        "--float",
         "--integrator",
         "--no-libm",
         "--inputs",
@@ -141,8 +142,17 @@ IDLE = {
         "--size",
     ],
     "fmu": ["--real-time", "--single-header", "--float", "--lossy", "--step", "--size"],
-    "wasm": ["--real-time", "--single-header", "--float", "--lossy", "--step", "--fmi", "--size"],
-    "wheel": ["--single-header", "--lossy", "--step", "--fmi", "--size"],
+    "wasm": [
+        "--real-time",
+        "--single-header",
+        "--float",
+        "--no-libm",
+        "--lossy",
+        "--step",
+        "--fmi",
+        "--size",
+    ],
+    "wheel": ["--single-header", "--float", "--lossy", "--step", "--fmi", "--size"],
     "a plate": ["--real-time", "--float", "--integrator", "--inputs", "--fmi", "--step"],
 }
 VALUES = {"--fmi": "2", "--step": "1e-3", "--size": "2 mm", "--integrator": "rk45", "--inputs": "none"}
@@ -155,8 +165,7 @@ def test_an_option_that_the_target_has_no_use_for_is_refused(
     """Also where its value is what a target that has it would take by default, as with `--fmi 2`."""
     what = ("strip", "c") if target == "a plate" else ("pendulum", target)
     value = [VALUES[option]] if option in VALUES else []
-    more = ["--real-time"] if option == "--float" else []  # which it asks for
-    result = call("--example", what[0], "--to", what[1], option, *value, *more, "--quiet")
+    result = call("--example", what[0], "--to", what[1], option, *value, "--quiet")
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
     assert re.search(rf"{option} \(\w+\).*: {target} has no use for (it|them); leave", line)

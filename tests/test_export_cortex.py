@@ -13,7 +13,8 @@ from lamc.codegen.names import identifier
 from tests.ctools import CC, needs_cc
 from tests.exported_folders import cc, does, exported, needs, put
 
-pytestmark = [needs_cc, needs("arm-none-eabi-gcc", "arm-none-eabi-nm", "qemu-system-arm")]
+pytestmark = [needs_cc, needs("arm-none-eabi-gcc", "arm-none-eabi-nm")]
+needs_board = needs("qemu-system-arm")
 
 CORTEX = Path(__file__).parent / "cortex"
 TARGET = (
@@ -56,6 +57,39 @@ def test_nothing_of_doubles_is_linked(name: str, tmp_path: Path) -> None:
     assert not kinds & set("dDbBC")  # globals that can be written
 
 
+@pytest.mark.parametrize(("level", "code"), [("-O2", 24_000), ("-Os", 19_000)])
+def test_memory_is_that_of_a_small_board(level: str, code: int, tmp_path: Path) -> None:
+    """A loop, which takes most of all: all functions of the header, before a linker drops those that nobody calls.
+
+    Code and tables: a tenth above what gcc 12.2 makes, for other compilers; 64 kB, the least flash of an STM32F4, hold
+    two such models. Stack: no function calls itself, so none stands on it twice, and the frames of a step and of all
+    that is not in the header are more than any chain of calls from a step can take; the chain that is taken needs a
+    fourth of it (docs/embedding.md). A task of 4 KiB has room for that and for as much of its own.
+    """
+    folder = folder_of("four_bar", tmp_path)
+    cc(
+        folder,
+        *TARGET,
+        level,
+        "-fstack-usage",
+        "-c",
+        "four_bar.c",
+        "-o",
+        "it.o",
+        command=["arm-none-eabi-gcc"],
+    )
+    text, data, bss = map(int, does(["arm-none-eabi-size", "it.o"], folder).splitlines()[-1].split()[:3])
+    assert text <= code
+    assert data == bss == 0
+    usage = [line.split("\t") for line in (folder / "it.su").read_text().splitlines()]
+    assert {kind for _, _, kind in usage} == {"static"}  # nothing grows with what is computed
+    frames = {place.split(":")[-1]: int(size) for place, size, _ in usage}
+    inner = sum(size for name, size in frames.items() if name.startswith("four_bar_rt_"))
+    assert frames["four_bar_step_fixed"] + inner <= 2048 + 512
+    assert max(frames.values()) <= 1024  # the derivatives' own
+
+
+@needs_board
 @pytest.mark.parametrize("level", ["-O2", "-Os"])
 @pytest.mark.parametrize("name", STEPS)
 def test_states_are_those_of_this_machine_to_the_last_bit(name: str, level: str, tmp_path: Path) -> None:
@@ -71,6 +105,7 @@ def test_states_are_those_of_this_machine_to_the_last_bit(name: str, level: str,
     assert rows == here.splitlines()
 
 
+@needs_board
 def test_a_step_takes_no_more_operations_than_the_header_says(tmp_path: Path) -> None:
     """Every instruction of one step is counted: arithmetic outside of sines, and pairs of sine and cosine."""
     folder = folder_of("pendulum", tmp_path)

@@ -1,5 +1,6 @@
 """Exports in single precision: no doubles, motion that differs by round-off, time that does not drift, refusals."""
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -86,6 +87,43 @@ def test_motion_differs_from_that_of_doubles_by_round_off(
     assert np.all(np.abs(here - there) <= bound)
     assert np.max(np.abs(here - there)) > 0.0  # it is single precision
     assert it.t == count * h
+
+
+@needs_cc
+def test_a_stop_too_stiff_for_the_step_ends_both_precisions_alike(tmp_path: Path) -> None:
+    """The damper of the tongue's stop has an eigenvalue of 9300 /s, and the method is stable up to 2.785 over that,
+    0.3 ms: in longer steps a contact grows, in doubles as in floats, until a step turns the tongue by more than half a
+    turn. At 0.2 ms the motion comes to rest, where the two differ by round-off that the stops damp."""
+    other = Exported(exported("limit_stop", real_time=True, libm=False), tmp_path / "double")
+    model = single("limit_stop", tmp_path)
+    for h in (2e-3, 1e-3, 5e-4):
+        counts = []
+        for each in (model, other):
+            it, count, status = each.instance(), 0, 0
+            while status == 0 and count < 1000:
+                status = each.call("step_fixed", it, h)
+                count += 1
+            assert status == each.status("STEP_TOO_LONG")
+            assert all(map(math.isfinite, each.state(it)))
+            counts.append(count)
+        assert counts[0] == counts[1]
+    rest = [states(each, 2e-4, 10_000)[1][-1] for each in (model, other)]
+    assert np.abs(rest[0] - rest[1])[:2].max() < 1e-4  # rad, of swings of 1 rad, after a dozen blows
+    assert np.abs(rest).max() < 0.2  # the flap lies on its stop
+
+
+@needs_cc
+def test_a_step_to_infinity_is_too_long_and_a_slope_that_is_infinite_is_not_finite(tmp_path: Path) -> None:
+    """Accelerations go with the square of rates: 1e18 rad/s give 1e36 rad/s^2, and no float at the next stage; 1e20
+    rad/s give none at the start, which no step mends."""
+    model = single("pendulum", tmp_path)
+    for rate, told in ((1e18, "STEP_TOO_LONG"), (1e20, "NOT_FINITE")):
+        it = model.instance()
+        q, u = model.ffi.new("float[3]", [0.3, 0.2, 0.1]), model.ffi.new("float[3]", [rate, 0.0, 0.0])
+        assert model.call("start", it, 0.0, q, u) == 0
+        before = model.state(it)
+        assert model.call("step_fixed", it, 1e-3) == model.status(told)
+        assert model.state(it) == before
 
 
 @needs_cc
@@ -182,7 +220,7 @@ def test_compilers_agree_to_the_last_bit(tmp_path: Path) -> None:
 
 def test_steps_that_control_errors_are_refused() -> None:
     with pytest.raises(ExportError, match="--real-time"):
-        lamc.ExportOptions(precision="float")
+        files_of(mechanism_of("pendulum"), options=lamc.ExportOptions(precision="float"))
 
 
 @pytest.mark.parametrize("value", [1e-42, 1e-60, 1e39])

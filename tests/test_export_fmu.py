@@ -1,8 +1,10 @@
 """FMUs do what the simulator does, in a tool that nobody here wrote."""
 
+import html
 import resource
 import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -66,6 +68,23 @@ class TestEveryKind:
 
         _, file, _ = made(name, fmi)
         assert validate_fmu(str(file)) == []  # schema, names, units, starts, structure
+
+    def test_its_page_tells_every_variable_and_what_its_flags_say(self, made, name, fmi):
+        _, _, folder = made(name, fmi)
+        page = html.unescape((folder / "documentation" / "index.html").read_text(encoding="utf-8"))
+        root = ElementTree.parse(folder / "modelDescription.xml").getroot()
+        flags = root.find("CoSimulation").attrib
+        variables = root.find("ModelVariables")
+        for variable in variables:
+            (real,) = variable if fmi == 2 else [variable]
+            told = f"<tr><td><code>{variable.get('name')}</code></td><td>"
+            (row,) = [line for line in page.splitlines() if line.startswith(told)]
+            assert f"<td>{real.get('unit', '')}</td>" in row
+            assert row.endswith(f"<td>{variable.get('description')}</td></tr>")
+        assert ("adjoint" in page) == (flags.get("providesAdjointDerivatives") == "true")
+        assert ("event mode" in page) == (flags.get("hasEventMode") == "false")
+        assert "central differences" in page
+        assert f"FMI {fmi}.0" in page
 
     def test_trajectory_is_that_of_the_simulator_to_the_last_bit(self, made, name, fmi):
         simulator, _, folder = made(name, fmi)

@@ -113,7 +113,9 @@ def test_who_says_which_hinges_take_torques() -> None:
     assert "h_1_torque" in header(flap(), inputs=("h 1",))
     assert "h_1_torque" not in header(flap(), inputs="none")
     assert "h_1_torque" not in header(flap(), inputs=())
-    assert "h_1_torque" in header(flap(), said, inputs="none")
+    assert "h_1_torque" in header(flap(), said)
+    with pytest.raises(ExportError, match=r"--inputs \(inputs\).*external_torque"):
+        header(flap(), said, inputs="none")
 
 
 def test_a_hinge_that_is_not_there_is_named() -> None:

@@ -106,8 +106,8 @@ def _wheel(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
     return wheel_files(simulator_of(mechanism, scene, options), options)
 
 
-# wasm calls no mathematical library whatever `libm` says: what is asked for by False is given.
-_SIMULATOR = ("prefix", "integrator", "libm", "inputs")
+# wasm calls no mathematical library, so that `libm` leaves it as it is.
+_SIMULATOR = ("prefix", "integrator", "inputs")
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {
         target.name: target
@@ -115,7 +115,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
             Target(
                 "c",
                 "sources in C99, valid C++ too, with build files, an example and a README",
-                (*_SIMULATOR, "precision", "real_time", "jacobian", "single_header"),
+                (*_SIMULATOR, "libm", "precision", "real_time", "jacobian", "single_header"),
                 _c,
                 compile_c,
             ),
@@ -136,7 +136,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
             Target(
                 "fmu",
                 "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0",
-                (*_SIMULATOR, "fmi"),
+                (*_SIMULATOR, "libm", "fmi"),
                 _fmu,
                 simulate_fmu,
             ),
@@ -150,7 +150,7 @@ TARGETS: Mapping[str, Target] = MappingProxyType(
             Target(
                 "wheel",
                 "a Python package of its own, without lamc and NumPy",
-                (*_SIMULATOR, "real_time", "jacobian"),
+                (*_SIMULATOR, "libm", "real_time", "jacobian"),
                 _wheel,
                 install_wheel,
             ),

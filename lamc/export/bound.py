@@ -156,9 +156,9 @@ def _meeting(program: Program, sizes: _Sizes) -> _Work:
 
 
 def _explicit_step(program: Program, sizes: _Sizes) -> _Work:
-    """Stages of the classical Runge-Kutta method, and their sums."""
+    """Stages of the classical Runge-Kutta method, their sums, and whether the first slopes are finite."""
     work = _accelerations(program, sizes, RUNGE_KUTTA_STAGES)
-    return work + _Work(Counter(rates=RUNGE_KUTTA_STAGES), 15 * (sizes.nq + sizes.n))
+    return work + _Work(Counter(rates=RUNGE_KUTTA_STAGES), 16 * (sizes.nq + sizes.n) + 1)
 
 
 def _stiff_step(program: Program, sizes: _Sizes) -> _Work:

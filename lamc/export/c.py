@@ -15,6 +15,7 @@ from lamc.codegen.printer import literal
 from lamc.codegen.program import Coordinate, Program
 from lamc.export.amalgam import amalgamate, public_functions
 from lamc.export.bound import spins, step_bound
+from lamc.export.fixed_step import suitable_step
 from lamc.export.members import CMember, members_of
 from lamc.export.options import ExportOptions
 from lamc.export.prefixes import prefix_of
@@ -38,6 +39,9 @@ class CSource:
     program: Program
     parameters: tuple[CMember, ...]
     inputs: tuple[CMember, ...]
+    stable_step: (
+        float | None
+    )  # s, of `real_time` exports: one that was stable when it was tried from the start on
 
     @property
     def files(self) -> dict[str, str]:
@@ -50,7 +54,8 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     prefix = options.prefix or prefix_of(program.name)
     tree = emit(program, prefix=MODEL)
     parameters, inputs = members_of(program.parameters)
-    context = _context(simulator, program, options, prefix, parameters, inputs)
+    stable_step = suitable_step(simulator, is_stiff=options.is_stiff) if options.real_time else None
+    context = _context(simulator, program, options, prefix, parameters, inputs, stable_step)
     header = environment().get_template("export/api.h.j2").render(context)
     is_single = options.precision == "float"
     files = {
@@ -76,7 +81,7 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
         .get_template("export/opening.c.j2")
         .render(context | {"system_headers": amalgam.system_headers})
     )
-    return CSource(prefix, header, opening + amalgam.text, program, parameters, inputs)
+    return CSource(prefix, header, opening + amalgam.text, program, parameters, inputs, stable_step)
 
 
 def _check_ranges(simulator: Simulator, program: Program) -> None:
@@ -95,6 +100,7 @@ def _context(
     prefix: str,
     parameters: tuple[CMember, ...],
     inputs: tuple[CMember, ...],
+    stable_step: float | None,
 ) -> dict[str, object]:
     run = run_fields(runtime_files(program, options)["lamc.h"])
     layout = (program.digest, __version__, options.integrator, options.precision, str(options.real_time))
@@ -137,6 +143,7 @@ def _context(
         ),
         "wide": run.wide,
         "real_time": options.real_time,
+        "stable_step": stable_step,
         "is_stiff": options.is_stiff,
         "spins": spins(program),
         "jacobian": options.jacobian,

@@ -19,7 +19,7 @@ from lamc.scene import Scene
 
 def simulator_of(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Simulator:
     """Compiles the scene with the inputs that `options` ask for. With all torques zero its motion is that of the scene,
-    to the last bit. Raises ExportError for a hinge that is not there."""
+    to the last bit. Raises ExportError for a hinge that is not there, and for inputs chosen twice."""
     return compile_(mechanism, driven_scene(mechanism, scene, options))
 
 
@@ -33,7 +33,13 @@ def driven_scene(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> 
                 f"--inputs (inputs) names the hinge {name!r}, which is not there; {did_you_mean(name, names)}"
             )
     is_said = any(effect.name == ExternalTorque.name for effect in effects_of(mechanism, scene))
-    if is_said or not wanted or ExternalTorque.name in scene.without:
+    is_said = is_said or ExternalTorque.name in scene.without
+    if is_said and options.inputs != "hinges":
+        raise ExportError(
+            f"--inputs (inputs) is {options.inputs!r}, and the scene says itself which torques come from outside "
+            f"({ExternalTorque.name}); leave out one of the two"
+        )
+    if is_said or not wanted:
         return scene
     joints = None if options.inputs == "hinges" else tuple(wanted)
     return replace(scene, added=(*scene.added, ExternalTorque(joints)))

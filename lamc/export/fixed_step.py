@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from lamc.run.defaults import DURATION
 from lamc.run.simulator import Simulator
 
 _LENGTHS = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s
@@ -15,13 +16,13 @@ _WINDOW = 0.5  # s, that is tried
 _SLACK = 3.0  # of rates: what is stable but coarse may pass beyond them
 
 
-def suitable_step(simulator: Simulator, duration: float, *, is_stiff: bool) -> float:
-    """A step, s, that is stable from the scene's start on for half a second at most, or the shortest one tried.
+def suitable_step(simulator: Simulator, *, is_stiff: bool) -> float:
+    """A step, s, that is stable from the scene's start on for half a second or the scene's run, whichever is less, or
+    the shortest one tried.
 
-    duration  s, of the scene's run
     is_stiff  whether steps are those for stiff equations
     """
-    t_end = min(duration, _WINDOW)
+    t_end = min(simulator.scene.duration or DURATION, _WINDOW)
     run = simulator.run(t_end, rtol=1e-5, atol=1e-7, max_steps=100_000)
     largest = _SLACK * max(1e-3, float(np.abs(run.u).max(initial=0.0)))
     for h in _LENGTHS:

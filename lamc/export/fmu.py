@@ -63,7 +63,7 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
         "modelDescription.xml": describe(facts, listed),
         **{f"sources/{name}": content for name, content in sources.items()},
         _binary_path(facts.identifier, options): _binary(facts, sources),
-        "documentation/index.html": _page(source, listed, facts).encode(),
+        "documentation/index.html": _page(source, listed, facts, options).encode(),
         "documentation/licenses/fmi.txt": (_folder() / "headers" / "LICENSE.txt").read_bytes(),
         "documentation/mechanism.png": picture_of(
             simulator.mechanism, program.joints, program.cuts, program.bodies
@@ -147,7 +147,8 @@ def _limit(value: float) -> str:
     return repr(value) if math.isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
 
 
-def _page(source: CSource, listed: Sequence[Variable], facts: FmuFacts) -> str:
+def _page(source: CSource, listed: Sequence[Variable], facts: FmuFacts, options: ExportOptions) -> str:
+    """What both standards want at `documentation/index.html`: what it does and does not, and its variables."""
     rows = [
         {
             "name": v.name,
@@ -158,7 +159,13 @@ def _page(source: CSource, listed: Sequence[Variable], facts: FmuFacts) -> str:
         }
         for v in listed
     ]
-    context = {"title": facts.title, "version": __version__, "digest": source.program.digest, "rows": rows}
+    context = {
+        "title": facts.title,
+        "version": __version__,
+        "digest": source.program.digest,
+        "fmi": options.fmi_version,
+        "rows": rows,
+    }
     return environment().get_template(f"{_FOLDER}/index.html.j2").render(context)
 
 

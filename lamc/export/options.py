@@ -84,11 +84,6 @@ class ExportOptions:
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
                 raise ExportError(f"{named(name)} is {shown(getattr(self, name))}; it must be one of {told}")
-        if self.precision == "float" and not self.real_time:
-            raise ExportError(
-                f"{named('precision')} is 'float', whose round-off no control of errors copes with; choose steps of "
-                "fixed length too: --real-time (real_time=True)"
-            )
         self._check_positive("step", "seconds")
         self._check_positive("edge_length", "metres")
         if self.fmi not in (None, 2, 3) or not isinstance(self.fmi, int | None):
@@ -150,7 +145,8 @@ def options_from(**values: object) -> ExportOptions:
 def check_used(
     options: ExportOptions, by: str, read: Collection[str], uses: Mapping[str, Collection[str]]
 ) -> None:
-    """Raises ExportError for options that were chosen and that nothing reads: what has no effect is not asked for.
+    """Raises ExportError for options that were chosen and that nothing reads, by themselves or beside each other: what
+    has no effect is not asked for.
 
     by    what is exported, in words, of which `read` are the fields that it reads
     uses  who else reads which, for the way out
@@ -159,8 +155,28 @@ def check_used(
     names = [field.name for field in fields(options)]
     idle = [name for name in names if name not in read and getattr(options, name) != getattr(usual, name)]
     if not idle:
+        _check_together(options)
         return
     it, they_are = ("it", "it is") if len(idle) == 1 else ("them", "they are")
     takers = [name for name, fields_read in uses.items() if set(idle) <= set(fields_read)]
     hint = f" ({they_are} for {', '.join(takers)})" if takers else ""
     raise ExportError(f"{', '.join(map(named, idle))}: {by} has no use for {it}; leave {it} out{hint}")
+
+
+def _check_together(options: ExportOptions) -> None:
+    """Raises ExportError for options that leave each other nothing to do, naming both."""
+    if options.precision == "float" and not options.real_time:
+        raise ExportError(
+            f"{named('precision')} is 'float', whose round-off no control of errors copes with; choose steps of "
+            "fixed length too: --real-time (real_time=True)"
+        )
+    if options.real_time and options.integrator not in ("auto", "rodas5p"):
+        raise ExportError(
+            f"{named('integrator')} is {options.integrator!r}, which takes adaptive steps alone, and "
+            f"{named('real_time')} leaves those out; leave out one of the two, or give rodas5p, which has steps of "
+            "fixed length too"
+        )
+    if options.precision == "float" and not options.libm:
+        raise ExportError(
+            f"{named('libm')}: with {named('precision')} no mathematical library is called anyway; leave it out"
+        )

@@ -15,7 +15,6 @@ from lamc.codegen.printer import literal
 from lamc.codegen.program import Program
 from lamc.export.bound import step_bound
 from lamc.export.c import CSource
-from lamc.export.fixed_step import suitable_step
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
@@ -80,7 +79,7 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
     start = simulator.start.tolist()
     row_count = default_rows(duration, len(start))
     interval = duration / (row_count - 1)
-    longest = suitable_step(simulator, duration, is_stiff=options.is_stiff) if options.real_time else interval
+    longest = interval if source.stable_step is None else source.stable_step
     steps_per_row = math.ceil(interval / longest * (1.0 - 1e-12))
     return {
         "prefix": prefix,

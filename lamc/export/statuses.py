@@ -26,7 +26,9 @@ STATUSES = (
     CStatus("BAD_PARAMETER", -22, "a parameter is not finite or outside its range"),
     CStatus("BAD_INPUT", -23, "an input is not finite"),
     CStatus("BAD_STATE", -24, "a state is damaged or not finite, or no near state closes the loops"),
-    CStatus("STEP_TOO_LONG", -25, "something turned by more than half a turn in one step: take shorter ones"),
+    CStatus(
+        "STEP_TOO_LONG", -25, "a step turned something by over half a turn, or to infinity: take shorter ones"
+    ),
 )
 
 # Of a binding, where there are no pointers and no structs

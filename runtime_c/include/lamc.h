@@ -334,7 +334,8 @@ long long lamc_fixed_scratch(const lamc_ode *ode);
 
 /* One step of length h != 0 from (t, y) to (t + h, y), without looking at errors: the classical Runge-Kutta method of order
  * 4, four evaluations. What must hold is settled and events are looked at at its end only, each guard once.
- * LAMC_NOT_FINITE, or what settling says; y is then spoilt. */
+ * LAMC_NOT_FINITE: dy/dt at (t, y) is not, and y is as it was; or the step is too long, and y is what it led to. Or what
+ * settling says; y is then spoilt. */
 lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch);
 
 /* Doubles of scratch for the function below; 0 where the equation has no Jacobian */

@@ -37,12 +37,14 @@ lamc_status lamc_fixed_end(const lamc_ode *ode, double t, double *y, double *gua
 lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch) {
   const int n = ode->n;
   double *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
-  double size = 0.0;
+  double size = 0.0, slopes = 0.0;
   ode->rhs(ode->context, t, y, slope);
   for (int i = 0; i < n; i++) {
     sum[i] = slope[i];
     stage[i] = y[i] + 0.5 * h * slope[i];
+    slopes += fabs(slope[i]);
   }
+  if (!is_finite(slopes)) return LAMC_NOT_FINITE;
   for (int middle = 0; middle < 2; middle++) {
     ode->rhs(ode->context, t + 0.5 * h, stage, slope);
     for (int i = 0; i < n; i++) {

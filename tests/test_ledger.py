@@ -552,3 +552,19 @@ def test_kept_ledger_has_its_picture_and_the_slopes_of_theory(path: Path) -> Non
 
 def test_every_design_of_the_list_is_kept() -> None:
     assert {path.stem for path in KEPT} >= {"triple_pendulum", "four_bar", "miura", "stiff_triple"}
+
+
+def test_peers_that_do_not_project_show_by_how_far_loops_come_apart() -> None:
+    """scipy's DOP853 integrates accelerations that keep the loop closed: its errors fall with the tolerance as its own
+    do, down to 1e-9 of the range, and the gap falls with them. lamc's run projects, so that its gap is round-off."""
+    mechanism = mechanism_of_example(examples.find("four_bar"))
+    sweep = sweep_of(1.0, "dop853", "scipy:DOP853", tolerances=(1e-4, 1e-7, 1e-10), rows=11)
+    ledger = points_alone(mechanism, mechanism.scene or lamc.Scene(), sweep)
+    scipys = points_of(ledger, "scipy:DOP853")
+    errors_of, gaps = [p.path or 0.0 for p in scipys], [p.closure or 0.0 for p in scipys]
+    assert len(scipys) == 3
+    assert errors_of[0] > 10.0 * errors_of[1] > 100.0 * errors_of[2]
+    assert errors_of[2] < 1e-9
+    assert gaps[0] > 10.0 * gaps[2] > 0.0
+    assert all((p.closure or 0.0) < 1e-13 for p in points_of(ledger, "dop853"))
+    assert any("accelerations alone in scipy" in note for note in ledger.notes)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lamc import Body, ExportError, ExternalTorque, Input, Joint, Mechanism, Scene, Torque
+from lamc import Body, ExportError, ExternalTorque, Input, Joint, JointLimits, Mechanism, Scene, Torque
 from lamc.export.options import ExportOptions
 from tests.ctools import needs_cc
 from tests.exported import Exported, c_files
@@ -15,11 +15,11 @@ from tests.exported import Exported, c_files
 INERTIA = 2e-5  # kg·m²
 
 
-def flap(scene: Scene | None = None) -> Mechanism:
+def flap(scene: Scene | None = None, **joint: Any) -> Mechanism:
     """One body about its own centre."""
     wall = Body("wall", fixed=True)
     body = Body("flap", 0.01, (0.0, 0.0, 0.0), np.diag([INERTIA] * 3))
-    hinge = Joint("h 1", "wall", "flap", axis=(0.0, 0.0, 1.0))
+    hinge = Joint("h 1", "wall", "flap", axis=(0.0, 0.0, 1.0), **joint)
     return Mechanism((wall, body), (hinge,), name="flap", scene=scene)
 
 
@@ -61,6 +61,24 @@ def test_a_torque_set_after_the_integrator_ran_ahead(exported: Exported) -> None
     assert exported.call("set_inputs", it, inputs_of(exported, h_1_torque=1e-3)) == 0
     assert exported.call("step", it, 0.2) == 0
     assert it.q[0] == pytest.approx(0.5 * 1e-3 / INERTIA * 0.1**2, rel=1e-12)
+
+
+@needs_cc
+def test_what_is_set_already_leaves_the_run_alone(tmp_path: Path) -> None:
+    """A controller that says the same every millisecond: every byte is that of a run that was told once."""
+    stops = Scene(effects=(JointLimits(stiffness=1.0, damping=1e-5),))  # it bounces on the upper one
+    exported = Exported(c_files(flap(limits=(-0.2, 0.2)), scene=stops), tmp_path)
+    parameters = exported.new("parameters")
+    exported.call("default_parameters", parameters)
+    inputs = inputs_of(exported, h_1_torque=1e-3)
+    told_once, told_often = exported.instance(t_stop=0.5), exported.instance(t_stop=0.5)
+    assert exported.call("set_inputs", told_once, inputs) == 0
+    for k in range(1, 501):
+        assert exported.call("set_inputs", told_often, inputs) == 0
+        assert exported.call("set_parameters", told_often, parameters) == 0
+        assert exported.call("step", told_once, 1e-3 * k) == exported.call("step", told_often, 1e-3 * k) == 0
+        assert bytes(exported.ffi.buffer(told_once)) == bytes(exported.ffi.buffer(told_often))
+    assert told_once.u[0] < 1.0  # rad/s: 25 but for the stop
 
 
 @needs_cc

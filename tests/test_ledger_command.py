@@ -39,6 +39,9 @@ def test_ledger_writes_what_it_prints(design: str) -> None:
     assert found.exit_code == 0, found.output
     assert "verdict 1 % of the range" in found.output
     assert "hinge_damping" in found.output
+    head = next(line for line in found.output.splitlines() if line.startswith("time to reach"))
+    for column in ("closure", "drift"):  # what is told below a table is about a column of it
+        assert (f"{column} over" in found.output) == (column in head)
     ledger = read_ledger((Path("out") / "rod" / "ledger.json").read_text(encoding="utf-8"))
     assert ledger.verdict.idle == ("hinge_damping",)
     assert {p.integrator for p in ledger.points} == {"rk45", "dop853"}

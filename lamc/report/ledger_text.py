@@ -110,10 +110,13 @@ def _prices(ledger: Ledger) -> str:
         rows.append(cells)
     shown = [k for k in range(len(head)) if k < 9 or any(row[k] != "–" for row in rows)]
     body = aligned([[row[k] for k in shown] for row in [head, *rows]])
+    scales = {"closure": "closure over the size", "drift": "drift over the largest kinetic energy"}
+    scaled = ", ".join(scales[head[k]] for k in shown if head[k] in scales)
+    told = f" Of the tightest runs: {scaled}." if scaled else ""
     return (
         f"{body}\n"
         "Processor time of one warm run that keeps its end; all peers but MuJoCo call lamc's equations from Python.\n"
-        "Order: of the error over steps. Closure over the size, drift over the largest kinetic energy: tightest runs."
+        f"Order: of the error over steps.{told}"
     )
 
 

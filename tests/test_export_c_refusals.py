@@ -143,6 +143,20 @@ def test_parameters_that_nature_does_not_allow(pendulum: Exported) -> None:
     assert bytes_of(pendulum, it) == before
 
 
+def test_a_state_that_the_caller_spoilt_is_no_reason_for_shorter_steps(pendulum: Exported) -> None:
+    it = pendulum.instance()
+    it.q[0] = math.nan
+    assert pendulum.call("step_fixed", it, 1e-3) == pendulum.status("NOT_FINITE")
+
+
+def test_steps_of_fixed_length_go_beyond_the_stop(pendulum: Exported) -> None:
+    """As the header says: they read no settings."""
+    it = pendulum.instance(t_stop=1e-3)
+    assert pendulum.call("step_fixed", it, 2e-3) == 0
+    assert it.t == 2e-3
+    assert pendulum.call("step", it, 3e-3) == pendulum.status("BAD_ARGUMENT")
+
+
 def test_steps_of_fixed_length_that_blow_up(pendulum: Exported) -> None:
     """Half a second is far beyond the hinges' period. The instance stays as it was, and goes on from there."""
     it, calm = pendulum.instance(), pendulum.instance()

@@ -5,6 +5,7 @@ import io
 import re
 import shutil
 import struct
+import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -127,6 +128,24 @@ def test_what_is_left_out_leaves_no_warning(
     folder = put(exported(name, **options), tmp_path)
     for source in (f"{name}.c", "example_main.c"):
         cc(folder, "-std=c99", "-c", *STRICT, source, "-o", f"{source}.o", command=compiler)
+
+
+@needs("clang++")
+@pytest.mark.parametrize("options", [{}, {"real_time": True}, {"real_time": True, "precision": "float"}])
+def test_it_is_cxx_to_clang_too(options: dict[str, object], tmp_path: Path) -> None:
+    """clang++ warns of mixtures of enumerations and numbers of which g++ says nothing."""
+    folder = put(exported("pendulum", **options), tmp_path)
+    for source in ("pendulum.c", "example_main.c"):
+        cc(folder, "-x", "c++", "-std=c++17", "-c", *STRICT, source, "-o", "it.o", command=["clang++"])
+
+
+def test_the_example_refuses_words_that_it_does_not_know(tmp_path: Path) -> None:
+    folder = put(exported("pendulum"), tmp_path)
+    cc(folder, "-std=c99", "example_main.c", "pendulum.c", "-lm", "-o", "example")
+    for words in (["--tiem"], ["--time", "5"]):
+        done = subprocess.run([folder / "example", *words], capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr == f"{words[-1]}: --time or nothing\n"
 
 
 @needs("g++")

@@ -118,6 +118,19 @@ def test_cells_are_those_of_the_mesh_and_points_outside_are_told(load: Load, nam
     assert library.at(None, 0.0, 0.0, out) == library.at(x, 0.0, 0.0, None) == BAD_ARGUMENT
 
 
+def test_solutions_that_are_not_finite_are_refused(load: Load) -> None:
+    """By a status, and what is there stays."""
+    own, library = problem("square"), load("square")
+    out = np.ones(6)
+    middle = own.mesh.corners[0].mean(axis=0).tolist()
+    for number in (np.nan, np.inf):
+        x = np.full(library.counts["row"], number)
+        assert library.at(x, *middle, out) == BAD_INPUT
+        assert (out == 1.0).all()
+        nodes = {library.call("displacement", x, node, np.zeros(6)) for node in range(library.counts["node"])}
+        assert BAD_INPUT in nodes <= {0, BAD_INPUT}  # those that are held stay where they are
+
+
 def test_a_plate_with_holes_and_fine_corners_is_found_within_the_cells_that_are_told(load: Load) -> None:
     """The bound that the header states is that of the tables; in a hole there is no plate."""
     outline = shapely.box(0.0, 0.0, 0.2, 0.1).difference(shapely.Point(0.05, 0.05).buffer(0.02))

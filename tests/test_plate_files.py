@@ -203,7 +203,7 @@ def test_what_expands_may_be_an_expression_in_the_files_units() -> None:
     assert first(x, y) == pytest.approx([-50.0, -100.0], rel=1e-14)
     assert second == 5e5
     assert [load_text(load) for load in (warm, wet, field, fields)] == [
-        "20 + x/10 K",
+        "temperature change 20 + x/10 K",
         "moisture 0.01*y/100",
         "electric field 1000*x",
         "electric field -x, 500 kV/m",

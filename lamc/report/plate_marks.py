@@ -212,7 +212,7 @@ def load_text(load: LoadRecord) -> str:
         case Gravity(acceleration=acceleration):
             told = f"gravity {vector_text(acceleration, 'm/s²')}"
         case Temperature(rise=rise):
-            told = f"temperature change {_amount(rise, lambda value: f'{value:+g} K')}"
+            told = f"temperature change {_amount(rise, lambda value: f'{value:+g}')} K"
         case Moisture(content=content):
             told = f"moisture {_amount(content, lambda value: f'{value:g}')}"
         case ElectricField(field=field):

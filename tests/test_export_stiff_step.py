@@ -45,8 +45,8 @@ def test_halved_steps_have_a_thirty_second_of_the_error(name: str, h: float, tmp
 
 
 def test_a_millisecond_is_enough_where_hinges_ring_at_kilohertz(tmp_path: Path) -> None:
-    """Its stiff hinges ask of an explicit method for steps of some 20 us. They ring by less than 1e-5 rad, which is
-    what a step that does not resolve them may be off."""
+    """An explicit method does not bear such steps. The stiff hinges ring by less than 1e-5 rad, which is what a step
+    that does not resolve them may be off."""
     explicit = Exported(exported("stiff_triple", real_time=True), tmp_path / "explicit")
     it = explicit.instance()
     statuses = [explicit.call("step_fixed", it, 1e-3) for _ in range(100)]

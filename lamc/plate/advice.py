@@ -32,10 +32,7 @@ def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> 
         found.append(_bciz_text(problem.mesh))
     found.extend(_sliver_texts(problem.mesh, bending))
     found.extend(_membrane_texts(problem))
-    if problem.dofs.element.bends:
-        span = float(np.ptp(problem.mesh.points, axis=0).min())
-        texts = (laminate.shear_warning(span) for laminate in dict.fromkeys(problem.laminates))
-        found.extend(dict.fromkeys(text for text in texts if text))
+    if problem.dofs.element.bends:  # noqa: SIM102
         if _straight_curves(problem):
             found.append(
                 "a simply supported edge is a curve drawn as a polygon, and the mesh has nodes between the polygon's "

@@ -18,6 +18,7 @@ from lamc.once import lazy
 from lamc.plate.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
 from lamc.plate.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
 from lamc.plate.answers.recovery import RecoveredStrains
+from lamc.plate.answers.shear_share import shear_share
 from lamc.plate.laminates.plies import PlyState
 from lamc.plate.loads import LoadRecord
 from lamc.plate.meshing.mesh import Integers
@@ -202,6 +203,13 @@ class Solution:
     def error_estimate(self) -> ErrorEstimate:
         """How far off the strains are, cell by cell and all together."""
         return error_estimate(self)
+
+    @lazy
+    def shear_share(self) -> float:
+        """Energy of shear through the thickness, which classical theory leaves out, over that of bending: from shear
+        forces by equilibrium. About as much would be added to the deflection where the loads act, or less; inf
+        across a gap."""
+        return shear_share(self)
 
     @lazy
     def recovered(self) -> "Solution":

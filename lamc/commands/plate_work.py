@@ -3,7 +3,7 @@
 In: a `PlateFile` and how to solve it. Out: a `PlateReport`. Never: files, words.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -80,18 +80,23 @@ def answers(
     for name in solved if file.buckling else ():
         with times.stage("buckling"), _kept(errors), origins.told("buckling"):
             buckled[name] = buckling(_of_case(problem, name), file.buckling)
-    shapes = _shape_reports(found, buckled)
+    shapes = _shape_reports(found, buckled, {note for case in cases for note in case.notes})
     if two_meshes and shapes:
         with times.stage("halved cells"), _kept(errors), origins.told():
             shapes = _halved_shapes(shapes, found, buckled)
     return PlateReport(file, source, problem, cases, found, buckled, times, errors, failed, shapes)
 
 
-def _shape_reports(found: Modes | None, buckled: Mapping[str, Buckling]) -> dict[str, ShapeReport]:
-    """Errors and notes by "modes", and by "buckling" with the case's name."""
+def _shape_reports(
+    found: Modes | None, buckled: Mapping[str, Buckling], said: Collection[str]
+) -> dict[str, ShapeReport]:
+    """Errors and notes by `MODES` and `buckling_key`; without notes that cases have `said`."""
     told: dict[str, Modes | Buckling] = {} if found is None else {MODES: found}
     told |= {buckling_key(name): each for name, each in buckled.items()}
-    return {name: ShapeReport(each.errors, each.notes) for name, each in told.items()}
+    return {
+        name: ShapeReport(each.errors, [n for n in each.notes if n not in said])
+        for name, each in told.items()
+    }
 
 
 def _halved_shapes(

@@ -20,6 +20,7 @@ from lamc.plate.answers.eigen import pinned, stability
 from lamc.plate.answers.pencil import check_problem, pencil
 from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plate.answers.shapes import Shapes
+from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
 from lamc.plate.solving.model import Model
 from lamc.plate.solving.solution import Solution
@@ -69,6 +70,7 @@ class Buckling(Shapes):
         return (
             *notes_of("buckling factor", self.errors[:count], regions[:count]),
             *notes_of("reversed buckling factor", self.errors[count:], regions[count:]),
+            *offset_texts(self.problem),
         )
 
     @cached_property

@@ -18,6 +18,7 @@ from lamc.plate.answers.eigen import rigid_basis, vibration
 from lamc.plate.answers.pencil import check_problem, pencil, translations
 from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plate.answers.shapes import Shapes
+from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
 from lamc.plate.solving.system import system
 
@@ -56,7 +57,8 @@ class Modes(Shapes):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of these frequencies should know."""
-        return notes_of("mode", self.errors, tuple(found.region for found in self._found))
+        off = notes_of("mode", self.errors, tuple(found.region for found in self._found))
+        return (*off, *offset_texts(self.problem))
 
     @cached_property
     def _found(self) -> tuple[ShapeError, ...]:

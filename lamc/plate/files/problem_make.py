@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import shapely
 
+from lamc.plate.designs.inner_lines import is_strip
 from lamc.plate.elements.definition import Element
 from lamc.plate.elements.library import checked_element
 from lamc.plate.files.follow import to_follow
@@ -53,6 +54,7 @@ def mesh_of(
         1.0 if size is None or geometry.size is None else size / geometry.size
     )  # regions stay as fine beside it
     sizes = {n: share * region.size for n, region in geometry.regions.items() if region.size is not None}
+    sizes = {n: min(own, general) if is_strip(n) else own for n, own in sizes.items()}
     within = [shapely.intersection(hinge.where, geometry.outline) for hinge in hinges]
     lines = [line for part in within for line in shapely.get_parts(part) if line.length > 0.0]
     drawn = [*geometry.follow, *lines]

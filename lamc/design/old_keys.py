@@ -1,6 +1,6 @@
 """Aliases as keys without a space before their colon, as older YAML writers left them.
 
-In: the characters of a YAML text. Out: ruamel.yaml's tokens. Never: changes the meaning of a text that YAML 1.2 can read.
+In: the characters of a YAML text. Out: ruamel.yaml's tokens. Never: changes what a text means that YAML 1.2 can read.
 """
 
 from typing import Any

@@ -37,6 +37,11 @@ def cache_root(environment: Mapping[str, str] | None = None) -> Path:
     return home.absolute() / ".cache" / "lamc"
 
 
+def make_root(root: Path) -> None:
+    """The folder of a cache, the user's own. Raises OSError."""
+    root.mkdir(mode=0o700, parents=True, exist_ok=True)
+
+
 class Cache:
     """Entries by key. Reading needs no right to write."""
 
@@ -92,7 +97,7 @@ class Cache:
 
     def _prepare(self) -> None:
         try:
-            self.root.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_root(self.root)
         except OSError as error:
             raise self._unwritable(error) from error
         self._check_owner(self.root)

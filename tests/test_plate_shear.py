@@ -1,6 +1,7 @@
 """Shear through the thickness: what bears it, and how much classical theory leaves out."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,3 +141,56 @@ def test_thin_plates_go_without_a_word() -> None:
     for h in (1e-3, 4e-3):
         thin = plate.Laminate([plate.Ply(ALUMINIUM, h)])
         assert plate.solve(square(thin, 0.2, plate.SimplySupported, 16)).report.notes == ()
+
+
+# --- which element ---------------------------------------------------------------------------------------------------
+
+
+def test_the_element_with_shear_is_taken_where_shear_matters() -> None:
+    thick, thin = (plate.Laminate([plate.Ply(ALUMINIUM, h)]) for h in (0.02, 1e-3))
+    for laminate, a, name in ((thick, 0.2, "dkmt"), (thin, 0.2, "dkt"), (SANDWICH, 1.591, "dkmt")):
+        choice = plate.choose_element(square(laminate, a, plate.SimplySupported, 8))
+        assert choice.element == name
+        assert f"element '{name}' was taken" in choice.why
+
+
+def test_without_loads_a_pressure_decides_and_higher_modes_have_more_shear() -> None:
+    made = plate.Laminate([plate.Ply(ALUMINIUM, 6e-3)])  # h/a = 0.03: 0.5 % in the first shape
+    problem = plate.Problem(plate.grid(0.2, 0.2, 8, 8), made, supports=[plate.SimplySupported("boundary")])
+    first, tenth = plate.choose_element(problem), plate.choose_element(problem, waves=10)
+    assert (first.element, tenth.element) == ("dkt", "dkmt")
+    assert "under a uniform pressure" in first.why
+    free = plate.choose_element(plate.Problem(problem.mesh, made))
+    assert free.element == "dkmt"
+    assert math.isnan(free.share)
+
+
+def test_quadrilaterals_are_refused_and_gaps_go_without_shear() -> None:
+    made = plate.Laminate([plate.Ply(ALUMINIUM, 0.02)])
+    squares = plate.Problem(plate.grid(0.2, 0.2, 4, 4, "squares"), made, "bfs")
+    with pytest.raises(DesignError, match="mesh of quadrilaterals"):
+        plate.choose_element(squares)
+    hollow = plate.Laminate([plate.Ply(ALUMINIUM, 1e-3), plate.Ply(ALUMINIUM, 1e-3, gap=5e-3)])
+    assert plate.choose_element(square(hollow, 1.0, plate.Clamped, 4)).element == "dkt"
+
+
+FILE = """\
+kind: plate
+units: mm
+materials: {al: {E: 70 GPa, nu: 0.3, density: 2700 kg/m^3}}
+laminate: {material: al, thickness: %s}
+geometry: {rect: [0, 0, 200, 200], grid: [8, 8]}
+supports: [{clamped: boundary}]
+loads: [{pressure: 1 kPa}]
+element: auto
+"""
+
+
+@pytest.mark.parametrize(("thickness", "name"), [("20", "dkmt"), ("1", "dkt")])
+def test_a_file_may_leave_the_element_open(tmp_path: Path, thickness: str, name: str) -> None:
+    path = tmp_path / "plate.yaml"
+    path.write_text(FILE % thickness)
+    problem = plate.problem_of(plate.load_plate(path))
+    assert problem.dofs.element.name == name
+    found = plate.solve(problem)
+    assert any(f"element '{name}' was taken" in note for note in found.report.notes)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.mechanism.checks import Array
+from lamc.plate.answers.estimate import integration_points
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.laminates.laminate import Laminate
 
@@ -40,6 +41,8 @@ def shear_share(solution: "Solution") -> float:
     """Of one solution; inf across a gap, 0 where nothing bends."""
     if any(_has_gap(laminate) for laminate in solution.problem.laminates):
         return math.inf
+    if solution.problem.dofs.element.shear:
+        return _own_share(solution)
     share = _share(solution, _corner_values(solution, recovered=True))
     if len(solution.problem.mesh.cells) < _FEW:
         share = max(share, _share(solution, _corner_values(solution, recovered=False)))
@@ -49,7 +52,7 @@ def shear_share(solution: "Solution") -> float:
 def shear_notes(solution: "Solution") -> tuple[str, ...]:
     """A sentence where classical theory leaves out more than `TOLD` of the deflection."""
     element = solution.problem.dofs.element
-    if not element.bends or not solution.values.any():
+    if element.shear or not element.bends or not solution.values.any():
         return ()
     if any(_has_gap(laminate) for laminate in solution.problem.laminates):
         return (
@@ -75,6 +78,26 @@ def shear_text(share: float, element: str) -> str:
         f"shear through the thickness, which element {element!r} leaves out, would add up to about {percent:g} % to "
         f"the deflection where the loads act{instead}"
     )
+
+
+def _own_share(solution: "Solution") -> float:
+    """Of an element with shear."""
+    mesh, laminates = solution.problem.mesh, solution.problem.laminates
+    H = np.array([laminate.H for laminate in laminates])[mesh.regions]
+    neutral = np.array([_neutral(laminate) for laminate in laminates])[mesh.regions]
+    sheared = bent = 0.0
+    for point, weight in integration_points(solution.problem.dofs.element.cell):
+        xi = np.tile(point, (len(mesh.cells), 1))
+        gamma, kappa = solution.cell_shear(xi), solution.cell_strains(xi)[:, -3:]
+        sheared += weight * float(np.einsum("m,mi,mij,mj->", mesh.areas, gamma, H, gamma))
+        bent += weight * float(np.einsum("m,mi,mij,mj->", mesh.areas, kappa, neutral, kappa))
+    bent += 2.0 * math.fsum(solution.hinge_energy(k) for k in range(len(solution.problem.hinges)))
+    return sheared / bent if bent > 0.0 else 0.0
+
+
+def _neutral(laminate: Laminate) -> Array:
+    """D about the neutral surface, (3, 3)."""
+    return np.asarray(laminate.D - laminate.B @ np.linalg.solve(laminate.A, laminate.B))
 
 
 def _has_gap(laminate: Laminate) -> bool:
@@ -115,9 +138,8 @@ def _share(solution: "Solution", strains: Array) -> float:
 
 def _laws(laminate: Laminate, stretches: bool) -> tuple[Array, Array, Array]:
     """Moments by strains (3, 3 or 6), bending about the neutral surface (3, 3), H⁻¹."""
-    neutral = laminate.D - laminate.B @ np.linalg.solve(laminate.A, laminate.B)
     law = np.concatenate([laminate.B, laminate.D], axis=1) if stretches else laminate.D
-    return np.asarray(law), np.asarray(neutral), np.asarray(np.linalg.inv(laminate.H), dtype=float)
+    return np.asarray(law), _neutral(laminate), np.asarray(np.linalg.inv(laminate.H), dtype=float)
 
 
 def _gradients(mesh: "Mesh") -> Array:

@@ -5,9 +5,11 @@ before meshing, where solving would take more memory than there is. Never: files
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import shapely
 
+from lamc.plate.answers.choice import THICK, THIN, choose_element
 from lamc.plate.designs.inner_lines import is_strip
 from lamc.plate.elements.definition import Element
 from lamc.plate.elements.library import checked_element
@@ -24,6 +26,7 @@ from lamc.plate.problem import Problem
 from lamc.plate.solving.solvers import checked_solver
 from lamc.plate.supports import Where
 
+AUTO = "auto"
 # Of the cells that are expected, so many there are at least: 0.5 beside small holes to 0.95 in large squares, measured
 # on meshes of more than 5000.
 _SURE = 0.5
@@ -68,18 +71,19 @@ def mesh_of(
 def problem_of(
     file: PlateFile, element: str | None = None, size: float | None = None, solver: str = "auto"
 ) -> Problem:
-    """Meshed, and ready to be solved. Raises DesignError as `mesh_of` and `Problem` do, with the place in the file."""
+    """Meshed, and ready to be solved. Element "auto" is chosen by `choose_element`, and told among the notes.
+
+    Raises DesignError as `mesh_of` and `Problem` do, with the place in the file."""
+    wanted = (element or file.element).strip().lower()
+    first = THICK if wanted == AUTO else wanted
     with file.origins.told("geometry" if size is None else ""):
-        made = mesh_of(
-            file.geometry,
-            size,
-            file.hinges,
-            along=_places_of(file),
-            element=element or file.element,
-            solver=solver,
-        )
+        made = mesh_of(file.geometry, size, file.hinges, along=_places_of(file), element=first, solver=solver)
     with file.origins.told():
-        return _problem(file, made, element)
+        if wanted != AUTO:
+            return _problem(file, made, wanted)
+        plain = _problem(file, made, THIN)
+        choice = choose_element(plain, waves=max(file.modes, file.buckling))
+        return replace(plain, element=choice.element, remarks=(choice.why,))
 
 
 def _places_of(file: PlateFile) -> list[Where]:

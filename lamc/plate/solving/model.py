@@ -114,7 +114,11 @@ class Model:
             self.problem.dofs.count,
             deformed.accuracy,
             free_text(self.system.pieces),
-            (*notes(self.problem, loads, deformed.accuracy), *idle(self.system, loads)),
+            (
+                *self.problem.remarks,
+                *notes(self.problem, loads, deformed.accuracy),
+                *idle(self.system, loads),
+            ),
         )
         values = np.asarray(d, dtype=float)
         found = Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)

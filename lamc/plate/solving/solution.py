@@ -30,7 +30,7 @@ from lamc.plate.solving.reactions import Reaction, reactions
 from lamc.plate.solving.refine import Accuracy
 from lamc.plate.solving.refine import solve as refined
 from lamc.plate.solving.rigid import check_balance
-from lamc.plate.solving.sections import matrices
+from lamc.plate.solving.sections import in_cells, matrices
 from lamc.plate.solving.system import Numbers, System
 
 
@@ -77,7 +77,7 @@ class Solution:
         return self._fields(x, y, "deflection")[..., -3]
 
     def slope(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
-        """(w_x, w_y), shape (..., 2)."""
+        """(w_x, w_y), shape (..., 2); with shear through the thickness, of the cross-section."""
         return self._fields(x, y, "slope")[..., -2:]
 
     def displacement(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
@@ -190,7 +190,15 @@ class Solution:
     def cell_strains(self, xi: Array) -> Array:
         """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
         6)."""
-        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells))
+        return np.asarray(
+            self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells, self._sections)
+        )
+
+    def cell_shear(self, xi: Array) -> Array:
+        """(γ_x, γ_y) through the thickness at natural coordinates `xi` (cells, 2) of every cell, (cells, 2). Raises
+        UnsupportedError for an element without shear."""
+        corners, read = self.problem.mesh.corners, self._system.section_rows[self.problem.mesh.regions]
+        return np.asarray(self._system.kernels.shear(corners, xi, self._of_cells, read))
 
     def answer_to(self, forces: Array) -> Array:
         """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
@@ -206,8 +214,8 @@ class Solution:
 
     @lazy
     def shear_share(self) -> float:
-        """Energy of shear through the thickness, which classical theory leaves out, over that of bending: from shear
-        forces by equilibrium. About as much would be added to the deflection where the loads act, or less; inf
+        """Energy of shear through the thickness over that of bending. Of classical theory, which leaves it out: from
+        shear forces by equilibrium; about as much would be added to the deflection where the loads act, or less; inf
         across a gap."""
         return shear_share(self)
 
@@ -227,6 +235,11 @@ class Solution:
     @lazy
     def _of_cells(self) -> Array:
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
+
+    @cached_property
+    def _sections(self) -> Array | None:
+        problem = self.problem
+        return in_cells(problem.laminates, problem.dofs.element, problem.mesh.regions)
 
     def _located(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Integers, Array, tuple[int, ...]]:
         points, shape = points_at(x, y)
@@ -250,7 +263,9 @@ class Solution:
         cells, xi, shape = self._located(x, y)
         if self._better is not None:
             return self._better.at(cells, xi).reshape(*shape, -1), cells.reshape(shape)
-        values = self._system.kernels.strain(self.problem.mesh.corners[cells], xi, self._relative(cells))
+        read = None if self._sections is None else self._sections[cells]
+        corners = self.problem.mesh.corners[cells]
+        values = self._system.kernels.strain(corners, xi, self._relative(cells), read)
         return np.asarray(values).reshape(*shape, -1), cells.reshape(shape)
 
     def _relative(self, cells: Integers) -> Array:

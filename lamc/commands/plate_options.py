@@ -66,7 +66,9 @@ shown = together(
 )
 @of_designs
 @click.option(
-    "--two-meshes", is_flag=True, help="Solve again on halved cells, and tell how far off each output is."
+    "--two-meshes",
+    is_flag=True,
+    help="Solve again on halved cells, and tell how far off outputs, modes and buckling loads are.",
 )
 @click.option("--no-pictures", is_flag=True, help="Draw nothing.")
 @folder

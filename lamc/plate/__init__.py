@@ -25,6 +25,7 @@ from lamc.plate.answers.gradients import gradient
 from lamc.plate.answers.hinge_stiffness import HingeStiffness, hinge_stiffness
 from lamc.plate.answers.hinge_turns import HingeTurn
 from lamc.plate.answers.modes import Modes, modes
+from lamc.plate.answers.shape_pairs import ShapePair, halved_buckling, halved_modes
 from lamc.plate.designs.from_design import DesignPlate, plate_of
 from lamc.plate.designs.hinge_edges import HingeEdge
 from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
@@ -109,6 +110,7 @@ __all__ = [
     "QuantityError",
     "Reaction",
     "Resultants",
+    "ShapePair",
     "SimplySupported",
     "Solution",
     "SolveReport",
@@ -132,6 +134,8 @@ __all__ = [
     "gradient",
     "grid",
     "grid_of_lines",
+    "halved_buckling",
+    "halved_modes",
     "hinge_stiffness",
     "jittered",
     "kernels",

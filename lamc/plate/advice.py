@@ -12,6 +12,7 @@ from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LoadRecord
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.report import BCIZ_ON_SLIVERS, share_on_slivers
+from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
 from lamc.plate.solving.refine import Accuracy
 from lamc.plate.supports import SimplySupported
@@ -39,6 +40,7 @@ def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> 
                 "corners: held straight there, such a plate is stiffer than the curved one, by up to a fourth; "
                 "draw the curve with more corners, or mesh with a larger size, so that a side is one edge of the mesh"
             )
+    found.extend(offset_texts(problem))
     if accuracy.forward_error > _FEW_DIGITS:
         found.append(
             f"the unknowns may be wrong by {accuracy.forward_error:.1e} of their size: the condition of the stiffness "

@@ -15,6 +15,7 @@ from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import checked_element, combine, element
+from lamc.plate.followed import check_followed
 from lamc.plate.hinge_lines import HingeLine, hinge_edges
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
@@ -153,6 +154,7 @@ class Problem:
     def _check_support(self, support: SupportRecord) -> None:
         what = support_text(support)
         nodes = self.places.nodes(support.where, what)
+        check_followed(self.places, support.where, what)
         if isinstance(support, Symmetry):
             self.places.some_edges_on(support.where, what)
             check_mirror(self.places, self.laminates, support.where)

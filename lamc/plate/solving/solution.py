@@ -8,13 +8,13 @@ the plate; on an edge between cells, where curvature and moments jump, the first
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.checks import Array, shown
+from lamc.once import lazy
 from lamc.plate.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
 from lamc.plate.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
 from lamc.plate.answers.recovery import RecoveredStrains
@@ -141,12 +141,12 @@ class Solution:
         numbers = self.problem.dofs.of(name)
         return np.where(numbers >= 0, self.values[np.maximum(numbers, 0)], np.nan)
 
-    @cached_property
+    @lazy
     def reactions(self) -> tuple[Reaction, ...]:
         """Of the supports, in their order; with the loads they are in balance."""
         return reactions(self._system, self._inner - self._outer, self._exact)
 
-    @cached_property
+    @lazy
     def hinges(self) -> tuple[HingeTurn, ...]:
         """Rotation, moment and energy of the hinge lines, in the order of `problem.hinges`."""
         return hinge_turns(self)
@@ -166,7 +166,7 @@ class Solution:
         prescribed and nothing expands."""
         return float(self._outer.astype(self._exact.dtype) @ self._exact)
 
-    @cached_property
+    @lazy
     def strain_energy(self) -> float:
         """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges and hinge lines, J, where e is the strain of the free
         laminate."""
@@ -182,7 +182,7 @@ class Solution:
         """Temperature, moisture and fields of the regions in this case."""
         return self.expansion.climates
 
-    @cached_property
+    @lazy
     def expansion(self) -> Expansion:
         """What these do to the laminates."""
         return Expansion(self.problem, self.loads)
@@ -207,36 +207,36 @@ class Solution:
         still = np.zeros(self.problem.dofs.count)
         return np.asarray(refined(self._system, forces, still).d, dtype=float)
 
-    @cached_property
+    @lazy
     def error_estimate(self) -> ErrorEstimate:
         """How far off the strains are, cell by cell and all together."""
         return error_estimate(self)
 
-    @cached_property
+    @lazy
     def shear_share(self) -> float:
         """Energy of shear through the thickness over that of bending. Of classical theory, which leaves it out: from
         shear forces by equilibrium; about as much would be added to the deflection where the loads act, or less; inf
         across a gap."""
         return shear_share(self)
 
-    @cached_property
+    @lazy
     def recovered(self) -> "Solution":
         """The same, with strains, curvatures, moments and forces recovered from patches of cells: smooth within a
         region, and of higher order than the element's own."""
         return replace(self, _better=self.recovered_strains)
 
-    @cached_property
+    @lazy
     def recovered_strains(self) -> RecoveredStrains:
         """Strains, then curvatures, by patches of cells; what `recovered` and `error_estimate` go by."""
         return recovered_strains(self)
 
     # --- inside ------------------------------------------------------------------------------------------------------
 
-    @cached_property
+    @lazy
     def _of_cells(self) -> Array:
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
 
-    @cached_property
+    @lazy
     def _sections(self) -> Array | None:
         problem = self.problem
         return in_cells(problem.laminates, problem.dofs.element, problem.mesh.regions)

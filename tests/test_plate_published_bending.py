@@ -163,7 +163,7 @@ def test_a_simply_supported_disk_does_not_fall_into_the_paradox_of_polygons(kind
     hold = plate.SimplySupported("boundary", kind=kind)
     solution = solved(mesh, sheet(), [hold], [plate.Pressure(1.0)])
     assert float(solution.deflection(0.0, 0.0)) == pytest.approx((5 + NU) / (64 * (1 + NU)), rel=5e-3)
-    assert not any("polygon" in note for note in solution.report.notes)
+    assert not solution.report.notes
 
 
 def test_a_polygon_that_is_held_straight_between_its_corners_is_warned_of() -> None:
@@ -174,13 +174,11 @@ def test_a_polygon_that_is_held_straight_between_its_corners_is_warned_of() -> N
     assert float(solution.deflection(0.0, 0.0)) < 0.98 * (5 + NU) / (64 * (1 + NU))
     assert any("curve drawn as a polygon" in note for note in solution.report.notes)
     clamped = solved(mesh, sheet(), [plate.Clamped("boundary")], [plate.Pressure(1.0)])
-    assert not any(
-        "polygon" in note for note in clamped.report.notes
-    )  # a clamped polygon has no such trouble
+    assert not clamped.report.notes  # a clamped polygon has no such trouble
     # straight edges that end in a fillet, each side of which is one edge of the mesh
     stadium = plate.mesh(LineString([(0, 0), (2, 0)]).buffer(1.0, quad_segs=24), size=0.08)
     solution = solved(stadium, sheet(), [plate.SimplySupported("boundary")], [plate.Pressure(1.0)])
-    assert not any("polygon" in note for note in solution.report.notes)
+    assert not solution.report.notes
 
 
 @pytest.mark.parametrize("outer", ["simple", "clamped"])

@@ -194,3 +194,31 @@ def test_a_file_may_leave_the_element_open(tmp_path: Path, thickness: str, name:
     assert problem.dofs.element.name == name
     found = plate.solve(problem)
     assert any(f"element '{name}' was taken" in note for note in found.report.notes)
+
+
+# --- modes and buckling ----------------------------------------------------------------------------------------------
+
+
+def test_modes_and_critical_loads_without_shear_say_how_much_too_high_they_are() -> None:
+    """Simply supported square of h/a = 0.1: 1/ω² and 1/λ grow by k² D / H, k² = 2 π² / a² and 5 π² / a² and so on."""
+    thick = plate.Laminate([plate.Ply(ALUMINIUM, 0.02)])
+    problem = plate.Problem(plate.grid(0.2, 0.2, 24, 24), thick, supports=[plate.SimplySupported("boundary")])
+    (note,) = [note for note in plate.modes(problem, 1).notes if "shear" in note]
+    share = 2 * math.pi**2 * thick.D[0, 0] / (thick.H[0, 0] * 0.2**2)
+    told = float(note.split("up to about ")[1].split(" %")[0])
+    assert told == pytest.approx(100 * (1 - (1 + share) ** -0.5), rel=0.1)  # two digits are told
+    (note,) = [note for note in plate.buckling(problem, 1, forces=(-1, 0, 0)).notes if "shear" in note]
+    told = float(note.split("up to about ")[1].split(" %")[0])
+    assert told == pytest.approx(100 * (1 - 1 / (1 + share)), rel=0.1)
+    free = plate.modes(plate.Problem(problem.mesh, thick), 6)
+    assert any(
+        "would lower mode 6" in note for note in free.notes
+    )  # 1 to 3 are rigid, 4 twists and has M_xy alone
+
+
+def test_modes_of_thin_plates_and_of_the_element_with_shear_go_without_a_word() -> None:
+    for h, name in ((1e-3, "dkt"), (0.02, "dkmt")):
+        made = plate.Laminate([plate.Ply(ALUMINIUM, h)])
+        held = [plate.SimplySupported("boundary")]
+        problem = plate.Problem(plate.grid(0.2, 0.2, 16, 16), made, name, supports=held)
+        assert not any("shear" in note for note in plate.modes(problem, 2).notes)

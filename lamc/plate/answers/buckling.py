@@ -9,17 +9,18 @@ tension positive. Source: J. N. Reddy, Mechanics of Laminated Composite Plates a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, shown
+from lamc.once import lazy
 from lamc.plate.answers.eigen import pinned, stability
 from lamc.plate.answers.pencil import check_problem, pencil
 from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plate.answers.shapes import Shapes
+from lamc.plate.answers.shear_share import shape_notes
 from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
 from lamc.plate.solving.model import Model
@@ -71,13 +72,20 @@ class Buckling(Shapes):
             *notes_of("buckling factor", self.errors[:count], regions[:count]),
             *notes_of("reversed buckling factor", self.errors[count:], regions[count:]),
             *offset_texts(self.problem),
+            *shape_notes("buckling factor", dict(enumerate(self._bent[:count])), 1.0),
         )
 
-    @cached_property
+    @lazy
+    def _bent(self) -> tuple[Solution, ...]:
+        """The shapes as what the plate does."""
+        made = system(self.problem)
+        return tuple(solution_of(made, vector) for vector in self.vectors.T)
+
+    @lazy
     def _found(self) -> tuple[ShapeError, ...]:
         made = system(self.problem)
         off = self._force_errors(made)
-        shapes = [shape_error(solution_of(made, vector)) for vector in self.vectors.T]
+        shapes = [shape_error(shape) for shape in self._bent]
         return tuple(
             replace(found, energy=found.energy + part) for found, part in zip(shapes, off, strict=True)
         )

@@ -8,18 +8,20 @@ mass and effective mass as in R. W. Clough and J. Penzien, Dynamics of Structure
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_flag, shown
+from lamc.once import lazy
 from lamc.plate.answers.eigen import rigid_basis, vibration
 from lamc.plate.answers.pencil import check_problem, pencil, translations
 from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plate.answers.shapes import Shapes
+from lamc.plate.answers.shear_share import shape_notes
 from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
+from lamc.plate.solving.solution import Solution
 from lamc.plate.solving.system import system
 
 
@@ -58,14 +60,20 @@ class Modes(Shapes):
     def notes(self) -> tuple[str, ...]:
         """What a reader of these frequencies should know."""
         off = notes_of("mode", self.errors, tuple(found.region for found in self._found))
-        return (*off, *offset_texts(self.problem))
+        return (*off, *offset_texts(self.problem), *shape_notes("mode", self._elastic, 0.5))
 
-    @cached_property
-    def _found(self) -> tuple[ShapeError, ...]:
+    @lazy
+    def _elastic(self) -> dict[int, Solution]:
+        """Modes that are not rigid, by number, as what the plate does."""
         made = system(self.problem)
+        pairs = enumerate(zip(self.omega, self.vectors.T, strict=True))
+        return {k: solution_of(made, vector) for k, (omega, vector) in pairs if omega > 0.0}
+
+    @lazy
+    def _found(self) -> tuple[ShapeError, ...]:
         return tuple(
-            shape_error(solution_of(made, vector)) if omega > 0.0 else ShapeError(0.0, "")
-            for omega, vector in zip(self.omega, self.vectors.T, strict=True)
+            shape_error(self._elastic[k]) if k in self._elastic else ShapeError(0.0, "")
+            for k in range(len(self.omega))
         )
 
 

@@ -8,10 +8,12 @@ Equilibrium gives the shear forces, Q = div M, with M by patches of cells (`reco
 dA is what the loads would do more of, were shear not held back (Castigliano's second theorem, with M as bending
 finds it): over the energy of bending it is the part that is missing of the deflection where the loads act. M itself
 would change, so as to store less: nothing of a simply supported square, a third of a clamped one. So this is a bound
-from above, but for what patches lose of Q on coarse meshes (a third on 8 cells across of a clamped square).
+from above, but for what patches lose of Q on coarse meshes (a third on 8 cells across of a clamped square), and but
+for a layer along free edges, as wide as the plate is thick, in which classical theory lets M_xy end as forces.
 """
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,24 +61,48 @@ def shear_notes(solution: "Solution") -> tuple[str, ...]:
             "a laminate has a gap, in which nothing bears shear through the thickness: the plies on both sides "
             "would slide past each other, and the plate is softer than classical theory says",
         )
-    if _share(solution, _corner_values(solution, recovered=False)) < _ROUGH * TOLD:
-        return ()
-    share = shear_share(solution)
+    share = _told_share(solution)
     return (shear_text(share, element.name),) if share >= TOLD else ()
+
+
+def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tuple[str, ...]:
+    """A sentence where shear takes more than `TOLD` off numbers that belong to shapes, frequencies (`power` 1/2) or
+    critical loads (1); `what` is one of them, and `shapes` are by number, without rigid ones, which store nothing."""
+    chosen = next((shape.problem.dofs.element for shape in shapes.values()), None)
+    if chosen is None or chosen.shear or not chosen.bends:
+        return ()
+    lost = {k: 1.0 - (1.0 + _told_share(shape)) ** -power for k, shape in shapes.items()}
+    worst = max(lost, key=lost.__getitem__)
+    if lost[worst] < TOLD:
+        return ()
+    return (
+        f"shear through the thickness, which element {chosen.name!r} leaves out, would lower {what} {worst + 1} by up "
+        f"to about {100.0 * lost[worst]:.2g} %, and others less{_instead(chosen.name)}",
+    )
+
+
+def _told_share(solution: "Solution") -> float:
+    """Patches only where it is worth their price."""
+    if any(_has_gap(laminate) for laminate in solution.problem.laminates):
+        return math.inf
+    rough = _share(solution, _corner_values(solution, recovered=False))
+    return 0.0 if rough < _ROUGH * TOLD else shear_share(solution)
+
+
+def _instead(element: str) -> str:
+    """What has shear."""
+    bending, plus, membrane = element.partition("+")
+    if bending not in _TRIANGLES:
+        return ""
+    return f"; element {'dkmt' + plus + membrane!r} has it and tells how much"
 
 
 def shear_text(share: float, element: str) -> str:
     """The sentence."""
     percent = float(f"{100.0 * share:.2g}")
-    bending, plus, membrane = element.partition("+")
-    instead = (
-        ""
-        if bending not in _TRIANGLES
-        else f"; element {'dkmt' + plus + membrane!r} has it and tells how much"
-    )
     return (
         f"shear through the thickness, which element {element!r} leaves out, would add up to about {percent:g} % to "
-        f"the deflection where the loads act{instead}"
+        f"the deflection where the loads act{_instead(element)}"
     )
 
 

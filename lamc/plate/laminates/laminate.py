@@ -14,13 +14,13 @@ Composite Plates and Shells, 2nd ed. 2004, section 3.3; R. M. Jones, Mechanics o
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, checked_number, checked_records, shown
+from lamc.once import lazy
 from lamc.plate.laminates.layup import layup_angles
 from lamc.plate.laminates.materials import Material, strain_rotation
 from lamc.plate.laminates.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
@@ -153,7 +153,7 @@ class Laminate:
         """[[A, B], [B, D]], shape (6, 6)."""
         return np.block([[self.A, self.B], [self.B, self.D]])
 
-    @cached_property
+    @lazy
     def H(self) -> Array:  # noqa: N802  the field's symbol
         """Stiffness in shear through the thickness, (Q_x, Q_y) = H (γ_xz, γ_yz), shape (2, 2), N/m: by the energy of
         the plies' stresses (`transverse.py`), 5/6 G h for one isotropic ply. G13 and G23 default to G12. Raises

@@ -129,7 +129,7 @@ def _compiled(
     if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
             loops = _loops_of(mechanism, effects, scene)
-    compiler = find_compiler(options.compiler)
+    compiler = find_compiler(options.compiler, flags=options.flags)
 
     @memoise
     def equations() -> "Equations":

@@ -17,7 +17,8 @@ from lamc.plate.files.field_files import write_table, write_vtu
 from lamc.report.laminate_picture import draw_stack
 from lamc.report.numbers import shown_number
 from lamc.report.plate_contours import Field
-from lamc.report.plate_records import CaseReport, PlateReport
+from lamc.report.plate_records import MODES, CaseReport, PlateReport, buckling_key
+from lamc.report.plate_shape_text import off_text
 from lamc.report.plates import draw_deflection, draw_fields, draw_mesh, draw_modes
 
 _AXES = ("x", "y", "xy")
@@ -158,7 +159,11 @@ def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> Iterator[
 def _draw_shapes(report: PlateReport, folder: Path) -> Iterator[str]:
     count = len(report.problem.mesh.points)
     if report.modes is not None:
-        told = [f"{k + 1}: {shown_number(float(f), 'Hz', 4)}" for k, f in enumerate(report.modes.frequencies)]
+        pairs = zip(report.modes.frequencies, report.shapes[MODES].errors, strict=True)
+        told = [
+            f"{k + 1}: {shown_number(float(f), 'Hz', 4)}{off_text(float(error))}"
+            for k, (f, error) in enumerate(pairs)
+        ]
         shapes = np.nan_to_num(report.modes.shapes[:count])
         yield (
             draw_modes(report.problem, shapes, told, folder / "modes.png", f"{report.file.name}: modes").name
@@ -166,7 +171,11 @@ def _draw_shapes(report: PlateReport, folder: Path) -> Iterator[str]:
     taken: set[str] = set()
     for name, buckled in report.buckling.items():
         if len(buckled.factors):
-            told = [f"{k + 1}: {factor:.5g} times the loads" for k, factor in enumerate(buckled.factors)]
+            pairs = zip(buckled.factors, report.shapes[buckling_key(name)].errors, strict=False)
+            told = [
+                f"{k + 1}: {factor:.5g} times the loads{off_text(float(error))}"
+                for k, (factor, error) in enumerate(pairs)
+            ]
             shapes = np.nan_to_num(buckled.shapes[:count, : len(told)])
             title = f"{report.file.name}: buckling" + (f", {name}" if name else "")
             path = folder / _named("buckling", name, ".png", taken)

@@ -48,7 +48,9 @@ shown = together(
 @click.command()
 @shown
 @click.option(
-    "--element", metavar="NAME", help="Element, such as dkt, specht or dkt+lst; alone: tells what it is."
+    "--element",
+    metavar="NAME",
+    help="Element, such as dkt, dkmt (with shear) or dkt+lst; auto: one of the first two; alone: tells what it is.",
 )
 @click.option(
     "--size", metavar="LENGTH", help="Length of the mesh's edges, such as '2 mm'; bare numbers are m."
@@ -64,7 +66,9 @@ shown = together(
 )
 @of_designs
 @click.option(
-    "--two-meshes", is_flag=True, help="Solve again on halved cells, and tell how far off each output is."
+    "--two-meshes",
+    is_flag=True,
+    help="Solve again on halved cells, and tell how far off outputs, modes and buckling loads are.",
 )
 @click.option("--no-pictures", is_flag=True, help="Draw nothing.")
 @folder

@@ -3,7 +3,7 @@
 In: a `PlateFile` and how to solve it. Out: a `PlateReport`. Never: files, words.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -17,7 +17,8 @@ from lamc.plate.answers.convergence import error_of_values, halved
 from lamc.plate.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
 from lamc.plate.answers.estimate import error_estimate
 from lamc.plate.answers.failure import first_failure
-from lamc.plate.answers.modes import modes
+from lamc.plate.answers.modes import Modes, modes
+from lamc.plate.answers.shape_pairs import halved_buckling, halved_modes
 from lamc.plate.elements.kernels import kernels
 from lamc.plate.files.problem_make import problem_of
 from lamc.plate.files.problem_records import Output, PlateFile
@@ -25,7 +26,15 @@ from lamc.plate.files.problem_schema import VALUES
 from lamc.plate.problem import Problem
 from lamc.plate.solving.model import Model
 from lamc.plate.solving.solution import Solution
-from lamc.report.plate_records import CaseReport, Halved, PlateReport, Printed
+from lamc.report.plate_records import (
+    MODES,
+    CaseReport,
+    Halved,
+    PlateReport,
+    Printed,
+    ShapeReport,
+    buckling_key,
+)
 
 _XY = ("x", "y", "xy")
 _NOTHING = 1e-11  # of the largest value of a field: less is round-off
@@ -37,7 +46,8 @@ def answers(
     """Meshes, solves every case, estimates errors; modes and buckling where the file asks for them.
 
     Cases, modes or buckling loads that cannot be found are no reason to keep the rest back: the report has their
-    errors. two_meshes: every case once more on halved cells, for the error of outputs.
+    errors. two_meshes: every case, modes and buckling once more on halved cells, for the error of outputs, frequencies
+    and factors.
 
     Raises LamcError as the mesher, `Problem` and `Model` do, and where no case can be solved.
     """
@@ -70,7 +80,31 @@ def answers(
     for name in solved if file.buckling else ():
         with times.stage("buckling"), _kept(errors), origins.told("buckling"):
             buckled[name] = buckling(_of_case(problem, name), file.buckling)
-    return PlateReport(file, source, problem, cases, found, buckled, times, errors, failed)
+    shapes = _shape_reports(found, buckled, {note for case in cases for note in case.notes})
+    if two_meshes and shapes:
+        with times.stage("halved cells"), _kept(errors), origins.told():
+            shapes = _halved_shapes(shapes, found, buckled)
+    return PlateReport(file, source, problem, cases, found, buckled, times, errors, failed, shapes)
+
+
+def _shape_reports(
+    found: Modes | None, buckled: Mapping[str, Buckling], said: Collection[str]
+) -> dict[str, ShapeReport]:
+    """Errors and notes by `MODES` and `buckling_key`; without notes that cases have `said`."""
+    told: dict[str, Modes | Buckling] = {} if found is None else {MODES: found}
+    told |= {buckling_key(name): each for name, each in buckled.items()}
+    return {
+        name: ShapeReport(each.errors, [n for n in each.notes if n not in said])
+        for name, each in told.items()
+    }
+
+
+def _halved_shapes(
+    shapes: dict[str, ShapeReport], found: Modes | None, buckled: Mapping[str, Buckling]
+) -> dict[str, ShapeReport]:
+    pairs = {} if found is None else {MODES: halved_modes(found)}
+    pairs |= {buckling_key(name): halved_buckling(each) for name, each in buckled.items()}
+    return {name: replace(shape, halved=pairs[name]) for name, shape in shapes.items()}
 
 
 @contextmanager

@@ -16,6 +16,7 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
 """
 
 from lamc.plate.answers.buckling import Buckling, buckling
+from lamc.plate.answers.choice import Choice, choose_element
 from lamc.plate.answers.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
 from lamc.plate.answers.estimate import ErrorEstimate
 from lamc.plate.answers.failure import PlateFailure, first_failure
@@ -24,6 +25,7 @@ from lamc.plate.answers.gradients import gradient
 from lamc.plate.answers.hinge_stiffness import HingeStiffness, hinge_stiffness
 from lamc.plate.answers.hinge_turns import HingeTurn
 from lamc.plate.answers.modes import Modes, modes
+from lamc.plate.answers.shape_pairs import ShapePair, halved_buckling, halved_modes
 from lamc.plate.designs.from_design import DesignPlate, plate_of
 from lamc.plate.designs.hinge_edges import HingeEdge
 from lamc.plate.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
@@ -68,6 +70,7 @@ __all__ = [
     "Accuracy",
     "Assembly",
     "Buckling",
+    "Choice",
     "Clamped",
     "Convergence",
     "ConvergenceRow",
@@ -107,6 +110,7 @@ __all__ = [
     "QuantityError",
     "Reaction",
     "Resultants",
+    "ShapePair",
     "SimplySupported",
     "Solution",
     "SolveReport",
@@ -115,6 +119,7 @@ __all__ = [
     "Temperature",
     "bciz_bias",
     "buckling",
+    "choose_element",
     "combine",
     "converge",
     "corners",
@@ -129,6 +134,8 @@ __all__ = [
     "gradient",
     "grid",
     "grid_of_lines",
+    "halved_buckling",
+    "halved_modes",
     "hinge_stiffness",
     "jittered",
     "kernels",

@@ -15,6 +15,7 @@ from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import checked_element, combine, element
+from lamc.plate.followed import check_followed
 from lamc.plate.hinge_lines import HingeLine, hinge_edges
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
@@ -44,6 +45,7 @@ class Problem:
     cases      more loads by the name of a case; they are solved together
     tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
     hinges     records of `hinge_lines.py`: lines inside the plate along which it may fold
+    remarks    sentences that are told with every solution, such as why this element
 
     laminates  (regions,), in the order of the mesh's regions
     dofs       unknowns of the element that was chosen: `problem.dofs.element`
@@ -59,6 +61,7 @@ class Problem:
     cases: Mapping[str, Sequence[LoadRecord]] = field(default_factory=dict)
     tolerance: float = 1e-6
     hinges: Sequence[HingeLine] = ()
+    remarks: Sequence[str] = ()
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
     places: Places = field(init=False, repr=False)
@@ -76,6 +79,7 @@ class Problem:
         self._put("loads", checked_kinds(self.loads, LOADS, "loads of a Problem"))
         self._put("cases", _checked_cases(self.cases))
         self._put("laminates", laminates_of(self.laminate, self.mesh))
+        self._put("remarks", tuple(self.remarks))
         self._put("hinges", checked_kinds(self.hinges, (HingeLine,), "hinges of a Problem"))
         self._number(Dofs(self.mesh, self._chosen_element()))
         self._put("hinge_edges", hinge_edges(self.places, self.hinges))
@@ -150,6 +154,7 @@ class Problem:
     def _check_support(self, support: SupportRecord) -> None:
         what = support_text(support)
         nodes = self.places.nodes(support.where, what)
+        check_followed(self.places, support.where, what)
         if isinstance(support, Symmetry):
             self.places.some_edges_on(support.where, what)
             check_mirror(self.places, self.laminates, support.where)

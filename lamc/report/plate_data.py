@@ -8,7 +8,7 @@ from typing import Any
 from lamc.plate.answers.failure import PlateFailure
 from lamc.plate.answers.modes import Modes
 from lamc.plate.laminates.laminate import Laminate
-from lamc.report.plate_records import CaseReport, PlateReport
+from lamc.report.plate_records import MODES, CaseReport, PlateReport, ShapeReport, buckling_key
 from lamc.report.plate_text import angles, by_region
 
 
@@ -35,8 +35,14 @@ def data(report: PlateReport) -> dict[str, Any]:
         "cases": {case.name: _case_data(case) for case in report.cases},
         "failed_cases": list(report.failed),
         "notes": list(report.file.notes),
-        "modes": None if report.modes is None else _modes_data(report.modes),
+        "modes": None
+        if report.modes is None
+        else _modes_data(report.modes) | _shape_data(report.shapes[MODES]),
         "buckling": {name: b.factors.tolist() for name, b in report.buckling.items()},
+        "buckling_errors": {
+            name: _shape_data(report.shapes[buckling_key(name)], len(b.factors))
+            for name, b in report.buckling.items()
+        },
         "seconds": dict(report.times.seconds),
     }
 
@@ -122,6 +128,28 @@ def _failure_data(failure: PlateFailure) -> dict[str, Any]:
         "face": failure.face,
         "mode": failure.mode,
         "not_judged": list(failure.unjudged),
+    }
+
+
+def _shape_data(shape: ShapeReport, count: int | None = None) -> dict[str, Any]:
+    """Of the first `count`, or of all."""
+    return {
+        "relative_errors": shape.errors[:count].tolist(),
+        "notes": list(shape.notes),
+        "two_meshes": [
+            {"number": pair.number + 1, "mac": pair.mac}
+            | (
+                {"is": None, "finer": None, "extrapolated": None, "error": None}
+                if pair.error is None
+                else {
+                    "is": pair.error.value,
+                    "finer": pair.error.finer,
+                    "extrapolated": pair.error.extrapolated,
+                    "error": pair.error.error,
+                }
+            )
+            for pair in shape.halved
+        ],
     }
 
 

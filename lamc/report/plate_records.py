@@ -4,9 +4,10 @@ In: values that were computed. Out: the same, together. Never: text, files.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lamc.errors import LamcError
+from lamc.mechanism.checks import Array
 from lamc.pipeline import Times
 from lamc.plate.answers.buckling import Buckling
 from lamc.plate.answers.convergence import QuantityError
@@ -14,6 +15,7 @@ from lamc.plate.answers.corner_fields import CornerFields, Extreme
 from lamc.plate.answers.estimate import ErrorEstimate
 from lamc.plate.answers.failure import PlateFailure
 from lamc.plate.answers.modes import Modes
+from lamc.plate.answers.shape_pairs import ShapePair
 from lamc.plate.files.problem_records import Output, PlateFile
 from lamc.plate.problem import Problem
 from lamc.plate.solving.solution import Solution
@@ -59,11 +61,34 @@ class CaseReport:
 
 
 @dataclass(frozen=True, eq=False)
+class ShapeReport:
+    """What is known of the errors of frequencies or buckling factors.
+
+    errors  relative, of each; of buckling, the positive factors first
+    notes   what may make them worse than the reader expects
+    halved  what a second mesh says of each; empty where it was not asked
+    """
+
+    errors: Array
+    notes: Sequence[str]
+    halved: Sequence[ShapePair] = ()
+
+
+MODES = "modes"
+
+
+def buckling_key(case: str) -> str:
+    """Under which `PlateReport.shapes` has the factors of a case."""
+    return f"buckling {case}"
+
+
+@dataclass(frozen=True, eq=False)
 class PlateReport:
     """A plate and all that was asked of it.
 
     errors  why cases, modes or buckling loads are missing
     failed  cases that could not be solved
+    shapes  how far off modes and buckling factors are, by MODES and `buckling_key(case)`
     """
 
     file: PlateFile
@@ -75,3 +100,4 @@ class PlateReport:
     times: Times
     errors: Sequence[LamcError] = ()
     failed: Sequence[str] = ()
+    shapes: Mapping[str, ShapeReport] = field(default_factory=dict)

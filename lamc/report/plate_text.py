@@ -18,6 +18,7 @@ from lamc.report.numbers import place_text, prefixed, shown_number
 from lamc.report.plan_view import shortened
 from lamc.report.plate_case_text import case_rows
 from lamc.report.plate_records import PlateReport
+from lamc.report.plate_shape_text import shape_rows
 from lamc.report.run_text import duration
 from lamc.report.split_text import table
 
@@ -44,7 +45,7 @@ def summary(report: PlateReport, folder: Path, files: Sequence[str]) -> str:
     cases += [
         _block([("case", name), ("failed", "not solved, see the error below")]) for name in report.failed
     ]
-    blocks = [_block(head), *cases, printed_table(report), _block(_modes(report)), _block(end)]
+    blocks = [_block(head), *cases, printed_table(report), _block(shape_rows(report)), _block(end)]
     return "\n\n".join(block for block in blocks if block)
 
 
@@ -166,19 +167,6 @@ def laminate_text(laminate: Laminate) -> str:
     if max(abs(D[0, 2]), abs(D[1, 2])) > 1e-9 * D[0, 0]:
         stiffness += f", D16 {shown_number(D[0, 2], 'N·m', 4)}"
     return f"{stack}{_listed(materials)}, {shown_number(laminate.thickness, 'm', 4)} thick; {stiffness}"
-
-
-def _modes(report: PlateReport) -> list[tuple[str, str]]:
-    rows: list[tuple[str, str]] = []
-    if report.modes is not None:
-        found = ", ".join(shown_number(float(f), "Hz", 5) for f in report.modes.frequencies)
-        rows.append(("modes", found))
-    for name, buckling in report.buckling.items():
-        factors = (
-            ", ".join(f"{factor:.5g}" for factor in buckling.factors) or "none: these forces do not buckle it"
-        )
-        rows += [("buckling", f"{name + ': ' if name else ''}at {factors} times the loads")]
-    return rows
 
 
 def _times(times: Times) -> str:

@@ -8,6 +8,7 @@ mass and effective mass as in R. W. Clough and J. Penzien, Dynamics of Structure
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,8 +16,11 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_flag, shown
 from lamc.plate.answers.eigen import rigid_basis, vibration
 from lamc.plate.answers.pencil import check_problem, pencil, translations
+from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plate.answers.shapes import Shapes
+from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
+from lamc.plate.solving.system import system
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,8 @@ class Modes(Shapes):
     effective_mass  (k, 3) kg, along x, y and z: what of the plate's mass answers in this mode when its supports shake;
                     for all modes together the plate's, less what moves with the supports
     vectors         (unknowns, k), in the order of `problem.dofs`
+    errors          (k,) estimate of how far off each of omega is, relative, by `shape_errors.py`; found when asked for
+    notes           a sentence for each mode that may be more than 2 % off
     """
 
     omega: Array
@@ -43,6 +49,25 @@ class Modes(Shapes):
         """Hz, shape (k,)."""
         return np.asarray(self.omega / (2.0 * np.pi))
 
+    @property
+    def errors(self) -> Array:
+        """Of each of omega, relative, shape (k,): an estimate, no bound; 0 for rigid motions."""
+        return 0.5 * np.array([found.energy for found in self._found])  # ω is the root of λ
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of these frequencies should know."""
+        off = notes_of("mode", self.errors, tuple(found.region for found in self._found))
+        return (*off, *offset_texts(self.problem))
+
+    @cached_property
+    def _found(self) -> tuple[ShapeError, ...]:
+        made = system(self.problem)
+        return tuple(
+            shape_error(solution_of(made, vector)) if omega > 0.0 else ShapeError(0.0, "")
+            for omega, vector in zip(self.omega, self.vectors.T, strict=True)
+        )
+
 
 def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) -> Modes:
     """The `count` lowest modes of `problem`, rigid motions included.
@@ -54,15 +79,15 @@ def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) ->
     wanted = _checked_count(count)
     check_problem(problem)
     _check_mass(problem)
-    system = pencil(problem)
+    over = pencil(problem)
     in_plane = checked_flag(in_plane_inertia, "in_plane_inertia of modes")
-    whole = system.mass(in_plane=in_plane)
-    mass = system.reduced(whole)
-    heavy, which = rigid_basis(system.motions, mass)
+    whole = over.mass(in_plane=in_plane)
+    mass = over.reduced(whole)
+    heavy, which = rigid_basis(over.motions, mass)
     elastic = wanted - heavy.shape[1]
     values, vectors = np.empty(0), np.empty((mass.shape[0], 0))
     if elastic > 0:
-        values, vectors = vibration(system.stiffness, mass, system.motions, elastic, system.factor)
+        values, vectors = vibration(over.stiffness, mass, over.motions, elastic, over.factor)
     if len(values) < elastic:
         raise DesignError(
             f"{wanted} modes are asked for, and the mesh has unknowns for {heavy.shape[1] + len(values)}; "
@@ -70,14 +95,14 @@ def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) ->
         )
     omega = np.concatenate([np.zeros(heavy.shape[1]), np.sqrt(values)])[:wanted]
     shapes = np.hstack([heavy, vectors])[:, :wanted]
-    effective = np.square((system.free @ shapes).T @ (whole @ translations(problem.dofs)))
-    full, scale = system.normalised(shapes)
+    effective = np.square((over.free @ shapes).T @ (whole @ translations(problem.dofs)))
+    full, scale = over.normalised(shapes)
     return Modes(
         problem=problem,
         vectors=full,
         omega=omega,
         in_plane_inertia=in_plane,
-        rigid=tuple(system.motion_names[k] for k in which[:wanted]),
+        rigid=tuple(over.motion_names[k] for k in which[:wanted]),
         modal_mass=np.square(scale),
         effective_mass=effective,
     )

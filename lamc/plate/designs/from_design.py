@@ -29,7 +29,7 @@ from lamc.design.steps import Connection, SplitBody, SplitSteps
 from lamc.errors import DesignError
 from lamc.mechanism.checks import checked_number, shown
 from lamc.plate.designs.hinge_edges import HingeEdge, PlateHinge
-from lamc.plate.designs.inner_lines import line_of, strip_name, without_strips
+from lamc.plate.designs.inner_lines import is_strip, line_of, strip_name, without_strips
 from lamc.plate.designs.materials import plate_materials, ply_angle
 from lamc.plate.designs.overlay import (
     Overlay,
@@ -46,10 +46,16 @@ from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import Material
 from lamc.plate.laminates.plies import Ply
 from lamc.plate.meshing.checks import place
+from lamc.plate.meshing.mesh import Mesh
+from lamc.plate.meshing.mesher import mesh
 from lamc.readonly import ReadOnlyDict
 
 HINGES = ("none", "lines", "strips")
 EVERY = "all"  # instead of names: every body
+# Cells across a strip: a body that twists bends it both ways within its width, and one row of cells makes the second
+# mode of a flap 18 % low, two 2.2 %, four 0.4 %, eight 0.1 %.
+ROWS = 4
+_USUAL = 40  # cells along the longer side, where no size is given, as in files
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +84,28 @@ class DesignPlate:
     def outline(self) -> BaseGeometry:
         """All regions together, m."""
         return shapely.union_all(list(self.regions.values()))
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Of the cells of strips, by region, m: so that there are four rows across each."""
+        found = {name: strip for name, strip in self.regions.items() if is_strip(name)}
+        return {name: 2.0 * strip.area / strip.length / ROWS for name, strip in found.items()}
+
+    def mesh(self, size: float | None = None, *, sizes: Mapping[str, float] | None = None) -> Mesh:
+        """Triangles with edges of about `size` m, None: a fortieth of the longer side; those of strips are smaller, as
+        `sizes` says, and `sizes` by region replaces that. Follows `lines` too. Raises DesignError as `plate.mesh`."""
+        outline = self.outline
+        x0, y0, x1, y1 = outline.bounds
+        general = max(x1 - x0, y1 - y0) / _USUAL if size is None else size
+        strips = {name: min(own, general) for name, own in self.sizes.items()}
+        followed = [shapely.intersection(line.where, outline) for line in self.lines.values()]
+        return mesh(
+            outline,
+            general,
+            regions=dict(self.regions),
+            sizes=strips | dict(sizes or {}),
+            follow=[part for line in followed for part in shapely.get_parts(line) if part.length > 0.0],
+        )
 
 
 def plate_of(

@@ -29,13 +29,19 @@ _WIDE = 1.5  # hinge widths beside the line that surely hold half a strip
 _STRAIGHT = 1e-10  # of the size: corners nearer to a straight edge are left over from a strip's ends
 _GRID = 1e-6  # hinge widths between coordinates of what is joined
 _BESIDE = 1e-2  # of a hinge width: what is nearer touches
+_STRIP = "hinge "  # how names of strips begin
 
 Stacks = Mapping[str, tuple[Stack, MultiPolygon]]
 
 
 def strip_name(joint: str) -> str:
     """What the region of a strip is called."""
-    return f"hinge {joint}"
+    return f"{_STRIP}{joint}"
+
+
+def is_strip(region: str) -> bool:
+    """Whether a region of a body is called as a strip is; layers are called otherwise."""
+    return region.startswith(_STRIP)
 
 
 def without_strips(stacks: Stacks, hinges: Sequence[PlateHinge]) -> dict[str, tuple[Stack, MultiPolygon]]:

@@ -129,8 +129,9 @@ class Places:
         self.body = self._problems.attempt(("geometry",), lambda: self._plate_of(model))
         if self.body is None:
             return Polygon()
+        sizes = self.body.sizes
         for name, polygon in self.body.regions.items():
-            self.regions[name] = Region(polygon, self.body.laminates[name])
+            self.regions[name] = Region(polygon, self.body.laminates[name], sizes.get(name))
         return self.body.outline
 
     def _plate_of(self, model: GeometryModel) -> DesignPlate:

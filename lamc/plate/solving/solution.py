@@ -236,7 +236,7 @@ class Solution:
     def _of_cells(self) -> Array:
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
 
-    @cached_property
+    @lazy
     def _sections(self) -> Array | None:
         problem = self.problem
         return in_cells(problem.laminates, problem.dofs.element, problem.mesh.regions)

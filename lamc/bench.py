@@ -108,7 +108,7 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
     equations = equations_of(mechanism, effects, times, inputs=scene.inputs)
     program, tree = sources_of(equations, times)
     derive = times.seconds["plan"] + times.seconds["derive"]
-    compiler = find_compiler(options.compiler)
+    compiler = find_compiler(options.compiler, flags=options.flags)
     with tempfile.TemporaryDirectory(prefix="lamc-bench-") as folder:
         with times.stage("compile"):
             _, module, _ = build(tree, program.digest, compiler, options, Cache(Path(folder) / "cache"))

@@ -5,7 +5,7 @@ It reads no file but for the names, sizes and times of lamc's own sources.
 """
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
@@ -20,6 +20,7 @@ from lamc.loops.rank import LoopCount
 from lamc.mechanism.records import Mechanism
 from lamc.options import CompileOptions
 from lamc.resources import data_dir, stamps
+from lamc.scene import Scene
 
 
 class _NoTellingError(Exception):
@@ -42,10 +43,26 @@ def input_digest(
     """
     if any(type(effect) not in EFFECTS for effect in effects):
         return None
-    text = hashlib.sha256()
     closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
-    parts = (__version__, _own_sources(), compiler.identity, *options.flags, mechanism.name, closure)
-    for part in (*parts, "with books" if books else "without books"):
+    parts = (compiler.identity, *options.flags, mechanism.name, closure)
+    words = (*parts, "with books" if books else "without books")
+    return _digest(words, mechanism, effects, inputs.items())
+
+
+def loops_digest(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene) -> str | None:
+    """Of all that the count of loops follows from: where joints lie, which effects arrange them anew, and how the scene
+    starts, as large mechanisms are looked at there too. None as for `input_digest`."""
+    if any(type(effect) not in EFFECTS for effect in effects):
+        return None
+    start = (scene.angles, scene.rates, scene.branch, scene.closure_tolerance)
+    return _digest(("loops",), mechanism, effects, start)
+
+
+def _digest(
+    words: Iterable[str], mechanism: Mechanism, effects: tuple[Effect, ...], more: Iterable[object]
+) -> str | None:
+    text = hashlib.sha256()
+    for part in (__version__, _own_sources(), *words):
         text.update(part.encode())
         text.update(b"\0")
     drawn: tuple[Any, ...] = ()
@@ -54,7 +71,7 @@ def input_digest(
         design = mechanism.design
         drawn = (design.layers, design.hinges, design.fixed, design.body_names)
     try:
-        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn, *inputs.items())):
+        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn, *more)):
             text.update(piece)
             text.update(b"\0")
     except _NoTellingError:

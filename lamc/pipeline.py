@@ -18,8 +18,9 @@ from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import choose
 from lamc.errors import BuildError, DesignError
-from lamc.input_digest import input_digest
+from lamc.input_digest import input_digest, loops_digest
 from lamc.inputs import NO_INPUTS, Input
+from lamc.kept_loops import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.starts import loops_of
 from lamc.mechanics.arrangement import arrange
@@ -129,8 +130,8 @@ def _compiled(
     loops = None
     if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
-            loops = _loops_of(mechanism, effects, scene)
-    compiler = find_compiler(options.compiler)
+            loops = _loops_of(mechanism, effects, scene, cache)
+    compiler = find_compiler(options.compiler, flags=options.flags)
 
     @remembered
     def equations() -> "Equations":
@@ -174,15 +175,19 @@ def _compiled(
     )
 
 
-def _loops_of(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene) -> LoopCount:
+def _loops_of(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, cache: Cache) -> LoopCount:
     """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
     arrangement = arrange(plan(mechanism), effects)
     cuts = tuple(cut.joint.name for cut in arrangement.tree.cuts)
     known = (*arrangement.tree.joint_names, *cuts, *(joint.name for joint in mechanism.joints))
     check_names(scene, tuple(dict.fromkeys(known)))
-    if arrangement.compliant or arrangement.flexible:
-        return count_loops(arrangement.tree, scene.closure_tolerance)
-    return loops_of(arrangement.tree, scene)
+
+    def count() -> LoopCount:
+        if arrangement.compliant or arrangement.flexible:
+            return count_loops(arrangement.tree, scene.closure_tolerance)
+        return loops_of(arrangement.tree, scene)
+
+    return kept_loops(loops_digest(mechanism, effects, scene), cache, count)
 
 
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:

@@ -86,12 +86,28 @@ class Cache:
 
     def remember(self, alias: str, key: str) -> None:
         """Lets `alias` stand for `key`; a cache that cannot be written forgets it without harm."""
+        self._write(f"{alias}.key", key)
+
+    def noted(self, alias: str) -> str | None:
+        """The text that `note` kept, or None."""
+        try:
+            return (self.root / f"{alias}.note").read_text(encoding="ascii")
+        except (OSError, UnicodeDecodeError):
+            return None
+
+    def note(self, alias: str, text: str) -> None:
+        """Keeps an ASCII text that costs more to find out than to read; without harm where nothing can be written."""
+        with contextlib.suppress(BuildError):
+            self._prepare()
+            self._write(f"{alias}.note", text)
+
+    def _write(self, file: str, text: str) -> None:
         with contextlib.suppress(OSError):
             handle, name = tempfile.mkstemp(prefix=".new-", dir=self.root)
             try:
                 with os.fdopen(handle, "w", encoding="ascii") as stream:
-                    stream.write(key)
-                os.replace(name, self.root / f"{alias}.key")
+                    stream.write(text)
+                os.replace(name, self.root / file)
             except OSError:
                 os.unlink(name)
 

@@ -9,10 +9,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from lamc.codegen import zig
+from lamc.codegen import target, zig
+from lamc.codegen.cache import Cache, cache_root
 from lamc.errors import BuildError
 
 TIMEOUT = 600  # s; a compiler that takes longer on lamc's output hangs
@@ -28,9 +29,23 @@ class Compiler:
     environment: tuple[tuple[str, str], ...] = ()
 
 
-def find_compiler(wanted: str | None, environment: Mapping[str, str] | None = None) -> Compiler:
-    """The compiler to use. Raises BuildError if a named one is not there, or if there is none at all."""
+def find_compiler(
+    wanted: str | None, environment: Mapping[str, str] | None = None, flags: Sequence[str] = ()
+) -> Compiler:
+    """The compiler to use. Raises BuildError if a named one is not there, or if there is none at all.
+
+    flags  that it will be given: where they or its own arguments name this machine, so does its identity
+    """
     environment = os.environ if environment is None else environment
+    found = _found(wanted, environment)
+    if not target.names_this_machine([*found.command, *flags]):
+        return found
+    store = Cache(cache_root(environment))
+    told = target.mark(found.identity, flags, lambda words, folder: run_compiler(found, words, folder), store)
+    return replace(found, identity=f"{found.identity} {told}")
+
+
+def _found(wanted: str | None, environment: Mapping[str, str]) -> Compiler:
     for origin, text in (
         ("--cc", wanted),
         ("$LAMC_CC", environment.get("LAMC_CC")),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from lamc.design.common_units import COMMON
 from lamc.errors import DesignError
 from lamc.once import remembered
 
@@ -149,6 +150,12 @@ def _scaled(number: float, unit: str, quantity: Quantity) -> float:
 @lru_cache(maxsize=1024)
 def _factor(unit: str, quantity: Quantity) -> float:
     """How many SI units one `unit` is. Raises DesignError for an unknown unit or another dimension."""
+    common = COMMON.get((unit, quantity.unit))
+    return common if common is not None else _asked(unit, quantity)
+
+
+def _asked(unit: str, quantity: Quantity) -> float:
+    """The same by pint."""
     known = registry()
     try:
         given = known.parse_units(unit.replace("°", "degree").replace("·", "*"))

@@ -34,7 +34,7 @@ def element_module(element: Element, options: CompileOptions | None = None) -> M
     Raises DesignError for shape functions that are none, BuildError without a working compiler or cache.
     """
     options = options or CompileOptions()
-    compiler = find_compiler(options.compiler)
+    compiler = find_compiler(options.compiler, flags=options.flags)
     store = Cache(cache_root())
     alias = alias_of(element, compiler.identity, options.flags)
     key = store.recall(alias)

@@ -3,15 +3,15 @@
 In: a positive definite matrix in compressed columns, both triangles, and where its unknowns are. Out: a factor that
 solves, and that takes new values on the same pattern. Never: knows what the unknowns are.
 
-`auto` takes CHOLMOD where scikit-sparse is installed and its BLAS is a fast one, and SuperLU, which scipy brings,
+`auto` takes CHOLMOD where scikit-sparse is installed and its BLAS is a tuned one, and SuperLU, which scipy brings,
 otherwise. SuperLU is given an order by nested dissection and told that the matrix is symmetric (pivots from the
 diagonal): its own default is for matrices without symmetry, and takes many times the time and memory; its minimum
 degree on Aᵀ + A takes twice the time. PARDISO is by choice.
 """
 
 import importlib
+import sys
 import threading
-import time
 import weakref
 from collections.abc import Callable
 from functools import cache
@@ -24,13 +24,10 @@ from numpy.typing import NDArray
 
 from lamc.errors import DesignError, SimulationError, UnsupportedError
 from lamc.mechanism.checks import Array, shown
+from lamc.plate.solving.blas import tuned_blas
 from lamc.plate.solving.dissection import nested_dissection
 
-_FAST = (
-    2.5e9  # flop/s of a dense Cholesky; the reference BLAS has 1e9 or less, a tuned one 5e9 and more per core
-)
 _POSITIVE_DEFINITE = 2  # PARDISO's number for real symmetric matrices of that kind
-_DENSE = 600  # unknowns of the matrix that this is measured with: 10 ms against 80 ms
 # Unknowns up to which CHOLMOD orders by minimum degree alone. Left to itself it tries METIS too, and takes the better:
 # at 300 000 that is 1.2 s for a factor of 1.3 s, against 0.35 s for one of 1.6 s.
 _MINIMUM_DEGREE = 500_000
@@ -178,24 +175,19 @@ def factor(matrix: sp.csc_array, points: Array, solver: str) -> Factor:
 
 @cache
 def cholmod_is_fast() -> bool:
-    """Whether scikit-sparse is there and does dense work at the speed of a tuned BLAS.
+    """Whether scikit-sparse is there and linked to a tuned BLAS.
 
     CHOLMOD spends its time in BLAS, and distributions link it to whichever libblas is installed: with the reference
-    one it is slower than SuperLU, which has kernels of its own. Names of libraries tell little (libblas.so.3 may be
-    either), so a dense matrix is factored and timed, best of three.
+    one it is slower than SuperLU, which has kernels of its own. The library is told by its symbols and not by its
+    speed, so that the same plate is solved by the same solver however busy the machine is.
     """
     try:
         _cholmod()
     except UnsupportedError:
         return False
-    dense = sp.csc_array(np.full((_DENSE, _DENSE), 1.0) + _DENSE * np.eye(_DENSE))
-    times = []
-    made = Cholmod(dense)
-    for _ in range(3):
-        start = time.perf_counter()
-        made._fill(dense)
-        times.append(time.perf_counter() - start)
-    return _DENSE**3 / 3.0 / min(times) > _FAST
+    own = [module for name, module in sorted(sys.modules.items()) if name.startswith("sksparse")]
+    files = [getattr(module, "__file__", None) or "" for module in own]
+    return tuned_blas(file for file in files if file.endswith((".so", ".pyd"))) is not None
 
 
 def _cholmod() -> Any:

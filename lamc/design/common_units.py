@@ -1,0 +1,67 @@
+"""Units that designs are mostly written in, beside how many SI units one is: pint, whose import takes a third of a
+second, is needed for others only.
+
+The numbers are pint's, to the last bit, so that no result depends on which of the two was asked
+(`tests/test_common_units.py` compares each).
+"""
+
+from collections.abc import Mapping
+
+# (unit as written, SI unit of the quantity): factor
+COMMON: Mapping[tuple[str, str], float] = {
+    ("um", "m"): 1e-06,
+    ("µm", "m"): 1e-06,
+    ("mm", "m"): 0.001,
+    ("cm", "m"): 0.01,
+    ("nm", "m"): 1e-09,
+    ("in", "m"): 0.0254,
+    ("inch", "m"): 0.0254,
+    ("deg", "rad"): 0.017453292519943295,
+    ("°", "deg"): 1.0,
+    ("°", "rad"): 0.017453292519943295,
+    ("ms", "s"): 0.001,
+    ("us", "s"): 1e-06,
+    ("min", "s"): 60.0,
+    ("g", "kg"): 0.001,
+    ("mg", "kg"): 1e-06,
+    ("ug", "kg"): 1e-09,
+    ("g/cm^3", "kg/m^3"): 999.9999999999999,
+    ("g/cm**3", "kg/m^3"): 999.9999999999999,
+    ("kg/m**3", "kg/m^3"): 1.0,
+    ("mg/mm^3", "kg/m^3"): 1000.0,
+    ("GPa", "Pa"): 1000000000.0,
+    ("MPa", "Pa"): 1000000.0,
+    ("kPa", "Pa"): 1000.0,
+    ("N/mm^2", "Pa"): 1000000.0,
+    ("N*mm/deg", "N*m/rad"): 0.057295779513082325,
+    ("N*m/deg", "N*m/rad"): 57.29577951308232,
+    ("N*mm/rad", "N*m/rad"): 0.001,
+    ("mN*mm/rad", "N*m/rad"): 1e-06,
+    ("mN*m/rad", "N*m/rad"): 0.001,
+    ("uN*m/rad", "N*m/rad"): 1e-06,
+    ("uN*m/deg", "N*m/rad"): 5.729577951308232e-05,
+    ("mN*mm/deg", "N*m/rad"): 5.729577951308232e-05,
+    ("N*mm*s/rad", "N*m*s/rad"): 0.001,
+    ("N*mm*s/deg", "N*m*s/rad"): 0.057295779513082325,
+    ("deg/s", "rad/s"): 0.017453292519943295,
+    ("°/s", "rad/s"): 0.017453292519943295,
+    ("g*mm^2", "kg*m^2"): 1e-09,
+    ("kg*mm^2", "kg*m^2"): 1e-06,
+    ("g*cm^2", "kg*m^2"): 1.0000000000000001e-07,
+    ("mN", "N"): 0.001,
+    ("uN", "N"): 1e-06,
+    ("kN", "N"): 1000.0,
+    ("N/mm", "N/m"): 1000.0,
+    ("mN/mm", "N/m"): 1.0,
+    ("N*mm/mm", "N"): 1.0,
+    ("N*m/m", "N"): 1.0,
+    ("N*mm/mm/rad", "N/rad"): 1.0,
+    ("N*m/m/rad", "N/rad"): 1.0,
+    ("mm/s^2", "m/s^2"): 0.001,
+    ("m/s**2", "m/s^2"): 1.0,
+    ("pm/V", "m/V"): 1e-12,
+    ("V/mm", "V/m"): 1000.0,
+    ("kV/mm", "V/m"): 1000000.0,
+    ("MV/m", "V/m"): 1000000.0,
+    ("mm^-1", "m^-1"): 1000.0,
+}

@@ -1,0 +1,45 @@
+"""What a mechanism's loops come to, kept in the cache: counting takes up to a second, reading less than a millisecond.
+
+In: a digest of all that the count follows from, a cache, and how to count. Out: a `LoopCount`. A note that is damaged
+or cannot be written costs a count, and nothing else.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+
+from lamc.codegen.cache import Cache
+from lamc.loops.misfit import Misfit
+from lamc.loops.rank import LoopCount
+
+
+def kept_loops(alias: str | None, cache: Cache, count: Callable[[], LoopCount]) -> LoopCount:
+    """The count. Raises what `count` raises; a mechanism that is refused is counted, and told, each time.
+
+    alias: of `loops_digest`; None: there is no telling, so it is counted"""
+    if alias is None:
+        return count()
+    found = _read(cache.noted(alias))
+    if found is None:
+        found = count()
+        text = json.dumps(asdict(found))
+        cache.note(alias, f"{_digest(text)}\n{text}")
+    return found
+
+
+def _read(text: str | None) -> LoopCount | None:
+    digest, _, body = (text or "").partition("\n")
+    if not body or digest != _digest(body):
+        return None
+    try:
+        values = json.loads(body)
+        misfit = values.pop("misfit")
+        values["singular_values"] = tuple(values["singular_values"])
+        return LoopCount(**values, misfit=Misfit(**misfit) if misfit is not None else None)
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return None
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,5 +1,6 @@
 """Simply supported edges that are curves drawn as polygons: closed forms, whatever the corners and the cells."""
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -8,6 +9,9 @@ from numpy.typing import NDArray
 from shapely.geometry import Point, Polygon, box
 
 from lamc import plate
+from lamc.plate.answers.convergence import error_of_values
+from lamc.plate.files.problem_file import plate_of_text
+from lamc.plate.files.problem_make import halved_problem_of, problem_of
 from lamc.plate.problem import Problem
 from lamc.plate.solving.curves import CurveNodes, curve_nodes
 
@@ -145,3 +149,63 @@ def test_a_curve_held_by_single_unknowns_is_told() -> None:
     mesh = plate.mesh(Point(0, 0).buffer(R, quad_segs=8), 0.005)
     problem = Problem(mesh, SHEET, supports=[plate.Support("boundary", ("w",))], loads=[plate.Pressure(P)])
     assert any("SimplySupported" in note for note in plate.solve(problem).report.notes)
+
+
+# --- files: circles whose corners grow with the mesh -----------------------------------------------------------------
+
+FILE = """\
+kind: plate
+units: mm
+materials: {al: {E: 70 GPa, nu: 0.3, density: 2700}}
+laminate: {material: al, thickness: 1}
+geometry: {circle: {center: [0, 0], radius: 100}, size: 10}
+supports: [{%s: boundary}]
+loads: [{pressure: 1000}]
+outputs: [{at: [0, 0]}]
+"""
+
+
+@pytest.mark.parametrize("size", [10e-3, 5e-3, 2.5e-3])
+@pytest.mark.parametrize(("kind", "exact"), [("simply_supported", DISK), ("clamped", P * R**4 / (64.0 * D))])
+def test_a_circle_of_a_file_gets_better_with_its_mesh_and_the_estimate_knows(
+    kind: str, exact: float, size: float
+) -> None:
+    file = plate_of_text(FILE % kind, "disk.yaml").drawn_for(size)
+    problem = problem_of(file, size=size)
+    finer = halved_problem_of(file, problem, size)
+    assert len(finer.mesh.boundary_edges) == 2 * len(problem.mesh.boundary_edges)
+    found = error_of_values(middle(problem), middle(finer))
+    off = abs(found.value - exact)
+    # 0.5 % at a tenth of the radius; it falls at least with the size.
+    assert off < 0.005 * exact * size / 10e-3
+    assert (
+        off < 1.5 * found.error + 1e-4 * exact
+    )  # the estimate is none of a bound, and round-off of meshes is 1e-4
+
+
+def test_circles_of_a_file_have_corners_for_its_edges() -> None:
+    file = plate_of_text(FILE % "clamped", "disk.yaml")
+    for size, corners in ((10e-3, 128), (4.95e-3, 128), (2.5e-3, 256), (1e-3, 1024)):
+        outline = file.drawn_for(size).geometry.outline
+        assert len(outline.exterior.coords) - 1 == corners
+        assert outline.area == pytest.approx(np.pi * R**2, rel=1e-12)
+    once = file.drawn_for(1e-3)
+    assert once.drawn_for(1e-3) is once
+    assert dataclasses.replace(file, supports=()).drawn_for(1e-3).supports == ()  # what was changed stays
+
+
+def test_what_lies_on_circles_is_drawn_with_them() -> None:
+    """A ring as a circle with a hole, held along the hole's border, with a region that shares it."""
+    text = (FILE % "clamped").replace(
+        "size: 10}", "size: 4, holes: [{circle: {center: [0, 0], radius: 30}}]}"
+    ).replace(
+        "clamped: boundary", "simply_supported: {circle: {center: [0, 0], radius: 30}}"
+    ) + "regions: {rim: {circle: {center: [0, 0], radius: 50}, size: 2}}\n"
+    text = text.replace("at: [0, 0]", "at: [100, 0]")
+    file = plate_of_text(text, "ring.yaml")
+    for size in (4e-3, 1.5e-3):
+        problem = problem_of(file, size=size)
+        (support,) = problem.supports
+        inner = np.linalg.norm(problem.mesh.points, axis=1) < 0.0301
+        assert len(problem.places.nodes(support.where, "")) == inner.sum()
+        assert len(problem.places.edges_on(support.where)) == inner.sum()

@@ -8,7 +8,7 @@ import pytest
 from shapely.geometry import LineString, Point, Polygon
 
 from lamc import plate
-from lamc.errors import DesignError, SimulationError, UnsupportedError
+from lamc.errors import DesignError, UnsupportedError
 from tests.plates import case, cross_ply, isotropic, jittered, turned
 
 BOUNDARY = "boundary"
@@ -323,20 +323,16 @@ def test_stretching_without_supports_in_the_plane_is_accepted() -> None:
     assert solution.forces(0.4, 0.3) == pytest.approx([2.0, 0.0, 0.0], abs=1e-9)
 
 
-def test_parts_that_meet_in_a_point_are_said_to_turn_about_it() -> None:
-    # In bending the slopes go through the point; in the plane it is a pin.
+def test_parts_that_meet_in_a_point_are_refused() -> None:
+    # They were solved as if clamped to each other there, over a width of nothing.
     points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 1], [2, 2], [1, 2.0]])
     mesh = plate.Mesh(points, np.array([[0, 1, 2], [0, 2, 3], [2, 4, 5], [2, 5, 6]]))
-    across, along = (plate.PointLoad((2.0, 2.0), force) for force in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)))
-    one, both = [plate.Clamped(LEFT)], [plate.Clamped(LEFT), plate.Clamped(Point(2, 1))]
-    bent = plate.solve(problem(mesh=mesh, supports=one, loads=[across]))
-    assert float(bent.deflection(2.0, 2.0)) > 0.0
-    with pytest.raises(
-        SimulationError, match=r"hang together at single points only, such as \(1, 1\), and may turn"
-    ):
-        plate.solve(problem(mesh=mesh, supports=one, loads=[along]))
-    pulled = plate.solve(problem(mesh=mesh, supports=both, loads=[along]))
-    assert float(pulled.displacement(2.0, 2.0)[0]) > 0.0
+    with pytest.raises(DesignError, match=r"touch at the single point \(1, 1\) m.*a node of its own"):
+        problem(mesh=mesh, supports=[plate.Clamped(LEFT)])
+    apart = plate.Mesh(
+        np.concatenate([points, [[1, 1.0]]]), np.array([[0, 1, 2], [0, 2, 3], [7, 4, 5], [7, 5, 6]])
+    )
+    problem(mesh=apart, supports=[plate.Clamped(LEFT)])
 
 
 # --- warnings ---

@@ -8,19 +8,22 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
+import shapely
+import shapely.ops
+from shapely.geometry import Point
 
 from lamc.errors import DesignError, DesignErrors, LamcError, about
 from lamc.mechanism.checks import Array
 from lamc.pipeline import Times
 from lamc.plate.answers.buckling import Buckling, buckling
-from lamc.plate.answers.convergence import error_of_values, halved
+from lamc.plate.answers.convergence import error_of_values
 from lamc.plate.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
 from lamc.plate.answers.estimate import error_estimate
 from lamc.plate.answers.failure import first_failure
 from lamc.plate.answers.modes import Modes, modes
 from lamc.plate.answers.shape_pairs import halved_buckling, halved_modes
 from lamc.plate.elements.kernels import kernels
-from lamc.plate.files.problem_make import problem_of
+from lamc.plate.files.problem_make import halved_problem_of, problem_of
 from lamc.plate.files.problem_records import Output, PlateFile
 from lamc.plate.files.problem_schema import VALUES
 from lamc.plate.problem import Problem
@@ -51,8 +54,9 @@ def answers(
 
     Raises LamcError as the mesher, `Problem` and `Model` do, and where no case can be solved.
     """
-    origins = file.origins
     with times.stage("mesh"):
+        file = file.drawn_for(size)
+        origins = file.origins
         problem = problem_of(file, size=size, solver=solver)
     with times.stage("element"):
         kernels(problem.dofs.element)
@@ -71,7 +75,8 @@ def answers(
         cases = [_case(name, solution, file) for name, solution in solved.items()]
     if two_meshes:
         with times.stage("halved cells"), _kept(errors), origins.told():
-            cases = _with_halved(cases, problem, solver)
+            fine = Model(halved_problem_of(file, problem, size, solver), solver)
+            cases = _with_halved(cases, fine)
     found = None
     if file.modes:
         with times.stage("modes"), _kept(errors), origins.told("modes"):
@@ -141,18 +146,27 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
     )
 
 
-def _with_halved(cases: Sequence[CaseReport], problem: Problem, solver: str) -> list[CaseReport]:
+def _with_halved(cases: Sequence[CaseReport], fine: Model) -> list[CaseReport]:
     """The cases with what halved cells say of their outputs; where there are none, of the largest displacement."""
-    fine = Model(halved(problem), solver)
     result = []
     for case in cases:
         solution = fine.solve_case(case.name) if case.name else fine.solve()
         printed = case.printed or [_largest(case)]
         told = [
-            Halved(p.output, p.unit, error_of_values(p.value, value_of(solution, p.output))) for p in printed
+            Halved(p.output, p.unit, error_of_values(p.value, value_of(solution, _on(solution, p.output))))
+            for p in printed
         ]
         result.append(replace(case, halved=told))
     return result
+
+
+def _on(solution: Solution, output: Output) -> Output:
+    """`output`; beside the plate, whose curves have other corners on a finer mesh, the nearest point of it."""
+    plate, at = solution.problem.places.plate, Point(output.at)
+    if plate.covers(at):
+        return output
+    x, y = shapely.get_coordinates(shapely.ops.nearest_points(solution.problem.places.covered, at)[0])[0]
+    return replace(output, at=(float(x), float(y)))
 
 
 def _largest(case: CaseReport) -> Printed:

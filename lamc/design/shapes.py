@@ -44,18 +44,19 @@ def rectangle(x0: float, y0: float, x1: float, y1: float) -> Polygon:
     return _checked(Polygon([(left, low), (right, low), (right, high), (left, high)]), "rectangle")
 
 
-def circle(x: float, y: float, radius: float) -> Polygon:
-    """A regular polygon of 128 corners with the area of the circle, so that discs have their true mass.
+def circle(x: float, y: float, radius: float, segments: int = CIRCLE_SEGMENTS) -> Polygon:
+    """A regular polygon of 128 corners, or of `segments`, with the area of the circle, so that discs have their true
+    mass.
 
-    Its corners lie 0.02 % of the radius outside the circle, the middles of its edges 0.01 % inside.
+    With 128 its corners lie 0.02 % of the radius outside the circle, the middles of its edges 0.01 % inside.
     Raises DesignError unless the radius is positive and all is finite.
     """
     check_coordinates([x, y, radius], "the circle")
     if not radius > 0.0:
         raise DesignError(f"the circle at ({x:g}, {y:g}) m has radius {radius:g} m; it must be above 0")
-    turn = 2.0 * math.pi / CIRCLE_SEGMENTS
+    turn = 2.0 * math.pi / segments
     corner = radius * math.sqrt(turn / math.sin(turn))
-    angles = turn * np.arange(CIRCLE_SEGMENTS)
+    angles = turn * np.arange(segments)
     points = np.column_stack([x + corner * np.cos(angles), y + corner * np.sin(angles)])
     return _checked(Polygon(points), "circle")
 

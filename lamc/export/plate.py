@@ -43,6 +43,8 @@ def plate_files(plate: PlateFile | Problem, options: ExportOptions, name: str = 
     `problem_of` does.
     """
     name = plate.name if isinstance(plate, PlateFile) else name
+    if isinstance(plate, PlateFile):
+        plate = plate.drawn_for(options.edge_length)
     problem = problem_of(plate, size=options.edge_length) if isinstance(plate, PlateFile) else plate
     try:
         source = plate_source(problem, options, name)

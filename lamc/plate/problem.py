@@ -21,6 +21,7 @@ from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
 from lamc.plate.meshing.mesh import Integers, Mesh
 from lamc.plate.mirrors import check_mirror
+from lamc.plate.pinches import check_pinches
 from lamc.plate.places import Places
 from lamc.plate.solving.climate import climates, pulls
 from lamc.plate.solving.edge_parts import edge_parts_on
@@ -86,6 +87,7 @@ class Problem:
         if self.hinges:
             lines = np.unique(np.concatenate(self.hinge_edges))
             self._number(Dofs(self.mesh, self.dofs.element, lines))
+        check_pinches(self.mesh)
         for support in self.supports:
             with about(support):
                 self._check_support(support)

@@ -6,6 +6,7 @@ those that need more than one entry, and geometry. Never: meshes, solves.
 
 import math
 import re
+from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePath
@@ -23,7 +24,7 @@ from lamc.plate.files import expression
 from lamc.plate.files.origins import Origins
 from lamc.plate.files.problem_loads import Actions
 from lamc.plate.files.problem_places import Places
-from lamc.plate.files.problem_records import Geometry, Output, PlateFile
+from lamc.plate.files.problem_records import Drawing, Geometry, Output, PlateFile
 from lamc.plate.files.problem_schema import OutputModel, PlateFileModel
 from lamc.plate.files.section_file import Sections
 from lamc.plate.laminates.laminate import Laminate
@@ -63,8 +64,8 @@ def is_plate(node: Node) -> bool:
     return kind is None and node.get("geometry") is not None and node.get("layers") is None
 
 
-def read_plate(node: Node) -> PlateFile:
-    """The plate problem in `node`. Raises DesignErrors with every problem."""
+def read_plate(node: Node, drawn: tuple[float, int] | None = None) -> PlateFile:
+    """The plate problem in `node`; `drawn` as `Places` takes it. Raises DesignErrors with every problem."""
     bare = length_unit_of(node)
     model = validate(PlateFileModel, node, {LENGTH_UNIT: bare})
     problems = Problems(node)
@@ -76,7 +77,7 @@ def read_plate(node: Node) -> PlateFile:
             problems.add((key,), f"{key} is {count}; it must be 0 to {_MOST_MODES}")
     sections = Sections(model.materials, model.laminates, problems)
     laminate = sections.laminate(model.laminate, ("laminate",)) if model.laminate is not None else None
-    places = Places(model, sections, problems, to_si(1.0, units.LENGTH, bare))
+    places = Places(model, sections, problems, to_si(1.0, units.LENGTH, bare), drawn)
     if model.laminate is not None and model.geometry.design is not None:
         problems.add(("laminate",), "the laminates come from the design; take this away")
     if model.laminate is None and problems.none and not places.covered():
@@ -92,11 +93,11 @@ def read_plate(node: Node) -> PlateFile:
     follow = places.followed(model.geometry)
     problems.raise_if_any()
     records = [*actions.origins, *((o, problems.place(("outputs", k))) for k, o in enumerate(outputs))]
-    drawn = model.geometry
-    return PlateFile(
+    shape = model.geometry
+    file = PlateFile(
         name=name,
         geometry=Geometry(
-            places.outline, drawn.grid, drawn.pattern, drawn.size, places.regions, tuple(follow)
+            places.outline, shape.grid, shape.pattern, shape.size, places.regions, tuple(follow)
         ),
         laminate=laminate,
         element=model.element,
@@ -109,6 +110,20 @@ def read_plate(node: Node) -> PlateFile:
         origins=Origins(Place(node.file), _keys(node), records),
         hinges=hinges,
         notes=() if places.body is None else places.body.notes,
+    )
+    return file if not places.has_circles else replace(file, drawing=_drawing(node, drawn, file))
+
+
+def _drawing(node: Node, drawn: tuple[float, int] | None, file: PlateFile) -> Drawing:
+    """How `file` is read again with other circles."""
+    return Drawing(
+        lambda size, finer: read_plate(node, (size, finer)),
+        drawn,
+        file.geometry,
+        file.supports,
+        file.cases,
+        file.hinges,
+        file.outputs,
     )
 
 

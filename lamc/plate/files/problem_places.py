@@ -21,6 +21,7 @@ from lamc.design.records import Design
 from lamc.errors import DesignError
 from lamc.mechanism.records import checked_name
 from lamc.plate.designs.from_design import DesignPlate, plate_of
+from lamc.plate.files.circles import corners_of
 from lamc.plate.files.problem_records import Region
 from lamc.plate.files.problem_schema import (
     FollowModel,
@@ -36,6 +37,9 @@ from lamc.plate.supports import Where
 _ANYWHERE = LineString(
     [(0.0, 0.0), (1.0, 0.0)]
 )  # of a plate whose outline is a problem that is noted already
+_DOUBLED = (
+    7  # times at most: 16 384 corners, with cells of a four-hundredth of a per cent of the radius beside them
+)
 NEAR = 1e-6  # of the plate's size: a point this close to an edge is on it
 
 
@@ -47,10 +51,21 @@ class Places:
     body     the body of a design, where it is the plate
     """
 
-    def __init__(self, model: PlateFileModel, sections: Sections, problems: Problems, step: float) -> None:
+    def __init__(
+        self,
+        model: PlateFileModel,
+        sections: Sections,
+        problems: Problems,
+        step: float,
+        drawn: tuple[float, int] | None = None,
+    ) -> None:
+        """drawn: circles have corners for edges of so many m, times so many."""
         self._problems = problems
         self._sections = sections
         self._step = step
+        self._drawn = drawn
+        self._share = 1.0 if drawn is None or model.geometry.size is None else drawn[0] / model.geometry.size
+        self.has_circles = False
         self.body: DesignPlate | None = None
         self.regions: dict[str, Region] = {}
         self.outline: BaseGeometry = self._draw(model.geometry)
@@ -152,7 +167,7 @@ class Places:
             if entry.laminate is not None
             else None
         )
-        shape = self._problems.attempt(path, lambda: self._shape(entry))
+        shape = self._problems.attempt(path, lambda: self._shape(entry, entry.size))
         if shape is None or self.outline.is_empty:
             return
         inside = shape.intersection(self.outline)
@@ -167,18 +182,29 @@ class Places:
                 )
         self.regions[name] = Region(inside, laminate, entry.size)
 
-    def _shape(self, model: PlateOutlineModel | GeometryModel | WhereModel) -> BaseGeometry:
-        """The drawn polygon. Raises DesignError."""
+    def _shape(
+        self, model: PlateOutlineModel | GeometryModel | WhereModel, size: float | None = None
+    ) -> BaseGeometry:
+        """The drawn polygon, of a region with the file's own `size` for it, m. Raises DesignError."""
         if model.rect is not None:
             return shapes.rectangle(*model.rect)
         if model.circle is not None:
-            return shapes.circle(*model.circle.center, model.circle.radius)
+            self.has_circles = True
+            radius = model.circle.radius
+            return shapes.circle(*model.circle.center, radius, self._corners(radius, size))
         if model.polygon is not None:
             return shapes.polygon(model.polygon)
         text = getattr(model, "wkt", None)
         if text is not None:
             return _polygon_of_wkt(text, self._step)
         raise DesignError("the shape has no outline")
+
+    def _corners(self, radius: float, size: float | None) -> int:
+        """Of a circle, with the file's own `size` for its region, m."""
+        if self._drawn is None:
+            return shapes.CIRCLE_SEGMENTS
+        general, finer = self._drawn
+        return corners_of(radius, general if size is None else min(general, size * self._share), finer)
 
     def _place(self, model: WhereModel) -> Where:
         if model.named == "boundary":

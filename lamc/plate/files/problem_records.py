@@ -4,8 +4,8 @@ In: values that `problem_file` has checked. Out: a `PlateFile`. Never: YAML, uni
 `Problem` of it.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from shapely.geometry.base import BaseGeometry
 
@@ -65,6 +65,7 @@ class PlateFile:
     origins    where the file says what
     hinges     lines inside the plate that fold, those of a design's joints first
     notes      what was done to make a plate of a design and its drawing did not ask for
+    drawing    how to draw its circles with more corners; None: it has none
     """
 
     name: str
@@ -80,3 +81,55 @@ class PlateFile:
     origins: Origins = field(default_factory=Origins)
     hinges: Sequence[HingeLine] = ()
     notes: Sequence[str] = ()
+    drawing: "Drawing | None" = None
+
+    def size_of(self, size: float | None = None) -> float:
+        """Length of the mesh's edges where regions have none of their own, m; `size` in place of the file's."""
+        x0, y0, x1, y1 = self.geometry.outline.bounds
+        return size or self.geometry.size or float(max(x1 - x0, y1 - y0)) / CELLS_ALONG
+
+    def drawn_for(self, size: float | None = None, finer: int = 1) -> "PlateFile":
+        """The same with circles of as many corners as edges of `size` m call for, and `finer` times as many. On a grid,
+        without circles, and where places were changed since the file was read: the same."""
+        drawing = self.drawing
+        if drawing is None or self.geometry.grid is not None or not drawing.is_of(self):
+            return self
+        wanted = (self.size_of(size), finer)
+        if wanted == drawing.drawn:
+            return self
+        other = drawing.make(*wanted)
+        return replace(
+            self,
+            geometry=other.geometry,
+            supports=other.supports,
+            cases={name: other.cases[name] for name in self.cases},
+            hinges=other.hinges,
+            outputs=other.outputs,
+            origins=other.origins,
+            drawing=other.drawing,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """How a file is read once more for another mesh.
+
+    make       the file whose circles are drawn for edges of so many m, with so many times their corners
+    drawn      what it was drawn for; None: 128 corners each
+    geometry, supports, cases, hinges, outputs  as they were read
+    """
+
+    make: Callable[[float, int], PlateFile]
+    drawn: tuple[float, int] | None
+    geometry: Geometry
+    supports: Sequence[SupportRecord]
+    cases: Mapping[str, Sequence[LoadRecord]]
+    hinges: Sequence[HingeLine]
+    outputs: Sequence[Output]
+
+    def is_of(self, file: PlateFile) -> bool:
+        """Whether the places of `file` are still those that were read; it may have fewer cases."""
+        return all(
+            getattr(file, name) is getattr(self, name)
+            for name in ("geometry", "supports", "hinges", "outputs")
+        ) and all(self.cases.get(name) is own for name, own in file.cases.items())

@@ -189,7 +189,7 @@ class Solution:
     def cell_strains(self, xi: Array) -> Array:
         """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
         6)."""
-        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells))
+        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self.cell_unknowns))
 
     def answer_to(self, forces: Array) -> Array:
         """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
@@ -217,7 +217,8 @@ class Solution:
     # --- inside ------------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _of_cells(self) -> Array:
+    def cell_unknowns(self) -> Array:
+        """Unknowns of all cells, (cells, unknowns of the element), without the rigid motion of their first node."""
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
 
     def _located(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Integers, Array, tuple[int, ...]]:

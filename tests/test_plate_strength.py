@@ -1,11 +1,15 @@
 """Strength of plates against closed forms, where moments are largest: at clamped edges, mostly."""
 
 import dataclasses
+from pathlib import Path
 
 import pytest
-from shapely.geometry import Point, box
+from shapely.geometry import LineString, Point, Polygon, box
 
 from lamc import plate
+from lamc.commands.plate_work import answers
+from lamc.pipeline import Times
+from lamc.plate.files.problem_file import load_plate
 
 SIDE, THICKNESS, PRESSURE = 0.1, 1e-3, 1e4
 STRENGTH = 100e6
@@ -91,3 +95,46 @@ def test_strength_of_a_long_clamped_rectangle() -> None:
     mesh = plate.grid(SIDE, 2.0 * SIDE, 20, 40)
     first = plate.first_failure(solved(mesh, plate.Clamped("boundary")), "max-stress")
     assert first.ratio == pytest.approx(ratio(0.0829 * PRESSURE * SIDE**2), rel=LIMITS[20])
+
+
+def test_outputs_of_files_speak_as_the_extremes_do(tmp_path: Path) -> None:
+    file = tmp_path / "clamped.yaml"
+    file.write_text(
+        "kind: plate\nunits: mm\nlaminate: {material: aluminium, thickness: 1}\n"
+        "geometry: {rect: [0, 0, 100, 100], grid: [10, 10]}\nsupports: [{clamped: boundary}]\n"
+        "cases: {blown: [{pressure: 10000 Pa}]}\n"
+        "outputs: [{name: edge, at: [0, 50], value: M_x}]\n",
+        encoding="utf-8",
+    )
+    case = answers(load_plate(file), "", None, "auto", Times(), two_meshes=True).cases[0]
+    # One polynomial, at the same corner: round-off.
+    assert case.printed[0].value == pytest.approx(case.extremes["M_x"][1].value, rel=1e-9)
+    assert abs(case.printed[0].value) == pytest.approx(CLAMPED_SQUARE, rel=LIMITS[10])
+
+
+def test_where_stress_has_no_bound_is_told() -> None:
+    bent = Polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])
+    notched = plate.first_failure(solved(plate.mesh(bent, 0.1), plate.Clamped("boundary")))
+    assert notched.sharp == "in a corner that cuts into the plate"
+    assert "is no strength" in notched.notes[0]
+    mesh = square("one-diagonal", 20)
+    force = plate.PointLoad((SIDE / 2, SIDE / 2), 1.0)
+    pushed = plate.first_failure(solved(mesh, plate.SimplySupported("boundary"), loads=[force]))
+    assert pushed.sharp == "under a force at a point"
+    part = LineString([(0, 0.3 * SIDE), (0, 0.7 * SIDE)])
+    ended = plate.first_failure(solved(mesh, plate.Clamped(part)))
+    assert ended.sharp == "at an end of a support"
+
+
+def test_smooth_places_are_not_told_of() -> None:
+    """A clamped square of 20 cells, and a cantilever, whose corners at the root are right angles."""
+    first = plate.first_failure(solved(square("one-diagonal", 20), plate.Clamped("boundary")))
+    assert (first.sharp, first.notes) == ("", ())
+    root = plate.Clamped(LineString([(0, 0), (0, SIDE)]))
+    assert plate.first_failure(solved(square("one-diagonal", 20), root)).sharp == ""
+
+
+def test_cells_too_coarse_for_a_strength_are_told() -> None:
+    first = plate.first_failure(solved(plate.grid(SIDE, SIDE, 2, 2), plate.Clamped("boundary")))
+    assert first.off > 0.1
+    assert "too coarse" in " ".join(first.notes)

@@ -122,6 +122,8 @@ def _failure_data(failure: PlateFailure) -> dict[str, Any]:
         "face": failure.face,
         "mode": failure.mode,
         "not_judged": list(failure.unjudged),
+        "off": failure.off,
+        "sharp": failure.sharp,
     }
 
 

@@ -4,7 +4,8 @@ In: unknowns at the nodes, and the problem they belong to. Out: deflection, slop
 ply states, reactions, energy. Never: solves.
 
 Arrays of x and y may have any shape; results have that shape, with components last. Points on the boundary belong to
-the plate; on an edge between cells, where curvature and moments jump, the first of them counts.
+the plate; on an edge between cells, where curvature and moments jump, the first of them counts. They are the element's
+own; `recovered` has the better ones, by which extremes, outputs of files and first failures go.
 """
 
 from dataclasses import dataclass, replace

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from shapely.geometry import MultiPolygon, Point, box
 
+from benchmarks.bciz_bias import bias
 from lamc import plate
 from lamc.errors import DesignError
+from lamc.plate.meshing import report
 from lamc.plate.meshing.changes import border_edges
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.report import (
@@ -114,8 +116,8 @@ def test_pieces_and_cuts_are_told() -> None:
     [
         ("one-diagonal", "bciz", "passes the patch test"),
         ("criss-cross", "bciz+cst", "+3.23 % off"),
-        ("jittered", "bciz", "+1.7 % off"),
-        ("delaunay", "bciz", "+2.4 % off"),
+        ("jittered", "bciz", "+1.8 % off"),
+        ("delaunay", "bciz", "+2.4 % off (+0.9 to +1.3 % where triangles are round)"),
         ("8|2|8", "bciz", "up to 20 %"),
         ("8|2|8", "specht", "dkt bears them"),
         ("delaunay", "dkt", "any mesh"),
@@ -192,3 +194,10 @@ def test_jitter_moves_points_inside_regions_only_and_repeats() -> None:
 def test_a_jitter_that_cannot_be_is_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(DesignError, match=message):
         plate.jittered(plate.grid(1, 1, 8, 8), **arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("support", "load"), [("simple", "uniform"), ("clamped", "point")])
+def test_what_is_told_of_bciz_on_the_mesher_is_what_it_does(support: str, load: str) -> None:
+    low, high = report.BCIZ_ON_ROUND
+    # Another mesh by the same mesher has another share: a part in a thousand either way.
+    assert low - 1e-3 < bias("mesher", support, load)[-1] < high + 1e-3

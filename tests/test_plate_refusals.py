@@ -352,7 +352,7 @@ def test_bciz_off_its_meshes_is_warned_of(pattern: str) -> None:
 def test_bciz_on_its_own_meshes_is_not_warned_of() -> None:
     assert notes(element="bciz") == ""
     assert notes(element="bciz", mesh=turned(SQUARE, 20.0)) == ""  # the geometry counts, not the name
-    assert "some 1.6 to 2.4 % too flexible" in notes(element="bciz", mesh=jittered(SQUARE))
+    assert "1.6 to 2.4 % where they are not" in notes(element="bciz", mesh=jittered(SQUARE))
     uneven = plate.grid_of_lines(np.array([0.0, 0.1, 0.5, 1.0]), np.linspace(0.0, 1.0, 4))
     assert "lines have three directions" in notes(element="bciz", mesh=uneven)
 

@@ -139,8 +139,9 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
         largest = max((abs(end.value) for end in found.get(output.value, ("",))[1:]), default=0.0)
         kept = value if abs(value) > _NOTHING * largest else 0.0
         printed.append(Printed(output, kept, VALUES[output.value]))
-    notes = (*solution.report.notes, *_large(solution, found))
     strength = first_failure(solution) if fields.tsai_wu is not None else None
+    told = strength.notes if strength is not None else ()
+    notes = (*solution.report.notes, *_large(solution, found), *told)
     return CaseReport(
         name, solution, fields, error_estimate(solution), found, tuple(printed), notes, strength
     )
@@ -213,7 +214,8 @@ def _extremes(solution: Solution, fields: CornerFields) -> Mapping[str, tuple[st
 
 
 def value_of(solution: Solution, output: Output) -> float:
-    """What an output asks for, SI. Raises DesignError where the point is off the mesh."""
+    """What an output asks for, SI; curvatures, moments and forces recovered, as the extremes are. Raises DesignError
+    where the point is off the mesh."""
     x, y = output.at
     name, _, axes = output.value.partition("_")
     found: Array
@@ -222,6 +224,7 @@ def value_of(solution: Solution, output: Output) -> float:
     elif name == "w":
         found = solution.slope(x, y)[..., _XY.index(axes)]
     else:
-        fields = {"kappa": solution.curvature, "M": solution.moments, "N": solution.forces}
+        better = solution.recovered
+        fields = {"kappa": better.curvature, "M": better.moments, "N": better.forces}
         found = fields[name](x, y)[..., _XY.index(axes)]
     return float(np.asarray(found))

@@ -128,6 +128,8 @@ def _failure_data(failure: PlateFailure) -> dict[str, Any]:
         "face": failure.face,
         "mode": failure.mode,
         "not_judged": list(failure.unjudged),
+        "off": failure.off,
+        "sharp": failure.sharp,
     }
 
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_number
-from lamc.plate.answers.recovery import RecoveredStrains, recover, sample_points
+from lamc.plate.answers.edge_rows import CUBIC_ALONG_EDGES, edge_rows
+from lamc.plate.answers.recovery import RecoveredStrains, Rows, recover, sample_points
 from lamc.plate.elements.definition import TRIANGLE
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.solving.sections import matrices
@@ -24,9 +25,9 @@ from lamc.plate.solving.sections import matrices
 if TYPE_CHECKING:
     from lamc.plate.solving.solution import Solution
 
-# Degree of the polynomials that strains are recovered by, for elements whose strains have an error of second order or
-# less; 1 for all others.
-_DEGREES = {"bfs": 3, "lst": 2, "q12": 3, "q8": 3, "q9": 3}
+# Degree of the polynomials that strains are recovered by; 1 for all others. Those of second order, and with bending
+# also those of first: moments at clamped edges are curved, and straight lines continued to the edge fall short of them.
+_DEGREES = {"bciz": 2, "bfs": 3, "dkt": 2, "lst": 2, "q12": 3, "q8": 3, "q9": 3, "specht": 2}
 # Six points, exact to degree four: D. A. Dunavant, Int. J. Numer. Meth. Engng 21, 1985.
 _DUNAVANT = (
     (0.091576213509770743, 0.10995174365532187),
@@ -116,8 +117,15 @@ def recovered_strains(solution: "Solution") -> RecoveredStrains:
         xi = sample_points(element.cell, degree)
         strains = np.stack([solution.cell_strains(np.tile(point, (count, 1))) for point in xi], axis=1)
         mine = slice(3 * k, 3 * k + 3) if len(names) > 1 else slice(None)
-        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, problem.dofs.of_corners))
+        rows = _edge_rows(solution) if name in CUBIC_ALONG_EDGES else None
+        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, problem.dofs.of_corners, rows))
     return RecoveredStrains(tuple(parts))
+
+
+def _edge_rows(solution: "Solution") -> Rows:
+    names = np.array(solution.problem.dofs.element.dofs)
+    w, slope_x, slope_y = (solution.cell_unknowns[:, names == name] for name in ("w", "w_x", "w_y"))
+    return edge_rows(solution.problem.mesh.corners, w, np.stack([slope_x, slope_y], axis=-1))
 
 
 def integration_points(cell: str) -> list[tuple[Array, float]]:

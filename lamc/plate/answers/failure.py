@@ -3,7 +3,7 @@
 In: a `Solution`. Out: one record. Never: what the plate still carries afterwards.
 
 Strains are the recovered ones (`estimate.py`), at the corners of cells. Where they grow without bound, as in a notch or
-under a point load, so does the index with every finer mesh, and the ratio means nothing.
+under a point load, so does the index with every finer mesh, and the ratio means nothing: the record says so.
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ import numpy as np
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, shown
 from lamc.plate.answers.recovery import RecoveredStrains
+from lamc.plate.answers.sharp_places import sharp_place
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.laminates.failure import (
     CRITERIA,
@@ -28,6 +29,8 @@ from lamc.plate.meshing.mesh import Integers
 from lamc.plate.solving.solution import Solution
 
 _FACES = ("lower", "upper")
+# Clamped squares of 20 cells under pressure are within it, with ratios within 3 %.
+COARSE = 0.1
 _SAME = 1e-9  # relative: ratios nearer to each other than this differ by round-off
 
 
@@ -39,6 +42,9 @@ class PlateFailure:
     ratio     times all that acts: loads, prescribed displacements, expansion; inf where nothing makes stress
     number    of the ply in its laminate, 1 for the lowest
     unjudged  regions left out, since the strengths of a material there are not known
+    off       part by which the ratio differs from that by the element's own strains there: large where cells are too
+              coarse to show what the moments do
+    sharp     what makes strains grow without bound there; "" if nothing does
     """
 
     criterion: str
@@ -50,6 +56,24 @@ class PlateFailure:
     face: str  # "lower" or "upper"
     mode: str  # of the largest stress over strength there: one of failure.MODES
     unjudged: tuple[str, ...]
+    off: float = 0.0
+    sharp: str = ""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Why the ratio may not hold."""
+        found = []
+        if self.sharp:
+            found.append(
+                f"the first failure is {self.sharp}, where stress of thin-plate theory has no bound: the ratio falls "
+                "with every finer mesh and is no strength; round the corner, or spread the force or the support"
+            )
+        if self.off > COARSE:
+            found.append(
+                f"the strength ratio is {100.0 * self.off:.0f} % from the one by the element's own strains: cells are "
+                "too coarse there; make them finer until it stays"
+            )
+        return tuple(found)
 
     def __str__(self) -> str:
         where = f" of region {self.region!r}" if self.region else ""
@@ -103,17 +127,54 @@ def first_failure(
     assert best is not None
     least, region, ply, place, cell = best
     corner, face = (place // 2) % mesh.corner_count, place % 2
+    at = mesh.corners[cell, corner]
+    own = _own_ratio(solution, criterion, interaction, (cell, corner, region, ply.number, face))
     return PlateFailure(
         criterion=criterion,
         ratio=least,
-        at=(float(mesh.corners[cell, corner, 0]), float(mesh.corners[cell, corner, 1])),
+        at=(float(at[0]), float(at[1])),
         region=mesh.region_names[region],
         number=ply.number,
         ply=ply.ply,
         face=_FACES[face],
         mode=MODES[int(ply.mode.ravel()[place])],
         unjudged=tuple(mesh.region_names[k] for k in range(len(problem.laminates)) if k not in judged),
+        off=_apart(least, own),
+        sharp=sharp_place(solution, at, float(np.hypot(*(mesh.corners[cell] - at).T).max()))
+        if np.isfinite(least)
+        else "",
     )
+
+
+def _apart(one: float, other: float) -> float:
+    """Part of the larger by which two ratios differ; either may be 0 or inf."""
+    if one == other:
+        return 0.0
+    return 1.0 - min(one, other) / max(one, other)
+
+
+def _own_ratio(
+    solution: Solution, criterion: str, interaction: float, where: tuple[int, int, int, int, int]
+) -> float:
+    """Strength ratio by the element's own strains: at a corner of a cell, of a region, of a ply, on a face."""
+    cell, corner, region, number, face = where
+    problem = solution.problem
+    element = problem.dofs.element
+    xi = np.tile(np.array(CORNERS[element.cell][corner], dtype=float), (len(problem.mesh.cells), 1))
+    strains = solution.cell_strains(xi)[cell]
+    climate = solution.climates[region].at(problem.mesh.corners[cell, corner])
+    plies = ply_failures(
+        problem.laminates[region],
+        strains[:3] if element.stretches else np.zeros(3),
+        strains[-3:] if element.bends else np.zeros(3),
+        temperature=climate.temperature,
+        moisture=climate.moisture,
+        fields=climate.fields,
+        interaction=interaction,
+    )
+    ply = next(one for one in plies if one.number == number)
+    ratio = ply.tsai_wu_ratio if criterion == "tsai-wu" else ply.max_stress_ratio
+    return float(ratio[face])
 
 
 def _is_known(laminate: Laminate) -> bool:

@@ -72,8 +72,8 @@ def mesh_of(
 def problem_of(
     file: PlateFile, element: str | None = None, size: float | None = None, solver: str = "auto"
 ) -> Problem:
-    """Meshed, and ready to be solved; circles have as many corners as the mesh's edges call for. Element "auto" is chosen
-    by `choose_element`, and told among the notes.
+    """Meshed, and ready to be solved; circles have as many corners as the mesh's edges call for. Element "auto" is
+    chosen by `choose_element`, and told among the notes.
 
     Raises DesignError as `mesh_of` and `Problem` do, with the place in the file."""
     return _meshed(file.drawn_for(size), element, size, solver)

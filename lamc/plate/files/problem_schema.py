@@ -257,7 +257,8 @@ class LoadModel(Model):
 
 
 class OutputModel(Model):
-    """A value to print: {name: middle, at: [0, 0], value: w, expected: 0.1 mm}."""
+    """A value to print: {name: middle, at: [0, 0], value: w, expected: 0.1 mm}. Curvatures, moments and forces are
+    recovered from patches of cells, as the extremes are."""
 
     at: Point
     name: str | None = None

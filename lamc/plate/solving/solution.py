@@ -4,7 +4,8 @@ In: unknowns at the nodes, and the problem they belong to. Out: deflection, slop
 ply states, reactions, energy. Never: solves.
 
 Arrays of x and y may have any shape; results have that shape, with components last. Points on the boundary belong to
-the plate; on an edge between cells, where curvature and moments jump, the first of them counts.
+the plate; on an edge between cells, where curvature and moments jump, the first of them counts. They are the element's
+own; `recovered` has the better ones, by which extremes, outputs of files and first failures go.
 """
 
 from dataclasses import dataclass, replace
@@ -191,14 +192,14 @@ class Solution:
         """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
         6)."""
         return np.asarray(
-            self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells, self._sections)
+            self._system.kernels.strain(self.problem.mesh.corners, xi, self.cell_unknowns, self._sections)
         )
 
     def cell_shear(self, xi: Array) -> Array:
         """(γ_x, γ_y) through the thickness at natural coordinates `xi` (cells, 2) of every cell, (cells, 2). Raises
         UnsupportedError for an element without shear."""
         corners, read = self.problem.mesh.corners, self._system.section_rows[self.problem.mesh.regions]
-        return np.asarray(self._system.kernels.shear(corners, xi, self._of_cells, read))
+        return np.asarray(self._system.kernels.shear(corners, xi, self.cell_unknowns, read))
 
     def answer_to(self, forces: Array) -> Array:
         """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
@@ -233,7 +234,8 @@ class Solution:
     # --- inside ------------------------------------------------------------------------------------------------------
 
     @lazy
-    def _of_cells(self) -> Array:
+    def cell_unknowns(self) -> Array:
+        """Unknowns of all cells, (cells, unknowns of the element), without the rigid motion of their first node."""
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
 
     @lazy

@@ -15,6 +15,7 @@ from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import checked_element, combine, element
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.hinge_lines import HingeLine, hinge_edges
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
@@ -44,6 +45,7 @@ class Problem:
     cases      more loads by the name of a case; they are solved together
     tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
     hinges     records of `hinge_lines.py`: lines inside the plate along which it may fold
+    foundations  records of `foundations.py`: elastic ground under the plate
 
     laminates  (regions,), in the order of the mesh's regions
     dofs       unknowns of the element that was chosen: `problem.dofs.element`
@@ -59,6 +61,7 @@ class Problem:
     cases: Mapping[str, Sequence[LoadRecord]] = field(default_factory=dict)
     tolerance: float = 1e-6
     hinges: Sequence[HingeLine] = ()
+    foundations: Sequence[ElasticFoundation] = ()
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
     places: Places = field(init=False, repr=False)
@@ -77,7 +80,14 @@ class Problem:
         self._put("cases", _checked_cases(self.cases))
         self._put("laminates", laminates_of(self.laminate, self.mesh))
         self._put("hinges", checked_kinds(self.hinges, (HingeLine,), "hinges of a Problem"))
+        found = checked_kinds(self.foundations, (ElasticFoundation,), "foundations of a Problem")
+        self._put("foundations", found)
         self._number(Dofs(self.mesh, self._chosen_element()))
+        if found and not self.dofs.element.bends:
+            raise DesignError(
+                f"an ElasticFoundation holds deflections, and element {self.dofs.element.name!r} has none; choose one "
+                "that bends"
+            )
         self._put("hinge_edges", hinge_edges(self.places, self.hinges))
         if self.hinges:
             lines = np.unique(np.concatenate(self.hinge_edges))

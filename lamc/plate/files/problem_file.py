@@ -84,6 +84,7 @@ def read_plate(node: Node) -> PlateFile:
     actions = Actions(places, problems, bare)
     supports = actions.supports(model.supports)
     hinges = actions.hinges(model.hinges)
+    foundations = actions.foundations(model.foundation)
     cases = actions.cases(model.loads, model.cases)
     outputs = [
         problems.attempt(("outputs", index), partial(_output, entry, index, places, laminate, bare))
@@ -108,6 +109,7 @@ def read_plate(node: Node) -> PlateFile:
         story=model.story.strip(),
         origins=Origins(Place(node.file), _keys(node), records),
         hinges=hinges,
+        foundations=foundations,
         notes=() if places.body is None else places.body.notes,
     )
 

@@ -82,6 +82,7 @@ def _problem(file: PlateFile, made: Mesh, element: str | None) -> Problem:
         loads=single,
         cases=cases,
         hinges=file.hinges,
+        foundations=file.foundations,
     )
 
 

@@ -153,10 +153,11 @@ def rows_in_c(sim: Any, states: Array) -> tuple[Callable[[], Any], Array]:
     model = motion.model
     result = np.zeros((len(states), len(sim.joints)))
     times = np.zeros(len(states))
-    arguments = (motion.handle, len(states), model.read(times), model.read(states), model.write(result))
+    opened = motion.opened()
+    arguments = (opened.handle, len(states), model.read(times), model.read(states), model.write(result))
     function = model.lib.lamc_motion_accelerations
 
-    def evaluate(keep: tuple[Any, ...] = (motion, times, states)) -> None:
+    def evaluate(keep: tuple[Any, ...] = (opened, times, states)) -> None:
         function(*arguments)
 
     return evaluate, result

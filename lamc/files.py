@@ -2,12 +2,14 @@
 
 import difflib
 import os
-import tempfile
+import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from lamc.errors import DesignError, LamcError, Place, RequestError
+
+_TRIES = 100  # names of 16 random digits that are all taken: the folder itself is at fault
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -55,13 +57,9 @@ def replacing(path: Path) -> Iterator[Path]:
     the old file or the new one, never a part. Raises LamcError where the folder is missing or cannot be written."""
     temporary: Path | None = None
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.", suffix=".part")
-        os.close(handle)
-        temporary = Path(name)
+        temporary = fresh_file(path.parent, f".{path.name[:40]}.", ".part")
         yield temporary
-        with temporary.open("rb") as written:
-            os.fsync(written.fileno())  # else a crash of the system may leave the new name with no content
-        temporary.chmod(0o666 & ~umask())  # mkstemp gives 0600
+        settle(temporary)
         temporary.replace(path)
     except OSError as error:
         raise LamcError(
@@ -78,8 +76,31 @@ def write_text(path: Path, text: str) -> None:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def umask() -> int:
-    """The process's file mode mask; the system lets it be read only by setting it."""
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask
+# What `tempfile` makes is for its owner's eyes only, and the mask that files are to have can be read only by setting
+# it, for all threads at once. So files and folders are made as `open` and `mkdir` make them: the system applies it.
+
+
+def fresh_file(folder: Path, prefix: str, suffix: str = "") -> Path:
+    """An empty file that was not there, with the rights of any new file of this process. Raises OSError."""
+    for _ in range(_TRIES):
+        path = folder / f"{prefix}{secrets.token_hex(8)}{suffix}"
+        with suppress(FileExistsError):
+            os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            return path
+    raise FileExistsError(f"no name is free for a new file in {str(folder)!r}")
+
+
+def fresh_folder(parent: Path, prefix: str) -> Path:
+    """An empty folder that was not there, with the rights of any new folder of this process. Raises OSError."""
+    for _ in range(_TRIES):
+        path = parent / f"{prefix}{secrets.token_hex(8)}"
+        with suppress(FileExistsError):
+            path.mkdir()
+            return path
+    raise FileExistsError(f"no name is free for a new folder in {str(parent)!r}")
+
+
+def settle(path: Path) -> None:
+    """Has the system write a file's content, else a crash of it may leave the file's name with no content."""
+    with path.open("r+b") as written:  # Windows refuses this for files opened to be read only
+        os.fsync(written.fileno())

@@ -1,5 +1,6 @@
 """`CompileOptions`: everything a user can choose that changes the binary. What is not here cannot."""
 
+import sys
 from dataclasses import dataclass
 
 from lamc.errors import BuildError
@@ -41,7 +42,9 @@ class CompileOptions:
         """Compiler flags. -ffp-contract=off, so that results repeat from machine to machine. NaN and infinity keep
         their meaning in all of them: the runtime looks for them. LAMC_FLOAT changes nothing in C text that is float
         already; it lets keys of the cache and the provenance of results tell."""
-        common = ("-std=c11", "-O2", "-fPIC", *(("-DLAMC_FLOAT",) if self.precision == "float" else ()))
+        # Code on Windows is independent of its position by itself; clang takes -fPIC there for an error.
+        position = () if sys.platform == "win32" else ("-fPIC",)
+        common = ("-std=c11", "-O2", *position, *(("-DLAMC_FLOAT",) if self.precision == "float" else ()))
         if self.fast:
             return (*common, "-march=native", "-ffp-contract=fast")
         return (*common, "-ffp-contract=off")

@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache as memoise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,8 +26,10 @@ from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.once import alone_with, remembered
 from lamc.options import CompileOptions
 from lamc.places import told_at
+from lamc.run.arguments import check_names
 from lamc.run.simulator import Simulator
 from lamc.scene import Scene
 
@@ -131,13 +132,15 @@ def _compiled(
             loops = _loops_of(mechanism, effects, scene)
     compiler = find_compiler(options.compiler)
 
-    @memoise
+    @remembered
     def equations() -> "Equations":
         return equations_of(mechanism, effects, times, loops, scene.inputs)
 
-    @memoise
+    @remembered
     def sources(*, books: bool) -> "tuple[Program, SourceTree]":
-        return sources_of(equations(), times, books=books, precision=options.precision)
+        derived = equations()
+        with alone_with(derived.store):  # powers are written to it when they are first asked for
+            return sources_of(derived, times, books=books, precision=options.precision)
 
     def module(*, books: bool) -> Module:
         alias = input_digest(mechanism, effects, loops, compiler, options, scene.inputs, books=books)
@@ -174,6 +177,9 @@ def _compiled(
 def _loops_of(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene) -> LoopCount:
     """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
     arrangement = arrange(plan(mechanism), effects)
+    cuts = tuple(cut.joint.name for cut in arrangement.tree.cuts)
+    known = (*arrangement.tree.joint_names, *cuts, *(joint.name for joint in mechanism.joints))
+    check_names(scene, tuple(dict.fromkeys(known)))
     if arrangement.compliant or arrangement.flexible:
         return count_loops(arrangement.tree, scene.closure_tolerance)
     return loops_of(arrangement.tree, scene)

@@ -220,11 +220,11 @@ def test_a_folder_that_may_not_be_written_is_told_in_one_line(
 ) -> None:
     """The same for the superuser, whom no mode bits stop."""
 
-    def failing(**_: object) -> str:
+    def failing(*_: object) -> Path:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
     (tmp_path / "ro").mkdir()
-    monkeypatch.setattr("tempfile.mkdtemp", failing)
+    monkeypatch.setattr(folder_module, "fresh_folder", failing)
     for out in (tmp_path / "ro", tmp_path / "new"):
         told = refused(out)
         assert "Permission denied" in told

@@ -48,7 +48,10 @@ def sections(name: str) -> Array:
         blocks = (
             [full] if made.strain_count == 3 else [full[:3, :3], full[:3, 3:] + full[3:, :3], full[3:, 3:]]
         )
-        rows.append(np.concatenate([((b + b.T) / 2)[np.triu_indices(3)] for b in blocks]))
+        row = [((b + b.T) / 2)[np.triu_indices(3)] for b in blocks]
+        if made.element.shear:
+            row += [scale * np.array([1.0, 0.1, 1.2]), row[-1]]  # H, and D about the neutral surface
+        rows.append(np.concatenate(row))
     return np.array(rows)
 
 

@@ -276,9 +276,11 @@ def test_a_mesh_follows_the_lines_and_points_of_the_file() -> None:
     # The line's ends and its parts of a wanted edge each; round-off of coordinates.
     assert sum(line.distance(Point(p)) < 1e-12 for p in points) >= 1 + round(line.length / 0.02)
     assert min(np.hypot(*(points - (0.02, 0.06)).T)) < 1e-12
+    # What acts along a line is followed without being told; a grid is where it is.
+    problem_of(plate_of_text(head + "geometry: {rect: [0, 0, 200, 100], size: 20}\n" + more, "plate.yaml"))
     with pytest.raises(DesignError, match="lies along no edge of the mesh"):
         problem_of(
-            plate_of_text(head + "geometry: {rect: [0, 0, 200, 100], size: 20}\n" + more, "plate.yaml")
+            plate_of_text(head + "geometry: {rect: [0, 0, 200, 100], grid: [9, 7]}\n" + more, "plate.yaml")
         )
 
 

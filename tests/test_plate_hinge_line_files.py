@@ -112,7 +112,7 @@ def test_bodies_on_a_line_bend_as_those_on_a_strip() -> None:
             2e-3,
             regions=found.regions,
             sizes={name: 0.25e-3 for name in found.regions if name.startswith("hinge")},
-            follow=[line.where for line in lines],
+            follow=[*(line.where for line in lines), found.fixed.boundary],
         )
         problem = plate.Problem(
             mesh,

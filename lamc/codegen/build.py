@@ -18,7 +18,7 @@ from lamc._version import __version__
 from lamc.codegen.cache import Cache
 from lamc.codegen.emit import SourceTree
 from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
-from lamc.codegen.toolchain import Compiler, run_compiler
+from lamc.codegen.toolchain import Compiler, make_library, make_objects
 from lamc.errors import BuildError
 from lamc.options import CompileOptions
 
@@ -81,10 +81,7 @@ def _runtime_objects(
     def make(folder: Path) -> None:
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8", newline="\n")
-        run_compiler(compiler, [*options.flags, "-c", *units], folder)
-        for name in objects:
-            if not (folder / name).is_file():
-                raise BuildError(f"the C compiler {compiler.command[0]!r} made no {name} and gave no error")
+        make_objects(compiler, options.flags, units, folder)
 
     folder = cache.find(key) or cache.put(key, make, noted)
     return [folder / name for name in objects]
@@ -99,11 +96,8 @@ def _maker(
         write_sources(tree, source)
         entry = f"this_{tree.kind}.c"
         (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
-        inputs = [entry, f"{SOURCES}/{tree.prefix}.c", *map(str, objects)]
-        arguments = [*options.flags, "-shared", f"-I{SOURCES}", "-o", LIBRARY, *inputs, "-lm"]
-        run_compiler(compiler, arguments, folder)
-        if not (folder / LIBRARY).is_file():
-            raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
+        units = [entry, f"{SOURCES}/{tree.prefix}.c"]
+        make_library(compiler, [*options.flags, f"-I{SOURCES}"], units, LIBRARY, folder, objects)
         binding = cffi.FFI()
         binding.cdef(tree.declarations + f"const lamc_{tree.kind} *lamc_this_{tree.kind}(void);\n")
         binding.set_source("binding", None)
@@ -113,7 +107,8 @@ def _maker(
             binding.dlopen(str(folder / LIBRARY))
         except OSError as error:
             raise BuildError(
-                f"the C compiler {compiler.command[0]!r} made a library that does not load: {error}"
+                f"the C compiler {compiler.command[0]!r} made a library that does not load: {error}; "
+                "it may compile for another machine"
             ) from error
 
     return make

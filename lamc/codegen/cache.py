@@ -6,6 +6,7 @@ does not match is thrown away and built again.
 """
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -23,14 +24,22 @@ STALE = 86_400.0  # s; nothing is under way for longer than this
 
 
 def cache_root(environment: Mapping[str, str] | None = None) -> Path:
-    """$LAMC_CACHE_DIR, else $XDG_CACHE_HOME/lamc, else ~/.cache/lamc."""
+    """$LAMC_CACHE_DIR, else $XDG_CACHE_HOME/lamc, else ~/.cache/lamc. Raises BuildError for a user without a home."""
     environment = os.environ if environment is None else environment
     if chosen := environment.get("LAMC_CACHE_DIR"):
         return Path(chosen).absolute()
-    base = environment.get("XDG_CACHE_HOME") or str(
-        Path(environment.get("HOME", "~")).expanduser() / ".cache"
-    )
-    return Path(base).absolute() / "lamc"
+    if base := environment.get("XDG_CACHE_HOME"):
+        return Path(base).absolute() / "lamc"
+    try:
+        home = Path(environment.get("HOME") or "~").expanduser()
+    except RuntimeError as error:
+        raise BuildError("there is no home folder; set $LAMC_CACHE_DIR to a folder of your own") from error
+    return home.absolute() / ".cache" / "lamc"
+
+
+def make_root(root: Path) -> None:
+    """The folder of a cache, the user's own. Raises OSError."""
+    root.mkdir(mode=0o700, parents=True, exist_ok=True)
 
 
 class Cache:
@@ -79,13 +88,16 @@ class Cache:
         """Lets `alias` stand for `key`; a cache that cannot be written forgets it without harm."""
         with contextlib.suppress(OSError):
             handle, name = tempfile.mkstemp(prefix=".new-", dir=self.root)
-            with os.fdopen(handle, "w", encoding="ascii") as stream:
-                stream.write(key)
-            os.replace(name, self.root / f"{alias}.key")
+            try:
+                with os.fdopen(handle, "w", encoding="ascii") as stream:
+                    stream.write(key)
+                os.replace(name, self.root / f"{alias}.key")
+            except OSError:
+                os.unlink(name)
 
     def _prepare(self) -> None:
         try:
-            self.root.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_root(self.root)
         except OSError as error:
             raise self._unwritable(error) from error
         self._check_owner(self.root)
@@ -116,11 +128,14 @@ class Cache:
             try:
                 os.rename(fresh, place)
                 return place
-            except OSError:
-                if not place.exists():
+            except OSError as error:
+                # Taken a moment ago and free by now: another process is moving a damaged entry aside.
+                if not place.exists() and error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
                     raise
                 if intact(place):
                     return place
+                if not place.exists():
+                    continue
                 aside = Path(tempfile.mkdtemp(prefix=".old-", dir=self.root))
                 with contextlib.suppress(OSError):
                     os.rename(place, aside / "entry")

@@ -23,6 +23,7 @@ LANES = 2  # cells at once: what all 64-bit processors have registers for; four 
 MAX_BLOCK = 3000  # statements
 MATRICES = ("stiffness", "mass", "geometric")
 EXTENDED = ("force",)
+IN_SECTION = ("strain_in_section", "prestress_in_section", "shear_in_section")
 
 # what a space is called and holds, per cell
 _ARGUMENTS = {
@@ -176,4 +177,5 @@ def _members(prefix: str, functions: Mapping[str, Function]) -> list[str]:
     members += [
         f"{prefix}_assemble_{name}" if name in functions else "NULL" for name in (*MATRICES, *EXTENDED)
     ]
-    return members + [f"{prefix}_assemble_{name}_extended" for name in EXTENDED]
+    members += [f"{prefix}_assemble_{name}_extended" for name in EXTENDED]
+    return members + [f"{prefix}_{name}" if name in functions else "NULL" for name in IN_SECTION]

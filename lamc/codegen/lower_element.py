@@ -33,10 +33,11 @@ def lower_element(equations: "ElementEquations") -> ElementProgram:
         functions=MappingProxyType({f.name: f for f in functions}),
         points=MappingProxyType({f.name: f.points for f in equations.functions.values() if f.points}),
         source=element.source,
+        shear=element.shear,
     )
     text = hashlib.sha256()
     facts = (program.nodes, program.corner_count, program.fields, program.source, dict(program.points))
-    text.update(repr((program.name, *facts)).encode())
+    text.update(repr((program.name, *facts, *("shear",) * program.shear)).encode())
     for function in functions:
         for line in canonical(function):
             text.update(f"{line}\n".encode())

@@ -1,6 +1,9 @@
-"""Loads a compiled module from its entry in the cache. Imports nothing that only building needs."""
+"""Loads a compiled module from its entry in the cache. Imports nothing that only building needs, and writes nothing.
 
-import importlib.util
+*Invariant*: an entry stays as it was built, so its binding is executed from its text. To Python's import it would be a
+module like any other, whose bytecode is put beside it: a file that the entry's manifest does not know.
+"""
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,17 +29,15 @@ class Module:
 
 def load_module(folder: Path) -> Module:
     """Opens an entry of the cache that was found intact. Raises BuildError if the library does not load."""
-    name = f"_lamc_binding_{folder.name}"
     try:
-        spec = importlib.util.spec_from_file_location(name, folder / BINDING)
-        assert spec is not None
-        assert spec.loader is not None
-        binding = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(binding)
-        lib = binding.ffi.dlopen(str(folder / LIBRARY))
-    except (OSError, ImportError, SyntaxError) as error:
+        path = folder / BINDING
+        names: dict[str, Any] = {"__name__": f"_lamc_binding_{folder.name}"}
+        exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), names)
+        ffi = names["ffi"]
+        lib = ffi.dlopen(str(folder / LIBRARY))
+    except (OSError, ImportError, SyntaxError, KeyError) as error:
         raise BuildError(
             f"the compiled module in {folder} does not load: {error}; delete it and run again"
         ) from error
     noted = facts(folder)
-    return Module(binding.ffi, lib, folder / SOURCES, noted["compiler"], tuple(noted["flags"].split()))
+    return Module(ffi, lib, folder / SOURCES, noted["compiler"], tuple(noted["flags"].split()))

@@ -203,6 +203,7 @@ class ElementProgram:
     functions: Mapping[str, Function]
     points: Mapping[str, tuple[tuple[float, float, float], ...]]
     source: str = ""  # where the element comes from
+    shear: bool = False  # through the thickness
     digest: str = ""  # of everything above
 
     @property
@@ -222,8 +223,8 @@ class ElementProgram:
 
     @property
     def section_count(self) -> int:
-        """Unique entries of D or A, or of A, B and D."""
-        return 18 if self.strain_count == 6 else 6
+        """Unique entries of D or A, or of A, B and D; with shear, of H and of D about the neutral surface as well."""
+        return (18 if self.strain_count == 6 else 6) + 9 * self.shear
 
     def size(self, space: Space) -> int:
         """How many values a cell has of an input."""

@@ -1,6 +1,8 @@
-"""Finds the C compiler, tells one from another, and runs it: an argument list, never a shell."""
+"""Finds the C compiler, tells one from another, and runs it: an argument list, never a shell.
 
-import importlib.util
+What zig needs beside its arguments is in `zig.py`, what flags such as -march=native come to in `target.py`.
+"""
+
 import os
 import shlex
 import shutil
@@ -10,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lamc.codegen import zig
 from lamc.errors import BuildError
 
 TIMEOUT = 600  # s; a compiler that takes longer on lamc's output hangs
@@ -18,10 +21,11 @@ INSTALL_HINT = "install gcc or clang, or `pip install lamc[cc]`, or name one wit
 
 @dataclass(frozen=True)
 class Compiler:
-    """A command, and an identity that changes when the program behind it does."""
+    """A command, an identity that changes when the program behind it does, and what it needs in its environment."""
 
     command: tuple[str, ...]
     identity: str
+    environment: tuple[tuple[str, str], ...] = ()
 
 
 def find_compiler(wanted: str | None, environment: Mapping[str, str] | None = None) -> Compiler:
@@ -39,20 +43,25 @@ def find_compiler(wanted: str | None, environment: Mapping[str, str] | None = No
                 raise BuildError(
                     f"the C compiler {command[0]!r} named by {origin} is not there; {INSTALL_HINT}"
                 )
-            return _compiler(program, command[1:])
+            return _compiler(program, command[1:], environment)
     for name in ("cc", "gcc", "clang"):
         program = shutil.which(name, path=environment.get("PATH"))
         if program is not None:
-            return _compiler(program, [])
-    zig = _zig()
-    if zig is not None:
-        return zig
+            return _compiler(program, [], environment)
+    command_of_zig = _zig()
+    if command_of_zig is not None:
+        return _compiler(command_of_zig[0], command_of_zig[1:], environment)
     raise BuildError(f"no C compiler found; {INSTALL_HINT}")
 
 
 def _split(text: str, origin: str) -> list[str]:
     try:
-        command = shlex.split(text)
+        # To a POSIX shell the backslashes of a path on Windows are escapes.
+        command = (
+            [word.strip('"') for word in shlex.split(text, posix=False)]
+            if os.name == "nt"
+            else shlex.split(text)
+        )
     except ValueError as error:
         raise BuildError(f"{origin} is {text!r}, which is no command: {error}") from error
     if not command:
@@ -60,37 +69,85 @@ def _split(text: str, origin: str) -> list[str]:
     return command
 
 
-def _compiler(program: str, arguments: Sequence[str]) -> Compiler:
-    """Identity by file, size and time of change: asking `--version` would cost more than loading from the cache."""
-    path = Path(program).resolve()
+def _compiler(program: str, arguments: Sequence[str], environment: Mapping[str, str]) -> Compiler:
+    """Identity by file, size and time of change: asking `--version` would cost more than loading from the cache.
+
+    The machine's kind is part of it: one program may compile for two, as Apple's does."""
+    arguments = tuple(arguments)
+    own: tuple[tuple[str, str], ...] = ()
+    parts = [_stamp(Path(program)), machine()]
+    if zig.is_zig(program, arguments):
+        arguments = zig.with_target(arguments, machine())
+        own = zig.environment(environment)
+        parts += [_stamp(path) for path in zig.program_files(program, arguments)]
+    return Compiler((program, *arguments), " ".join([*parts, *arguments]), own)
+
+
+def _stamp(program: Path) -> str:
+    path = program.resolve()
     try:
         status = path.stat()
     except OSError as error:
-        raise BuildError(f"the C compiler {program!r} cannot be read: {error.strerror}") from error
-    return Compiler(
-        (program, *arguments), f"{path} {status.st_size} {status.st_mtime_ns} {' '.join(arguments)}"
-    )
+        raise BuildError(f"the C compiler {str(program)!r} cannot be read: {error.strerror}") from error
+    return f"{path} {status.st_size} {status.st_mtime_ns}"
 
 
-def _zig() -> Compiler | None:
-    """The compiler of the ziglang package. Without an explicit target zig enables FMA by itself."""
-    if importlib.util.find_spec("ziglang") is None:
-        return None
-    system = {"linux": "linux-gnu", "darwin": "macos", "win32": "windows-gnu"}.get(sys.platform)
-    machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(os.uname().machine, os.uname().machine)
-    if system is None:
-        return None
-    command = (sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{system}")
-    spec = importlib.util.find_spec("ziglang")
-    return Compiler(command, f"ziglang {spec.origin if spec else ''} {machine}-{system}")
+def machine() -> str:
+    """The kind of this machine's processor, such as "x86_64" or "AMD64"; Windows has no uname."""
+    if hasattr(os, "uname"):
+        return os.uname().machine
+    return os.environ.get("PROCESSOR_ARCHITECTURE", "")
 
 
-def run_compiler(compiler: Compiler, arguments: Sequence[str], folder: Path) -> None:
-    """Runs the compiler in `folder`. Raises BuildError with its first error."""
+def _zig() -> tuple[str, ...] | None:
+    """The command of the ziglang package, if it is there."""
+    return (sys.executable, "-m", "ziglang", "cc") if zig.has_package() and zig.target(machine()) else None
+
+
+def make_objects(compiler: Compiler, flags: Sequence[str], units: Sequence[str], folder: Path) -> list[Path]:
+    """Objects of `units`, C files relative to `folder`, in `folder` itself; returned in their order.
+
+    One unit per call: zig's `cc -c a.c b.c` makes an object of the first alone, and gives no error. Raises BuildError.
+    """
+    objects = []
+    for unit in units:
+        made = folder / f"{Path(unit).stem}.o"
+        run_compiler(compiler, [*flags, "-c", unit, "-o", made.name], folder)
+        _check_made(compiler, made)
+        objects.append(made)
+    return objects
+
+
+def make_library(
+    compiler: Compiler,
+    flags: Sequence[str],
+    units: Sequence[str],
+    library: str,
+    folder: Path,
+    objects: Sequence[Path] = (),
+) -> None:
+    """The shared library `library` in `folder`, of `units` and of `objects` made earlier. Raises BuildError."""
+    own = make_objects(compiler, flags, units, folder)
+    linked = [path.name for path in own] + [str(path) for path in objects]
+    run_compiler(compiler, [*flags, "-shared", "-o", library, *linked, "-lm"], folder)
+    _check_made(compiler, folder / library)
+    for path in own:
+        path.unlink()
+
+
+def _check_made(compiler: Compiler, path: Path) -> None:
+    if not path.is_file():
+        raise BuildError(f"the C compiler {compiler.command[0]!r} made no {path.name} and gave no error")
+
+
+def run_compiler(compiler: Compiler, arguments: Sequence[str], folder: Path) -> str:
+    """Runs the compiler in `folder`. Returns what it prints. Raises BuildError with its first error."""
+    zig.prepare(compiler.environment)
     try:
         done = subprocess.run(
             [*compiler.command, *arguments],
             cwd=folder,
+            env={**os.environ, **dict(compiler.environment)},
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
@@ -111,5 +168,6 @@ def run_compiler(compiler: Compiler, arguments: Sequence[str], folder: Path) -> 
         )
         raise BuildError(
             f"the C compiler {compiler.command[0]!r} failed with exit code {done.returncode}: {told[:300]}; "
-            "`lamc doctor` tests it on one line"
+            "`lamc doctor` tests it on a small model"
         )
+    return done.stdout

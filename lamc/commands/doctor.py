@@ -1,10 +1,13 @@
 """`lamc doctor`: looks at what lamc needs on this machine, and says what to install.
 
 In: the machine as it is. Out: a line per matter, exit code 4 without a working compiler. It changes nothing: the
-compiler is tried in a folder that is thrown away.
+compiler builds and runs a small model in a folder that is thrown away. Only zig keeps what it made of its own
+libraries, in the folder `zig` of lamc's cache.
 """
 
 import importlib.util
+import math
+import os
 import platform
 import shutil
 import subprocess
@@ -14,14 +17,14 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import cffi
+import numpy as np
 
+import lamc
 from lamc._version import __version__
-from lamc.codegen.cache import cache_root
-from lamc.codegen.toolchain import Compiler, find_compiler, run_compiler
+from lamc.codegen.cache import Cache, cache_root
+from lamc.codegen.toolchain import Compiler, find_compiler
 from lamc.commands.terminal import Terminal
 from lamc.errors import BuildError, LamcError
-from lamc.options import CompileOptions
 from lamc.report.run_text import duration
 
 _OPTIONAL = (
@@ -32,7 +35,9 @@ _OPTIONAL = (
     ("sksparse", "CHOLMOD for large plates", "pip install scikit-sparse, with SuiteSparse and a tuned BLAS"),
     ("pypardiso", "PARDISO for large plates, by choice", "pip install pypardiso"),
 )
-_ANSWER = 41
+# A pendulum hangs a quarter of its period after it was let go: K(sin 45 deg) / sqrt(m g l / (I + m l^2)), in s.
+_QUARTER = 1.8540746773013719 * math.sqrt(1.25)
+_CLOSE = 1e-6  # rad; at rtol 1e-9 the run is off by 1e-9 or so
 
 
 @dataclass(frozen=True)
@@ -64,43 +69,48 @@ def doctor(compiler: str | None, terminal: Terminal) -> int:
 def _compiler(wanted: str | None) -> Finding:
     try:
         compiler = find_compiler(wanted)
-        seconds = _try_compiler(compiler)
+        seconds = _try_compiler(compiler, wanted)
     except LamcError as error:
         return Finding("C compiler", "broken", error.message)
     command = " ".join(compiler.command)
     return Finding(
         "C compiler",
         "ok",
-        f"{command} ({_version(compiler)}); compiles and loads a module in {duration(seconds)}",
+        f"{command} ({_version(compiler)}); compiles, loads and runs a model in {duration(seconds)}",
     )
 
 
-def _try_compiler(compiler: Compiler) -> float:
-    """Seconds to compile and load a function of one line. Raises BuildError if that fails."""
-    with tempfile.TemporaryDirectory(prefix="lamc-doctor-") as name:
-        folder = Path(name)
-        (folder / "one.c").write_text(f"int lamc_answer(void) {{ return {_ANSWER}; }}\n", encoding="ascii")
-        started = time.perf_counter()
-        run_compiler(compiler, [*CompileOptions().flags, "-shared", "-o", "one.so", "one.c"], folder)
-        ffi = cffi.FFI()
-        ffi.cdef("int lamc_answer(void);")
-        try:
-            library = ffi.dlopen(str(folder / "one.so"))
-            answer = library.lamc_answer()
-            ffi.dlclose(library)
-        except OSError as error:
+def _try_compiler(compiler: Compiler, wanted: str | None) -> float:
+    """Seconds to compile, load and run a pendulum as any run would. Raises LamcError if that fails."""
+    started = time.perf_counter()
+    # A library that is loaded cannot be removed on Windows.
+    with tempfile.TemporaryDirectory(prefix="lamc-doctor-", ignore_cleanup_errors=True) as name:
+        cache = Cache(Path(name) / "cache")
+        simulator = lamc.compile(*_pendulum(), lamc.CompileOptions(wanted), cache=cache)
+        result = simulator.run(t_end=_QUARTER, rtol=1e-9)
+        seconds = time.perf_counter() - started
+        missed = abs(float(result.angle("hinge")[-1]) - math.pi / 2)
+        if not (result.success and missed < _CLOSE):
             raise BuildError(
-                f"what {compiler.command[0]!r} makes does not load here: {error}; it may compile for another machine"
-            ) from error
-        if answer != _ANSWER:
-            raise BuildError(f"what {compiler.command[0]!r} makes gives wrong answers; use another compiler")
-        return time.perf_counter() - started
+                f"what {compiler.command[0]!r} makes gives wrong answers (a pendulum is off by {missed:.1e} rad); "
+                "use another compiler"
+            )
+    return seconds
+
+
+def _pendulum() -> tuple[lamc.Mechanism, lamc.Scene]:
+    """1 kg, 1 m from its hinge, let go from the horizontal under 1 m/s^2; its inertia makes I + m l^2 = 1.25 kg m^2."""
+    bob = lamc.Body("bob", 1.0, np.array([1.0, 0.0, 0.0]), 0.25 * np.eye(3))
+    hinge = lamc.Joint("hinge", "wall", "bob", axis=np.array([0.0, 1.0, 0.0]))
+    mechanism = lamc.Mechanism((lamc.Body("wall", fixed=True), bob), (hinge,), name="pendulum")
+    return mechanism, lamc.Scene(effects=(lamc.Gravity((0.0, 0.0, -1.0)),))
 
 
 def _version(compiler: Compiler) -> str:
     try:
         done = subprocess.run(
             [*compiler.command, "--version"],
+            env={**os.environ, **dict(compiler.environment)},
             capture_output=True,
             text=True,
             errors="replace",

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from lamc.commands.terminal import INTERRUPTED, Terminal, printable
+from lamc.commands.terminal import INTERRUPTED, Terminal, open_streams, tell
 from lamc.errors import DesignError
 from lamc.options import PRECISIONS
 
@@ -32,6 +32,7 @@ class Cli(click.Group):
         **extra: Any,
     ) -> Any:
         """Runs a verb and ends the process with its exit code."""
+        open_streams()
         for stream in (sys.stdout, sys.stderr):
             if hasattr(stream, "reconfigure"):  # an old terminal may lack a sign such as °
                 stream.reconfigure(errors="replace")
@@ -40,13 +41,13 @@ class Cli(click.Group):
         except click.UsageError as error:
             where = error.ctx.command_path if error.ctx is not None else "lamc"
             told = " ".join(error.format_message().split())
-            click.echo(printable(f"error: {told} (see `{where} --help`)"), err=True)
+            tell(f"error: {told} (see `{where} --help`)")
             code = error.exit_code
         except click.ClickException as error:
-            click.echo(printable(f"error: {error.format_message()}"), err=True)
+            tell(f"error: {error.format_message()}")
             code = 2
         except (click.Abort, KeyboardInterrupt):
-            click.echo("error: interrupted", err=True)
+            tell("error: interrupted")
             code = INTERRUPTED
         if not standalone_mode:
             return code

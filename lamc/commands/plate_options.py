@@ -48,7 +48,9 @@ shown = together(
 @click.command()
 @shown
 @click.option(
-    "--element", metavar="NAME", help="Element, such as dkt, specht or dkt+lst; alone: tells what it is."
+    "--element",
+    metavar="NAME",
+    help="Element, such as dkt, dkmt (with shear) or dkt+lst; auto: one of the first two; alone: tells what it is.",
 )
 @click.option(
     "--size", metavar="LENGTH", help="Length of the mesh's edges, such as '2 mm'; bare numbers are m."

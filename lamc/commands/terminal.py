@@ -24,6 +24,34 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 _PLAIN_EVERY = 2.0  # s between two plain lines about the same work
 
 
+def open_streams() -> None:
+    """Puts the null device where a stream is not there: daemons and pythonw have none, shells close them by `2>&-`.
+
+    Python has None then, which nothing can be printed to; and the next file that is opened gets the stream's number, so
+    that what a compiler or a library prints there would end up in the results.
+    """
+    for number in (0, 1, 2):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)
+            os.dup2(opened, number)  # inheritable, as compilers expect
+            if opened != number:
+                os.close(opened)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None or stream.closed:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  (as long as the process)
+
+
+def tell(text: str) -> None:
+    """A line on stderr. Where nobody reads that any more, the work goes on: what it is about is in the results."""
+    try:
+        click.echo(printable(text), err=True)
+    except OSError:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  (else Python complains as it ends)
+
+
 class Progress(Protocol):
     """Told what is being done, and how far it is."""
 
@@ -51,13 +79,13 @@ class PlainProgress:
     def stage(self, name: str) -> None:
         if name != self._name:
             self._name, self._told = name, time.monotonic()
-            click.echo(f"{name} …", err=True)
+            tell(f"{name} …")
 
     def part(self, done: float, total: float) -> None:
         now = time.monotonic()
         if now - self._told >= _PLAIN_EVERY and total > 0.0:
             self._told = now
-            click.echo(f"{self._name} … {100 * done / total:.0f} %", err=True)
+            tell(f"{self._name} … {100 * done / total:.0f} %")
 
 
 class BarProgress:
@@ -113,7 +141,7 @@ class Terminal:
 
     def error(self, text: str) -> None:
         """A failure that comes with a result, on stderr; other failures are raised."""
-        click.echo(printable(f"error: {text}"), err=True)
+        tell(f"error: {text}")
 
     def result(self, data: Mapping[str, Any]) -> None:
         """The result for programs: numbers that are not finite become null."""
@@ -165,7 +193,7 @@ class Terminal:
         if self.debug and not traced:
             traceback.print_exc()
         for line in lines:
-            click.echo(printable(f"error: {line}"), err=True)
+            tell(f"error: {line}")
         if self.as_json:
             told = [problem_data(p) for p in problems] or [{"message": line} for line in lines]
             click.echo(json.dumps({"ok": False, "exit_code": code, "errors": told}, indent=2))

@@ -3,6 +3,9 @@
 In: text. Out: a `Node` (scalar, list or map) that knows its tag, line and column. This module works on
 ruamel.yaml's parser events, below the level where tags mean anything, so no tag constructs, imports or calls.
 An alias is a second reference to the same node; its expanded size is counted, never built.
+
+Beyond YAML 1.2 it reads `*id003: 0.65`, an alias as a key without a space before its colon: what PyYAML wrote until
+5.1, and with it every popupCAD file of its day.
 """
 
 import math
@@ -23,6 +26,7 @@ from ruamel.yaml.events import (
     SequenceStartEvent,
 )
 
+from lamc.design.old_keys import ScannerOfOldKeys
 from lamc.errors import DesignError, DesignErrors, Place
 
 Progress = Callable[[str, float], None]
@@ -179,8 +183,10 @@ def compose(
 
 def _events(text: str, file: str) -> Iterator[Any]:
     """ruamel.yaml's parser events, its errors turned into DesignError."""
+    yaml = YAML(typ="safe", pure=True)
+    yaml.Scanner = ScannerOfOldKeys
     try:
-        yield from YAML(typ="safe", pure=True).parse(text)
+        yield from yaml.parse(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file)

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator
 
 from lamc.design.inert import ListNode, MapNode, Node, ScalarNode
+from lamc.design.numpy_scalars import numpy_scalar
 from lamc.design.units import LARGEST
 from lamc.errors import UnsupportedError
 
@@ -64,8 +65,8 @@ def items(node: Node, what: str) -> tuple[Node, ...]:
 
 
 def number(node: Node, what: str, *, minimum: float = -math.inf, above: float = -math.inf) -> float:
-    """A finite number within bounds, or DesignError."""
-    value = node.value if isinstance(node, ScalarNode) else None
+    """A finite number within bounds, or DesignError. A numpy scalar is one too."""
+    value = node.value if isinstance(node, ScalarNode) else numpy_scalar(node, what)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise node.error(f"{what} is not a number")
     try:

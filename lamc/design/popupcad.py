@@ -16,7 +16,7 @@ from lamc.design import sheets
 from lamc.design.inert import MapNode, Node, ScalarNode
 from lamc.design.objects import MM, attribute, items, number, object_id, optional, refuse_stored_code, word
 from lamc.design.popupcad_layers import degrees, read_layers
-from lamc.design.popupcad_sketch import hinge_lines, sketch_shapes
+from lamc.design.popupcad_sketch import hinge_lines, sketch_shapes, texts_left_out
 from lamc.design.records import Design, HingeSet, Layer, Material, Places
 from lamc.design.sheets import Sheet
 from lamc.errors import UnsupportedError
@@ -55,6 +55,7 @@ class _Reader:
         self.sketches = _by_key(attribute(node, "sketches", "the design"))
         self.operations = items(attribute(node, "operations", "the design"), "the operations")
         self.order = {object_id(op): i for i, op in enumerate(self.operations)}
+        self.notes: dict[str, None] = {}  # each once, in the order met
 
     def design(self) -> Design:
         joint = self._joint_operation()
@@ -83,6 +84,7 @@ class _Reader:
             source=file,
             places=Places((((), self.node.place),)),
             contact_points=self._contact_points(joint),
+            notes=tuple(self.notes),
         )
 
     def _joint_operation(self) -> Node:
@@ -225,6 +227,7 @@ class _Reader:
         key = word(link, "a sketch's id")
         if key not in self.sketches:
             raise link.error(f"the design has no sketch {key[:40]!r}")
+        self.notes |= dict.fromkeys(texts_left_out(self.sketches[key]))
         return self.sketches[key]
 
     def _layer_indices(self, links: Node) -> set[int]:

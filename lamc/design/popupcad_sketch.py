@@ -2,6 +2,10 @@
 
 In: nodes of sketches and of shapes (GenericPoly, GenericTwoPointRect, …), coordinates in mm. Out: shapely
 geometry, and straight hinge lines. Construction geometry is left out; a malformed shape is an error.
+
+Units of vertices changed over the years: a tag with a version (`!ShapeVertex_1`) and the attribute `_position` are mm;
+what came before (`!ShapeVertex`, `_pos`, `_Vertex__pos`) are thousandths of it, as popupCAD's own reader takes them
+(`deprecated_internal_argument_scaling` of its `geometry/vertex.py`). Lists without a tag are mm.
 """
 
 import math
@@ -12,19 +16,39 @@ from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 
 from lamc.design import shapes
-from lamc.design.inert import ListNode, MapNode, Node
+from lamc.design.inert import ListNode, MapNode, Node, ScalarNode
 from lamc.design.objects import MM, attribute, flag, items, number, optional
 from lamc.design.records import HingeLine, Line
 from lamc.design.shapes import Points
 from lamc.errors import DesignError, UnsupportedError
 
 _LINES = ("GenericLine", "GenericPolyline")
+_UM = 1000.0 * MM  # µm per m
+_OLD_TAGS = ("!ShapeVertex", "!DrawnPoint", "!ReferenceVertex")
+_OLD_NAMES = ("_pos", "_BaseVertex__pos", "_Vertex__pos")
 
 
 def sketch_shapes(sketch: Node) -> list[tuple[Node, BaseGeometry]]:
-    """The drawn shapes of a sketch with their nodes, construction geometry left out. Raises DesignError."""
+    """The drawn shapes of a sketch with their nodes, construction geometry and texts left out. Raises DesignError."""
     drawn = items(attribute(sketch, "operationgeometry", "the sketch"), "the sketch's geometry")
-    return [(node, shape(node)) for node in drawn if not is_construction(node)]
+    return [(node, shape(node)) for node in drawn if not (is_text(node) or is_construction(node))]
+
+
+def is_text(node: Node) -> bool:
+    """True for engraved text. Its letters are in no file: popupCAD draws them again from a font of its machine."""
+    return isinstance(node, MapNode) and kind_of(node) == "GenericText"
+
+
+def texts_left_out(sketch: Node) -> tuple[str, ...]:
+    """One line for each text of a sketch whose letters are missing from what `sketch_shapes` gives."""
+    drawn = items(attribute(sketch, "operationgeometry", "the sketch"), "the sketch's geometry")
+    said = [(node, optional(node, "text", "the text")) for node in drawn if is_text(node)]
+    return tuple(
+        f"{node.place}: left out the text {text.text[:40]!r}: the file has no outlines of its letters, only the name "
+        "of a font; draw them as polygons where their material matters"
+        for node, text in said
+        if isinstance(text, ScalarNode) and text.text.strip()
+    )
 
 
 def hinge_lines(sketch: Node) -> tuple[HingeLine, ...]:
@@ -94,15 +118,24 @@ def kind_of(node: Node) -> str:
 
 
 def vertex(node: Node) -> tuple[float, float]:
-    """A vertex, m: [id, x, y, …] or an object with a position, mm. Raises DesignError."""
+    """A vertex, m: [id, x, y, …] or an object with a position, in the unit of its class. Raises DesignError."""
+    unit = MM
     if isinstance(node, MapNode):
-        position = optional(node, "_pos", "the vertex") or attribute(node, "_Vertex__pos", "the vertex")
+        position = optional(node, "_position", "the vertex")
+        for name in () if position is not None else _OLD_NAMES:
+            position = optional(node, name, "the vertex")
+            unit = _UM
+            if position is not None:
+                break
+        if position is None:
+            raise node.error("the vertex has no '_position'; the file is damaged or of another kind")
         pair = items(position, "the vertex's position")
     else:
+        unit = _UM if node.tag in _OLD_TAGS else MM
         pair = items(node, "a vertex")[1:3]
     if len(pair) != 2:
         raise node.error("a vertex needs an id, x and y")
-    x, y = number(pair[0], "the vertex's x") / MM, number(pair[1], "the vertex's y") / MM
+    x, y = number(pair[0], "the vertex's x") / unit, number(pair[1], "the vertex's y") / unit
     shapes.check_coordinates([x, y], "the vertex")
     return x, y
 

@@ -88,6 +88,7 @@ class Design:
     scenes        other scenes by name
     story         what the design is for, a paragraph of plain text; nothing is computed from it
     contact_points  points of the drawing, m, at which bodies may touch something, for scenes that ask for them
+    notes         one line for each thing in the file that the design is without
     """
 
     name: str
@@ -101,6 +102,7 @@ class Design:
     places: Places = field(default=Places(), compare=False, repr=False)
     scenes: Mapping[str, Scene] = field(default_factory=dict, hash=False)
     contact_points: tuple[tuple[float, float], ...] = ()  # m, world x and y
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))

@@ -82,7 +82,7 @@ class SplitSteps:
     @property
     def notes(self) -> tuple[str, ...]:
         """One line for each thing that was done and that the drawing did not ask for."""
-        return tuple(
+        return self.design.notes + tuple(
             f"left out a scrap of {s.area * 1e6:.3g} mm² at ({s.at[0] * 1e3:.6g}, {s.at[1] * 1e3:.6g}) mm: "
             "smaller than the square of a hinge width, it is no body"
             for s in self.scraps

@@ -7,10 +7,11 @@ passes a narrow grammar before pint sees the unit part: no length, character or 
 import math
 import re
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Any
 
 from lamc.errors import DesignError
+from lamc.once import remembered
 
 LONGEST = 80
 LARGEST = 1e30  # in SI; products of what is below it stay within floating point
@@ -188,7 +189,7 @@ def _angles(unit: Any) -> float:
         return 0.0
 
 
-@cache
+@remembered  # units of one registry mean nothing to another
 def registry() -> Any:
     """pint's registry, made when the first unit is met: importing it costs half a second."""
     import pint

@@ -90,7 +90,7 @@ def _check_ranges(simulator: Simulator, program: Program) -> None:
         check_range(parameter.default, f"the parameter {parameter.name!r}")
     motion = simulator.model.motion({})
     for k in range(simulator.model.constant_count):
-        check_range(motion.handle.constants[k], "a number that follows from the parameters")
+        check_range(float(motion.constants[k]), "a number that follows from the parameters")
 
 
 def _context(

@@ -5,10 +5,13 @@ which rates stay within what an adaptive run of the same time reaches.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
 from lamc.run.defaults import DURATION
+from lamc.run.model import Model
+from lamc.run.request import Array
 from lamc.run.simulator import Simulator
 
 _LENGTHS = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s
@@ -34,9 +37,16 @@ def suitable_step(simulator: Simulator, *, is_stiff: bool) -> float:
 def _is_stable(simulator: Simulator, h: float, count: int, largest: float, *, is_stiff: bool) -> bool:
     """Whether rates stay finite and below `largest` over so many steps of length h, s."""
     model = simulator.model
-    motion, lib = model.motion({}), model.lib
-    ode = model.ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
-    y = simulator.start.copy()
+    with model.motion({}).opened() as motion:
+        ode = model.ffi.new("lamc_ode *", model.lib.lamc_motion_ode(motion))
+        return _stays_below(model, ode, simulator.start.copy(), h, count, largest, is_stiff=is_stiff)
+
+
+def _stays_below(
+    model: Model, ode: Any, y: Array, h: float, count: int, largest: float, *, is_stiff: bool
+) -> bool:
+    """The same of one equation from the state y (nq + nu,), which is overwritten."""
+    lib = model.lib
     step = lib.lamc_stiff_step if is_stiff else lib.lamc_fixed_step
     scratch = np.zeros(lib.lamc_stiff_scratch(ode) if is_stiff else lib.lamc_fixed_scratch(ode))
     state, room = model.write(y), model.write(scratch)

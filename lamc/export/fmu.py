@@ -17,8 +17,8 @@ from pathlib import Path
 from lamc._version import __version__
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
-from lamc.codegen.toolchain import find_compiler, run_compiler
-from lamc.errors import BuildError, ExportError
+from lamc.codegen.toolchain import find_compiler, make_library
+from lamc.errors import ExportError
 from lamc.export.c import CSource, c_source
 from lamc.export.fmu_description import (
     FmuFacts,
@@ -41,7 +41,6 @@ _FLAGS = (
     "-ffp-contract=off",
     "-fPIC",
     "-fvisibility=hidden",
-    "-shared",
     "-Werror=implicit",
 )
 _DURATION = 10.0  # s, where the scene does not say
@@ -199,7 +198,5 @@ def _binary(facts: FmuFacts, sources: Mapping[str, bytes]) -> bytes:
         for path, content in sources.items():
             (folder / path).write_bytes(content)
         library = f"{facts.identifier}{_system()[1]}"
-        run_compiler(compiler, [*_FLAGS, "-o", library, *facts.sources, "-lm"], folder)
-        if not (folder / library).is_file():
-            raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
+        make_library(compiler, _FLAGS, facts.sources, library, folder)
         return (folder / library).read_bytes()

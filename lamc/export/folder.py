@@ -10,7 +10,6 @@ import hashlib
 import json
 import os
 import shutil
-import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from typing import Any
 
 from lamc._version import __version__
 from lamc.errors import ExportError
-from lamc.files import umask
+from lamc.files import fresh_folder
 
 MANIFEST = "lamc-export.json"
 _LARGEST_MANIFEST = 16_000_000  # bytes
@@ -93,11 +92,10 @@ def _is_there(folder: Path) -> bool:
 
 def _create(folder: Path, contents: Mapping[str, bytes], origin: Origin) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
-    staged = Path(tempfile.mkdtemp(dir=folder.parent, prefix=".lamc-export-"))
+    staged = fresh_folder(folder.parent, ".lamc-export-")
     try:
         _write_all(staged, contents)
         _write(staged / MANIFEST, _manifest(origin, {p: (_digest(c),) for p, c in contents.items()}))
-        staged.chmod(0o777 & ~umask())  # mkdtemp gives 0700
         staged.replace(folder)
     finally:
         shutil.rmtree(staged, ignore_errors=True)
@@ -117,7 +115,7 @@ def _renew(folder: Path, contents: Mapping[str, bytes], origin: Origin, force: b
     digests = {path: _digest(content) for path, content in contents.items()}
     changed = {p: c for p, c in contents.items() if _digest_of(folder / p) != digests[p]}
     stale = [p for p in sorted(kept.digests) if p not in contents and _is_own(folder, p, kept)]
-    staged = Path(tempfile.mkdtemp(dir=folder, prefix=".lamc-export-"))
+    staged = fresh_folder(folder, ".lamc-export-")
     try:
         _write_all(staged, changed)
         # An export that is cut short leaves old and new files side by side: until the end the manifest knows both.

@@ -55,6 +55,12 @@ def plate_files(plate: PlateFile | Problem, options: ExportOptions, name: str = 
 
 def plate_source(problem: Problem, options: ExportOptions, name: str) -> PlateSource:
     """Header and source of `problem`. Raises as `plate_files` does."""
+    chosen = problem.dofs.element
+    if chosen.shear:
+        raise ExportError(
+            f"element {chosen.name!r} has shear through the thickness, which exports of plates do not have; export "
+            "with element 'dkt', whose report says how much it leaves out"
+        )
     tables = plate_tables(problem, lossy=options.lossy)
     laminates = laminate_tables(problem, (*MODULI, *expansions_of(tables)))
     program = element_program(problem.dofs.element)

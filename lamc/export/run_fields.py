@@ -44,6 +44,7 @@ def integer_ranges(fields: RunFields, n: int, guard_count: int) -> tuple[Integer
         "dense": ("0", "LAMC_DENSE_READY"),
         "stride": (stride, stride),
         "event_guard": ("-1", str(guard_count - 1)),
+        "event_due": ("0", str(guard_count)),
         "t_eval_count": ("0", "0"),
         "t_eval_next": ("0", "0"),
     }

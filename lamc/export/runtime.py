@@ -38,7 +38,7 @@ def lean(program: Program, options: ExportOptions) -> Program:
 
 def units(options: ExportOptions) -> list[str]:
     """Sources of the runtime, in an order in which objects stand before their use."""
-    first = ["system.c", "guards.c", "loops.c", "linearise.c", "powers.c", "motion.c", "fixed.c"]
+    first = ["system.c", "guards.c", "impacts.c", "loops.c", "linearise.c", "powers.c", "motion.c", "fixed.c"]
     if options.real_time:
         return [*first, "integrals.c", "implicit.c", "rodas5p.c", "stiff.c"] if options.is_stiff else first
     methods = [name for name in METHODS if name != "auto" and options.integrator in ("auto", name)]
@@ -55,6 +55,7 @@ def _absent(program: Program, options: ExportOptions) -> set[str]:
     needed = {
         "loops": bool(program.cuts),
         "guards": bool(program.guards),
+        "impacts": "impacts" in program.functions,
         "events": bool(program.guards) and not options.real_time,
         "linearise": _needs_jacobian(options),
         "system": "acceleration" not in program.functions and not program.cuts,

@@ -27,6 +27,7 @@ _LEAST, _GREATEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32)
 # and loops come apart; nor may an equation go along that fades to 5e-2 only.
 REPLACED = {
     "method.is_finite": "static inline int is_finite(float x) { return x - x == 0.0f; }",
+    "events.AT_ONCE": "static const float AT_ONCE = 2e-5f;",
     "loops.RANK_TOLERANCE": "static const float RANK_TOLERANCE = 5e-4f;",
     "loops.PASSING": "static const float PASSING = 2e-3f;",
     "loops.TOGETHER": "static const float TOGETHER = 4e-3f;",

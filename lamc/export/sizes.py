@@ -1,6 +1,7 @@
 """How long the arrays of an instance are: as the compiled runtime says."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from lamc.export.options import ExportOptions
 from lamc.run.model import Model
@@ -28,9 +29,14 @@ class Sizes:
 
 def sizes_of(model: Model, options: ExportOptions) -> Sizes:
     """Lengths for `model` run as the options say."""
-    lib, motion = model.lib, model.motion({})
-    ode = model.ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
-    ode.integral_count = 0
+    with model.motion({}).opened() as motion:
+        ode = model.ffi.new("lamc_ode *", model.lib.lamc_motion_ode(motion))
+        ode.integral_count = 0
+        return _sizes(model, ode, options)
+
+
+def _sizes(model: Model, ode: Any, options: ExportOptions) -> Sizes:
+    lib = model.lib
     lengths = {
         "q": len(model.coordinates),
         "u": len(model.rates),

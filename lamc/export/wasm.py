@@ -8,6 +8,7 @@ import base64
 import html
 import importlib.util
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -20,6 +21,7 @@ from lamc._version import __version__
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import Compiler, run_compiler
+from lamc.codegen.zig import environment as zig_environment
 from lamc.errors import BuildError
 from lamc.export.c import CSource, c_source
 from lamc.export.markdown import markdown
@@ -83,10 +85,10 @@ def wasm_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]
 def find_wasm_tools() -> WasmTools:
     """The ziglang package's clang, or that of the system. Raises BuildError without either."""
     if importlib.util.find_spec("ziglang") is not None:
-        zig = (sys.executable, "-m", "ziglang")
+        zig, own = (sys.executable, "-m", "ziglang"), zig_environment(os.environ)
         return WasmTools(
-            Compiler((*zig, "cc", "-target", "wasm32-freestanding"), "ziglang"),
-            Compiler((*zig, "wasm-ld"), "ziglang"),
+            Compiler((*zig, "cc", "-target", "wasm32-freestanding"), "ziglang", own),
+            Compiler((*zig, "wasm-ld"), "ziglang", own),
         )
     clang, linker = shutil.which("clang"), shutil.which("wasm-ld")
     if clang is None or linker is None:

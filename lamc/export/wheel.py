@@ -24,8 +24,8 @@ from cffi import recompiler
 from lamc._version import __version__
 from lamc.codegen.emit import declarations_of, environment
 from lamc.codegen.names import comment
-from lamc.codegen.toolchain import find_compiler, run_compiler
-from lamc.errors import BuildError, ExportError
+from lamc.codegen.toolchain import find_compiler, make_library
+from lamc.errors import ExportError
 from lamc.export.c import CSource, c_source
 from lamc.export.markdown import markdown
 from lamc.export.members import CMember
@@ -36,7 +36,7 @@ from lamc.run.simulator import Simulator
 
 _ENDINGS = {"darwin": ".dylib", "win32": ".dll"}
 LIBRARY = "_model" + _ENDINGS.get(sys.platform, ".so")
-_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-Werror=implicit")
+_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-Werror=implicit")
 # Names that a package cannot have: what Python or the package itself would find in its place, or cannot import.
 _TAKEN = {
     *sys.stdlib_module_names,
@@ -99,9 +99,7 @@ def _compiled(source: CSource) -> tuple[bytes, str]:
         folder = Path(name)
         for path, text in source.files.items():
             (folder / path).write_text(text, encoding="utf-8", newline="\n")
-        run_compiler(compiler, [*_FLAGS, "-o", LIBRARY, f"{source.prefix}.c", "-lm"], folder)
-        if not (folder / LIBRARY).is_file():
-            raise BuildError(f"the C compiler {compiler.command[0]!r} made no library and gave no error")
+        make_library(compiler, _FLAGS, [f"{source.prefix}.c"], LIBRARY, folder)
         ffi = cffi.FFI()
         ffi.cdef(declarations_of(source.header).replace(f"{source.prefix.upper()}_API ", ""))
         ffi.set_source("_binding", None)

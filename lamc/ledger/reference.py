@@ -232,8 +232,4 @@ def _growth(truth: Result, guard: Progress) -> Array | None:
 
 def _settled(truth: Result, y: Array) -> Array:
     """A state near y on closure."""
-    model = truth.motion.model
-    if model.cuts:
-        moved = model.ffi.new("double *")
-        model.lib.lamc_motion_settle(truth.motion.handle, 0.0, model.write(y), moved)
-    return y
+    return truth.motion.settled(0.0, y)

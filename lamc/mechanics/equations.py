@@ -6,7 +6,6 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lamc.codegen.program import Coordinate, Operations, Parameter
@@ -15,6 +14,7 @@ from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanics.staging import Level, Scalar, Store, Value
 from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree
+from lamc.once import alone_with, lazy
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -84,22 +84,25 @@ class Equations:
             f"<Equations of {self.tree.mechanism.name!r}: {len(self.joints)} joints, solved by {self.solver}>"
         )
 
-    @cached_property
+    @lazy
     def powers(self) -> Mapping[str, Scalar]:
         """Power of all loads of an effect, W, by its name, in terms of t, q, u and u̇; of what moves a base as told
         too. Their sum is the rate of the kinetic energy."""
-        return self.account_for_powers()
+        with alone_with(self.store):
+            return self.account_for_powers()
 
-    @cached_property
+    @lazy
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:
         """M by rates, kg·m² between joints: entries (i, j), i >= j; a plain tree's have j on the way from i to the
         world."""
-        return self.problem.mass_matrix()
+        with alone_with(self.store):  # each writes to the store
+            return self.problem.mass_matrix()
 
-    @cached_property
+    @lazy
     def forces(self) -> tuple[Scalar, ...]:
         """f of M u̇ = f, N·m of joints, by rates."""
-        return tuple(self.problem.forces())
+        with alone_with(self.store):
+            return tuple(self.problem.forces())
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -136,14 +139,14 @@ class Equations:
         """Names of the joints that close loops."""
         return tuple(cut.joint.name for cut in self.tree.cuts)
 
-    @cached_property
+    @lazy
     def operations(self) -> Operations:
         """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), and of q̇ where that is not u;
         parameter-only work excluded."""
         values = [value for name, value in self._results.items() if not name.startswith("phi_")]
         return count_operations(self.store, [*values, *(self.coordinate_rates or ())], Level.PARAMETER)
 
-    @cached_property
+    @lazy
     def operations_by_effect(self) -> Mapping[str, Operations]:
         """`operations` by what they are for: "" is the mechanism alone, then what each effect adds to those before
         it; effects that bring coordinates come first. Takes a derivation for each effect."""
@@ -151,7 +154,7 @@ class Equations:
 
         return operations_by_effect(self)
 
-    @cached_property
+    @lazy
     def assignments(self) -> "tuple[Assignment, ...]":
         """The equations, staged: every right-hand side holds symbols defined before it.
 
@@ -159,7 +162,7 @@ class Equations:
         """
         return self.staged(self._results)
 
-    @cached_property
+    @lazy
     def _results(self) -> Mapping[str, Scalar]:
         if self.closure is None and self.is_plain:
             return {f"udot_{name}": value for name, value in zip(self.joints, self.acceleration, strict=True)}
@@ -172,22 +175,22 @@ class Equations:
             results |= {f"J_{row}_{j}": value for j, value in enumerate(closure.jacobian[row])}
         return results
 
-    @cached_property
+    @lazy
     def mass_matrix(self) -> "sp.Matrix":
         """M, shape (nu, nu), entries in terms of the symbols of `mass_assignments`."""
         return self._mass[0]
 
-    @cached_property
+    @lazy
     def generalised_forces(self) -> "sp.Matrix":
         """f of M u̇ = f, shape (nu, 1), entries in terms of the symbols of `mass_assignments`."""
         return self._mass[1]
 
-    @cached_property
+    @lazy
     def mass_assignments(self) -> "tuple[Assignment, ...]":
         """The staged quantities that `mass_matrix` and `generalised_forces` are written in."""
         return self._mass[2]
 
-    @cached_property
+    @lazy
     def _mass(self) -> "tuple[sp.Matrix, sp.Matrix, tuple[Assignment, ...]]":
         import sympy as sp
 

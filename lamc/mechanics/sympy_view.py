@@ -7,7 +7,6 @@ a user wrote. Text never becomes sympy here: only objects pass.
 import math
 from collections.abc import Mapping
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -28,6 +27,7 @@ from lamc.mechanics.staging import (
     power,
     table_place,
 )
+from lamc.once import remembered
 
 # sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
 _CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}
@@ -91,7 +91,7 @@ def node_expression(store: Store, index: int, arguments: list[sp.Expr]) -> sp.Ex
             return getattr(sp, FUNCTIONS[operation].sympy_name)(*arguments)
 
 
-@cache
+@remembered  # two functions of one name would not cancel
 def table_function(number: int, table: Piecewise, order: int) -> Any:
     """The derivative of a piecewise polynomial as a function of sympy's: it has a name, numbers and derivatives."""
     return UndefinedFunction(

@@ -16,7 +16,7 @@ from lamc.design import shapes
 from lamc.design.inert import ListNode, MapNode, Node, ScalarNode
 from lamc.design.objects import MM, attribute, items, number, object_id, optional, refuse_stored_code, word
 from lamc.design.popupcad_layers import LayerSpec, degrees, read_material
-from lamc.design.popupcad_sketch import is_construction, shape, vertex
+from lamc.design.popupcad_sketch import is_construction, is_text, shape, vertex
 from lamc.design.records import Line
 from lamc.errors import DesignError
 from lamc.mechanism.joint_definition import (
@@ -155,7 +155,11 @@ def _old_body(node: Node, layers: tuple[LayerSpec, ...]) -> DefinedBody:
         key = object_id(material)
         if key not in {layer.id for layer in layers}:
             raise material.error(f"the body has shapes in material {key[:40]!r}, which is no layer")
-        found = [shape(item) for item in items(drawn, "the shapes of a layer") if not is_construction(item)]
+        found = [
+            shape(item)
+            for item in items(drawn, "the shapes of a layer")
+            if not (is_text(item) or is_construction(item))
+        ]
         by_layer[key] = by_layer.get(key, ()) + tuple(p for p in found if isinstance(p, Polygon))
     return DefinedBody(
         object_id(node), None, tuple(by_layer.get(layer.id, ()) for layer in layers), node.place

@@ -16,6 +16,7 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
 """
 
 from lamc.plate.answers.buckling import Buckling, buckling
+from lamc.plate.answers.choice import Choice, choose_element
 from lamc.plate.answers.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
 from lamc.plate.answers.estimate import ErrorEstimate
 from lamc.plate.answers.failure import PlateFailure, first_failure
@@ -71,6 +72,7 @@ __all__ = [
     "Accuracy",
     "Assembly",
     "Buckling",
+    "Choice",
     "Clamped",
     "Convergence",
     "ConvergenceRow",
@@ -121,6 +123,7 @@ __all__ = [
     "Temperature",
     "bciz_bias",
     "buckling",
+    "choose_element",
     "combine",
     "converge",
     "corners",

@@ -14,15 +14,15 @@ from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.report import BCIZ_ON_SLIVERS, share_on_slivers
 from lamc.plate.offsets import offset_texts
 from lamc.plate.problem import Problem
+from lamc.plate.solving.curves import curve_nodes
 from lamc.plate.solving.refine import Accuracy
-from lamc.plate.supports import SimplySupported
+from lamc.plate.supports import Support
 
 _SAME = 1e-6  # of the size of a cell: sides that differ by less are equal
 _SLIVER = 40.0  # longest side over height
 _FEW_DIGITS = 1e-9
 _LINEAR = ("cst", "q4")  # membranes
 _TOLD = 0.01  # of the deflection
-_STRAIGHT, _CURVE = np.radians(0.1), np.radians(30.0)  # turns of two edges: less is a line, less is a curve
 
 
 def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> tuple[str, ...]:
@@ -33,16 +33,12 @@ def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> 
         found.append(_bciz_text(problem.mesh))
     found.extend(_sliver_texts(problem.mesh, bending))
     found.extend(_membrane_texts(problem))
-    if problem.dofs.element.bends:
-        span = float(np.ptp(problem.mesh.points, axis=0).min())
-        texts = (laminate.shear_warning(span) for laminate in dict.fromkeys(problem.laminates))
-        found.extend(dict.fromkeys(text for text in texts if text))
-        if _straight_curves(problem):
-            found.append(
-                "a simply supported edge is a curve drawn as a polygon, and the mesh has nodes between the polygon's "
-                "corners: held straight there, such a plate is stiffer than the curved one, by up to a fourth; "
-                "draw the curve with more corners, or mesh with a larger size, so that a side is one edge of the mesh"
-            )
+    if problem.dofs.element.bends and _held_beside_curves(problem):
+        found.append(
+            "a Support holds w along a curve that is drawn as a polygon, and the mesh has nodes between the "
+            "polygon's corners: held straight there, such a plate is stiffer than the curved one, by up to a "
+            "fourth; take SimplySupported, which holds w on the curve"
+        )
     found.extend(offset_texts(problem))
     if accuracy.forward_error > _FEW_DIGITS:
         found.append(
@@ -136,27 +132,14 @@ def _coupling(laminate: Laminate) -> float:
     return float(np.trace(np.linalg.solve(laminate.D - with_stretch, with_stretch))) / 3.0
 
 
-def _straight_curves(problem: Problem) -> bool:
-    """Whether along a simply supported edge some corner of a curve has a straight node before it and after it."""
-    mesh = problem.mesh
-    for support in problem.supports:
-        if not isinstance(support, SimplySupported):
-            continue
-        cells, edges = problem.places.edges_on(support.where).T
-        ends = mesh.edges[mesh.cell_edges[cells, edges]]
-        node, other = ends.ravel(), ends[:, ::-1].ravel()
-        order = np.argsort(node, kind="stable")
-        two = np.repeat(np.bincount(node)[np.unique(node)] == 2, np.bincount(node)[np.unique(node)])
-        pairs = order[two].reshape(-1, 2)  # the two edges of every node that has two
-        away = mesh.points[other[pairs]] - mesh.points[node[pairs]]
-        (ax, ay), (bx, by) = away[:, 0].T, away[:, 1].T
-        turn = np.arctan2(np.abs(ax * by - ay * bx), -(ax * bx + ay * by))
-        straight = np.zeros(len(mesh.points), dtype=bool)
-        straight[node[pairs[turn < _STRAIGHT, 0]]] = True
-        curved = (turn > _STRAIGHT) & (turn < _CURVE)
-        if straight[other[pairs[curved]]].all(axis=1).any():
-            return True
-    return False
+def _held_beside_curves(problem: Problem) -> bool:
+    """Whether w alone is held by a Support at nodes beside a curve."""
+    wheres = [
+        support.where
+        for support in problem.supports
+        if isinstance(support, Support) and "w" in support.dofs and not {"w_x", "w_y"} <= set(support.dofs)
+    ]
+    return bool(wheres) and bool(curve_nodes(problem.places, wheres).height.any())
 
 
 def slenderness(mesh: Mesh) -> Array:

@@ -51,13 +51,18 @@ class Places:
         return np.asarray(np.bincount(mesh.cell_edges.ravel(), minlength=len(mesh.edges)) == 1)
 
     @cached_property
-    def plate(self) -> BaseGeometry:
-        """What the mesh covers, and a tolerance around it; of pieces with what they enclose taken out."""
+    def covered(self) -> BaseGeometry:
+        """What the mesh covers; of pieces with what they enclose taken out."""
         mesh = self.dofs.mesh
         rings = shapely.union_all(shapely.linestrings(mesh.points[mesh.edges[self.on_boundary]]))
         faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(rings)))
         inside = mesh.locate(shapely.get_coordinates(shapely.point_on_surface(faces)))[0] >= 0
-        return shapely.buffer(shapely.union_all(faces[inside]), self.tolerance)
+        return shapely.union_all(faces[inside])
+
+    @cached_property
+    def plate(self) -> BaseGeometry:
+        """What the mesh covers, and a tolerance around it."""
+        return shapely.buffer(self.covered, self.tolerance)
 
     def nodes(self, where: Where, what: str) -> Integers:
         """Nodes on `where`, ascending. Raises DesignError, naming `what`, if there is none."""

@@ -15,6 +15,7 @@ from lamc.mechanism.checks import checked_name, checked_number, shown
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import checked_element, combine, element
+from lamc.plate.followed import check_followed
 from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.hinge_lines import HingeLine, hinge_edges
 from lamc.plate.laminates.laminate import Laminate
@@ -46,6 +47,7 @@ class Problem:
     tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
     hinges     records of `hinge_lines.py`: lines inside the plate along which it may fold
     foundations  records of `foundations.py`: elastic ground under the plate
+    remarks    sentences that are told with every solution, such as why this element
 
     laminates  (regions,), in the order of the mesh's regions
     dofs       unknowns of the element that was chosen: `problem.dofs.element`
@@ -62,6 +64,7 @@ class Problem:
     tolerance: float = 1e-6
     hinges: Sequence[HingeLine] = ()
     foundations: Sequence[ElasticFoundation] = ()
+    remarks: Sequence[str] = ()
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
     places: Places = field(init=False, repr=False)
@@ -79,6 +82,7 @@ class Problem:
         self._put("loads", checked_kinds(self.loads, LOADS, "loads of a Problem"))
         self._put("cases", _checked_cases(self.cases))
         self._put("laminates", laminates_of(self.laminate, self.mesh))
+        self._put("remarks", tuple(self.remarks))
         self._put("hinges", checked_kinds(self.hinges, (HingeLine,), "hinges of a Problem"))
         found = checked_kinds(self.foundations, (ElasticFoundation,), "foundations of a Problem")
         self._put("foundations", found)
@@ -160,6 +164,7 @@ class Problem:
     def _check_support(self, support: SupportRecord) -> None:
         what = support_text(support)
         nodes = self.places.nodes(support.where, what)
+        check_followed(self.places, support.where, what)
         if isinstance(support, Symmetry):
             self.places.some_edges_on(support.where, what)
             check_mirror(self.places, self.laminates, support.where)

@@ -87,9 +87,9 @@ class SimplySupported:
 
     Both agree in thin-plate theory on a straight edge, and for an element whose deflection along an edge is a cubic of
     its ends' unknowns, where w = 0 holds along the whole edge only if it is hard. On a curved edge that the mesh gives
-    as a polygon, the slope along the mean direction of two edges is held: then the deflection along each edge is the
-    slope across it times the height of the arc above it, as on the curve itself. Holding w = 0 along the polygon
-    would converge to another, stiffer plate (the paradox of Sapondzhyan and Babuška).
+    as a polygon, w = 0 holds on the curve through the polygon's corners (`solving/curves.py`): along the polygon it
+    would converge to another, stiffer plate (the paradox of Sapondzhyan and Babuška). Corners that turn by more than
+    20°, and single ones, are those of a polygon that is meant.
 
     At a point there is no edge, and "hard" is "soft". Raises DesignError.
     """

@@ -25,6 +25,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from lamc.design.cutting import SLIT, material_size
 from lamc.design.steps import SplitBody, SplitSteps
 from lamc.errors import LamcError
+from lamc.files import replacing
 from lamc.mechanism.records import Array
 from lamc.report.plan_view import (
     View,
@@ -53,12 +54,9 @@ def draw_split(steps: SplitSteps, path: str | os.PathLike[str]) -> None:
     # A fixed salt makes the ids in an SVG repeat from run to run.
     with mpl.rc_context({"svg.hashsalt": "lamc"}):
         figure = _figure(steps)
-        partial = target.with_name(f".{target.name}.{os.getpid()}.part{target.suffix}")
-        try:
-            figure.savefig(partial, dpi=160, metadata=_UNDATED[target.suffix.lower()])
-            os.replace(partial, target)
-        finally:
-            partial.unlink(missing_ok=True)
+        kind = target.suffix.lower()
+        with replacing(target) as temporary, temporary.open("wb") as file:
+            figure.savefig(file, format=kind[1:], dpi=160, metadata=_UNDATED[kind])
 
 
 # No date in the file: the same design gives the same picture.

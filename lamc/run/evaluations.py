@@ -4,7 +4,6 @@ In: a `Model`, and what a user passes for states. Out: arrays. Never: integrates
 """
 
 from collections.abc import Mapping
-from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from lamc.codegen.program import Coordinate
 from lamc.errors import RequestError
+from lamc.once import lazy
 from lamc.run.arguments import numbers, states
 from lamc.run.model import Model, Motion, Unchanging
 from lamc.run.request import Array
@@ -54,11 +54,11 @@ class Evaluations(Unchanging):
         """Names of the joints that close loops; their angles follow from the others."""
         return self._model.cuts
 
-    @cached_property
+    @lazy
     def parameters(self) -> Mapping[str, float]:
         return MappingProxyType(dict(zip(self._model.parameters, self._model.defaults, strict=True)))
 
-    @cached_property
+    @lazy
     def parameter_units(self) -> Mapping[str, str]:
         return MappingProxyType(dict(zip(self._model.parameters, self._model.parameter_units, strict=True)))
 
@@ -115,11 +115,11 @@ class Evaluations(Unchanging):
         flat = self._motion(NO_PARAMETERS).closures(row)[0]
         return flat[:m], flat[m:].reshape(m, nu)
 
-    @cached_property
+    @lazy
     def _default_motion(self) -> Motion:
         return self._model.motion(NO_PARAMETERS)
 
     def _motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
-        if parameters is not NO_PARAMETERS or self._model.needs_work:
+        if parameters is not NO_PARAMETERS or baumgarte:
             return self._model.motion(parameters, baumgarte)
         return self._default_motion

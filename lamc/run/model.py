@@ -12,6 +12,7 @@ import numpy as np
 
 from lamc.codegen.program import Coordinate
 from lamc.errors import UnsupportedError
+from lamc.run.opened import Opened, OpenedPool
 from lamc.run.parameters import checked_parameters
 from lamc.run.request import Array
 
@@ -51,35 +52,35 @@ class Motion(Unchanging):
     """A model with one set of parameters: what an integrator evaluates and a `Result` asks for more.
 
     States are rows y = [q, u], shape (m, nq + nu): coordinates, then rates; of joints first, rad and rad/s.
+    Threads may share one: every call has memory of its own.
     """
 
     def __init__(self, model: "Model", parameters: Array, baumgarte: float = 0.0) -> None:
         self.model = model
         self.parameters = parameters
-        self._constants = np.zeros(max(model.constant_count, 1))  # C wants an address even for none
-        model.handle.setup(model.read(parameters), model.write(self._constants))
-        self.handle = model.ffi.new("lamc_motion *")
-        self.handle.model = model.handle
-        self.handle.constants = model.write(self._constants)  # self._constants keeps the memory alive
-        self._work = np.zeros(model.lib.lamc_motion_work_size(model.handle))
-        self.handle.baumgarte = baumgarte
-        if self._work.size:
-            self.handle.work = model.write(self._work)
+        constants = np.zeros(max(model.constant_count, 1))  # C wants an address even for none
+        model.handle.setup(model.read(parameters), model.write(constants))
+        constants.flags.writeable = False
+        self.constants = constants
+        self._pool = OpenedPool(model, constants, baumgarte)
+
+    def opened(self) -> Opened:
+        """A `lamc_motion` for one caller: `with motion.opened() as handle`. What C keeps of `handle`, such as a
+        `lamc_ode`, holds until the block ends."""
+        return self._pool.opened()
 
     def closures(self, y: Array) -> Array:
         """Rows of residuals φ (m) and Jacobian J (m·nu, by rows) of the loops at states y (k, nq + nu)."""
         model = self.model
         out = np.zeros((len(y), model.closure_count * (len(model.rates) + 1)))
-        status = model.lib.lamc_motion_closures(self.handle, len(y), model.read(y), model.write(out))
-        assert status == model.lib.LAMC_OK
+        self._on_own(model.lib.lamc_motion_closures, len(y), model.read(y), model.write(out))
         return out
 
     def cut_states(self, y: Array) -> Array:
         """Rows of angles (rad, within ±π) and then rates (rad/s) of the cut joints at states y (k, nq + nu)."""
         model = self.model
         out = np.zeros((len(y), 2 * len(model.cuts)))
-        status = model.lib.lamc_motion_cuts(self.handle, len(y), model.read(y), model.write(out))
-        assert status == model.lib.LAMC_OK
+        self._on_own(model.lib.lamc_motion_cuts, len(y), model.read(y), model.write(out))
         return out
 
     def accelerations(self, t: Array, y: Array) -> Array:
@@ -95,19 +96,18 @@ class Motion(Unchanging):
         by_q, by_u, by_t = np.zeros((n, nq)), np.zeros((n, n)), np.zeros(n)
         scratch = np.zeros(model.lib.lamc_motion_jacobian_scratch(model.handle))
         write = [model.write(a) for a in (by_q, by_u, by_t, scratch)]
-        status = model.lib.lamc_motion_jacobian(self.handle, t, model.read(y), *write)
-        assert status == model.lib.LAMC_OK
+        self._on_own(model.lib.lamc_motion_jacobian, t, model.read(y), *write)
         return by_q, by_u
 
     @property
     def jacobian_cost(self) -> float:
         """What a Jacobian costs an implicit method, in evaluations of the accelerations."""
-        return float(self.model.lib.lamc_motion_ode(self.handle).jacobian_cost)
+        return float(self._ode_member("jacobian_cost"))
 
     @property
     def is_rough(self) -> bool:
         """Whether accelerations have few continuous derivatives: methods of high order misjudge errors then."""
-        return bool(self.model.lib.lamc_motion_ode(self.handle).is_rough)
+        return bool(self._ode_member("is_rough"))
 
     def energies(self, t: Array, y: Array) -> Array:
         """Energies, shape (m, len(model.energies)), J; kinetic first, then one for each effect that stores
@@ -137,11 +137,30 @@ class Motion(Unchanging):
         if model.handle.rates == model.ffi.NULL:
             return np.concatenate([row[0, nq:], accelerations])
         q, u, qdot = row[0, :nq].copy(), row[0, nq:].copy(), np.zeros(nq)
-        model.handle.rates(self.handle.constants, model.read(q), model.read(u), model.write(qdot))
+        model.handle.rates(model.read(self.constants), model.read(q), model.read(u), model.write(qdot))
         return np.concatenate([qdot, accelerations])
 
+    def settled(self, t: float, y: Array) -> Array:
+        """The state nearest to y (nq + nu,) where loops close, as far as one is near; y itself for a tree."""
+        model, nearest = self.model, y.copy()
+        if not model.cuts:
+            return nearest
+        moved = model.ffi.new("double *")
+        with self.opened() as handle:
+            model.lib.lamc_motion_settle(handle, t, model.write(nearest), moved)
+        return nearest
+
+    def _ode_member(self, name: str) -> float:
+        with self.opened() as handle:
+            return float(getattr(self.model.lib.lamc_motion_ode(handle), name))
+
     def _call(self, function: Any, count: int, t: Any, y: Array, out: Array) -> None:
-        status = function(self.handle, count, t, self.model.read(y), self.model.write(out))
+        self._on_own(function, count, t, self.model.read(y), self.model.write(out))
+
+    def _on_own(self, function: Any, *arguments: Any) -> None:
+        """Calls a function of the runtime on memory that no other thread has."""
+        with self.opened() as handle:
+            status = function(handle, *arguments)
         assert status == self.model.lib.LAMC_OK
 
 
@@ -173,11 +192,6 @@ class Model(Unchanging):
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
         self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
-
-    @property
-    def needs_work(self) -> bool:
-        """Whether a motion has working memory, which two threads cannot share."""
-        return bool(self.lib.lamc_motion_work_size(self.handle))
 
     @property
     def state_size(self) -> int:

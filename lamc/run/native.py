@@ -97,9 +97,14 @@ class _Rows:
 def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Trajectory]:
     """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is. The names of
     the methods that were used come first."""
-    model = motion.model
+    with motion.opened() as handle:
+        return _integrated(motion.model, handle, request, method)
+
+
+def _integrated(model: Model, motion: Any, request: Request, method: str) -> tuple[str, Trajectory]:
+    """The same on a `lamc_motion` that is this run's alone."""
     ffi, lib = model.ffi, model.lib
-    ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
+    ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion))
     if not request.books:
         ode.integral_count = 0
     size = lib.lamc_run_work_size(ode, METHODS[method])
@@ -125,7 +130,7 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         raise SimulationError("the integrator refuses these arguments; please report this as a bug of lamc")
     first_method = run.method
     if status == lib.LAMC_OK:
-        status = _advance(motion, run, rows, request)
+        status = _advance(model, run, rows, request)
     t, q, u, kept_work = rows.taken(_last_row(model, run, ode, request) if status < 0 else None)
     first = NAMES[first_method]
     kept = min(int(run.switches), lib.LAMC_SWITCHES_KEPT)
@@ -158,9 +163,9 @@ def _last_row(model: Model, run: Any, ode: Any, request: Request) -> tuple[Array
     return np.array([float(run.t)]), y, work
 
 
-def _advance(motion: Motion, run: Any, rows: _Rows, request: Request) -> int:
+def _advance(model: Model, run: Any, rows: _Rows, request: Request) -> int:
     """Slices until the run is over; its last status."""
-    lib, null = motion.model.lib, motion.model.ffi.NULL
+    lib, null = model.lib, model.ffi.NULL
     budget = FIRST_BUDGET
     try:
         while True:

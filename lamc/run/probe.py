@@ -126,10 +126,7 @@ def _windows(motion: Motion, rough: Result, request: Request) -> list[_Window]:
     if steps < _LEAST_STEPS or reached <= 0.0:
         return []
     middle = int(np.searchsorted(rough.t, 0.5 * reached))
-    y = np.concatenate([rough.q[middle], rough.u[middle]])
-    if motion.model.cuts:
-        moved = motion.model.ffi.new("double *")
-        motion.model.lib.lamc_motion_settle(motion.handle, rough.t[middle], motion.model.write(y), moved)
+    y = motion.settled(rough.t[middle], np.concatenate([rough.q[middle], rough.u[middle]]))
     return [_Window(0.0, length, request.y0, steps), _Window(float(rough.t[middle]), length, y, steps)]
 
 

@@ -7,7 +7,6 @@ was made.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -19,6 +18,7 @@ from lamc.codegen.program import Coordinate
 from lamc.errors import RequestError
 from lamc.files import checked_path
 from lamc.mechanism.records import Mechanism
+from lamc.once import lazy
 from lamc.run import files, frames
 from lamc.run.accuracy_record import Accuracy
 from lamc.run.books import IMPACTS, Books, Kept, books_of
@@ -142,19 +142,19 @@ class Result(Unchanging):
             return self.u[:, _place(joint, self.rates, "rate")]
         return self._of(joint, self.u, len(self.motion.model.cuts))
 
-    @cached_property
+    @lazy
     def energies(self) -> Mapping[str, Array]:
         """Energies by name, each of shape (m,), J: "kinetic", then one for each effect that stores energy."""
         values = self.motion.energies(self.t, self._rows)
         values.flags.writeable = False
         return MappingProxyType({name: values[:, i] for i, name in enumerate(self.motion.model.energies)})
 
-    @cached_property
+    @lazy
     def energy(self) -> Array:
         """Kinetic plus stored energy, shape (m,), J."""
         return sum(self.energies.values(), start=np.zeros(len(self.t)))
 
-    @cached_property
+    @lazy
     def powers(self) -> Mapping[str, Array]:
         """Power of all loads of each effect, conservative ones too, each of shape (m,), W. With that of impacts, and of
         what moves a base as told, the rate of the kinetic energy.
@@ -167,7 +167,7 @@ class Result(Unchanging):
         values.flags.writeable = False
         return MappingProxyType({name: values[:, i] for i, name in enumerate(motion.model.powers)})
 
-    @cached_property
+    @lazy
     def work(self) -> Mapping[str, Array]:
         """Work of all loads of each effect since t = 0, each of shape (m,), J; of "impacts" too where they can happen.
 
@@ -178,7 +178,7 @@ class Result(Unchanging):
         names = (*model.powers, *((IMPACTS,) if model.has_impacts else ()))
         return MappingProxyType({name: self.kept.work[:, i] for i, name in enumerate(names)})
 
-    @cached_property
+    @lazy
     def books(self) -> Books:
         """Who stored, dissipated and supplied how much energy, and how well it balances. Raises RequestError unless the
         run kept books."""
@@ -189,7 +189,7 @@ class Result(Unchanging):
             work, self.energies, dict(zip(self.motion.model.energies, first.tolist(), strict=True))
         )
 
-    @cached_property
+    @lazy
     def constraint_error(self) -> Array:
         """Largest gap at any hinge that closes a loop, shape (m,), m; zero for a tree.
 
@@ -255,19 +255,19 @@ class Result(Unchanging):
         """A Dataset over (t, joint, energy_name). Raises LamcError without xarray."""
         return frames.to_xarray(self)
 
-    @cached_property
+    @lazy
     def _rows(self) -> Array:
         rows = np.hstack([self.q, self.u])
         rows.flags.writeable = False
         return rows
 
-    @cached_property
+    @lazy
     def _poses(self) -> Array:
         poses = self.motion.poses(self.t, self._rows)
         poses.flags.writeable = False
         return poses
 
-    @cached_property
+    @lazy
     def _cut_states(self) -> Array:
         return self.motion.cut_states(self._rows)
 

@@ -7,7 +7,6 @@ It never changes; runs share nothing but the compiled code.
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.once import lazy
 from lamc.places import told_at
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
@@ -93,18 +93,18 @@ class Simulator(Evaluations):
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
 
-    @cached_property
+    @lazy
     def loops(self) -> LoopCount:
         """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
         return self._loops or loops_of(self._arrangement.tree, self.scene)
 
-    @cached_property
+    @lazy
     def branches(self) -> tuple[Branch, ...]:
         """The ways out of a singular start, such as a flat one, as `Scene.branch` numbers them; empty where the start
         is regular. Raises DesignError where no position has the scene's angles."""
         return self._starter.branches(self.scene) if self._model.cuts else ()
 
-    @cached_property
+    @lazy
     def start(self) -> Array:
         """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.
         What effects add to the coordinates starts as they say.
@@ -138,21 +138,21 @@ class Simulator(Evaluations):
     def source_dir(self) -> Path:
         return self._module.source_dir
 
-    @property
+    @lazy
     def notes(self) -> tuple[str, ...]:
         """Where effects may be wrong in this mechanism, in their own words; found when asked for."""
         return notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
 
-    @cached_property
+    @lazy
     def inputs(self) -> tuple[str, ...]:
         """Names of the parameters that come from outside while an exported model runs."""
         return tuple(parameter.name for parameter in self.program.parameters if parameter.is_input)
 
-    @cached_property
+    @lazy
     def equations(self) -> Any:
         return _settled(self._equations)
 
-    @cached_property
+    @lazy
     def program(self) -> Any:
         return _settled(self._program)
 
@@ -261,7 +261,7 @@ class Simulator(Evaluations):
         )
         return result, trajectory.effort
 
-    @cached_property
+    @lazy
     def _starter(self) -> Starter:
         return Starter(LoopGeometry(self._arrangement.tree), self.loops)
 
@@ -271,26 +271,26 @@ class Simulator(Evaluations):
             return ()
         return tuple(each.body for each in self._arrangement.flexible)
 
-    @cached_property
+    @lazy
     def _telling(self) -> Model:
         """The model that tells powers."""
         if self._books is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
         return Model(self._books())
 
-    @cached_property
+    @lazy
     def _arrangement(self) -> Arrangement:
         return arrange(plan(self.mechanism), self.effects)
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """Where a result comes from, and what its pictures show besides the bodies."""
-        if not self._model.needs_work and motion is self._default_motion:
+        if motion is self._default_motion:
             provenance, marks = self._usual_circumstances
             return replace(provenance, parameters=dict(provenance.parameters)), marks
         provenance = self._provenance(motion)
         return provenance, marks_of(self.effects, provenance.parameters)
 
-    @cached_property
+    @lazy
     def _usual_circumstances(self) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """The same where all parameters have their defaults."""
         provenance = self._provenance(self._default_motion)

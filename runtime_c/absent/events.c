@@ -10,6 +10,11 @@ void lamc_events_start(lamc_run *run, double *memory) {
   run->guards = memory;
 }
 
+int lamc_events_due(const lamc_run *run) {
+  (void)run;
+  return 0;
+}
+
 lamc_status lamc_events_after_step(lamc_run *run) {
   (void)run;
   return LAMC_OK;

@@ -14,7 +14,7 @@ void lamc_guards_values(const void *motion, double t, const double *y, double *g
   (void)motion, (void)t, (void)y, (void)guards;
 }
 
-lamc_status lamc_guards_event(const void *motion, double t, double *y, int guard) {
-  (void)motion, (void)t, (void)y, (void)guard;
+lamc_status lamc_guards_event(const void *motion, double t, double *y, const double *struck) {
+  (void)motion, (void)t, (void)y, (void)struck;
   return LAMC_OK;
 }

@@ -16,9 +16,17 @@ void lamc_loops_response(const lamc_motion *motion, int count, const double *goa
   (void)motion, (void)count, (void)goal, (void)x;
 }
 
-void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
-                       const double *gradient, double restitution) {
-  (void)motion, (void)t, (void)q, (void)u, (void)gradient, (void)restitution;
+int lamc_loops_weigh(const lamc_motion *motion, double t, const double *q, const double *u) {
+  (void)motion, (void)t, (void)q, (void)u;
+  return 0;
+}
+
+void lamc_loops_free(const lamc_motion *motion, int count, double *x) {
+  (void)motion, (void)count, (void)x;
+}
+
+void lamc_loops_rates(const lamc_motion *motion, double *x) {
+  (void)motion, (void)x;
 }
 
 void lamc_loops_keep(const lamc_motion *motion, double *kept) {

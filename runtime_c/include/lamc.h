@@ -183,8 +183,9 @@ typedef struct lamc_ode {
   void (*guards)(const void *context, double t, const double *y, double *guards);
   /* Before a run starts at (t, y): what rhs and guards stand for there */
   void (*sense)(const void *context, double t, const double *y);
-  /* Guard `guard` has reached zero at (t, y): changes y, or what rhs and guards stand for from here on */
-  lamc_status (*event)(const void *context, double t, double *y, int guard);
+  /* The guards with struck (guard_count,) above 0 have reached zero at (t, y), all at one instant: changes y, or what rhs
+   * and guards stand for from here on */
+  lamc_status (*event)(const void *context, double t, double *y, const double *struck);
   /* Integrals along the run, zero at its start, of integrands (integral_count,): as accurate as the states within steps,
    * and without influence on the steps. Each step takes the integrands at 3 to 7 states. */
   int integral_count; /* 0: none, and the two may be NULL */
@@ -281,7 +282,7 @@ typedef struct lamc_run {
   double event_gap;   /* s, between the last two events */
   int event_streak;   /* events in a row, each sooner after the last than that one before */
   int event_guard;    /* guard of the last event; -1: none yet */
-  int event_due;      /* 1: the last event is not written yet */
+  int event_due;      /* how many events of this instant are not written yet */
   int stride;         /* n rounded up: distance between the vectors in work */
   int side;           /* 0 or 1: which halves of work hold y and dy/dt at t; the others hold those at t_old */
   int dense;          /* lamc_dense: whether work holds the dense output of t_old .. t */

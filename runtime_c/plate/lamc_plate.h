@@ -36,7 +36,7 @@ typedef struct lamc_element {
   int32_t corner_count; /* c */
   int32_t node_count;
   int32_t unknown_count; /* d */
-  int32_t section_count; /* S, 6 or 18 */
+  int32_t section_count; /* S, 6 or 18; 9 more with shear through the thickness */
   int32_t strain_count;  /* E, 3 or 6 */
   int32_t field_count;   /* F, of u, v, w */
   int32_t value_count;   /* V, what displacement gives: u, v, then w, w_x, w_y */
@@ -73,6 +73,17 @@ typedef struct lamc_element {
                          const double *unknowns, double *forces);
   void (*assemble_force_extended)(const lamc_assembly *a, const double *sections, const int32_t *row,
                                   const long double *unknowns, long double *forces);
+
+  /* Of elements with shear through the thickness, in place of strain and prestress: their strains depend on the section.
+   * corners, sections (m, S), at (m, 2), unknowns (m, d) -> (m, E) */
+  void (*strain_in_section)(int64_t m, const double *corners, const double *sections, const double *at,
+                            const double *unknowns, double *strains);
+  /* corners, sections (m, S), resultants (m, E) -> (m, d) */
+  void (*prestress_in_section)(int64_t m, const double *corners, const double *sections,
+                               const double *resultants, double *vectors);
+  /* corners, sections (m, S), at (m, 2), unknowns (m, d) -> (m, 2): gamma_x and gamma_y through the thickness */
+  void (*shear_in_section)(int64_t m, const double *corners, const double *sections, const double *at,
+                           const double *unknowns, double *strains);
 } lamc_element;
 
 /* How many ints of scratch lamc_assembly_begin needs. */

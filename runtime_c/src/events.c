@@ -17,6 +17,7 @@
 enum { PARTS = 8, MAX_HALVINGS = 100, MAX_CORRECTIONS = 6, LONG_STREAK = 10 };
 
 static const double TOO_CLOSE = 1e-10; /* of the time of the run: events nearer to each other pile up */
+static const double AT_ONCE = 1e-10;   /* of a step: guards so near to zero, at their rates, are struck too */
 
 /* The parts of a run's room for events; k guards */
 typedef struct room {
@@ -25,6 +26,7 @@ typedef struct room {
   double *there; /* (2, k), the last of them: where it ended */
   double *trial; /* (2, k) */
   double *when;  /* (k,): s into the step; negative: no event */
+  double *due;   /* (k,): 1 for the guards that are struck; then those not written yet, the next one last */
   double *y;     /* (n,) */
 } room;
 
@@ -35,7 +37,7 @@ typedef struct part {
 } part;
 
 long long lamc_events_size(const lamc_ode *ode) {
-  return ode->guard_count > 0 ? (2LL * (PARTS + 1) + 3) * ode->guard_count + ode->n : 0;
+  return ode->guard_count > 0 ? (2LL * (PARTS + 1) + 4) * ode->guard_count + ode->n : 0;
 }
 
 static room room_of(const lamc_run *run) {
@@ -45,7 +47,8 @@ static room room_of(const lamc_run *run) {
   r.there = r.here + (ptrdiff_t)PARTS * 2 * r.k;
   r.trial = r.there + 2 * r.k;
   r.when = r.trial + 2 * r.k;
-  r.y = r.when + r.k;
+  r.due = r.when + r.k;
+  r.y = r.due + r.k;
   return r;
 }
 
@@ -215,6 +218,21 @@ static lamc_status step_to(lamc_run *run, const room *r, int guard, int *is_reac
   return LAMC_OK;
 }
 
+/* Which guards are struck where the run stands: those that the step showed to be, and those that differ from them by
+ * round-off only. An impact that goes with another at one instant must not come after it: which of the two was first would
+ * be round-off's choice. */
+static void find_struck(lamc_run *run, const room *r, int first, double whole) {
+  const double together = r->when[first] + 64.0 * DBL_EPSILON * larger(fabs(run->t), whole);
+  const double near = AT_ONCE * whole + 64.0 * DBL_EPSILON * fabs(run->t);
+  run->ode.guards(run->ode.context, run->t, y_here(run), r->trial);
+  for (int g = 0; g < r->k; g++) {
+    const double value = r->trial[g], rate = r->trial[r->k + g];
+    const int is_seen = r->when[g] >= 0.0 && r->when[g] <= together;
+    const int is_close = rate > 0.0 && fabs(value) <= near * rate;
+    r->due[g] = g == first || is_seen || is_close ? 1.0 : 0.0;
+  }
+}
+
 /* Counts events that follow each other ever faster. */
 static lamc_status keep_count(lamc_run *run, int guard) {
   const double whole = run->t_end < DBL_MAX ? fabs(run->t_end) : 0.0; /* a run without an end has no length */
@@ -224,10 +242,32 @@ static lamc_status keep_count(lamc_run *run, int guard) {
   run->event_gap = gap;
   run->t_event = run->t;
   run->event_guard = guard;
-  run->event_due = 1;
   run->events++;
   return gap < limit && run->event_streak > LONG_STREAK + run->ode.guard_count ? LAMC_EVENTS_PILE_UP
                                                                                : LAMC_OK;
+}
+
+/* Counts all guards that were struck, and lists them for the rows. */
+static lamc_status count_struck(lamc_run *run, const room *r) {
+  lamc_status status = LAMC_OK;
+  int count = 0;
+  for (int g = 0; g < r->k; g++) {
+    if (!(r->due[g] > 0.0)) continue;
+    const lamc_status kept = keep_count(run, g);
+    if (status == LAMC_OK) status = kept;
+    r->due[count++] = (double)g;
+  }
+  for (int i = 0; i < count / 2; i++) {
+    const double keep = r->due[i];
+    r->due[i] = r->due[count - 1 - i];
+    r->due[count - 1 - i] = keep;
+  }
+  run->event_due = count;
+  return status;
+}
+
+int lamc_events_due(const lamc_run *run) {
+  return (int)room_of(run).due[run->event_due - 1];
 }
 
 /* After a step without an event */
@@ -250,7 +290,7 @@ lamc_status lamc_events_after_step(lamc_run *run) {
     go_on(run, &r, r.there);
     return LAMC_OK;
   }
-  const double together = r.when[first] + 64.0 * DBL_EPSILON * larger(fabs(run->t), run->h_last);
+  const double whole = run->h_last;
   const int is_here = r.when[first] <= 4.0 * DBL_EPSILON * fabs(run->t);
   int is_reached;
   lamc_status status = step_to(run, &r, first, &is_reached);
@@ -265,13 +305,11 @@ lamc_status lamc_events_after_step(lamc_run *run) {
   }
   lamc_integrals_step(run);
   lamc_integrals_before(run);
-  for (int g = 0; g < r.k; g++) {
-    if (g != first && !(r.when[g] >= 0.0 && r.when[g] <= together)) continue;
-    status = run->ode.event(run->ode.context, run->t, y_here(run), g);
-    if (status != LAMC_OK) return status;
-    status = keep_count(run, g);
-    if (status != LAMC_OK) return status;
-  }
+  find_struck(run, &r, first, whole);
+  status = run->ode.event(run->ode.context, run->t, y_here(run), r.due);
+  if (status != LAMC_OK) return status;
+  status = count_struck(run, &r);
+  if (status != LAMC_OK) return status;
   lamc_integrals_after(run);
   run->ode.guards(run->ode.context, run->t, y_here(run), r.here);
   evaluate(run, run->t, y_here(run), slope_here(run));

@@ -14,6 +14,9 @@ void lamc_events_start(lamc_run *run, double *memory);
  * LAMC_OK, LAMC_PAUSED where the shortened step was refused, LAMC_EVENTS_PILE_UP, or what the event says. */
 lamc_status lamc_events_after_step(lamc_run *run);
 
+/* The guard of the next event to be written; there is one (run->event_due > 0). */
+int lamc_events_due(const lamc_run *run);
+
 /* Of run.c: takes a step of length h to a new state that holds. LAMC_PAUSED: refused; *squared is its error norm. */
 lamc_status lamc_run_take(lamc_run *run, double h, int is_last, double *squared);
 

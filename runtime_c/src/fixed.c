@@ -15,17 +15,16 @@ long long lamc_fixed_scratch(const lamc_ode *ode) {
   return 3LL * ode->n + (guards > 0 ? guards : 1); /* one: also where nothing moves */
 }
 
-/* Events of the guards that are positive at the end of the step: switches, and impacts that still go on */
+/* Events of the guards that are positive at the end of the step, together: switches, and impacts that still go on */
 static lamc_status meet(const lamc_ode *ode, double t, double *y, double *guards) {
-  lamc_status status = LAMC_OK;
+  int met = 0;
   ode->guards(ode->context, t, y, guards);
-  for (int g = 0; g < ode->guard_count && status == LAMC_OK; g++) {
-    if (guards[g] > 0.0 && guards[ode->guard_count + g] > 0.0) {
-      status = ode->event(ode->context, t, y, g);
-      ode->guards(ode->context, t, y, guards); /* one impact may undo another */
-    }
+  for (int g = 0; g < ode->guard_count; g++) {
+    const int is_struck = guards[g] > 0.0 && guards[ode->guard_count + g] > 0.0;
+    guards[g] = is_struck ? 1.0 : 0.0;
+    met += is_struck;
   }
-  return status;
+  return met > 0 ? ode->event(ode->context, t, y, guards) : LAMC_OK;
 }
 
 lamc_status lamc_fixed_end(const lamc_ode *ode, double t, double *y, double *guards) {

@@ -4,17 +4,12 @@
  * and stands still between events, so that the equations are smooth there. A guard without one is an impact. */
 #include "guards.h"
 
-#include "cholesky.h"
-#include "loops.h"
+#include "impacts.h"
 #include "motion.h"
 
-#include <string.h>
-
 long long lamc_guards_work(const lamc_model *model) {
-  const long long n = model->rate_count, k = model->guard_count;
-  if (k == 0) return 0;
-  const long long impact = k + k * n + n * n + (n * (n + 1) / 2 + n) + n;
-  return 2 * k > impact ? 2 * k : impact;
+  const long long k = model->guard_count, impacts = lamc_impacts_work(model);
+  return 2 * k > impacts ? 2 * k : impacts;
 }
 
 void lamc_guards_sense(const void *context, double t, const double *y) {
@@ -39,42 +34,19 @@ void lamc_guards_values(const void *context, double t, const double *y, double *
   }
 }
 
-/* u after an impact of a motion without loops */
-static void bounce(const lamc_motion *motion, double t, const double *q, double *u, const double *gradient,
-                   double restitution, double *work) {
-  const lamc_model *model = motion->model;
-  const int n = model->rate_count;
-  double *l = work, *inertia = l + (ptrdiff_t)n * n, *x = inertia + (ptrdiff_t)n * (n + 1) / 2 + n;
-  if (model->inertia != NULL) {
-    model->inertia(motion->constants, q, inertia);
-  } else {
-    model->system(motion->constants, t, q, u, inertia); /* and f behind it */
-  }
-  lamc_cholesky(n, inertia, l);
-  memcpy(x, gradient, (size_t)n * sizeof *x);
-  lamc_solve_lower(n, l, x);
-  const double yielding = lamc_dot(n, x, x);
-  if (!(yielding > 0.0)) return;
-  const double jump = -(1.0 + restitution) * lamc_dot(n, gradient, u) / yielding;
-  lamc_solve_upper(n, l, x);
-  for (int i = 0; i < n; i++) u[i] += jump * x[i];
-}
-
-lamc_status lamc_guards_event(const void *context, double t, double *y, int guard) {
+lamc_status lamc_guards_event(const void *context, double t, double *y, const double *struck) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
-  const int n = model->rate_count, nq = model->coordinate_count, mode = model->guard_modes[guard];
-  if (mode >= 0) {
-    motion->constants[mode] = 1.0 - motion->constants[mode];
-    return LAMC_OK;
+  int impacts = 0;
+  for (int g = 0; g < model->guard_count; g++) {
+    const int mode = model->guard_modes[g];
+    if (!(struck[g] > 0.0)) continue;
+    if (mode >= 0) {
+      motion->constants[mode] = 1.0 - motion->constants[mode];
+    } else {
+      impacts++;
+    }
   }
-  double *impacts = lamc_motion_guard_work(motion);
-  const double *gradient = impacts + model->guard_count + (ptrdiff_t)guard * n;
-  model->impacts(motion->constants, t, y, impacts);
-  if (model->cut_count == 0) {
-    bounce(motion, t, y, y + nq, gradient, impacts[guard], impacts + (ptrdiff_t)model->guard_count * (n + 1));
-  } else {
-    lamc_loops_bounce(motion, t, y, y + nq, gradient, impacts[guard]);
-  }
+  if (impacts > 0) lamc_impacts(motion, t, y, struck);
   return LAMC_OK;
 }

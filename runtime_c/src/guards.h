@@ -10,8 +10,8 @@ void lamc_guards_sense(const void *motion, double t, const double *y);
 /* Guards that pass from negative to positive, whatever the modes, then their rates: lamc_ode.guards of a motion. */
 void lamc_guards_values(const void *motion, double t, const double *y, double *guards);
 
-/* The mode changes, or the rates do: lamc_ode.event of a motion. */
-lamc_status lamc_guards_event(const void *motion, double t, double *y, int guard);
+/* Modes change, and rates do where guards without a mode are struck: lamc_ode.event of a motion. */
+lamc_status lamc_guards_event(const void *motion, double t, double *y, const double *struck);
 
 /* Doubles of work that they need beyond the loops' */
 long long lamc_guards_work(const lamc_model *model);

@@ -270,22 +270,24 @@ void lamc_loops_response(const lamc_motion *motion, int count, const double *goa
   lamc_solve_upper(p.n, p.l, x);
 }
 
-void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
-                       const double *gradient, double restitution) {
+int lamc_loops_weigh(const lamc_motion *motion, double t, const double *q, const double *u) {
   const parts p = parts_of(motion);
-  const int count = prepare(motion, &p, t, q, u);
-  memcpy(p.x, gradient, (size_t)p.n * sizeof *p.x);
-  lamc_solve_lower(p.n, p.l, p.x);
+  return prepare(motion, &p, t, q, u);
+}
+
+void lamc_loops_free(const lamc_motion *motion, int count, double *x) {
+  const parts p = parts_of(motion);
+  lamc_solve_lower(p.n, p.l, x);
   for (int k = 0; k < count; k++) {
     const double *direction = p.q + (ptrdiff_t)k * p.n;
-    const double along = lamc_dot(p.n, direction, p.x);
-    for (int i = 0; i < p.n; i++) p.x[i] -= along * direction[i];
+    const double along = lamc_dot(p.n, direction, x);
+    for (int i = 0; i < p.n; i++) x[i] -= along * direction[i];
   }
-  const double yielding = lamc_dot(p.n, p.x, p.x);
-  if (!(yielding > 0.0)) return;
-  const double jump = -(1.0 + restitution) * lamc_dot(p.n, gradient, u) / yielding;
-  lamc_solve_upper(p.n, p.l, p.x);
-  for (int i = 0; i < p.n; i++) u[i] += jump * p.x[i];
+}
+
+void lamc_loops_rates(const lamc_motion *motion, double *x) {
+  const parts p = parts_of(motion);
+  lamc_solve_upper(p.n, p.l, x);
 }
 
 static double largest(int n, const double *v) {

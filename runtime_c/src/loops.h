@@ -28,8 +28,11 @@ lamc_status lamc_loops_judge(const void *motion);
 /* How many accelerations were worked out without all equations: lamc_ode.doubts of a motion with loops */
 long long lamc_loops_doubts(const void *motion);
 
-/* u after an impact on a guard with this gradient (nu,), 1: its rate is reversed times the restitution, all loops hold */
-void lamc_loops_bounce(const lamc_motion *motion, double t, const double *q, double *u,
-                       const double *gradient, double restitution);
+/* M = L L^T and the equations of the loops at a state; how many count. For the two functions below */
+int lamc_loops_weigh(const lamc_motion *motion, double t, const double *q, const double *u);
+/* x (nu,) replaced by the part of L^-1 x that the loops leave free */
+void lamc_loops_free(const lamc_motion *motion, int count, double *x);
+/* x (nu,) replaced by L^-T x: rates, of such a part */
+void lamc_loops_rates(const lamc_motion *motion, double *x);
 
 #endif /* LAMC_LOOPS_H */

@@ -15,15 +15,14 @@ static double *next_row(lamc_rows *rows, int n, double t) {
   return y;
 }
 
-/* Writes the event that is due, if events are wanted. LAMC_OK, or LAMC_OUTPUT_FULL. */
-static lamc_status write_event(lamc_run *run, lamc_rows *rows) {
-  if (!run->event_due) return LAMC_OK;
-  if (rows->event_t != NULL) {
+/* Writes the events that are due, if events are wanted. LAMC_OK, or LAMC_OUTPUT_FULL. */
+static lamc_status write_events(lamc_run *run, lamc_rows *rows) {
+  for (; run->event_due > 0; run->event_due--) {
+    if (rows->event_t == NULL) continue;
     if (rows->event_count >= rows->event_capacity) return LAMC_OUTPUT_FULL;
     rows->event_t[rows->event_count] = run->t_event;
-    rows->event_guard[rows->event_count++] = run->event_guard;
+    rows->event_guard[rows->event_count++] = lamc_events_due(run);
   }
-  run->event_due = 0;
   return LAMC_OK;
 }
 
@@ -105,7 +104,7 @@ static void write_integrals(const lamc_run *run, const lamc_rows *rows, double t
 /* Writes the rows that are due at or before t. LAMC_OK, or LAMC_OUTPUT_FULL where some remain. */
 lamc_status lamc_rows_write(lamc_run *run, lamc_rows *rows) {
   const int n = run->ode.n;
-  const lamc_status status = write_event(run, rows);
+  const lamc_status status = write_events(run, rows);
   if (status != LAMC_OK) return status;
   if (run->row_due) {
     double *y = next_row(rows, n, run->t);

@@ -47,10 +47,11 @@ static void wave_sense(const void *context, double t, const double *y) {
   for (int g = 0; g < 2; g++) w->sign[g] = guards[g] > 0.0 ? -1.0 : 1.0;
 }
 
-static lamc_status wave_event(const void *context, double t, double *y, int guard) {
+static lamc_status wave_event(const void *context, double t, double *y, const double *struck) {
   wave *w = (wave *)(uintptr_t)context;
   (void)t, (void)y;
-  w->sign[guard] = -w->sign[guard];
+  for (int g = 0; g < 2; g++)
+    if (struck[g] > 0.0) w->sign[g] = -w->sign[g];
   return LAMC_OK;
 }
 
@@ -174,9 +175,9 @@ static void rest_guards(const void *context, double t, const double *y, double *
   guards[1] = sign * y[1];
 }
 
-static lamc_status rest_event(const void *context, double t, double *y, int guard) {
+static lamc_status rest_event(const void *context, double t, double *y, const double *struck) {
   double *sign = (double *)(uintptr_t)context + 1;
-  (void)t, (void)y, (void)guard;
+  (void)t, (void)y, (void)struck;
   *sign = -*sign;
   return LAMC_OK;
 }

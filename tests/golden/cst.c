@@ -331,6 +331,9 @@ const lamc_element *cst_element(void) {
       NULL,
       cst_assemble_force,
       cst_assemble_force_extended,
+      NULL,
+      NULL,
+      NULL,
   };
   return &element;
 }

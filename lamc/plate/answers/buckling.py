@@ -9,13 +9,13 @@ tension positive. Source: J. N. Reddy, Mechanics of Laminated Composite Plates a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, shown
+from lamc.once import lazy
 from lamc.plate.answers.eigen import pinned, stability
 from lamc.plate.answers.pencil import check_problem, pencil
 from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
@@ -73,7 +73,7 @@ class Buckling(Shapes):
             *offset_texts(self.problem),
         )
 
-    @cached_property
+    @lazy
     def _found(self) -> tuple[ShapeError, ...]:
         made = system(self.problem)
         off = self._force_errors(made)

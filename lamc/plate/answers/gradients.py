@@ -19,7 +19,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.checks import Array, checked_array, shown
 from lamc.plate.answers.buckling import Buckling
 from lamc.plate.answers.modes import Modes
@@ -73,6 +73,11 @@ def gradient(
             "or of Buckling"
         )
     problem = answer.problem
+    if problem.dofs.element.shear:
+        raise UnsupportedError(
+            f"gradients of element {problem.dofs.element.name!r} are not there: its stiffness is not linear in the "
+            "section; take 'dkt' where shear through the thickness matters little, or differences of two solutions"
+        )
     wanted = _checked_names(problem, by)
     if isinstance(answer, Modes):
         slopes = _of_frequency(answer, _checked_number(of, "omega", answer.omega, answer.rigid))

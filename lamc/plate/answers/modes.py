@@ -8,12 +8,12 @@ mass and effective mass as in R. W. Clough and J. Penzien, Dynamics of Structure
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_flag, shown
+from lamc.once import lazy
 from lamc.plate.answers.eigen import rigid_basis, vibration
 from lamc.plate.answers.pencil import check_problem, pencil, translations
 from lamc.plate.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
@@ -60,7 +60,7 @@ class Modes(Shapes):
         off = notes_of("mode", self.errors, tuple(found.region for found in self._found))
         return (*off, *offset_texts(self.problem))
 
-    @cached_property
+    @lazy
     def _found(self) -> tuple[ShapeError, ...]:
         made = system(self.problem)
         return tuple(

@@ -52,13 +52,17 @@ def stiffness_of_amounts(
     determinant = constant(frame.determinant)
     turns = [[[constant(entry) for entry in row] for row in strain.rows] for strain in strains]
     offsets = [sum(len(strain.part.basis) for strain in strains[:k]) for k in range(len(strains) + 1)]
+    first_row = [sum(len(strain.rows) for strain in strains[:k]) for k in range(len(strains))]
     result: list[list[Scalar]] = [[0] * offsets[-1] for _ in range(offsets[-1])]
     for i, first in enumerate(strains):
         for j, second in enumerate(strains[: i + 1]):
             found = moments(first.part.basis, second.part.basis, cell)
             measure = common_measure(list(found.values()))
             scale = plain(measure) * reciprocal(determinant) ** (first.power + second.power - 1)
-            block = [[scale * section[3 * i + a][3 * j + b] for b in range(3)] for a in range(3)]
+            block = [
+                [scale * section[first_row[i] + a][first_row[j] + b] for b in range(len(second.rows))]
+                for a in range(len(first.rows))
+            ]
             natural = _turned(block, turns[i], turns[j])
             terms: dict[tuple[int, int], list[tuple[Scalar, Scalar]]] = {}
             for (a, b, r, s), c in found.items():
@@ -81,20 +85,21 @@ def _merged(terms: Sequence[tuple[Scalar, Scalar]]) -> list[tuple[Scalar, Scalar
 def _turned(
     block: Sequence[Sequence[Scalar]], left: Sequence[Sequence[Scalar]], right: Sequence[Sequence[Scalar]]
 ) -> list[list[Scalar]]:
-    """leftᵀ · block · right; left and right are (3, natural derivatives)."""
+    """leftᵀ · block · right; left and right are (strains, natural derivatives)."""
     half = [
-        [weighted_sum((right[b][s], row[b]) for b in range(3)) for s in range(len(right[0]))] for row in block
+        [weighted_sum((right[b][s], entry) for b, entry in enumerate(row)) for s in range(len(right[0]))]
+        for row in block
     ]
     if left is not right:
         return [
-            [weighted_sum((left[a][r], half[a][s]) for a in range(3)) for s in range(len(right[0]))]
+            [weighted_sum((left[a][r], row[s]) for a, row in enumerate(half)) for s in range(len(right[0]))]
             for r in range(len(left[0]))
         ]
     count = len(left[0])
     result: list[list[Scalar]] = [[0] * count for _ in range(count)]
     for r in range(count):
         for s in range(r + 1):
-            result[r][s] = result[s][r] = weighted_sum((left[a][r], half[a][s]) for a in range(3))
+            result[r][s] = result[s][r] = weighted_sum((left[a][r], row[s]) for a, row in enumerate(half))
     return result
 
 
@@ -115,21 +120,25 @@ def forces_of_amounts(
     powers = sorted({key for strain in strains for rows in strain.part.basis for p in rows for key in p})
     stress = _stress(strains, determinant, section, amounts, powers)
     result: list[Scalar] = []
-    for k, strain in enumerate(strains):
+    first_row = 0
+    for strain in strains:
         turn = [[constant(entry) for entry in row] for row in strain.rows]
         scale = determinant * reciprocal(determinant) ** strain.power
         works: dict[Powers, list[Scalar]] = {}
         for i, j in powers:  # the stress's inner product with this monomial, turned to natural derivatives
             shares = [plain(monomial_integral(i + m, j + n, cell)) for m, n in powers]
             own = [
-                scale * weighted_sum(zip(shares, (stress[key][3 * k + a] for key in powers), strict=True))
-                for a in range(3)
+                scale * weighted_sum(zip(shares, (stress[key][first_row + a] for key in powers), strict=True))
+                for a in range(len(turn))
             ]
-            works[i, j] = [weighted_sum((turn[a][r], own[a]) for a in range(3)) for r in range(len(turn[0]))]
+            works[i, j] = [
+                weighted_sum((turn[a][r], force) for a, force in enumerate(own)) for r in range(len(turn[0]))
+            ]
         result += [
             weighted_sum((plain(c), works[key][r]) for r, p in enumerate(rows) for key, c in p.items())
             for rows in strain.part.basis
         ]
+        first_row += len(turn)
     return result
 
 

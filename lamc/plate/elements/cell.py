@@ -12,9 +12,11 @@ from lamc.plate.elements.definition import Element
 from lamc.plate.elements.factor import Geometry, plain
 from lamc.plate.elements.frame import Frame, Varying, constant, frame
 from lamc.plate.elements.polynomials import Polynomial
+from lamc.plate.elements.sheared import sheared
 from lamc.plate.elements.strains import Chain, Strain, bending, joined, membrane
 from lamc.plate.elements.sums import weighted_sum
 
+_INDICES = ("11", "12", "16", "22", "26", "66")
 _ENTRIES = ((0, 1, 2), (1, 3, 4), (2, 4, 5))  # where a symmetric 3 × 3 finds its unique entries
 
 
@@ -37,10 +39,12 @@ class Cell:
 
     @cached_property
     def strains(self) -> tuple[Strain, ...]:
-        """Of the membrane if it stretches, then of bending if it bends."""
+        """Of the membrane if it stretches, then of bending if it bends, then of shear through the thickness."""
         parts = (self.element, self.geometry, self.frame)
         with self.store.section("weights of the unknowns in amounts that rigid motion leaves at zero"):
             found = (membrane(*parts),) if self.element.stretches else ()
+            if self.element.shear:
+                return (*found, *sheared(self))
             return (*found, bending(*parts)) if self.element.bends else found
 
     @cached_property
@@ -68,7 +72,35 @@ class Cell:
 
     @cached_property
     def section(self) -> list[list[Scalar]]:
-        """The section's stiffness, (3, 3), or (6, 6) of A, B, D."""
+        """The section's stiffness, (3, 3), or (6, 6) of A, B, D; two rows and columns of H more if it has shear."""
+        plane = self._plane
+        if not self.element.shear:
+            return plane
+        a, b, c = self.shear
+        count = len(plane)
+        return [[*row, 0, 0] for row in plane] + [[*[0] * count, a, b], [*[0] * count, b, c]]
+
+    @cached_property
+    def shear(self) -> list[Scalar]:
+        """H: its entries 11, 12, 22."""
+        first = self._plane_count
+        return [
+            self.store.symbol("H" + at, Space.SECTION, first + k) for k, at in enumerate(("11", "12", "22"))
+        ]
+
+    @cached_property
+    def neutral(self) -> list[Scalar]:
+        """D about the neutral surface: D - B A⁻¹ B, its six entries."""
+        first = self._plane_count + 3
+        return [self.store.symbol("N" + at, Space.SECTION, first + k) for k, at in enumerate(_INDICES)]
+
+    @property
+    def _plane_count(self) -> int:
+        return 18 if self.element.stretches and self.element.bends else 6
+
+    @cached_property
+    def _plane(self) -> list[list[Scalar]]:
+        """Of membrane and bending."""
         names = [n for n, there in (("A", self.element.stretches), ("D", self.element.bends)) if there]
         if len(names) == 1:
             return self._block(names[0], 0)
@@ -76,8 +108,7 @@ class Cell:
         return [[*a, *b] for a, b in zip(A, B, strict=True)] + [[*b, *d] for b, d in zip(B, D, strict=True)]
 
     def _block(self, name: str, offset: int) -> list[list[Scalar]]:
-        indices = ("11", "12", "16", "22", "26", "66")
-        unique = [self.store.symbol(name + at, Space.SECTION, offset + k) for k, at in enumerate(indices)]
+        unique = [self.store.symbol(name + at, Space.SECTION, offset + k) for k, at in enumerate(_INDICES)]
         return [[unique[k] for k in row] for row in _ENTRIES]
 
     def symbols(self, name: str, space: Space, count: int) -> list[Scalar]:

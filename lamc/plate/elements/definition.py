@@ -74,6 +74,8 @@ class Element:
               polynomial in the coordinates must be written so
     amounts   combinations of the unknowns (symbols of `unknowns`) that `slopes` are written in, one pair of shape
               functions each; empty: the unknowns themselves
+    shear     whether it is sheared through its thickness (DKMT): w_x and w_y are then slopes of the cross-section, not
+              of w, and the last three amounts, the edges' bows, are shared between bending and shear (`sheared.py`)
 
     Raises DesignError for text in place of sympy expressions, and for shape functions of another number than the
     unknowns. Whether the functions fit the nodes is checked before anything is derived; see `checks.py`.
@@ -90,6 +92,7 @@ class Element:
     source: str = ""
     geometry: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
     amounts: Sequence[sp.Expr] = ()
+    shear: bool = False
 
     def __post_init__(self) -> None:
         checked_name(self.name, "an element")
@@ -175,6 +178,11 @@ class Element:
         if self.amounts and not self.slopes:
             raise DesignError(
                 f"element {self.name!r} has amounts and no slopes; only slopes are written in amounts"
+            )
+        if self.shear and (self.cell != TRIANGLE or len(self.amounts) < 4):
+            raise DesignError(
+                f"element {self.name!r} has shear and {len(self.amounts)} amounts on {self.cell}s; it needs triangles, "
+                "and amounts of which the last three are the bows of the edges 1-2, 2-3 and 3-1"
             )
         if self.slopes and (not self.w or counts != [count, count]):
             raise DesignError(

@@ -11,10 +11,12 @@ functions, by name; x are the corners' coordinates, d the unknowns, matrices are
   prestress     ∫ Bᵀ r dA
   strain        membrane strain, then curvature, at (ξ, η)
   displacement  u, v if it stretches, w, w_x, w_y if it bends, at (ξ, η)
+  strain_in_section, prestress_in_section, shear_in_section
+                of elements with shear through the thickness: the same, and (γ_x, γ_y), by the section too
   force         ∫ Bᵀ S B d dA from the strain: what rigid motion leaves is round-off of d, not of the stiffness
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
@@ -27,7 +29,7 @@ from lamc.plate.elements.checks import check_element
 from lamc.plate.elements.definition import Element
 from lamc.plate.elements.fields import displacement, geometric, load, mass
 from lamc.plate.elements.quadrature import Point
-from lamc.plate.elements.stiffness import force, prestress, stiffness, strain
+from lamc.plate.elements.stiffness import force, prestress, shear, stiffness, strain
 
 Staged: TypeAlias = list[Scalar] | tuple[list[Scalar], tuple[Point, ...]]
 _AT_A_POINT = (Space.CORNER, Space.NATURAL, Space.UNKNOWN)
@@ -100,13 +102,24 @@ _FUNCTIONS: tuple[tuple[str, str, tuple[Space, ...], Callable[[Cell], Staged], s
 )
 
 
+def _with_shear() -> Iterator[tuple[str, str, tuple[Space, ...], Callable[[Cell], Staged], str]]:
+    """Of elements with shear: what goes by strains asks for the section, which has a share in them."""
+    for name, purpose, reads, staged, equation in _FUNCTIONS:
+        if name in ("strain", "prestress"):
+            yield f"{name}_in_section", purpose, (reads[0], Space.SECTION, *reads[1:]), staged, equation
+        else:
+            yield name, purpose, reads, staged, equation
+    reads = (_AT_A_POINT[0], Space.SECTION, *_AT_A_POINT[1:])
+    yield "shear_in_section", "shear strains through the thickness at a point", reads, shear, "∇w - slopes"
+
+
 @collector_paused
 def derive(element: Element) -> ElementEquations:
     """The functions of `element`. Raises DesignError for shape functions that are none; see `checks.py`."""
     check_element(element)
     cell = Cell(element)
     functions = {}
-    for name, purpose, reads, staged, equation in _FUNCTIONS:
+    for name, purpose, reads, staged, equation in _with_shear() if element.shear else _FUNCTIONS:
         if name == "geometric" and not element.bends:
             continue
         with cell.store.section(name, source=equation):

@@ -4,6 +4,7 @@ In: an element. Out: text. Never: files or terminals.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import sympy as sp
 
@@ -91,6 +92,13 @@ def _formulas(element: Element) -> Iterator[str]:
 
 def _strains(element: Element) -> Iterator[str]:
     """B in its factors: amounts of the unknowns, natural derivatives of these, and the turn to x and y."""
+    if element.shear:
+        yield from _strains(replace(element, shear=False))
+        yield ""
+        yield "Of the last three amounts, the bows of edges, slopes take the part 1 / (1 + φ) and shear the rest:"
+        yield "  γ along an edge = bow φ / (1 + φ) / length, linear inside with these along all three;"
+        yield "  φ = 12 D_s / (H_s length²), of bending and shear along the edge"
+        return
     cell = Cell(element)
     named = {
         value.index: value.sign * sp.Symbol(name, real=True)
@@ -157,7 +165,9 @@ def _integration(element: Element) -> Iterator[str]:
 def _counts(equations: ElementEquations) -> Iterator[str]:
     yield ""
     yield "Operations (+ - * and reciprocals)"
-    for name, counted in operations(equations).items():
+    counts = operations(equations)
+    width = max(13, *(len(name) + 1 for name in counts))
+    for name, counted in counts.items():
         function = equations.functions[name]
         times = f" at each of {len(function.points)} points" if function.points else ""
-        yield f"  {name:<13}{counted.flops:>6}{times}  {function.purpose}"
+        yield f"  {name:<{width}}{counted.flops:>6}{times}  {function.purpose}"

@@ -4,6 +4,7 @@ In: a staged cell. Out: staged outputs, all integrated exactly. Never: strains o
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from lamc.codegen.program import Space
@@ -59,9 +60,9 @@ def geometric(cell: Cell) -> list[Scalar]:
         cell.store.symbol(n, Space.MEMBRANE_FORCE, k) for k, n in enumerate(("N_x", "N_y", "N_xy"))
     )
     determinant = constant(cell.frame.determinant)
-    part = _slopes(cell)
+    part = _gradient(cell) if cell.element.shear else _slopes(cell)
     tension: list[list[Scalar]] = [[nx, nxy], [nxy, ny]]
-    if cell.element.slopes:
+    if cell.element.slopes and not cell.element.shear:
         natural = [[determinant * n for n in row] for row in tension]
     else:
         turn = [[constant(entry) for entry in rows] for rows in (cell.frame.by_x, cell.frame.by_y)]
@@ -121,9 +122,22 @@ def _field(cell: Cell, name: str) -> Part:
 
 
 def _slopes(cell: Cell) -> Part:
-    """By ξ and η, or w_x and w_y where they have shape functions of their own."""
+    """By ξ and η, or w_x and w_y where they have shape functions of their own; without the bows of edges where these
+    are shared with shear, so that no section is asked for."""
+    if cell.element.shear:
+        edges = cell.element.corner_count
+        slopes, amounts = cell.element.slopes, cell.element.amounts[:-edges]
+        straight = replace(
+            cell.element, slopes=tuple(part[:-edges] for part in slopes), amounts=amounts, shear=False
+        )
+        return slopes_part(straight, cell.geometry, gradient_of_slopes=False)
     if cell.element.slopes:
         return slopes_part(cell.element, cell.geometry, gradient_of_slopes=False)
+    return _gradient(cell)
+
+
+def _gradient(cell: Cell) -> Part:
+    """Of w, by ξ and η."""
     found = factored(cell.geometry, [(f,) for f in cell.element.w], gradient)
     return Part(found.basis, Chain((found.weights,), (len(cell.element.dofs),)))
 

@@ -42,7 +42,9 @@ class ElementKernels:
 
     Corners are (m, c, 2), m, counter-clockwise. Unknowns are node by node, at each node in the order u, v, w, w_x, w_y,
     w_xy; w is up. Sections are the unique entries (11, 12, 16, 22, 26, 66) of A where the element has u and v, of D
-    where it has w; of A, B and D where it has all. Strains are (ε_x, ε_y, γ_xy), then κ = -(w_xx, w_yy, 2 w_xy).
+    where it has w; of A, B and D where it has all. Elements with shear through the thickness add the entries 11, 12,
+    22 of H and the six of D - B A⁻¹ B, and read sections for strains and prestress as well. Strains are (ε_x, ε_y,
+    γ_xy), then κ = -(w_xx, w_yy, 2 w_xy).
 
     Every method raises DesignError for arrays of another shape or without numbers.
     """
@@ -53,7 +55,7 @@ class ElementKernels:
         self.corner_count = element.corner_count
         self.unknown_count = len(element.dofs)
         self.strain_count = 3 * (element.stretches + element.bends)
-        self.section_count = 18 if self.strain_count == 6 else 6
+        self.section_count = (18 if self.strain_count == 6 else 6) + 9 * element.shear
 
     @property
     def source_dir(self) -> Path | None:
@@ -86,14 +88,51 @@ class ElementKernels:
             "load", corners, [("intensity", intensity, (len(self.element.fields), self.corner_count))]
         )
 
-    def prestress(self, corners: npt.ArrayLike, resultants: npt.ArrayLike) -> Array:
+    def prestress(
+        self, corners: npt.ArrayLike, resultants: npt.ArrayLike, sections: npt.ArrayLike | None = None
+    ) -> Array:
         """∫ Bᵀ r dA, shape (m, d), from resultants (m, E): membrane forces, N/m, then moments, N."""
-        return self._vectors("prestress", corners, [("resultants", resultants, (self.strain_count,))])
+        name, first = self._in_section("prestress", sections)
+        return self._vectors(name, corners, [*first, ("resultants", resultants, (self.strain_count,))])
 
-    def strain(self, corners: npt.ArrayLike, xi: npt.ArrayLike, d: npt.ArrayLike) -> Array:
+    def strain(
+        self,
+        corners: npt.ArrayLike,
+        xi: npt.ArrayLike,
+        d: npt.ArrayLike,
+        sections: npt.ArrayLike | None = None,
+    ) -> Array:
         """Strains and curvatures (1/m), shape (m, E), at natural coordinates xi (m, 2) for unknowns d (m, d)."""
-        inputs = [("xi", xi, (2,)), ("d", d, (self.unknown_count,))]
-        return self._vectors("strain", corners, inputs, self.strain_count)
+        name, first = self._in_section("strain", sections)
+        inputs = [*first, ("xi", xi, (2,)), ("d", d, (self.unknown_count,))]
+        return self._vectors(name, corners, inputs, self.strain_count)
+
+    def shear(
+        self, corners: npt.ArrayLike, xi: npt.ArrayLike, d: npt.ArrayLike, sections: npt.ArrayLike
+    ) -> Array:
+        """(γ_x, γ_y) through the thickness, shape (m, 2), at xi (m, 2) for unknowns d (m, d).
+
+        Raises UnsupportedError for an element without shear.
+        """
+        if not self.element.shear:
+            raise UnsupportedError(
+                f"element {shown(self.element.name)} has no shear through the thickness; choose one that has, 'dkmt'"
+            )
+        name, first = self._in_section("shear", sections)
+        return self._vectors(name, corners, [*first, ("xi", xi, (2,)), ("d", d, (self.unknown_count,))], 2)
+
+    def _in_section(
+        self, name: str, sections: npt.ArrayLike | None
+    ) -> tuple[str, list[tuple[str, npt.ArrayLike, tuple[int, ...]]]]:
+        """The function that is there, and the sections if it reads them."""
+        if not self.element.shear:
+            return name, []
+        if sections is None:
+            raise DesignError(
+                f"element {shown(self.element.name)} has shear through the thickness, and its strains depend on the "
+                "section; give sections"
+            )
+        return f"{name}_in_section", [("sections", sections, (self.section_count,))]
 
     def displacement(self, corners: npt.ArrayLike, xi: npt.ArrayLike, d: npt.ArrayLike) -> Array:
         """u, v if it has them, m, then w, m, and w_x, w_y if it has them, at xi (m, 2) for unknowns d (m, d)."""

@@ -12,11 +12,11 @@ from lamc.errors import DesignError
 from lamc.mechanism.checks import shown
 from lamc.plate.elements.definition import DOFS, Element, Node, symbols_of
 from lamc.plate.elements.squares import BFS, Q4, Q8, Q9, Q12
-from lamc.plate.elements.triangles import BCIZ, CST, DKT, LST, SPECHT
+from lamc.plate.elements.triangles import BCIZ, CST, DKMT, DKT, LST, SPECHT
 from lamc.readonly import ReadOnlyDict
 
 ELEMENTS: Mapping[str, Element] = ReadOnlyDict(
-    {e.name: e for e in (BCIZ, DKT, SPECHT, CST, LST, Q4, Q8, Q9, Q12, BFS)}
+    {e.name: e for e in (BCIZ, DKT, SPECHT, DKMT, CST, LST, Q4, Q8, Q9, Q12, BFS)}
 )
 
 
@@ -106,4 +106,5 @@ def combine(bending: Element | str, membrane: Element | str) -> Element:
         source="; ".join(text for text in (bending.source, membrane.source) if text),
         geometry={**membrane.geometry, **bending.geometry},
         amounts=tuple(amount.xreplace(renamed) for amount in bending.amounts),
+        shear=bending.shear,
     )

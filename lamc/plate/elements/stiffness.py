@@ -100,10 +100,11 @@ def _force_at(cell: Cell, amounts: Sequence[Scalar], xi: Scalar, eta: Scalar, we
 
 
 def prestress(cell: Cell) -> list[Scalar]:
-    """Per unknown, from membrane forces and moments that are the same all over the cell."""
-    resultants = cell.symbols("r", Space.RESULTANT, 3 * len(cell.strains))
+    """Per unknown, from membrane forces and moments that are the same all over the cell; none of shear."""
+    parts = cell.strains[:-1] if cell.element.shear else cell.strains
+    resultants = cell.symbols("r", Space.RESULTANT, 3 * len(parts))
     result: list[Scalar] = []
-    for k, strain_ in enumerate(cell.strains):
+    for k, strain_ in enumerate(parts):
         own = resultants[3 * k : 3 * k + 3]
         if strain_.power > 1:
             divisor = reciprocal(cell.varying(cell.frame.determinant, 0, 0))
@@ -119,11 +120,22 @@ def prestress(cell: Cell) -> list[Scalar]:
                             shared.setdefault(plain(c), []).append((factor, own[a]))
                 terms += [(c, weighted_sum(parts)) for c, parts in shared.items()]
             result.append(weighted_sum(terms))
+    result += [0] * sum(len(strain_.part.basis) for strain_ in cell.strains[len(parts) :])
     return cell.chain.forces(result)
 
 
 def strain(cell: Cell) -> list[Scalar]:
     """Membrane strain, then curvature, at ξ, η."""
+    return _at_point(cell)[: 3 * cell.element.stretches + 3 * cell.element.bends]
+
+
+def shear(cell: Cell) -> list[Scalar]:
+    """γ_x and γ_y through the thickness at ξ, η."""
+    return _at_point(cell)[-2:]
+
+
+def _at_point(cell: Cell) -> list[Scalar]:
+    """All strains at ξ, η."""
     xi, eta, _ = cell.natural
     divisor = reciprocal(cell.varying(cell.frame.determinant, xi, eta))
     result: list[Scalar] = []

@@ -1,4 +1,4 @@
-"""Triangles: BCIZ, DKT and Specht for bending, CST and LST for the membrane.
+"""Triangles: BCIZ, DKT, Specht and DKMT for bending, CST and LST for the membrane.
 
 In: nothing. Out: elements. Never: anything that is not in the papers named.
 
@@ -8,6 +8,7 @@ Along an edge every w here is the cubic of its ends' deflections and slopes: w_i
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import sympy as sp
 
@@ -101,6 +102,20 @@ def _specht() -> Element:
     )
 
 
+def _dkmt(thin: Element) -> Element:
+    """DKT with shear (`sheared.py`). The deflection that loads, mass and membrane forces meet is a parabola along
+    edges, w_i L_i + ½ (edge)·(slope_i - slope_j) L_i L_j: exact for constant curvature with any constant shear,
+    where BCIZ's cubic would have the slopes of the cross-section."""
+    ends = {(i, j): _HALF * _L[i] * _L[j] for i in range(3) for j in range(3) if i != j}
+    return replace(
+        thin,
+        name="dkmt",
+        w=_deflection(ends),
+        source="I. Katili, Int. J. Numer. Meth. Engng 36, 1993, 1859-1883",
+        shear=True,
+    )
+
+
 CST = Element(
     "cst",
     TRIANGLE,
@@ -121,4 +136,5 @@ LST = Element(
 )
 BCIZ = _bciz()
 DKT = _dkt(BCIZ)
+DKMT = _dkmt(DKT)
 SPECHT = _specht()

@@ -5,14 +5,18 @@ before meshing, where solving would take more memory than there is. Never: files
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import shapely
 
+from lamc.plate.answers.choice import THICK, THIN, choose_element
 from lamc.plate.designs.inner_lines import is_strip
 from lamc.plate.elements.definition import Element
 from lamc.plate.elements.library import checked_element
+from lamc.plate.files.follow import to_follow
 from lamc.plate.files.problem_records import CELLS_ALONG, Geometry, PlateFile
 from lamc.plate.hinge_lines import HingeLine
+from lamc.plate.loads import EdgeLoad, EdgeMoment
 from lamc.plate.memory import check_memory
 from lamc.plate.meshing.checks import MOST_CELLS
 from lamc.plate.meshing.grid import PER_SQUARE, grid
@@ -20,7 +24,9 @@ from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.mesher import expected_cells, mesh
 from lamc.plate.problem import Problem
 from lamc.plate.solving.solvers import checked_solver
+from lamc.plate.supports import Where
 
+AUTO = "auto"
 # Of the cells that are expected, so many there are at least: 0.5 beside small holes to 0.95 in large squares, measured
 # on meshes of more than 5000.
 _SURE = 0.5
@@ -31,11 +37,13 @@ def mesh_of(
     size: float | None = None,
     hinges: Sequence[HingeLine] = (),
     *,
+    along: Sequence[Where] = (),
     element: Element | str = "dkt",
     solver: str = "auto",
 ) -> Mesh:
-    """The mesh, which follows `hinges` too; `size`, m, in place of the grid's and the file's. Raises DesignError as the
-    mesher does, and where there is no memory to solve so many cells of `element` by `solver`."""
+    """The mesh, which without a grid follows `hinges` and the places `along` which something holds or acts; `size`, m,
+    in place of the grid's and the file's. Raises DesignError as the mesher does, and where there is no memory to solve
+    so many cells of `element` by `solver`."""
     element, solver = checked_element(element), checked_solver(solver)
     x0, y0, x1, y1 = geometry.outline.bounds
     shapes = {name: region.polygon for name, region in geometry.regions.items()}
@@ -52,7 +60,8 @@ def mesh_of(
     sizes = {n: min(own, general) if is_strip(n) else own for n, own in sizes.items()}
     within = [shapely.intersection(hinge.where, geometry.outline) for hinge in hinges]
     lines = [line for part in within for line in shapely.get_parts(part) if line.length > 0.0]
-    followed = [*geometry.follow, *lines]
+    drawn = [*geometry.follow, *lines]
+    followed = [*drawn, *to_follow(along, geometry.outline, [*shapes.values(), *drawn])]
     expected = expected_cells(geometry.outline, general, regions=shapes, sizes=sizes, follow=followed)
     if expected < MOST_CELLS:  # the mesher refuses more
         check_memory(element, int(_SURE * expected), solver, least=True)
@@ -62,11 +71,26 @@ def mesh_of(
 def problem_of(
     file: PlateFile, element: str | None = None, size: float | None = None, solver: str = "auto"
 ) -> Problem:
-    """Meshed, and ready to be solved. Raises DesignError as `mesh_of` and `Problem` do, with the place in the file."""
+    """Meshed, and ready to be solved. Element "auto" is chosen by `choose_element`, and told among the notes.
+
+    Raises DesignError as `mesh_of` and `Problem` do, with the place in the file."""
+    wanted = (element or file.element).strip().lower()
+    first = THICK if wanted == AUTO else wanted
     with file.origins.told("geometry" if size is None else ""):
-        made = mesh_of(file.geometry, size, file.hinges, element=element or file.element, solver=solver)
+        made = mesh_of(file.geometry, size, file.hinges, along=_places_of(file), element=first, solver=solver)
     with file.origins.told():
-        return _problem(file, made, element)
+        if wanted != AUTO:
+            return _problem(file, made, wanted)
+        plain = _problem(file, made, THIN)
+        choice = choose_element(plain, waves=max(file.modes, file.buckling))
+        return replace(plain, element=choice.element, remarks=(choice.why,))
+
+
+def _places_of(file: PlateFile) -> list[Where]:
+    """Where supports hold and where loads act along edges."""
+    loads = [load for case in file.cases.values() for load in case]
+    acting = [load.where for load in loads if isinstance(load, EdgeLoad | EdgeMoment)]
+    return [*(support.where for support in file.supports), *acting]
 
 
 def _problem(file: PlateFile, made: Mesh, element: str | None) -> Problem:

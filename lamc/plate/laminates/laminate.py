@@ -1,8 +1,8 @@
 """Classical laminate theory: the stiffness of a stack of bonded plies, and the stress in each.
 
 In: plies from bottom to top and a reference surface. Out: A, B, D, what warming, moisture and electric fields do,
-deformation under resultants, strain and stress in every ply. Never: failure, meshes; shear through the thickness is
-estimated (`shear.py`) and not solved for.
+deformation under resultants, strain and stress in every ply, and what bears shear through the thickness. Never:
+failure, meshes.
 
     strain(z) = strain of the reference surface + z κ,   κ = -(w_xx, w_yy, 2 w_xy),   w and z up
     N = ∫ stress dz = A strain + B κ,   M = ∫ stress z dz = B strain + D κ
@@ -14,6 +14,7 @@ Composite Plates and Shells, 2nd ed. 2004, section 3.3; R. M. Jones, Mechanics o
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from lamc.plate.laminates.layup import layup_angles
 from lamc.plate.laminates.materials import Material, strain_rotation
 from lamc.plate.laminates.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 from lamc.plate.laminates.shear import shear_share, shear_warning
+from lamc.plate.laminates.transverse import transverse_stiffness
 
 _NONE = (0.0, 0.0, 0.0)
 _SURFACES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # height above the middle, in thicknesses
@@ -151,6 +153,15 @@ class Laminate:
         """[[A, B], [B, D]], shape (6, 6)."""
         return np.block([[self.A, self.B], [self.B, self.D]])
 
+    @cached_property
+    def H(self) -> Array:  # noqa: N802  the field's symbol
+        """Stiffness in shear through the thickness, (Q_x, Q_y) = H (γ_xz, γ_yz), shape (2, 2), N/m: by the energy of
+        the plies' stresses (`transverse.py`), 5/6 G h for one isotropic ply. G13 and G23 default to G12. Raises
+        DesignError for a gap."""
+        found = transverse_stiffness(self.plies, self.heights, self.ABD)
+        found.flags.writeable = False
+        return found
+
     @property
     def areal_mass(self) -> float:
         """Mass per area, kg/m²."""
@@ -275,13 +286,14 @@ class Laminate:
         return np.asarray(np.einsum("pij,...pfj->...pfi", Q, along))
 
     def shear_share(self, length: float) -> float:
-        """Deflection by shear through the thickness over that by bending, over a span of `length` m: an estimate from
-        G13 and G23, or G12 where a material has none; inf across a gap. Raises DesignError."""
+        """Deflection by shear through the thickness over that by bending, of a strip of `length` m that is held at both
+        ends and free to turn; of plates, and where ends are clamped, it is several times as much
+        (`Solution.shear_share`). inf across a gap. Raises DesignError."""
         return shear_share(self.plies, _checked_span(length))
 
     def shear_warning(self, length: float) -> str:
-        """A sentence where the laminate is too thick or too soft in shear for classical theory over a span of `length`
-        m: h/a above 1/20, or a share above 5 %; else nothing. Raises DesignError."""
+        """A sentence where the laminate is too thick or too soft in shear for classical theory in such a strip: h/a
+        above 1/20, or a share above 5 %; else nothing. Raises DesignError."""
         return shear_warning(self.plies, _checked_span(length))
 
 

@@ -1,7 +1,7 @@
-"""How much classical theory leaves out: shear through the thickness, estimated before anything is solved.
+"""How much classical theory leaves out of a strip: shear through the thickness, estimated before anything is solved.
 
 In: plies and a span. Out: the deflection by shear as a part of that by bending, and a sentence where it matters.
-Never: a theory with shear in it.
+Never: a theory with shear in it; plates, of which `answers/shear_share.py` tells after they are solved.
 
 A strip bends in x under a load of one half wave of length a. Equilibrium of the plies gives the shear stress
 τ(z) = V g(z) / D with g(z) = ∫ Q11 (ζ - z0) dζ from the lower face, and its energy the shear stiffness

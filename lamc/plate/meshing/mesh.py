@@ -6,12 +6,12 @@ elements, materials, how a mesh is made.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lamc.mechanism.checks import Array
+from lamc.once import lazy
 from lamc.plate.meshing.checks import (
     checked_cells,
     checked_cells_turned,
@@ -69,12 +69,12 @@ class Mesh:
         """Corners of a cell: 3 or 4."""
         return int(self.cells.shape[1])
 
-    @cached_property
+    @lazy
     def corners(self) -> Array:
         """Coordinates of the cells' corners, shape (m, 3 or 4, 2), m."""
         return np.asarray(self.points[self.cells])
 
-    @cached_property
+    @lazy
     def areas(self) -> Array:
         """Of the cells, shape (m,), m²."""
         x, y = np.moveaxis(
@@ -82,7 +82,7 @@ class Mesh:
         )  # far from the origin products lose digits
         return np.asarray(0.5 * np.sum(x * np.roll(y, -1, 1) - np.roll(x, -1, 1) * y, axis=1))
 
-    @cached_property
+    @lazy
     def _edges(self) -> tuple[Integers, Integers]:
         ends = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
         low, high = ends.min(axis=1).astype(np.int64), ends.max(axis=1).astype(np.int64)
@@ -100,13 +100,13 @@ class Mesh:
         """Index into `edges`, shape as `cells`; edge k of a cell runs from its corner k to the next."""
         return self._edges[1]
 
-    @cached_property
+    @lazy
     def boundary_edges(self) -> Integers:
         """Edges of one cell only, as (cell, local edge), shape (b, 2)."""
         count = np.bincount(self.cell_edges.ravel(), minlength=len(self.edges))
         return np.argwhere(count[self.cell_edges] == 1).astype(np.int32)
 
-    @cached_property
+    @lazy
     def _locator(self) -> Locator:
         return Locator(self.corners)
 

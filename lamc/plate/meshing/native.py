@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamc._version import __version__
-from lamc.errors import BuildError, DesignError
+from lamc.errors import DesignError
 from lamc.mechanism.checks import Array
 from lamc.options import CompileOptions
 from lamc.resources import data_dir
@@ -183,7 +183,7 @@ def _maker(files: dict[str, str], options: CompileOptions) -> Callable[[Path], N
 
     from lamc.codegen.emit import declarations_of
     from lamc.codegen.module import BINDING, LIBRARY, SOURCES
-    from lamc.codegen.toolchain import find_compiler, run_compiler
+    from lamc.codegen.toolchain import find_compiler, make_library
 
     def make(folder: Path) -> None:
         source = folder / SOURCES
@@ -191,9 +191,7 @@ def _maker(files: dict[str, str], options: CompileOptions) -> Callable[[Path], N
         for name, text in files.items():
             (source / name).write_text(text, encoding="utf-8", newline="\n")
         units = [f"{SOURCES}/{name}" for name in files if name.endswith(".c")]
-        run_compiler(find_compiler(None), [*options.flags, "-shared", "-o", LIBRARY, *units, "-lm"], folder)
-        if not (folder / LIBRARY).is_file():
-            raise BuildError("the C compiler made no library of the mesher and gave no error")
+        make_library(find_compiler(None), options.flags, units, LIBRARY, folder)
         binding = cffi.FFI()
         binding.cdef(declarations_of(files["mesher.h"]))
         binding.set_source("binding", None)

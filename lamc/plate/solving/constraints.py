@@ -9,7 +9,7 @@ At a node the unknowns (u, v) and (w_x, w_y) are vectors, and a support may hold
 Where that is an axis, an unknown is simply fixed; elsewhere the node gets axes of its own.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,7 +21,7 @@ from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
 from lamc.plate.solving.blocks import placed
 from lamc.plate.solving.directions import PARALLEL, Indices, gram, principal
-from lamc.plate.solving.equations import ACROSS, PLANE, SLOPE, Equations
+from lamc.plate.solving.equations import ACROSS, PLANE, SLOPE, Equations, held_curves
 from lamc.plate.solving.joints import held, slope_numbers, spread
 from lamc.plate.solving.ties import Ties, ties
 
@@ -50,7 +50,37 @@ class Constraints:
 
 
 def constraints(problem: Problem, equations: Equations) -> Constraints:
-    """The equations made independent, node by node. Raises DesignError where two contradict each other."""
+    """The equations made independent, node by node; on curved edges the deflection is that on the curve. Raises
+    DesignError where two contradict each other."""
+    flat = _of_nodes(problem, equations)
+    curve = held_curves(problem)
+    several = np.bincount(problem.dofs.origin, minlength=len(problem.dofs.origin)) > 1
+    columns = problem.dofs.table[curve.nodes][:, [2, 3, 4]]
+    moved = np.isin(curve.nodes, flat.nodes[flat.values != 0.0]) | several[problem.dofs.origin[curve.nodes]]
+    lie = (columns >= 0).all(axis=1) & (curve.height != 0.0) & ~moved
+    if not lie.any():
+        return flat
+    turn = _to_curves(columns[lie], curve.across[lie], curve.height[lie], problem.dofs.count)
+    return replace(flat, fixed=sp.csr_array(flat.fixed @ turn), free=sp.csr_array(turn.T @ flat.free))
+
+
+def _to_curves(columns: Integers, across: Array, height: Array, count: int) -> sp.csr_array:
+    """Orthogonal (N, N): what becomes w of a node is (w + h w_n) / √(1 + h²), with h m the curve's distance along n."""
+    cosine, sine = 1.0 / np.hypot(1.0, height), height / np.hypot(1.0, height)
+    block = np.tile(np.eye(3), (len(height), 1, 1))
+    block[:, 0, 0] = cosine
+    block[:, 0, 1:] = sine[:, None] * across
+    block[:, 1:, 0] = -sine[:, None] * across
+    block[:, 1:, 1:] -= (1.0 - cosine)[:, None, None] * across[:, :, None] * across[:, None]
+    ones = np.ones(count)
+    ones[columns.ravel()] = 0.0
+    rows, others = np.repeat(columns, 3, axis=1).ravel(), np.tile(columns, 3).ravel()
+    turn = sp.coo_array((block.ravel(), (rows, others)), shape=(count, count))
+    return sp.csr_array(turn + sp.diags_array(ones))
+
+
+def _of_nodes(problem: Problem, equations: Equations) -> Constraints:
+    """The equations at nodes as they are."""
     dofs, tied = problem.dofs, ties(problem.dofs)
     there = dofs.table[equations.node, _FIRST[equations.kind]] >= 0
     alone = _alone(dofs, equations, there)

@@ -17,7 +17,8 @@ from lamc.mechanism.checks import Array
 from lamc.plate.dofs import Dofs
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
-from lamc.plate.solving.directions import edge_nodes_on
+from lamc.plate.solving.curves import CurveNodes, curve_nodes
+from lamc.plate.solving.directions import EdgeNodes, edge_nodes_on
 from lamc.plate.solving.functions import values_at
 from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, Symmetry, Where, support_text
 
@@ -58,6 +59,13 @@ def support_equations(problem: Problem) -> Equations:
     found.extend(_of_edges(problem, hard, (SLOPE,), across=False))
     found.extend(_of_edges(problem, mirrors, (SLOPE, PLANE), across=True))
     return joined(found)
+
+
+def held_curves(problem: Problem) -> CurveNodes:
+    """Nodes on curved edges along which only the deflection is held."""
+    return curve_nodes(
+        problem.places, [s.where for s in problem.supports if isinstance(s, SimplySupported | Hinged)]
+    )
 
 
 def joined(parts: Iterable[Equations]) -> Equations:
@@ -121,6 +129,8 @@ def _of_edges(
     """Along the edges of all `wheres`, or across them, nothing of these kinds; at corners nothing at all."""
     on = edge_nodes_on(problem.places, wheres, _CORNER_ACROSS if across else _CORNER_ALONG)
     first, second = (on.across, on.along) if across else (on.along, on.across)
+    if not across and len(on.nodes):
+        first, second = _along_curves(problem, on)
     node = np.concatenate([on.nodes, on.nodes[on.corner]])
     direction = np.concatenate([first, second[on.corner]])
     owner = np.concatenate([on.owners, on.owners[on.corner]])
@@ -128,3 +138,13 @@ def _of_edges(
         Equations(node, np.full(len(node), kind, dtype=np.int32), direction, np.zeros(len(node)), owner)
         for kind in kinds
     ]
+
+
+def _along_curves(problem: Problem, on: EdgeNodes) -> tuple[Array, Array]:
+    """Directions along and across, where a curve is drawn as a polygon those of the curve."""
+    curve = held_curves(problem)
+    place = np.minimum(np.searchsorted(curve.nodes, on.nodes), max(len(curve.nodes) - 1, 0))
+    if not len(curve.nodes):
+        return on.along, on.across
+    there = ((curve.nodes[place] == on.nodes) & ~on.corner)[:, None]
+    return np.where(there, curve.along[place], on.along), np.where(there, curve.across[place], on.across)

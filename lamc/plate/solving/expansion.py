@@ -17,7 +17,7 @@ from lamc.plate.meshing.mesh import Integers
 from lamc.plate.problem import Problem
 from lamc.plate.solving.cell_points import CellPoints, cell_points
 from lamc.plate.solving.climate import RegionClimate, climates, resultants
-from lamc.plate.solving.sections import matrices
+from lamc.plate.solving.sections import in_cells, matrices
 
 
 class Expansion:
@@ -56,14 +56,16 @@ class Expansion:
 
     def forces(self, kernels: ElementKernels) -> Array:
         """∫ Bᵀ r dA of every cell, shape (m, unknowns), N for displacements, N·m for slopes."""
-        corners = self.problem.mesh.corners
-        total = kernels.prestress(corners, self._uniform[self.problem.mesh.regions])
+        corners, regions = self.problem.mesh.corners, self.problem.mesh.regions
+        read = in_cells(self.problem.laminates, kernels.element, regions)
+        total = kernels.prestress(corners, self._uniform[regions], read)
         total[self._varies] = 0.0
         for corner in range(kernels.corner_count):  # Gauss's points would not meet what is infinite there
             cells = np.flatnonzero(self._varies).astype(np.int32)
             self.at(cells, corners[cells, corner])
         for point in self._points():
-            rows = strain_rows(kernels, corners[point.cells], point.xi)
+            own = None if read is None else read[point.cells]
+            rows = strain_rows(kernels, corners[point.cells], point.xi, own)
             acting = point.areas[:, None] * self.at(point.cells, point.places)
             total[point.cells] += np.einsum("kai,ki->ka", rows, acting)
         return total
@@ -91,9 +93,11 @@ class Expansion:
         return cell_points(self.problem.dofs.element.cell, self.problem.mesh.corners, cells)
 
 
-def strain_rows(kernels: ElementKernels, corners: Array, xi: Array) -> Array:
-    """Strains at `xi` (k, 2) of cells with `corners` (k, c, 2), per unit of each unknown, (k, unknowns, 3 or 6)."""
+def strain_rows(kernels: ElementKernels, corners: Array, xi: Array, sections: Array | None) -> Array:
+    """Strains at `xi` (k, 2) of cells with `corners` (k, c, 2), per unit of each unknown, (k, unknowns, 3 or 6);
+    `sections` (k, S) for elements whose strains go by them."""
     count = kernels.unknown_count
     unit = np.tile(np.eye(count), (len(xi), 1))
-    values = kernels.strain(np.repeat(corners, count, axis=0), np.repeat(xi, count, axis=0), unit)
+    read = None if sections is None else np.repeat(sections, count, axis=0)
+    values = kernels.strain(np.repeat(corners, count, axis=0), np.repeat(xi, count, axis=0), unit, read)
     return np.asarray(values).reshape(len(xi), count, -1)

@@ -6,12 +6,14 @@ price of new values in the same pattern. Never: formulas; the rooms below have t
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
 from lamc.errors import DesignError, LamcError, SimulationError
 from lamc.mechanism.checks import Array, checked_kind, shown
 from lamc.plate.advice import notes
+from lamc.plate.answers.shear_share import shear_notes
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, LoadRecord
 from lamc.plate.problem import Problem, check_load, checked_kinds
@@ -112,10 +114,16 @@ class Model:
             self.problem.dofs.count,
             deformed.accuracy,
             free_text(self.system.pieces),
-            (*notes(self.problem, loads, deformed.accuracy), *idle(self.system, loads)),
+            (
+                *self.problem.remarks,
+                *notes(self.problem, loads, deformed.accuracy),
+                *idle(self.system, loads),
+            ),
         )
         values = np.asarray(d, dtype=float)
-        return Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)
+        found = Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)
+        told = replace(report, notes=(*report.notes, *shear_notes(found)))
+        return replace(found, report=told)
 
 
 @contextmanager

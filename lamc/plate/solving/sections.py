@@ -3,12 +3,14 @@
 In: laminates, an element. Out: rows of numbers. Never: meshes, loads.
 
 An element that bends reads D, one that stretches A, one that does both A, B and D; of each symmetric matrix the entries
-11, 12, 16, 22, 26, 66.
+11, 12, 16, 22, 26, 66. One with shear through the thickness reads H too (11, 12, 22), and D about the neutral surface.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lamc.mechanism.checks import Array
 from lamc.plate.elements.definition import Element
@@ -25,15 +27,28 @@ def couples(laminate: Laminate) -> bool:
 
 
 def sections(laminates: Sequence[Laminate], element: Element) -> Array:
-    """What `element` reads of each laminate, shape (len(laminates), 6 or 18), N/m, N and N·m."""
+    """What `element` reads of each laminate, shape (len(laminates), 6 or 18, and 9 more with shear), N/m, N and N·m.
+
+    Raises DesignError for a laminate with a gap, where shear through the thickness is asked for."""
     rows = []
     for laminate in laminates:
         if element.bends and element.stretches:
             parts = [laminate.A, laminate.B, laminate.D]
         else:
             parts = [laminate.D if element.bends else laminate.A]
-        rows.append(np.concatenate([part[_ENTRIES] for part in parts]))
+        row = [part[_ENTRIES] for part in parts]
+        if element.shear:
+            neutral = laminate.D - laminate.B @ np.linalg.solve(laminate.A, laminate.B)
+            row += [laminate.H[np.triu_indices(2)], (0.5 * (neutral + neutral.T))[_ENTRIES]]
+        rows.append(np.concatenate(row))
     return np.array(rows)
+
+
+def in_cells(
+    laminates: Sequence[Laminate], element: Element, regions: npt.NDArray[np.integer[Any]]
+) -> Array | None:
+    """Sections of cells of these `regions` (k,), (k, entries), for elements whose strains go by them; else None."""
+    return sections(laminates, element)[regions] if element.shear else None
 
 
 def matrices(laminates: Sequence[Laminate], element: Element) -> Array:

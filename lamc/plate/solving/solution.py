@@ -8,16 +8,17 @@ the plate; on an edge between cells, where curvature and moments jump, the first
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.errors import DesignError, UnsupportedError
 from lamc.mechanism.checks import Array, shown
+from lamc.once import lazy
 from lamc.plate.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
 from lamc.plate.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
 from lamc.plate.answers.recovery import RecoveredStrains
+from lamc.plate.answers.shear_share import shear_share
 from lamc.plate.laminates.graded import number_of
 from lamc.plate.laminates.plies import PlyState
 from lamc.plate.loads import LoadRecord
@@ -30,7 +31,7 @@ from lamc.plate.solving.reactions import Reaction, reactions
 from lamc.plate.solving.refine import Accuracy
 from lamc.plate.solving.refine import solve as refined
 from lamc.plate.solving.rigid import check_balance
-from lamc.plate.solving.sections import matrices
+from lamc.plate.solving.sections import in_cells, matrices
 from lamc.plate.solving.system import Numbers, System
 
 
@@ -77,7 +78,7 @@ class Solution:
         return self._fields(x, y, "deflection")[..., -3]
 
     def slope(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
-        """(w_x, w_y), shape (..., 2)."""
+        """(w_x, w_y), shape (..., 2); with shear through the thickness, of the cross-section."""
         return self._fields(x, y, "slope")[..., -2:]
 
     def displacement(self, x: npt.ArrayLike, y: npt.ArrayLike) -> Array:
@@ -141,12 +142,12 @@ class Solution:
         numbers = self.problem.dofs.of(name)
         return np.where(numbers >= 0, self.values[np.maximum(numbers, 0)], np.nan)
 
-    @cached_property
+    @lazy
     def reactions(self) -> tuple[Reaction, ...]:
         """Of the supports, in their order; with the loads they are in balance."""
         return reactions(self._system, self._inner - self._outer, self._exact)
 
-    @cached_property
+    @lazy
     def hinges(self) -> tuple[HingeTurn, ...]:
         """Rotation, moment and energy of the hinge lines, in the order of `problem.hinges`."""
         return hinge_turns(self)
@@ -166,7 +167,7 @@ class Solution:
         prescribed and nothing expands."""
         return float(self._outer.astype(self._exact.dtype) @ self._exact)
 
-    @cached_property
+    @lazy
     def strain_energy(self) -> float:
         """½ ∫ (strain - e)ᵀ S (strain - e) dA + elastic hinges and hinge lines, J, where e is the strain of the free
         laminate."""
@@ -182,7 +183,7 @@ class Solution:
         """Temperature, moisture and fields of the regions in this case."""
         return self.expansion.climates
 
-    @cached_property
+    @lazy
     def expansion(self) -> Expansion:
         """What these do to the laminates."""
         return Expansion(self.problem, self.loads)
@@ -190,7 +191,15 @@ class Solution:
     def cell_strains(self, xi: Array) -> Array:
         """Strains, then curvatures, of the element at natural coordinates `xi` (cells, 2) of every cell, (cells, 3 or
         6)."""
-        return np.asarray(self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells))
+        return np.asarray(
+            self._system.kernels.strain(self.problem.mesh.corners, xi, self._of_cells, self._sections)
+        )
+
+    def cell_shear(self, xi: Array) -> Array:
+        """(γ_x, γ_y) through the thickness at natural coordinates `xi` (cells, 2) of every cell, (cells, 2). Raises
+        UnsupportedError for an element without shear."""
+        corners, read = self.problem.mesh.corners, self._system.section_rows[self.problem.mesh.regions]
+        return np.asarray(self._system.kernels.shear(corners, xi, self._of_cells, read))
 
     def answer_to(self, forces: Array) -> Array:
         """Unknowns (N,) under other `forces` (N,) on them, nothing prescribed; as exact as the solution. Raises
@@ -199,27 +208,39 @@ class Solution:
         still = np.zeros(self.problem.dofs.count)
         return np.asarray(refined(self._system, forces, still).d, dtype=float)
 
-    @cached_property
+    @lazy
     def error_estimate(self) -> ErrorEstimate:
         """How far off the strains are, cell by cell and all together."""
         return error_estimate(self)
 
-    @cached_property
+    @lazy
+    def shear_share(self) -> float:
+        """Energy of shear through the thickness over that of bending. Of classical theory, which leaves it out: from
+        shear forces by equilibrium; about as much would be added to the deflection where the loads act, or less; inf
+        across a gap."""
+        return shear_share(self)
+
+    @lazy
     def recovered(self) -> "Solution":
         """The same, with strains, curvatures, moments and forces recovered from patches of cells: smooth within a
         region, and of higher order than the element's own."""
         return replace(self, _better=self.recovered_strains)
 
-    @cached_property
+    @lazy
     def recovered_strains(self) -> RecoveredStrains:
         """Strains, then curvatures, by patches of cells; what `recovered` and `error_estimate` go by."""
         return recovered_strains(self)
 
     # --- inside ------------------------------------------------------------------------------------------------------
 
-    @cached_property
+    @lazy
     def _of_cells(self) -> Array:
         return self._relative(np.arange(len(self.problem.mesh.cells), dtype=np.int32))
+
+    @lazy
+    def _sections(self) -> Array | None:
+        problem = self.problem
+        return in_cells(problem.laminates, problem.dofs.element, problem.mesh.regions)
 
     def _located(self, x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Integers, Array, tuple[int, ...]]:
         points, shape = points_at(x, y)
@@ -243,7 +264,9 @@ class Solution:
         cells, xi, shape = self._located(x, y)
         if self._better is not None:
             return self._better.at(cells, xi).reshape(*shape, -1), cells.reshape(shape)
-        values = self._system.kernels.strain(self.problem.mesh.corners[cells], xi, self._relative(cells))
+        read = None if self._sections is None else self._sections[cells]
+        corners = self.problem.mesh.corners[cells]
+        values = self._system.kernels.strain(corners, xi, self._relative(cells), read)
         return np.asarray(values).reshape(*shape, -1), cells.reshape(shape)
 
     def _relative(self, cells: Integers) -> Array:

@@ -10,6 +10,7 @@ degree on Aᵀ + A takes twice the time. PARDISO is by choice.
 """
 
 import importlib
+import threading
 import time
 import weakref
 from collections.abc import Callable
@@ -87,6 +88,7 @@ class Cholmod:
 
     def __init__(self, matrix: sp.csc_array) -> None:
         self._module = _cholmod()
+        self._alone = threading.Lock()
         if hasattr(self._module, "CholeskyFactor"):
             self._factor = self._module.CholeskyFactor(matrix, lower=True)
         else:
@@ -105,11 +107,14 @@ class Cholmod:
 
     def solve(self, right: Array) -> Array:
         solve = self._factor.solve if hasattr(self._factor, "factorize") else self._factor
-        return np.asarray(solve(np.asarray(right, dtype=float)))
+        with self._alone:  # a factor of SuiteSparse's has one work space
+            return np.asarray(solve(np.asarray(right, dtype=float)))
 
     def refactored(self, matrix: sp.csc_array) -> "Cholmod":
         other = object.__new__(Cholmod)
-        other._module, other._factor = self._module, self._factor.copy()
+        other._module, other._alone = self._module, threading.Lock()
+        with self._alone:
+            other._factor = self._factor.copy()
         other._fill(matrix)
         return other
 
@@ -121,6 +126,7 @@ class Pardiso:
 
     def __init__(self, matrix: sp.csc_array) -> None:
         wrapper = _pardiso()
+        self._alone = threading.Lock()
         try:
             self._solver = wrapper.PyPardisoSolver(mtype=_POSITIVE_DEFINITE)
         except ImportError as error:  # the wrapper is there, MKL is not
@@ -133,7 +139,8 @@ class Pardiso:
             raise SingularError(f"the stiffness matrix is not positive definite: {error}") from error
 
     def solve(self, right: Array) -> Array:
-        return np.asarray(self._solver.solve(self._matrix, np.asarray(right, dtype=float)))
+        with self._alone:  # MKL keeps the factor and its phase behind one handle
+            return np.asarray(self._solver.solve(self._matrix, np.asarray(right, dtype=float)))
 
     def refactored(self, matrix: sp.csc_array) -> "Pardiso":
         return Pardiso(matrix)

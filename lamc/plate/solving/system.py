@@ -9,7 +9,6 @@ nothing.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from lamc.mechanism.checks import Array
+from lamc.once import lazy
 from lamc.plate.dofs import Dofs
 from lamc.plate.elements.assembly import Assembly
 from lamc.plate.elements.kernels import ElementKernels, kernels
@@ -68,17 +68,17 @@ class System:
     pattern: "Pattern"
     before: Factor | None = None  # of a matrix of the same pattern
 
-    @cached_property
+    @lazy
     def section_rows(self) -> Array:
         """What the element reads of the laminates, (regions, entries)."""
         return sections(self.problem.laminates, self.problem.dofs.element)
 
-    @cached_property
+    @lazy
     def stiffness(self) -> sp.csc_array:
         """Of all unknowns, elastic hinges at supports included, (N, N), both triangles; without hinge lines."""
         return self.springs.added_to(self.assembly.stiffness(self.section_rows))
 
-    @cached_property
+    @lazy
     def _reduced(self) -> tuple[sp.csc_array, Array]:
         """The scaled matrix of the free unknowns, and the scale."""
         matrix = self.pattern.reduction(self.stiffness).matrix(self.stiffness.data)
@@ -98,7 +98,7 @@ class System:
         x, y = places_of(self.constraints.free, self.problem.dofs)[number]
         return f"the node at ({x:.6g}, {y:.6g})"
 
-    @cached_property
+    @lazy
     def factor(self) -> Factor:
         """Of the scaled matrix. Raises SingularError."""
         matrix, _ = self._reduced
@@ -106,7 +106,7 @@ class System:
             return self.before.refactored(matrix)
         return factor(matrix, places_of(self.constraints.free, self.problem.dofs), self.solver)
 
-    @cached_property
+    @lazy
     def condition(self) -> float:
         """Of the scaled matrix, estimated from below: its largest row sum over its smallest eigenvalue, the latter by
         inverse iteration."""

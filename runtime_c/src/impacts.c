@@ -1,0 +1,225 @@
+/* impacts.c, of lamc: rates after impacts that happen at one instant, solved together.
+ *
+ * In: guards that were struck, their gradients g by the rates u and their restitutions e. Out: rates that leave all of them.
+ * Never: lets the order of the guards decide, or adds energy.
+ *
+ * With v = g u > 0 before, M (u+ - u) = -G^T l + J^T ..., J u+ = 0 and
+ *     l >= 0,  v+ + e v <= 0,  l (v+ + e v) = 0   for each struck guard:
+ * Newton's law where an impulse acts, none where the others alone drive a guard apart as fast (C. Glocker, F. Pfeiffer,
+ * Nonlinear Dynamics 7 (1995) 471-497). v+ is unique, and 2 dT = -sum l (1 - e) v <= 0. With w the part of L^-1 g^T,
+ * M = L L^T, that loops leave free, it is the least x = sum l w with w x >= (1 + e) v: C. L. Lawson, R. J. Hanson,
+ * Solving Least Squares Problems (1974), chapter 23. Guards that an impact drives into their limits are struck next. */
+#include "impacts.h"
+
+#include "cholesky.h"
+#include "loops.h"
+#include "motion.h"
+
+#include <float.h>
+#include <string.h>
+
+enum { MAX_ROUNDS = 64 }; /* of guards that strike each other; what is left over is an event of its own */
+
+static const double APART =
+    64.0 * DBL_EPSILON; /* of w w: what makes dependent guards share an impulse evenly */
+static const double LEAST = 4096.0 * DBL_EPSILON; /* of a rate before: round-off of those after */
+
+/* The parts of the work for guards; k guards, n rates, m at most that are solved together */
+typedef struct impacts {
+  int k, n, m;
+  double *restitution;                 /* (k,) */
+  double *gradient;                    /* (k, n) */
+  double *l;                           /* (n, n), of a motion without loops */
+  double *raw;                         /* what the model writes of it */
+  double *w;                           /* (m, n) */
+  double *factor;                      /* (m, m) */
+  double *x;                           /* (n,) */
+  double *v, *goal, *impulse, *wanted; /* (m,) each */
+  double *acts;                        /* (m,): 1 where the impulse is free, 0 where it is zero */
+} impacts;
+
+static int at_most(const lamc_model *model) {
+  return model->guard_count < model->rate_count ? model->guard_count : model->rate_count;
+}
+
+long long lamc_impacts_work(const lamc_model *model) {
+  const long long n = model->rate_count, k = model->guard_count, m = at_most(model);
+  if (k == 0) return 0;
+  return k + k * n + n * n + n * (n + 1) / 2 + n + m * n + m * m + n + 5 * m;
+}
+
+static impacts impacts_of(const lamc_motion *motion) {
+  impacts p;
+  p.k = motion->model->guard_count;
+  p.n = motion->model->rate_count;
+  p.m = at_most(motion->model);
+  p.restitution = lamc_motion_guard_work(motion);
+  p.gradient = p.restitution + p.k;
+  p.l = p.gradient + (ptrdiff_t)p.k * p.n;
+  p.raw = p.l + (ptrdiff_t)p.n * p.n;
+  p.w = p.raw + (ptrdiff_t)p.n * (p.n + 1) / 2 + p.n;
+  p.factor = p.w + (ptrdiff_t)p.m * p.n;
+  p.x = p.factor + (ptrdiff_t)p.m * p.m;
+  p.v = p.x + p.n;
+  p.goal = p.v + p.m;
+  p.impulse = p.goal + p.m;
+  p.wanted = p.impulse + p.m;
+  p.acts = p.wanted + p.m;
+  return p;
+}
+
+/* M at a position, as L; how many equations of the loops count */
+static int weigh(const lamc_motion *motion, const impacts *p, double t, const double *q, const double *u) {
+  const lamc_model *model = motion->model;
+  if (model->cut_count > 0) return lamc_loops_weigh(motion, t, q, u);
+  if (model->inertia != NULL) {
+    model->inertia(motion->constants, q, p->raw);
+  } else {
+    model->system(motion->constants, t, q, u, p->raw); /* and f behind it */
+  }
+  lamc_cholesky(p->n, p->raw, p->l);
+  return 0;
+}
+
+/* x = the part of L^-1 x that loops leave free */
+static void make_free(const lamc_motion *motion, const impacts *p, int count, double *x) {
+  if (motion->model->cut_count > 0) {
+    lamc_loops_free(motion, count, x);
+  } else {
+    lamc_solve_lower(p->n, p->l, x);
+  }
+}
+
+/* The change of u from x */
+static void to_rates(const lamc_motion *motion, const impacts *p, double *x) {
+  if (motion->model->cut_count > 0) {
+    lamc_loops_rates(motion, x);
+  } else {
+    lamc_solve_upper(p->n, p->l, x);
+  }
+}
+
+/* The guards that go into their limits, as many as can be solved together: w, v and goal; how many */
+static int collect(const lamc_motion *motion, const impacts *p, int count, const double *u,
+                   const double *struck) {
+  int found = 0;
+  for (int g = 0; g < p->k && found < p->m; g++) {
+    if (!(struck[g] > 0.0) || motion->model->guard_modes[g] >= 0) continue;
+    const double *gradient = p->gradient + (ptrdiff_t)g * p->n;
+    const double v = lamc_dot(p->n, gradient, u);
+    if (!(v > 0.0)) continue;
+    double *w = p->w + (ptrdiff_t)found * p->n;
+    memcpy(w, gradient, (size_t)p->n * sizeof *w);
+    make_free(motion, p, count, w);
+    if (!(lamc_dot(p->n, w, w) > 0.0)) continue; /* nothing can move it */
+    p->v[found] = v;
+    p->goal[found++] = (1.0 + p->restitution[g]) * v;
+  }
+  return found;
+}
+
+/* wanted: impulses of the acting guards that reach all their goals */
+static void solve_acting(const impacts *p, int found) {
+  for (int i = 0; i < found; i++) {
+    double *row = p->factor + (ptrdiff_t)i * p->m;
+    p->wanted[i] = p->acts[i] > 0.0 ? p->goal[i] : 0.0;
+    for (int j = 0; j <= i; j++) {
+      const double *other = p->factor + (ptrdiff_t)j * p->m;
+      double entry = 0.0;
+      if (p->acts[i] > 0.0 && p->acts[j] > 0.0)
+        entry = lamc_dot(p->n, p->w + (ptrdiff_t)i * p->n, p->w + (ptrdiff_t)j * p->n);
+      if (i == j) entry = p->acts[i] > 0.0 ? (1.0 + APART) * entry : 1.0;
+      entry -= lamc_dot(j, row, other);
+      row[j] = i == j ? 1.0 / sqrt(entry) : entry * other[j];
+    }
+  }
+  for (int i = 0; i < found; i++) {
+    const double *row = p->factor + (ptrdiff_t)i * p->m;
+    p->wanted[i] = (p->wanted[i] - lamc_dot(i, row, p->wanted)) * row[i];
+  }
+  for (int i = found - 1; i >= 0; i--) {
+    double sum = p->wanted[i];
+    for (int j = i + 1; j < found; j++) sum -= p->factor[(ptrdiff_t)j * p->m + i] * p->wanted[j];
+    p->wanted[i] = sum * p->factor[(ptrdiff_t)i * p->m + i];
+  }
+}
+
+/* Impulses go towards those wanted, until one would pull: its guard acts no longer. 1 if all could be had */
+static int approach(const impacts *p, int found) {
+  double part = 1.0;
+  int first = -1;
+  for (int i = 0; i < found; i++) {
+    if (p->acts[i] > 0.0 && !(p->wanted[i] > 0.0)) {
+      const double ratio = p->impulse[i] > 0.0 ? p->impulse[i] / (p->impulse[i] - p->wanted[i]) : 0.0;
+      if (first < 0 || ratio < part) {
+        part = ratio;
+        first = i;
+      }
+    }
+  }
+  for (int i = 0; i < found; i++) p->impulse[i] += part * (p->wanted[i] - p->impulse[i]);
+  if (first < 0) return 1;
+  p->acts[first] = p->impulse[first] = 0.0;
+  return 0;
+}
+
+/* x = sum of impulse times w */
+static void add_up(const impacts *p, int found) {
+  memset(p->x, 0, (size_t)p->n * sizeof *p->x);
+  for (int i = 0; i < found; i++) {
+    const double *w = p->w + (ptrdiff_t)i * p->n;
+    for (int c = 0; c < p->n && p->acts[i] > 0.0; c++) p->x[c] += p->impulse[i] * w[c];
+  }
+}
+
+/* The guard that is farthest from its goal, of it; -1 where all have theirs */
+static int farthest(const impacts *p, int found) {
+  int worst = -1;
+  double most = LEAST;
+  for (int i = 0; i < found; i++) {
+    const double missing = p->goal[i] - lamc_dot(p->n, p->w + (ptrdiff_t)i * p->n, p->x);
+    if (!(p->acts[i] > 0.0) && missing > most * p->goal[i]) {
+      most = missing / p->goal[i];
+      worst = i;
+    }
+  }
+  return worst;
+}
+
+/* x of the impacts on `found` guards */
+static void solve_together(const impacts *p, int found) {
+  for (int i = 0; i < found; i++) p->impulse[i] = p->acts[i] = 0.0;
+  add_up(p, found);
+  for (int round = 0; round < 3 * found;
+       round++) { /* Lawson and Hanson's bound; found is enough nearly always */
+    const int next = farthest(p, found);
+    if (next < 0) return;
+    p->acts[next] = 1.0;
+    for (int i = 0; i <= found; i++) {
+      solve_acting(p, found);
+      if (approach(p, found)) break;
+    }
+    add_up(p, found);
+  }
+}
+
+void lamc_impacts(const lamc_motion *motion, double t, double *y, const double *struck) {
+  const impacts p = impacts_of(motion);
+  double *q = y, *u = y + motion->model->coordinate_count;
+  motion->model->impacts(motion->constants, t, q, p.restitution);
+  const int count = weigh(motion, &p, t, q, u);
+  for (int round = 0; round < MAX_ROUNDS; round++) {
+    const int found = collect(motion, &p, count, u, struck);
+    if (found == 0) return;
+    if (found == 1) {
+      const double impulse = p.goal[0] / lamc_dot(p.n, p.w, p.w);
+      memcpy(p.x, p.w, (size_t)p.n * sizeof *p.x);
+      to_rates(motion, &p, p.x);
+      for (int i = 0; i < p.n; i++) u[i] -= impulse * p.x[i];
+    } else {
+      solve_together(&p, found);
+      to_rates(motion, &p, p.x);
+      for (int i = 0; i < p.n; i++) u[i] -= p.x[i];
+    }
+  }
+}

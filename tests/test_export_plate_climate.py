@@ -226,8 +226,8 @@ def test_a_climate_that_varies_is_refused_or_left_out_and_told(
         files_of(own, "c")
     files = files_of(own, "c", options=lamc.ExportOptions(lossy=True))
     assert (
-        f"**Left out**, as exported C has no loads that are functions of the place: {kind} that varies"
-        in (files["README.md"].decode())
+        "**Left out**, as exported C has no loads that change from place to place or through the thickness: "
+        f"{kind} that varies" in (files["README.md"].decode())
     )
     assert b"  double temperature[plate_climate_count];" in files["plate.h"]
     if kind != "Temperature":

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 if TYPE_CHECKING:
     from lamc.mechanics.loads import Loads
     from lamc.mechanism.records import Mechanism
+    from lamc.mechanism.tree import Tree
 
 
 @runtime_checkable
@@ -60,6 +61,8 @@ class Effect(Protocol):
     An effect with something to show has marks(parameters): what pictures of a run show besides the bodies, given the
     run's parameters by name; so far planes, as `PlaneMark`s.
 
+    An effect that knows where it may be wrong in a mechanism says so by notes(tree): sentences, for `Simulator.notes`.
+
     An effect that other engines can have says what it is there by carry_over(engine): see `EngineLoads` in
     `lamc/export/engine_loads.py`. Exports to them refuse a scene with one that does not, or leave it out by request.
 
@@ -102,6 +105,12 @@ def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tupl
     """What the effects of a run have to show, at the run's parameters."""
     shown = (getattr(effect, "marks", None) for effect in effects)
     return tuple(mark for marks in shown if marks is not None for mark in marks(parameters))
+
+
+def notes_of(effects: Iterable[Effect], tree: "Tree") -> tuple[str, ...]:
+    """What effects tell of themselves in the mechanism of that tree."""
+    told = (getattr(effect, "notes", None) for effect in effects)
+    return tuple(note for notes in told if notes is not None for note in notes(tree))
 
 
 def alternatives_of(effect: Effect) -> Mapping[str, Effect]:

@@ -27,6 +27,7 @@ _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
 _KEPT = 64  # reductions that are remembered
 _FORMS = (1, 3, 6)  # modes of other forms
+_STRAIGHT = 0.05  # relative: modes that are higher by more, as an edge stays straight, are told
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -46,7 +47,9 @@ class FlexibleLinks:
 
     A body's frame rides on its hinge (floating frame), and its deflection n Σ φ_k η_k along the plate's normal is small
     beside it; η_k is in m, φ_k at most 1. The plate is the body without what bends at its hinges, whose mass stays with
-    the frame. A neighbour is joined along an edge that stays straight; its own stiffness does not keep the edge so.
+    the frame. A neighbour is joined along an edge that stays straight; its own stiffness does not keep the edge so. The
+    edge at the hinge on the way in stays straight too: twisting modes of wide bodies on soft hinges are too high, which
+    `Simulator.notes` tells with the measure.
 
     Left out is what is of second order in η: a link that turns is not stiffened by centrifugal forces, nor softened by
     pressure along its plane (geometric stiffness). Turning at ω, that is right while ω is small beside the first mode.
@@ -129,6 +132,27 @@ class FlexibleLinks:
         for name in self.bodies or [link.body.name for link in tree.links]:
             plate = body_plate(tree, name, self.laminate)
             yield name, plate, _reduced(_Asked(plate, self))
+
+    def notes(self, tree: Tree) -> tuple[str, ...]:
+        """A sentence for each body whose modes are too high as its edge stays straight at its hinge: by more than 5 %,
+        with the body alone on that hinge."""
+        from lamc.plate.answers.straight_edges import straight_modes
+
+        inboard = {link.body.name: link.joint for link in tree.links}
+        told = []
+        for name, plate, reduced in self.reductions(tree):
+            hinge = inboard[name]
+            found = straight_modes(reduced, plate.clamped, hinge.stiffness)
+            worst = max(range(len(found)), key=lambda k: found[k].excess)
+            if found[worst].excess > _STRAIGHT:
+                here, free = (omega / (2.0 * math.pi) for omega in (found[worst].omega, found[worst].free))
+                told.append(
+                    f"flexible_links: the edge of body {name!r} stays straight at hinge {hinge.name!r}, and on a hinge "
+                    f"so soft it would bend: alone on it, mode {worst + 1} of the body is at {here:.4g} Hz in place of "
+                    f"{free:.4g} Hz, {100.0 * found[worst].excess:.2g} % too high; take motion that twists it for as "
+                    "uncertain as that, or hinge it as narrow strips"
+                )
+        return tuple(told)
 
     def contribute(self, loads: Loads) -> None:
         """Nothing: the stiffness of what `arrange` adds comes with it."""

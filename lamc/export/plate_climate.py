@@ -11,6 +11,7 @@ import numpy as np
 
 from lamc.errors import ExportError, about
 from lamc.mechanism.checks import Array
+from lamc.plate.laminates.graded import level_of
 from lamc.plate.loads import CLIMATES, ElectricField, LoadRecord, Moisture, Temperature
 from lamc.plate.problem import Problem
 from lamc.plate.solving.climate import Climate, climates
@@ -55,8 +56,8 @@ def climate_tables(
         for load in acting:
             if not isinstance(load, CLIMATES):
                 continue
-            if _varies(load):
-                what = f"{type(load).__name__} that varies from place to place"
+            what = _unlike(load)
+            if what:
                 left_out[what] = None
                 with about(load):
                     _check_may_go(what, lossy=lossy)
@@ -68,8 +69,8 @@ def climate_tables(
     shape = (len(cases), len(problem.mesh.region_names))
     return ClimateTables(
         kinds=tuple(kind for kind in EXPANSIONS if kind in kinds),
-        temperature=np.reshape([float(of.temperature) for of in found], shape),
-        moisture=np.reshape([float(of.moisture) for of in found], shape),
+        temperature=np.reshape([float(level_of(of.temperature)) for of in found], shape),
+        moisture=np.reshape([float(level_of(of.moisture)) for of in found], shape),
         fields=tuple(np.concatenate(fields).tolist()),
         begins=tuple(np.cumsum([0, *map(len, fields[:-1])]).tolist()),
         left_out=tuple(left_out),
@@ -79,9 +80,17 @@ def climate_tables(
 def _check_may_go(what: str, *, lossy: bool) -> None:
     if not lossy:
         raise ExportError(
-            f"the plate has a load {what}; exported C has those that are the same all over a region: give it a number, "
-            "region by region, or leave it out with --lossy (in Python lossy=True)"
+            f"the plate has a load {what}; exported C has those that are the same all over a region and through its "
+            "thickness: give it a number, region by region, or leave it out with --lossy (in Python lossy=True)"
         )
+
+
+def _unlike(load: Temperature | Moisture | ElectricField) -> str:
+    """What C does not have of it, as a message says it; "" where it has all."""
+    name = type(load).__name__
+    if isinstance(load, Temperature | Moisture) and load.has_gradient:
+        return f"{name} that changes through the thickness"
+    return f"{name} that varies from place to place" if _varies(load) else ""
 
 
 def _varies(load: Temperature | Moisture | ElectricField) -> bool:

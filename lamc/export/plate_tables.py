@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from lamc.errors import ExportError
+from lamc.errors import ExportError, about
 from lamc.export.plate_climate import ClimateTables, climate_tables
 from lamc.export.plate_points import PointTables, point_tables
 from lamc.export.plate_profile import check_cells, check_profile, profile_of
@@ -98,6 +98,12 @@ def plate_tables(problem: Problem, *, lossy: bool) -> PlateTables:
     """Tables of `problem`. Raises ExportError for a plate that is not held, is too large, or has loads that C does not
     have (`climate_tables`); the latter are left out where `lossy`."""
     check_cells(problem)
+    for foundation in problem.foundations:
+        with about(foundation):
+            raise ExportError(
+                f"the plate lies on {foundation.text}, which exported C does not have; solve it here, or leave the "
+                "foundation out"
+            )
     cases = {name: (*problem.loads, *own) for name, own in (dict(problem.cases) or {"": ()}).items()}
     climate = climate_tables(problem, cases, lossy=lossy)
     made = system(problem)

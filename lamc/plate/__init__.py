@@ -34,8 +34,10 @@ from lamc.plate.elements.kernels import ElementKernels, kernels
 from lamc.plate.files.problem_file import load_plate
 from lamc.plate.files.problem_make import problem_of
 from lamc.plate.files.problem_records import PlateFile
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.laminates.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
+from lamc.plate.laminates.graded import Graded
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.library import LIBRARY, material
 from lamc.plate.laminates.materials import Material
@@ -78,12 +80,14 @@ __all__ = [
     "DesignPlate",
     "EdgeLoad",
     "EdgeMoment",
+    "ElasticFoundation",
     "ElectricField",
     "Element",
     "ElementKernels",
     "EngineeringConstants",
     "ErrorEstimate",
     "FirstPlyFailure",
+    "Graded",
     "Gravity",
     "HingeEdge",
     "HingeLine",

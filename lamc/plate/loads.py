@@ -104,34 +104,55 @@ class Gravity:
 
 @dataclass(frozen=True, eq=False)
 class Temperature:
-    """Warmer by `rise` K than where the plate is free of stress; everywhere, or on the region named.
+    """Warmer by `rise` + `gradient` z than where the plate is free of stress; everywhere, or on the region named.
 
-    rise  a number, or a function of x and y that takes and gives arrays; through the thickness it is the same
+    rise      K, a number, or a function of x and y that takes and gives arrays
+    gradient  K/m, likewise: through the thickness, z upwards from the laminate's reference surface. A free plate curls
+              with κ = α gradient: hollow side down where the top is warmer
 
     Raises DesignError.
     """
 
     rise: Intensity
     region: str | None = None
+    gradient: Intensity = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rise", _checked_intensity(self.rise, "the rise of a Temperature"))
+        object.__setattr__(
+            self, "gradient", _checked_intensity(self.gradient, "the gradient of a Temperature")
+        )
         _check_region(self.region, "a Temperature")
+
+    @property
+    def has_gradient(self) -> bool:
+        """Whether it changes through the thickness."""
+        return callable(self.gradient) or self.gradient != 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Moisture:
-    """Mass of moisture over dry mass, a number or a function of x and y; everywhere, or on the region named.
+    """Mass of moisture over dry mass, `content` + `gradient` z; everywhere, or on the region named.
+
+    content   a number, or a function of x and y that takes and gives arrays
+    gradient  1/m, likewise: through the thickness, z upwards from the laminate's reference surface
 
     Raises DesignError.
     """
 
     content: Intensity
     region: str | None = None
+    gradient: Intensity = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "content", _checked_intensity(self.content, "the content of a Moisture"))
+        object.__setattr__(self, "gradient", _checked_intensity(self.gradient, "the gradient of a Moisture"))
         _check_region(self.region, "a Moisture")
+
+    @property
+    def has_gradient(self) -> bool:
+        """Whether it changes through the thickness."""
+        return callable(self.gradient) or self.gradient != 0.0
 
 
 @dataclass(frozen=True, eq=False)

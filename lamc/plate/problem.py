@@ -16,6 +16,7 @@ from lamc.plate.dofs import Dofs
 from lamc.plate.elements.definition import TRIANGLE, Element
 from lamc.plate.elements.library import checked_element, combine, element
 from lamc.plate.followed import check_followed
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.hinge_lines import HingeLine, hinge_edges
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
@@ -46,6 +47,7 @@ class Problem:
     cases      more loads by the name of a case; they are solved together
     tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
     hinges     records of `hinge_lines.py`: lines inside the plate along which it may fold
+    foundations  records of `foundations.py`: elastic ground under the plate
     remarks    sentences that are told with every solution, such as why this element
 
     laminates  (regions,), in the order of the mesh's regions
@@ -62,6 +64,7 @@ class Problem:
     cases: Mapping[str, Sequence[LoadRecord]] = field(default_factory=dict)
     tolerance: float = 1e-6
     hinges: Sequence[HingeLine] = ()
+    foundations: Sequence[ElasticFoundation] = ()
     remarks: Sequence[str] = ()
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
@@ -82,7 +85,14 @@ class Problem:
         self._put("laminates", laminates_of(self.laminate, self.mesh))
         self._put("remarks", tuple(self.remarks))
         self._put("hinges", checked_kinds(self.hinges, (HingeLine,), "hinges of a Problem"))
+        found = checked_kinds(self.foundations, (ElasticFoundation,), "foundations of a Problem")
+        self._put("foundations", found)
         self._number(Dofs(self.mesh, self._chosen_element()))
+        if found and not self.dofs.element.bends:
+            raise DesignError(
+                f"an ElasticFoundation holds deflections, and element {self.dofs.element.name!r} has none; choose one "
+                "that bends"
+            )
         self._put("hinge_edges", hinge_edges(self.places, self.hinges))
         if self.hinges:
             lines = np.unique(np.concatenate(self.hinge_edges))

@@ -212,9 +212,11 @@ def load_text(load: LoadRecord) -> str:
         case Gravity(acceleration=acceleration):
             told = f"gravity {vector_text(acceleration, 'm/s²')}"
         case Temperature(rise=rise):
-            told = f"temperature change {_amount(rise, lambda value: f'{value:+g}')} K"
+            told = (
+                f"temperature change {_amount(rise, lambda value: f'{value:+g}')} K{_slope_text(load, 'K/m')}"
+            )
         case Moisture(content=content):
-            told = f"moisture {_amount(content, lambda value: f'{value:g}')}"
+            told = f"moisture {_amount(content, lambda value: f'{value:g}')}{_slope_text(load, '1/m')}"
         case ElectricField(field=field):
             each = field if isinstance(field, Sequence) else [field]
             values = [_amount(one, lambda value: shown_number(value, "V/m")) for one in each]
@@ -223,6 +225,13 @@ def load_text(load: LoadRecord) -> str:
             told = type(load).__name__
     region = getattr(load, "region", None)
     return f"{told} on {region!r}" if region else told
+
+
+def _slope_text(load: Temperature | Moisture, unit: str) -> str:
+    """How it changes through the thickness, if it does."""
+    if not load.has_gradient:
+        return ""
+    return f" and {_amount(load.gradient, lambda value: f'{value:+g}')} {unit} upwards"
 
 
 def _amount(amount: Intensity, told: Callable[[float], str]) -> str:

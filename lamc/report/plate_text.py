@@ -99,7 +99,10 @@ def _percent(part: float) -> str:
 def _plate(report: PlateReport) -> str:
     x0, y0, x1, y1 = report.file.geometry.outline.bounds
     scale, unit = prefixed(max(x1 - x0, y1 - y0), "m")
-    supports = "; ".join(_supports(report.problem.supports)) or "free"
+    ground = [
+        f"on elastic ground of {shown_number(each.stiffness, 'N/m³')}" for each in report.problem.foundations
+    ]
+    supports = "; ".join([*_supports(report.problem.supports), *ground]) or "free"
     return f"{shortened(report.file.name, 40)}: {(x1 - x0) / scale:.5g} × {(y1 - y0) / scale:.5g} {unit}, {supports}"
 
 

@@ -50,6 +50,7 @@ class RunReport:
             notes.append(
                 f"the scene does not call for joint_limits, so those of {names(limited)} are not simulated"
             )
+        notes += self.simulator.notes
         result = self.result
         if len(result.t):
             angles = {joint: float(result.angle(joint)[0]) for joint in limited}

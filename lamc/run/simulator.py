@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc._version import __version__
-from lamc.effects.base import PlaneMark, marks_of
+from lamc.effects.base import PlaneMark, marks_of, notes_of
 from lamc.errors import RequestError
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
@@ -137,6 +137,11 @@ class Simulator(Evaluations):
     @property
     def source_dir(self) -> Path:
         return self._module.source_dir
+
+    @lazy
+    def notes(self) -> tuple[str, ...]:
+        """Where effects may be wrong in this mechanism, in their own words; found when asked for."""
+        return notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
 
     @lazy
     def inputs(self) -> tuple[str, ...]:

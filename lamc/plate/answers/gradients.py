@@ -29,7 +29,7 @@ from lamc.plate.elements.kernels import kernels
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.ply_terms import EXPANSION, MASS, STIFFNESS
 from lamc.plate.laminates.slopes import VARIABLES, laminate_terms
-from lamc.plate.loads import CLIMATES, Gravity, PointLoad
+from lamc.plate.loads import CLIMATES, Gravity, Moisture, PointLoad, Temperature
 from lamc.plate.problem import Problem
 from lamc.plate.solving.climate import Climate
 from lamc.plate.solving.load_vectors import load_vector
@@ -125,6 +125,12 @@ def _of_factor(buckling: Buckling, k: int) -> _Slopes:
 def _of_solution(solution: Solution, of: Of) -> _Slopes:
     """J = target · d; where the target is the load itself, it changes with the plies as well."""
     problem = solution.problem
+    for load in solution.loads:
+        if isinstance(load, Temperature | Moisture) and load.has_gradient:
+            raise DesignError(
+                f"a gradient is asked of a solution under a {type(load).__name__} that changes through the thickness, "
+                "whose derivatives by plies are not known here; leave its gradient out"
+            )
     is_compliance = of == "compliance"
     own = kernels(problem.dofs.element)
     if is_compliance:

@@ -94,7 +94,7 @@ def reduce_plate(
     natural = _free_part(system, found.vectors)
     y = natural
     if static:
-        rigid = _rigid_fields(problem)
+        rigid = rigid_fields(problem)
         loads = np.column_stack([mass @ rigid[:, 0], *(_rows(problem, a).T for a in attachments)])
         y = np.hstack([natural, _statics(system, system.reduced(mass), natural, loads)])
     full, _ = system.normalised(y)
@@ -103,7 +103,7 @@ def reduce_plate(
     modal = full.T @ (mass @ full)
     squares = np.diag(stiffness) / np.diag(modal)
     squares[: found.omega.size] = found.omega**2
-    fields, heights = mass @ _rigid_fields(problem), _height_mass(system)
+    fields, heights = mass @ rigid_fields(problem), _height_mass(system)
     return Reduction(
         problem=problem,
         attachments=tuple(attachments),
@@ -144,7 +144,7 @@ def _statics(system: Pencil, mass: Array, natural: Array, loads: Array) -> Array
     return np.asarray(found @ turned)
 
 
-def _rigid_fields(problem: Problem) -> Array:
+def rigid_fields(problem: Problem) -> Array:
     """w = 1, w = x and w = y as unknowns, (N, 3)."""
     dofs = problem.dofs
     fields = np.zeros((dofs.count, 3))
@@ -165,7 +165,7 @@ def _height_mass(system: Pencil) -> Array:
         weights.append(
             sum(p.material.density * p.thickness * z for p, z in zip(laminate.plies, middles, strict=True))
         )
-    return np.asarray(system.system.assembly.mass(np.array(weights)) @ _rigid_fields(system.problem)[:, 0])
+    return np.asarray(system.system.assembly.mass(np.array(weights)) @ rigid_fields(system.problem)[:, 0])
 
 
 def _rows(problem: Problem, attachment: Attachment) -> Array:
@@ -188,6 +188,12 @@ def _rows(problem: Problem, attachment: Attachment) -> Array:
     slope_across = across @ mean[1:]
     slopes = np.outer(along, slope_along) + np.outer(across, slope_across)
     return np.vstack([mean[0] + (at - middle) @ slopes, slopes])
+
+
+def edge_axes(edge: BaseGeometry) -> tuple[Array, Array]:
+    """The middle of an edge, m, and its direction, (2,) each."""
+    points, weights, along = _samples(edge)
+    return np.asarray(weights @ points), along
 
 
 def _samples(edge: BaseGeometry) -> tuple[Array, Array, Array]:

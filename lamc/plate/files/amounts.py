@@ -26,13 +26,9 @@ def _varying(quantity: Quantity, kinds: Sequence[str] = ()) -> tuple[BeforeValid
 
     def one(value: Any) -> float | str:
         try:
-            if isinstance(value, str) and expression.depends_on_place(value):
-                expression.Field(value)
-                return value
-            return to_si(value, quantity)
+            return read_amount(value, quantity)
         except DesignError as error:
-            hint = ", or an expression in x and y" if not isinstance(error, ExpressionError) else ""
-            raise fields.custom(DesignError(error.message + hint)) from error
+            raise fields.custom(error) from error
 
     unit = quantity.unit or "plain"
     told = (
@@ -40,6 +36,18 @@ def _varying(quantity: Quantity, kinds: Sequence[str] = ()) -> tuple[BeforeValid
         "where x and y count in the file's units"
     )
     return BeforeValidator(read), WithJsonSchema({"type": ["number", "string", *kinds], "description": told})
+
+
+def read_amount(value: Any, quantity: Quantity) -> float | str:
+    """A number of `quantity`, SI, or the text of an expression in x and y that is sound. Raises DesignError."""
+    try:
+        if isinstance(value, str) and expression.depends_on_place(value):
+            expression.Field(value)
+            return value
+        return to_si(value, quantity)
+    except DesignError as error:
+        hint = ", or an expression in x and y" if not isinstance(error, ExpressionError) else ""
+        raise DesignError(error.message + hint) from error
 
 
 Intensity = Annotated[float | str, *_varying(units.PRESSURE)]

@@ -85,6 +85,7 @@ def read_plate(node: Node, drawn: tuple[float, int] | None = None) -> PlateFile:
     actions = Actions(places, problems, bare)
     supports = actions.supports(model.supports)
     hinges = actions.hinges(model.hinges)
+    foundations = actions.foundations(model.foundation)
     cases = actions.cases(model.loads, model.cases)
     outputs = [
         problems.attempt(("outputs", index), partial(_output, entry, index, places, laminate, bare))
@@ -109,6 +110,7 @@ def read_plate(node: Node, drawn: tuple[float, int] | None = None) -> PlateFile:
         story=model.story.strip(),
         origins=Origins(Place(node.file), _keys(node), records),
         hinges=hinges,
+        foundations=foundations,
         notes=() if places.body is None else places.body.notes,
     )
     return file if not places.has_circles else replace(file, drawing=_drawing(node, drawn, file))

@@ -12,9 +12,11 @@ from lamc.design.checking import Path, Problems
 from lamc.design.units import Quantity, to_si
 from lamc.errors import DesignError, Place
 from lamc.mechanism.records import checked_name
+from lamc.plate.files.amounts import read_amount
 from lamc.plate.files.expression import Field, depends_on_place
 from lamc.plate.files.problem_places import Places
-from lamc.plate.files.problem_schema import HingeLineModel, LoadModel, SupportModel
+from lamc.plate.files.problem_schema import FoundationModel, HingeLineModel, LoadModel, SupportModel
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.loads import (
     EdgeLoad,
@@ -49,6 +51,27 @@ class Actions:
             self.origins += [(support, self._problems.place(path)) for support in found]
             made += found
         return tuple(made)
+
+    def foundations(self, models: Sequence[FoundationModel]) -> tuple[ElasticFoundation, ...]:
+        """Elastic ground, in order."""
+        made = []
+        for index, model in enumerate(models):
+            path: Path = ("foundation", index)
+            found = self._problems.attempt(path, partial(self._foundation, model, path))
+            if found is not None:
+                self.origins.append((found, self._problems.place(path)))
+                made.append(found)
+        return tuple(made)
+
+    def _foundation(self, model: FoundationModel, path: Path) -> ElasticFoundation | None:
+        if model.where is None:
+            return ElasticFoundation(model.stiffness)
+        where = self._places.where(model.where, (*path, "where"))
+        if isinstance(where, str):
+            raise DesignError(
+                "an elastic foundation is under an area, and the boundary is none: leave where out"
+            )
+        return None if where is None else ElasticFoundation(model.stiffness, where)
 
     def hinges(self, models: Sequence[HingeLineModel]) -> tuple[HingeLine, ...]:
         """Those of the design, where it has hinges between bodies of the plate, then those of the file. An entry of the
@@ -136,13 +159,22 @@ class Actions:
         if model.gravity is not None:
             return Gravity(model.gravity)
         if model.temperature is not None:
-            return Temperature(self._amount(model.temperature), region)
+            slope = self._gradient(model, units.WARMING_GRADIENT, path)
+            return Temperature(self._amount(model.temperature), region, slope)
         if model.moisture is not None:
-            return Moisture(self._amount(model.moisture), region)
+            slope = self._gradient(model, units.MOISTURE_GRADIENT, path)
+            return Moisture(self._amount(model.moisture), region, slope)
         assert model.field is not None
         if isinstance(model.field, list):
             return ElectricField([self._amount(one) for one in model.field], region)
         return ElectricField(self._amount(model.field), region)
+
+    def _gradient(self, model: LoadModel, quantity: Quantity, path: Path) -> float | Field:
+        """Through the thickness, SI; 0 after a problem was noted."""
+        if model.gradient is None:
+            return 0.0
+        value = self._problems.attempt((*path, "gradient"), lambda: read_amount(model.gradient, quantity))
+        return 0.0 if value is None else self._amount(value)
 
     def _amount(self, value: float | str) -> float | Field:
         """A number, or the function that an expression stands for."""

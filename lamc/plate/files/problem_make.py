@@ -130,6 +130,7 @@ def _problem(file: PlateFile, made: Mesh, element: str | None) -> Problem:
         loads=single,
         cases=cases,
         hinges=file.hinges,
+        foundations=file.foundations,
     )
 
 

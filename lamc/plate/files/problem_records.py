@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from shapely.geometry.base import BaseGeometry
 
 from lamc.plate.files.origins import Origins
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.hinge_lines import HingeLine
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.loads import LoadRecord
@@ -64,6 +65,7 @@ class PlateFile:
     story      what the problem is about, a paragraph; nothing is computed from it
     origins    where the file says what
     hinges     lines inside the plate that fold, those of a design's joints first
+    foundations  elastic ground under the plate
     notes      what was done to make a plate of a design and its drawing did not ask for
     drawing    how to draw its circles with more corners; None: it has none
     """
@@ -80,6 +82,7 @@ class PlateFile:
     story: str = ""
     origins: Origins = field(default_factory=Origins)
     hinges: Sequence[HingeLine] = ()
+    foundations: Sequence[ElasticFoundation] = ()
     notes: Sequence[str] = ()
     drawing: "Drawing | None" = None
 

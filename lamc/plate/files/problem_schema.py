@@ -40,6 +40,9 @@ HingeStiffness = Annotated[
     reader(units.LINE_STIFFNESS, not_negative),
     described(units.LINE_STIFFNESS, ", at least 0"),
 ]
+FoundationStiffness = Annotated[
+    float, reader(units.FOUNDATION, not_negative), described(units.FOUNDATION, ", above 0")
+]
 Moment = Annotated[float, reader(units.LINE_MOMENT), described(units.LINE_MOMENT)]
 Acceleration = Annotated[float, reader(units.ACCELERATION), described(units.ACCELERATION)]
 FreeValue = Annotated[
@@ -208,6 +211,15 @@ class SupportModel(Model):
         return self
 
 
+class FoundationModel(Model):
+    """Elastic ground under the plate: {stiffness: 2 MPa/mm, where: {rect: [0, 0, 50, 20]}}."""
+
+    stiffness: FoundationStiffness = Field(description="pressure per deflection")
+    where: Where | None = Field(
+        None, description="an area: a rect, a polygon, a circle or a region; all of the plate"
+    )
+
+
 class HingeLineModel(Model):
     """A line inside the plate along which its sides may turn: {along: {line: [[5, 0], [5, 2]]}, stiffness: 3 N/rad}."""
 
@@ -240,6 +252,11 @@ class LoadModel(Model):
     field: ElectricField | None = Field(
         None, description="V/m through every piezoelectric ply, or a list of one value per ply"
     )
+    gradient: FreeValue | None = Field(
+        None,
+        description="of temperature, K/m, or of moisture, 1/m, through the thickness, upwards from the reference "
+        "surface; or an expression in x and y",
+    )
     region: str | None = Field(None, description="the named region only")
 
     @model_validator(mode="after")
@@ -247,7 +264,8 @@ class LoadModel(Model):
         kinds = ("point", "edge", "pressure", "gravity", "temperature", "moisture", "field")
         kind = one_of(self, kinds, "a load")
         allowed = {"point": ("force",), "edge": ("force", "total", "moment")}
-        allowed |= dict.fromkeys(("pressure", "temperature", "moisture", "field"), ("region",))
+        allowed |= dict.fromkeys(("pressure", "field"), ("region",))
+        allowed |= dict.fromkeys(("temperature", "moisture"), ("region", "gradient"))
         only_with(self, kind, allowed, "load")
         if kind == "point" and self.force is None:
             raise problem("a load at a point has a force: {point: [0, 0], force: 1 N}")
@@ -284,6 +302,9 @@ class PlateFileModel(Model):
     element: str = "dkt"
     hinges: list[HingeLineModel] = Field(default=[], description="lines inside the plate that fold")
     supports: list[SupportModel] = Field(default=[])
+    foundation: list[FoundationModel] = Field(
+        default=[], description="elastic ground under the plate, in one or several areas"
+    )
     loads: list[LoadModel] = Field(default=[], description="what acts, in every case if there are cases")
     cases: dict[str, list[LoadModel]] = Field(default={}, description="loads by the name of the case")
     outputs: list[OutputModel] = Field(default=[])

@@ -13,12 +13,15 @@ R. M. Jones, Mechanics of Composite Materials, 2nd ed. 1999, section 2.9.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, checked_number, shown
-from lamc.plate.laminates.laminate import Fields, Laminate
+from lamc.plate.laminates.free_strains import Fields
+from lamc.plate.laminates.graded import Amount, Graded
+from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.materials import STRENGTHS, Material
 from lamc.plate.laminates.plies import Ply
 
@@ -137,8 +140,8 @@ def ply_failures(
     strain: Sequence[float] | Array,
     curvature: Sequence[float] | Array,
     *,
-    temperature: float | Array = 0.0,
-    moisture: float | Array = 0.0,
+    temperature: Amount = 0.0,
+    moisture: Amount = 0.0,
     fields: Fields = 0.0,
     interaction: float = INTERACTION,
 ) -> tuple[PlyFailure, ...]:
@@ -149,8 +152,8 @@ def ply_failures(
     Raises DesignError for materials without strengths, and as `Laminate.expansion` does.
     """
     require_strengths(laminate)
-    climate = {"temperature": temperature, "moisture": moisture, "fields": fields}
-    stress = laminate.material_stress(np.asarray(strain), np.asarray(curvature), **climate)  # type: ignore[arg-type]
+    climate: dict[str, Any] = {"temperature": temperature, "moisture": moisture, "fields": fields}
+    stress = laminate.material_stress(np.asarray(strain), np.asarray(curvature), **climate)
     return _failures(laminate, stress, 0.0, interaction)
 
 
@@ -212,8 +215,8 @@ def first_ply_failure(
     moment: Sequence[float] | Array = (0.0, 0.0, 0.0),
     *,
     criterion: str = "tsai-wu",
-    temperature: float = 0.0,
-    moisture: float = 0.0,
+    temperature: float | Graded = 0.0,
+    moisture: float | Graded = 0.0,
     fields: Fields = 0.0,
     interaction: float = INTERACTION,
 ) -> FirstPlyFailure:

@@ -14,20 +14,20 @@ Composite Plates and Shells, 2nd ed. 2004, section 3.3; R. M. Jones, Mechanics o
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_array, checked_number, checked_records, shown
 from lamc.once import lazy
+from lamc.plate.laminates.free_strains import Fields, free_strains, free_strains_at
+from lamc.plate.laminates.graded import Amount, Graded, is_of_places, number_of
 from lamc.plate.laminates.layup import layup_angles
 from lamc.plate.laminates.materials import Material, strain_rotation
 from lamc.plate.laminates.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
 from lamc.plate.laminates.shear import shear_share, shear_warning
 from lamc.plate.laminates.transverse import transverse_stiffness
-
-Fields: TypeAlias = float | Sequence[float] | Array  # V/m, in all plies or one per ply
 
 _NONE = (0.0, 0.0, 0.0)
 _SURFACES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # height above the middle, in thicknesses
@@ -191,46 +191,34 @@ class Laminate:
         """As `thermal`, per mass of moisture over dry mass: N/m and N."""
         return self.expansion(moisture=1.0)
 
-    def expansion(self, temperature: float = 0.0, moisture: float = 0.0, fields: Fields = 0.0) -> Resultants:
+    def expansion(
+        self, temperature: float | Graded = 0.0, moisture: float | Graded = 0.0, fields: Fields = 0.0
+    ) -> Resultants:
         """What warming by `temperature` K, `moisture` and electric `fields` do, as the resultants that would stretch
         and bend the untouched laminate as much: N = A strain + B κ - expansion.force, and M likewise.
 
-        fields  V/m along +z, in all plies or one per ply; plies without piezoelectric constants do not mind
+        temperature, moisture  numbers, or `Graded` where they change through the thickness
+        fields                 V/m along +z, in all plies or one per ply; plies without piezoelectric constants do not
+                               mind
 
         Raises DesignError where these are not finite numbers, or not as many fields as plies.
         """
         force, moment = np.zeros(3), np.zeros(3)
-        free = self._free_strains(temperature, moisture, fields)
-        for ply, strain, middle in zip(self.plies, free, self.heights.mean(axis=1), strict=True):
-            push = strain_rotation(ply.angle).T @ ply.material.Q @ strain
+        free = zip(*free_strains(self.plies, temperature, moisture, fields), strict=True)
+        for ply, (level, slope), middle in zip(self.plies, free, self.heights.mean(axis=1), strict=True):
+            stiffness = strain_rotation(ply.angle).T @ ply.material.Q
+            push = stiffness @ (level + middle * slope)
             force += ply.thickness * push
-            moment += ply.thickness * middle * push
+            moment += ply.thickness * middle * push + ply.thickness**3 / 12.0 * (stiffness @ slope)
         return Resultants(force, moment)
-
-    def _free_strains(self, temperature: float, moisture: float, fields: Fields) -> Array:
-        """Of each ply, material axes, shape (plies, 3)."""
-        rise = checked_number(temperature, "the rise in temperature of a laminate")
-        content = checked_number(moisture, "the moisture of a laminate")
-        count = len(self.plies)
-        what = f"the electric field in the {count} plies of a laminate"
-        each = checked_array(np.full(count, fields) if np.ndim(fields) == 0 else fields, (count,), what)
-        return np.array(
-            [p.material.free_strain(rise, content, f) for p, f in zip(self.plies, each, strict=True)]
-        )
-
-    def _free_strains_at(self, temperature: Array, moisture: Array, fields: Array) -> Array:
-        """Of each ply at many places, shape (..., plies, 3)."""
-        units = np.array([[p.material.free_strain(*unit) for unit in np.eye(3)] for p in self.plies])
-        causes = np.broadcast_arrays(temperature[..., None], moisture[..., None], fields)
-        return np.asarray(np.einsum("...pc,pci->...pi", np.stack(causes, axis=-1), units))
 
     def deformation(
         self,
         force: Sequence[float] | Array = _NONE,
         moment: Sequence[float] | Array = _NONE,
         *,
-        temperature: float = 0.0,
-        moisture: float = 0.0,
+        temperature: float | Graded = 0.0,
+        moisture: float | Graded = 0.0,
         fields: Fields = 0.0,
     ) -> Deformation:
         """What the laminate does under `force` N/m and `moment` N per width, each (3,), and what `expansion` names.
@@ -251,8 +239,8 @@ class Laminate:
         strain: Sequence[float] | Array,
         curvature: Sequence[float] | Array = _NONE,
         *,
-        temperature: float = 0.0,
-        moisture: float = 0.0,
+        temperature: float | Graded = 0.0,
+        moisture: float | Graded = 0.0,
         fields: Fields = 0.0,
     ) -> tuple[PlyState, ...]:
         """Strain and stress of every ply, bottom to top, where the reference surface has `strain` (3,) and `curvature`
@@ -262,13 +250,13 @@ class Laminate:
         """
         strain0 = checked_array(strain, (3,), "the strain of a laminate")
         kappa = checked_array(curvature, (3,), "the curvature of a laminate")
-        free = self._free_strains(temperature, moisture, fields)
+        free = zip(*free_strains(self.plies, temperature, moisture, fields), strict=True)
         states = []
-        for ply, ends, expansion in zip(self.plies, self.heights, free, strict=True):
+        for ply, ends, (level, slope) in zip(self.plies, self.heights, free, strict=True):
             turn = strain_rotation(ply.angle)
             total = strain0 + np.outer(ends, kappa)
             along = total @ turn.T
-            stress = (along - expansion) @ ply.material.Q
+            stress = (along - level - np.outer(ends, slope)) @ ply.material.Q
             states.append(PlyState(ply, ends, total, stress @ turn, along, stress))
         return tuple(states)
 
@@ -277,23 +265,24 @@ class Laminate:
         strain: Array,
         curvature: Array,
         *,
-        temperature: float | Array = 0.0,
-        moisture: float | Array = 0.0,
+        temperature: Amount = 0.0,
+        moisture: Amount = 0.0,
         fields: Fields = 0.0,
     ) -> Array:
         """Stress along and across the fibres at the lower and upper face of every ply, Pa, shape (..., plies, 2, 3),
         from strains (..., 3) and curvatures (..., 3) of many places at once; for a result, so nothing is checked.
 
         What expands is the same at all places; or temperature and moisture have shape (...) and fields (..., plies)."""
-        if np.ndim(temperature):
-            free = self._free_strains_at(np.asarray(temperature), np.asarray(moisture), np.asarray(fields))
+        if is_of_places(temperature) or is_of_places(moisture):
+            level, slope = free_strains_at(self.plies, temperature, moisture, fields)
         else:
-            free = self._free_strains(float(temperature), float(moisture), fields)
+            level, slope = free_strains(self.plies, number_of(temperature), number_of(moisture), fields)
+        free = level[..., :, None, :] + self.heights[:, :, None] * slope[..., :, None, :]
         turns = np.array([strain_rotation(ply.angle) for ply in self.plies])
         Q = np.array([ply.material.Q for ply in self.plies])
         bend = np.asarray(curvature)[..., None, None, :]
         total = np.asarray(strain)[..., None, None, :] + self.heights[:, :, None] * bend
-        along = np.einsum("pij,...pfj->...pfi", turns, total) - free[..., :, None, :]
+        along = np.einsum("pij,...pfj->...pfi", turns, total) - free
         return np.asarray(np.einsum("pij,...pfj->...pfi", Q, along))
 
     def shear_share(self, length: float) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.mechanism.checks import Array
+from lamc.plate.laminates.graded import level_of
 from lamc.plate.laminates.laminate import Laminate
 from lamc.plate.laminates.ply_kernel import PlyKernel, ply_kernel
 from lamc.plate.laminates.ply_terms import PLY_NUMBERS
@@ -51,8 +52,8 @@ def laminate_terms(laminate: Laminate, climate: Climate, kernel: PlyKernel | Non
     by = {name: slopes[:, :, PLY_NUMBERS.index(name)] for name in VARIABLES if name in PLY_NUMBERS}
     by["thickness"] = by["thickness"] + _height_slopes(laminate).T @ slopes[:, :, PLY_NUMBERS.index("height")]
     causes: dict[str, float | Array] = {
-        "alpha": climate.temperature,
-        "beta": climate.moisture,
+        "alpha": level_of(climate.temperature),  # `gradient` refuses what changes through the thickness
+        "beta": level_of(climate.moisture),
         "d3": climate.fields[:, None],
     }
     for axis in ("1", "2"):
@@ -64,7 +65,7 @@ def laminate_terms(laminate: Laminate, climate: Climate, kernel: PlyKernel | Non
 def _numbers(laminate: Laminate, climate: Climate) -> Array:
     """Of every ply the values of `PLY_NUMBERS`, (plies, 10)."""
     rows = []
-    warmth, wetness = float(climate.temperature), float(climate.moisture)
+    warmth, wetness = float(level_of(climate.temperature)), float(level_of(climate.moisture))
     for ply, middle, field in zip(laminate.plies, laminate.heights.mean(axis=1), climate.fields, strict=True):
         free = ply.material.free_strain(warmth, wetness, field)
         own = {

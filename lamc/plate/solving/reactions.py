@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.mechanism.checks import Array
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.meshing.mesh import Integers
 from lamc.plate.solving.rigid import resultant
 from lamc.plate.solving.system import Numbers, System
@@ -16,7 +17,7 @@ from lamc.plate.supports import SupportRecord, Where
 
 @dataclass(frozen=True, eq=False)
 class Reaction:
-    """Of one support on the plate.
+    """Of one support, or of elastic ground, on the plate.
 
     force   (3,), N, along x, y, z; zero in the plane for an element that only bends
     moment  (3,), N·m, about the origin of the coordinates
@@ -26,24 +27,26 @@ class Reaction:
     A node of several supports counts to the first of them that holds the direction in question.
     """
 
-    support: SupportRecord
+    support: SupportRecord | ElasticFoundation
     force: Array
     moment: Array
     nodes: Integers
     values: Array
 
     @property
-    def where(self) -> Where:
+    def where(self) -> Where | None:
+        """None: all of the plate."""
         return self.support.where
 
 
 def reactions(system: System, left: Numbers, d: Numbers) -> tuple[Reaction, ...]:
-    """Of all supports, in their order; `left` (N,): inner forces less loads. With the loads they are in balance."""
+    """Of all supports, then of all foundations, in their order; `left` (N,): inner forces less loads. With the loads
+    they are in balance."""
     problem, constraints = system.problem, system.constraints
     dofs = problem.dofs
     along = constraints.fixed @ np.asarray(left, dtype=float)
     found = []
-    for index, support in enumerate(problem.supports):
+    for index, support in enumerate([*problem.supports, *problem.foundations]):
         mine = np.where(constraints.owners == index, along, 0.0)
         forces = constraints.fixed.T @ mine
         if (system.springs.owners == index).any():

@@ -20,6 +20,7 @@ from lamc.plate.answers.estimate import ErrorEstimate, error_estimate, recovered
 from lamc.plate.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
 from lamc.plate.answers.recovery import RecoveredStrains
 from lamc.plate.answers.shear_share import shear_share
+from lamc.plate.laminates.graded import number_of
 from lamc.plate.laminates.plies import PlyState
 from lamc.plate.loads import LoadRecord
 from lamc.plate.meshing.mesh import Integers
@@ -120,8 +121,8 @@ class Solution:
         return self.problem.laminates[region].ply_states(
             strain,
             curvature,
-            temperature=float(state.temperature),
-            moisture=float(state.moisture),
+            temperature=number_of(state.temperature),
+            moisture=number_of(state.moisture),
             fields=state.fields,
         )
 

@@ -1,21 +1,26 @@
-"""Lines that resist turning: elastic hinges to bodies that stand still.
+"""Lines that resist turning, elastic hinges to bodies that stand still, and elastic ground.
 
-In: a problem and kernels. Out: slopes across these lines, and what opposes them. Never: supports without stiffness.
+In: a problem and kernels. Out: slopes across these lines and deflections on that ground, and what opposes them. Never:
+supports without stiffness.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from lamc.errors import DesignError
 from lamc.mechanism.checks import Array
 from lamc.plate.elements.kernels import ElementKernels
+from lamc.plate.foundations import ElasticFoundation
 from lamc.plate.problem import Problem
 from lamc.plate.solving.blocks import runs
+from lamc.plate.solving.cell_points import cell_points
 from lamc.plate.solving.edge_parts import edge_parts_on
 from lamc.plate.solving.hinge_sides import hinge_sides
-from lamc.plate.solving.load_vectors import along_edges
+from lamc.plate.solving.load_vectors import along_edges, shape_functions
 from lamc.plate.supports import Hinged
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
@@ -25,9 +30,9 @@ _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for the square of
 class Springs:
     """The energy ½ Σ stiffness (turns @ d)², over points of quadrature along the lines.
 
-    turns      (k, N) sparse: the slope across the line; a row is of one cell
-    stiffness  (k,), N·m per rad: of the line's part that the point stands for
-    owners     (k,): numbers of the supports
+    turns      (k, N) sparse: the slope across the line, or the deflection on elastic ground; a row is of one cell
+    stiffness  (k,), N·m per rad or N/m: of the part of line or area that the point stands for
+    owners     (k,): numbers of the supports, and after these of the foundations
     """
 
     turns: sp.csr_array
@@ -79,7 +84,7 @@ def with_added(matrix: sp.csc_array, own: sp.csc_array) -> sp.csc_array:
 
 
 def springs(problem: Problem, kernels: ElementKernels) -> Springs:
-    """Of all supports of `problem` with a stiffness."""
+    """Of all supports of `problem` with a stiffness, and of its foundations."""
     rows, stiffness, owners = (
         [sp.csr_array((0, problem.dofs.count))],
         [np.zeros(0)],
@@ -96,7 +101,37 @@ def springs(problem: Problem, kernels: ElementKernels) -> Springs:
             rows.append(sp.csr_array(entries, shape=(len(numbers), problem.dofs.count)))
             stiffness.append(support.stiffness * point.length)
             owners.append(np.full(len(numbers), index))
+    for index, foundation in enumerate(problem.foundations, start=len(problem.supports)):
+        for row, own in _on_ground(problem, kernels, foundation):
+            rows.append(row)
+            stiffness.append(own)
+            owners.append(np.full(len(own), index))
     return Springs(sp.csr_array(sp.vstack(rows)), np.concatenate(stiffness), np.concatenate(owners))
+
+
+def _on_ground(
+    problem: Problem, kernels: ElementKernels, foundation: ElasticFoundation
+) -> Iterator[tuple[sp.csr_array, Array]]:
+    """Deflections at points of the cells that lie on it, and their stiffness, N/m: k ∫ w² dA, exact for the square of a
+    cubic. Raises DesignError where it is beside the plate."""
+    of_w = 2 * problem.dofs.element.stretches
+    every = np.arange(len(problem.mesh.cells), dtype=np.int32)
+    touched = False
+    for point in cell_points(problem.dofs.element.cell, problem.mesh.corners, every):
+        on = foundation.covers(point.places)
+        if not on.any():
+            continue
+        touched = True
+        cells = point.cells[on]
+        numbers = problem.dofs.of_cells[cells]
+        shapes = shape_functions(problem, kernels, cells, point.xi[on])[:, :, of_w]
+        starts = np.arange(len(cells) + 1) * numbers.shape[1]
+        row = sp.csr_array((shapes.ravel(), numbers.ravel(), starts), shape=(len(cells), problem.dofs.count))
+        yield row, foundation.stiffness * point.areas[on]
+    if not touched:
+        raise DesignError(
+            f"{foundation.text} lies beside the plate, or between points of its cells; move it, or mesh finer there"
+        )
 
 
 def hinge_springs(problem: Problem) -> Springs:

@@ -51,6 +51,7 @@ class RunReport:
                 f"the scene does not call for joint_limits, so those of {names(limited)} are not simulated"
             )
         result = self.result
+        notes += result.notes
         if len(result.t):
             angles = {joint: float(result.angle(joint)[0]) for joint in limited}
             notes += outside_limits(self.simulator.mechanism, angles)

@@ -146,6 +146,7 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
         effort=run.evaluations + run.jacobians * ode.jacobian_cost + run.factorisations * LINEAR_ALGEBRA,
         events=rows.events,
         switches=switches,
+        singular_steps=int(model.lib.lamc_motion_singular_steps(motion.handle)),
     )
 
 

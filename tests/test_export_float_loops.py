@@ -167,7 +167,7 @@ def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs:
     pair = pairs(name)
     rank = pair.simulator.program.rank
     generator = np.random.default_rng(20)
-    reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG")}
+    reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG", "ANGLE_WRAPPED")}
     compared = 0
     for _ in range(150):
         state = random_state(pair, generator)

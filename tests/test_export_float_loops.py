@@ -167,7 +167,7 @@ def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs:
     pair = pairs(name)
     rank = pair.simulator.program.rank
     generator = np.random.default_rng(20)
-    reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG")}
+    reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG", "ANGLE_WRAPPED")}
     compared = 0
     for _ in range(150):
         state = random_state(pair, generator)
@@ -190,6 +190,11 @@ def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs:
             continue
         # A position is off by round-off over the pivot, and the tangent there turns by that over the pivot again; each
         # of sixteen steps adds two roundings of the state.
+        if status == pair.single.status("ANGLE_WRAPPED"):  # the double stays a hair on this side of the jump
+            angles = pair.simulator._model.motion({}).cut_states(np.array([state, *rows]))
+            nearest = np.abs(angles[:, : len(pair.simulator.cut_joints)]).max()
+            assert nearest > np.pi - 32 * EPSILON / least**2 * max(1.0, float(np.abs(rows).max()))
+            continue
         assert status == 0
         assert np.abs(moved - rows).max() <= 32 * EPSILON / least**2 * max(1.0, float(np.abs(rows).max()))
         compared += 1

@@ -206,3 +206,110 @@ def test_pieces_put_anywhere_give_a_design_or_an_error(data: st.DataObject) -> N
     except LamcError:
         return
     assert isinstance(design, Design)
+
+
+# ---- Laminates placed by lines ---------------------------------------------------------------------------------------
+
+OPERATION = "!!python/object:popupcad.manufacturing"
+HOW = "transformtype_x: scale, transformtype_y: scale, shift: 0, flip: false, scalex: 1.0, scaley: 1.0"
+
+
+def line_sketch(number: int, *lines: str) -> str:
+    tag = "!!python/object:popupcad.filetypes.genericshapes.GenericLine"
+    drawn = ", ".join(f"{tag} {{construction: false, exterior: [{line}], id: 9}}" for line in lines)
+    return f"  {number}: !!python/object:popupcad.filetypes.sketch.Sketch {{operationgeometry: [{drawn}]}}\n"
+
+
+def transform(kind: str, more: str) -> str:
+    return f"- {OPERATION}.x.{kind} {{customname: t, id: 7, {more}}}\n"
+
+
+def internal(how: str = HOW) -> str:
+    links = "operation_links: {from: [[1, 0]]}, sketch_links: {sketch_from: [201], sketch_to: [202]}"
+    return transform("TransformInternal", f"{links}, {how}")
+
+
+FROM, TO = line_sketch(201, "[1, 0, 0], [2, 10, 0]"), "[1, 5, 3], [2, 5, 23]"
+
+
+def test_a_laminate_is_placed_by_a_line() -> None:
+    """40 by 10 mm, scaled by two and turned by 90 degrees about where the line ends."""
+    design = read(cad(internal(), parent=7, sketches=FROM + line_sketch(202, TO)))
+    assert areas(design) == pytest.approx([1600.0, 1600.0], rel=1e-12)  # round-off of a turn
+    # (x, y) -> (5 - 2 y, 3 + 2 x)
+    assert design.layers[0].geometry.bounds == pytest.approx((-0.015, 0.003, 0.005, 0.083), abs=1e-15)
+    own = HOW.replace("transformtype_y: scale", "transformtype_y: custom").replace(
+        "scaley: 1.0", "scaley: -0.5"
+    )
+    mirrored = read(cad(internal(own), parent=7, sketches=FROM + line_sketch(202, TO)))
+    assert mirrored.layers[0].geometry.bounds == pytest.approx((0.005, 0.003, 0.010, 0.083), abs=1e-15)
+
+
+def test_layers_are_shifted_flipped_and_rotated() -> None:
+    drawn = (
+        f"- {OPERATION}.simplesketchoperation.SimpleSketchOp {{customname: o, id: 5, layer_links: [11], "
+        "operation_links: {}, sketch_links: {sketch: [101]}}\n"
+    )
+    for shift, flip, rotate, expected in (
+        (1, "false", "false", [0.0, 400.0]),
+        (-1, "false", "false", [0.0, 0.0]),
+        (0, "true", "false", [0.0, 400.0]),
+        (1, "false", "true", [0.0, 400.0]),
+        (1, "true", "true", [400.0, 0.0]),
+    ):
+        more = f"operation_links: {{parent: [[5, 0]]}}, shift: {shift}, flip: {flip}, rotate: {rotate}"
+        found = areas(read(cad(drawn + transform("ShiftFlip3", more), parent=7)))
+        assert found == pytest.approx(expected, rel=1e-12), (shift, flip, rotate)  # round-off of millimetres
+
+
+def with_inner(kind: str, more: str) -> str:
+    """A design that places operation 1 of a copy of itself, stored inside it."""
+    inner = cad(
+        f"- {OPERATION}.x.LocateOperation3 {{customname: l, id: 8, sketch_links: {{sketch: [201]}}}}\n",
+        sketches=FROM,
+    )
+    indented = inner.replace("\n", "\n    ").rstrip()
+    links = "design_links: {subdesign: [77]}, subopref: !!python/tuple [1, 0]"
+    outer = cad(
+        transform(kind, f"{links}, operation_links: {{}}, {more}, {HOW}"),
+        parent=7,
+        sketches=line_sketch(202, TO),
+    )
+    return f"{outer}subdesigns:\n  77: {indented}\n"
+
+
+@pytest.mark.parametrize(
+    ("kind", "more"),
+    [
+        ("TransformExternal", "sketch_links: {sketch_to: [202]}, sub_sketch_id: 201"),
+        ("PlaceOperation8", "sketch_links: {place: [202]}"),
+    ],
+)
+def test_a_laminate_of_a_design_inside_is_placed(kind: str, more: str) -> None:
+    design = read(with_inner(kind, more))
+    inside = read(cad(internal(), parent=7, sketches=FROM + line_sketch(202, TO)))
+    assert areas(design) == areas(inside)
+    with pytest.raises(DesignError, match="no design '78' is stored inside"):
+        read(with_inner(kind, more).replace("subdesign: [77]", "subdesign: [78]"))
+
+
+def test_placing_again_and_again_is_bounded() -> None:
+    """Twelve transforms of ten lines each would make 10^12 plates."""
+    lines = line_sketch(202, *(f"[1, {100 * k}, 0], [2, {100 * k + 10}, 0]" for k in range(10)))
+    chain = internal() + "".join(
+        internal()
+        .replace("id: 7", f"id: {300 + k}")
+        .replace("[[1, 0]]", f"[[{7 if k == 0 else 299 + k}, 0]]")
+        for k in range(11)
+    )
+    far = lines.replace("100", "1")
+    with pytest.raises(LamcError):
+        read(
+            cad(
+                chain,
+                parent=310,
+                sketches=FROM + far.replace("[1, 0, 0], [2, 10, 0]", "[1, 0, 0], [2, 90, 0]"),
+            )
+        )
+    with pytest.raises(DesignError, match="no length"):
+        read(cad(internal(), parent=7, sketches=FROM + line_sketch(202, "[1, 5, 3], [2, 5, 3], [3, 6, 3]")))

@@ -164,6 +164,7 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
             "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
         "counts": _counts(program),
+        "watched": [int(name in program.watched) for name in program.cuts] if program.watched else [],
         "guard_modes": [g.mode for g in program.guards],
         "jacobian_cost": literal(program.jacobian_cost),
         "present": sorted(program.functions),

@@ -96,6 +96,7 @@ def lower(equations: Equations, *, books: bool = False) -> Program:
         constant_count=len(constants),
         energies=tuple(equations.energies),
         cuts=equations.cut_joints,
+        watched=equations.watched_cuts,
         closure_count=len(equations.closure.residual) if equations.closure else 0,
         guards=tuple(
             Guard(g.name, constants[g.mode.index] if g.mode is not None else -1)
@@ -211,6 +212,7 @@ def _canonical(program: Program) -> Iterable[str]:
             program.constant_count,
             program.notes,
             program.cuts,
+            program.watched,
             program.closure_count,
             program.rank,
             program.guards,

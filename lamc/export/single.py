@@ -28,6 +28,7 @@ _LEAST, _GREATEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32)
 REPLACED = {
     "method.is_finite": "static inline int is_finite(float x) { return x - x == 0.0f; }",
     "events.AT_ONCE": "static const float AT_ONCE = 2e-5f;",
+    "loops.AT_THE_JUMP": "static const float AT_THE_JUMP = 1e-4f;",
     "loops.RANK_TOLERANCE": "static const float RANK_TOLERANCE = 5e-4f;",
     "loops.PASSING": "static const float PASSING = 2e-3f;",
     "loops.TOGETHER": "static const float TOGETHER = 4e-3f;",

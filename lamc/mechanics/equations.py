@@ -140,6 +140,19 @@ class Equations:
         return tuple(cut.joint.name for cut in self.tree.cuts)
 
     @lazy
+    def watched_cuts(self) -> tuple[str, ...]:
+        """Those of `cut_joints` whose angle a force, an energy or a guard depends on. It jumps at ±180°."""
+        if self.closure is None:
+            return ()
+        guards = [terms.guard.value for terms in self.guards]
+        live = set(self.store.live([*self.forces, *self.energies.values(), *guards]))
+        return tuple(
+            hinge.cut.joint.name
+            for hinge in self.closure.hinges
+            if isinstance(hinge.angle, Value) and hinge.angle.index in live
+        )
+
+    @lazy
     def operations(self) -> Operations:
         """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), and of q̇ where that is not u;
         parameter-only work excluded."""

@@ -147,6 +147,10 @@ class Loads(BodyPoints):
             raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
         return Hinge(self.tree.links[index].joint, self._q[index], self._u[index])
 
+    def is_cut(self, joint: str) -> bool:
+        """True for a joint that closes a loop: its angle is within ±180° and jumps there."""
+        return joint in self._cuts
+
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
         for name in self.joints:

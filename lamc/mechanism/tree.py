@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.mechanism.network import loose_ends
-from lamc.mechanism.records import Array, Body, Joint, Mechanism
+from lamc.mechanism.records import FREE_LIMITS, Array, Body, Joint, Mechanism
 from lamc.mechanism.turns import ROUND_OFF, constant_turns, snap
 
 # An origin is slid along its hinge at most this many mechanism sizes: nearly parallel lines meet far away, and a
@@ -170,7 +170,8 @@ def _least_depth(mechanism: Mechanism) -> dict[str, Joint]:
     while level:
         following: list[str] = []
         reachable = sorted(
-            {j.name: j for body in level for j in at[body]}.values(), key=lambda j: geometric_key(j, size)
+            {j.name: j for body in level for j in at[body]}.values(),
+            key=lambda j: (not _reads_its_angle(j), geometric_key(j, size)),
         )
         for joint in reachable:
             for near, far in ((joint.parent, joint.child), (joint.child, joint.parent)):
@@ -179,6 +180,14 @@ def _least_depth(mechanism: Mechanism) -> dict[str, Joint]:
                     following.append(far)
         level = following
     return carrier
+
+
+def _reads_its_angle(joint: Joint) -> bool:
+    """True for a spring or limits. Such a joint had better be no cut: a coordinate counts turns, the angle of a cut
+    joint jumps at ±180°. Of joints that lead to a body at the same depth, one of these carries it."""
+    lower, upper = joint.limits
+    free_lower, free_upper = FREE_LIMITS
+    return bool(joint.stiffness or joint.rest_angle or lower > free_lower or upper < free_upper)
 
 
 def _depth_first(mechanism: Mechanism, carrier: dict[str, Joint]) -> list[_Step]:

@@ -15,7 +15,7 @@ from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.reference.check_general import check_general
-from lamc.reference.check_loops import closures, cut_hinges
+from lamc.reference.check_loops import closures, cut_hinges, unchecked_turns
 from lamc.reference.check_motion import Budget, Progress, motions
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.closing import WELL_CONDITIONED, State, random_states
@@ -125,6 +125,7 @@ def check(
         limits, reasons = (SAME_PROGRAM, INDEPENDENT), (_SAME, _OTHER)
         comparisons += closures(simulator, interpreter, constants, newton, random, limits, reasons)
         comparisons += cut_hinges(interpreter, constants, newton, result, limits, reasons)
+        comparisons += unchecked_turns(program.watched)
     others = {name: budget for name, budget in _budgets(program).items() if name in voices}
     if any(guard.mode < 0 for guard in program.guards):
         notes.append("the motion is not compared: the other voices' runs know no impacts")

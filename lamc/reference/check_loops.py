@@ -4,6 +4,7 @@ The voices choose their equations differently, in other frames and with other ro
 What does not depend on that choice is compared: lengths of the residuals, and the products JᵀJ.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, Protocol
 
@@ -62,6 +63,17 @@ def closures(
         gaps.comparison("closure, residuals", limits[1], reasons[1]),
         columns.comparison("closure, Jacobian", limits[0], reasons[0]),
         products.comparison("closure, Jacobian", limits[1], reasons[1]),
+    ]
+
+
+def unchecked_turns(watched: Sequence[str]) -> list[Comparison]:
+    """What no voice can say of joints that close loops and whose angle forces read."""
+    if not watched:
+        return []
+    names = ", ".join(repr(name) for name in watched)
+    why = "all voices tell these angles within ±180° alike: unchecked; a run ends there"
+    return [
+        Comparison(f"{names} beyond ±180°", ("C", "Newton-Euler"), math.nan, 0.0, "", "", why, compared=False)
     ]
 
 

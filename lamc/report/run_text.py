@@ -52,6 +52,7 @@ class RunReport:
             )
         notes += self.simulator.notes
         result = self.result
+        notes += result.notes
         if len(result.t):
             angles = {joint: float(result.angle(joint)[0]) for joint in limited}
             notes += outside_limits(self.simulator.mechanism, angles)

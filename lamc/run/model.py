@@ -181,6 +181,9 @@ class Model(Unchanging):
         self.rates = self._named(handle.rate_names, handle.rate_units, handle.rate_count, "rad/s")
         self.powers = self._names(handle.power_names, handle.power_count)
         self.cuts = self._names(handle.cut_names, handle.cut_count)
+        self.watched = tuple(
+            name for i, name in enumerate(self.cuts) if handle.cut_watched and handle.cut_watched[i]
+        )  # those whose angle something reads
         self.closure_count = int(handle.closure_count)
         self.size = float(handle.size)
         self.rank = int(handle.rank)

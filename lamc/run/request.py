@@ -34,6 +34,7 @@ class Status(IntEnum):
     CLOSURE_LOST = -7
     RANK_LOST = -8  # it stays at a singular position
     EVENTS_PILE_UP = -9  # impacts follow each other ever faster (Zeno)
+    ANGLE_WRAPPED = -10  # a joint that closes a loop passes ±180°, and forces read its angle
     FAILED = -6  # for a reason of its own, told in the message; scipy's integrators only
 
 
@@ -74,6 +75,7 @@ class Trajectory:
     effort: float = 0.0  # evaluations, with those that Jacobians and factorisations would pay for
     events: tuple[tuple[float, int], ...] = ()  # s and which guard
     switches: tuple[tuple[float, str], ...] = ()  # s and the integrator taken from there on
+    singular_steps: int = 0  # accepted steps that ended with equations of the loops let go
 
 
 def checked_request(

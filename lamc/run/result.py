@@ -19,7 +19,7 @@ from lamc.errors import RequestError
 from lamc.files import checked_path
 from lamc.mechanism.records import Mechanism
 from lamc.once import lazy
-from lamc.run import files, frames
+from lamc.run import doubts, files, frames
 from lamc.run.accuracy_record import Accuracy
 from lamc.run.books import IMPACTS, Books, Kept, books_of
 from lamc.run.model import Motion, Unchanging
@@ -82,6 +82,11 @@ class Result(Unchanging):
     def success(self) -> bool:
         """True if the run reached its end."""
         return self.status == Status.REACHED_END
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """One line for each thing in which this result may not be what it seems; looked for when asked for."""
+        return doubts.notes(self)
 
     @property
     def error_estimate(self) -> float | None:

@@ -24,6 +24,9 @@ class RunStats:
     switches: tuple[
         tuple[float, str], ...
     ] = ()  # of "auto": s, and the integrator from there on; the first ones
+    singular_steps: int = (
+        0  # of the accepted ones, at singular positions, where equations of the loops were let go
+    )
 
 
 @dataclass(frozen=True)

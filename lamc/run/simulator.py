@@ -248,6 +248,7 @@ class Simulator(Evaluations):
                 rejected=trajectory.rejected,
                 evaluations=trajectory.evaluations,
                 last_step=trajectory.last_step,
+                singular_steps=trajectory.singular_steps,
                 wall_time=wall_time,
                 real_time_factor=trajectory.t_reached / wall_time if wall_time > 0.0 else float("inf"),
             ),

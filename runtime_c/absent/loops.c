@@ -46,6 +46,12 @@ long long lamc_loops_doubts(const void *motion) {
   return 0;
 }
 
+lamc_status lamc_loops_allow(const void *motion, double t_old, const double *y_old, double t,
+                             const double *y) {
+  (void)motion, (void)t_old, (void)y_old, (void)t, (void)y;
+  return LAMC_OK;
+}
+
 lamc_status lamc_loops_judge(const void *motion) {
   (void)motion;
   return LAMC_OK;

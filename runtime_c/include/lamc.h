@@ -33,7 +33,8 @@ typedef enum lamc_status {
   LAMC_BAD_ARGUMENT = -5,   /* an argument breaks the rule written beside it */
   LAMC_CLOSURE_LOST = -7,   /* a loop came apart: no position nearby closes it */
   LAMC_RANK_LOST = -8,      /* the motion stays at a singular position, where it is not determined */
-  LAMC_EVENTS_PILE_UP = -9  /* impacts or switches follow each other ever faster (Zeno) */
+  LAMC_EVENTS_PILE_UP = -9, /* impacts or switches follow each other ever faster (Zeno) */
+  LAMC_ANGLE_WRAPPED = -10  /* a joint that closes a loop passes +-180 deg, and forces read its angle */
 } lamc_status;
 
 /* One line of English for people; never NULL, also for numbers that are no status. */
@@ -72,6 +73,8 @@ typedef struct lamc_model {
   const char *const *guard_names;      /* (guard_count,), UTF-8 */
   const char *const *power_names;      /* (power_count,), UTF-8 */
   const double *parameter_defaults;    /* (parameter_count,), in parameter_units */
+  const int
+      *cut_watched; /* (cut_count,): 1 where forces, energies or guards depend on the angle; NULL: nowhere */
   const int *guard_modes; /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
   double jacobian_cost;   /* operations of jacobian over those of an acceleration */
   /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
@@ -126,6 +129,9 @@ long long lamc_motion_work_size(const lamc_model *model);
  * rates then. *moved is the largest move. LAMC_CLOSURE_LOST where no near position closes. */
 lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved);
 
+/* Steps of the run under way, or of the last one, that ended at a singular position, with equations of the loops let go */
+long long lamc_motion_singular_steps(const lamc_motion *motion);
+
 /* Row by row: -> phi (count, m) m and J (count, m, nu), one after the other in each row */
 lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y,
                                  double *closures);
@@ -165,6 +171,9 @@ typedef struct lamc_ode {
   lamc_status (*settle)(const void *context, double t, double *y, double *moved);
   /* After a step was accepted and its end settled: whether the run can go on. NULL: it always can. */
   lamc_status (*judge)(const void *context);
+  /* Whether a step from one state to another may be taken: LAMC_OK; LAMC_PAUSED: a shorter one is tried; a negative status
+   * ends the run where the step began. NULL: every step may. */
+  lamc_status (*allow)(const void *context, double t_old, const double *y_old, double t, const double *y);
   /* How many evaluations of rhs so far are not to be relied on between the ends of a step. NULL: all are. */
   long long (*doubts)(const void *context);
   int coordinate_count; /* y = [q, u], of which q are so many; 0: half of them */

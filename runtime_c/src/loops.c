@@ -26,6 +26,7 @@ static const double CLOSED = 1e-13;         /* of the size: round-off of the res
 static const double EXACT = 1e-15;          /* likewise, to the last digit: what a singular place asks for */
 static const double OUT_OF_NOTHING = 1e-10; /* of accelerations: what being off closure may add to them */
 static const double LOST = 1e-4;            /* of the size: no drift of a step comes near it */
+static const double AT_THE_JUMP = 1e-6;     /* rad: how near to +-180 deg a run is taken that passes it */
 static const int MAX_ITERATIONS = 8;
 static const double LONG_SINGULAR = 3000.0; /* steps in a row: a passage takes some hundred at 1e-13 */
 
@@ -46,8 +47,9 @@ typedef struct parts {
   double *y;     /* (nq + n,): a settled copy of a state */
   double *
       state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations
-                    with too few */
-  double *raw; /* what the model writes: the largest of its functions */
+                    with too few, steps with too few */
+  double *cuts; /* (2, 2, cut_count): angles and rates of the cut joints at both ends of a step */
+  double *raw;  /* what the model writes: the largest of its functions */
 } parts;
 
 static long long raw_size(long long n, long long m) {
@@ -60,7 +62,8 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT + raw_size(n, m);
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT +
+         4LL * model->cut_count + raw_size(n, m);
 }
 
 static parts parts_of(const lamc_motion *motion) {
@@ -82,7 +85,8 @@ static parts parts_of(const lamc_motion *motion) {
   p.qdot = p.x + n;
   p.y = p.qdot + nq;
   p.state = p.y + nq + n;
-  p.raw = p.state + LAMC_LOOPS_KEPT;
+  p.cuts = p.state + LAMC_LOOPS_KEPT;
+  p.raw = p.cuts + (ptrdiff_t)4 * motion->model->cut_count;
   return p;
 }
 
@@ -362,7 +366,7 @@ void lamc_loops_put_back(const lamc_motion *motion, const double *kept) {
 
 void lamc_loops_begin(const lamc_motion *motion) {
   const parts p = parts_of(motion);
-  p.state[1] = p.state[2] = 0.0;
+  p.state[1] = p.state[2] = p.state[3] = 0.0;
 }
 
 long long lamc_loops_doubts(const void *context) {
@@ -370,9 +374,36 @@ long long lamc_loops_doubts(const void *context) {
   return (long long)p.state[2];
 }
 
+long long lamc_motion_singular_steps(const lamc_motion *motion) {
+  return motion->model->cut_count > 0 ? (long long)parts_of(motion).state[3] : 0;
+}
+
 lamc_status lamc_loops_judge(const void *context) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const parts p = parts_of(motion);
-  p.state[1] = p.state[0] < (double)motion->model->rank ? p.state[1] + 1.0 : 0.0;
+  const int is_singular = p.state[0] < (double)motion->model->rank;
+  p.state[1] = is_singular ? p.state[1] + 1.0 : 0.0;
+  if (is_singular) p.state[3] += 1.0;
   return p.state[1] > LONG_SINGULAR ? LAMC_RANK_LOST : LAMC_OK;
+}
+
+lamc_status lamc_loops_allow(const void *context, double t_old, const double *y_old, double t,
+                             const double *y) {
+  const lamc_motion *motion = (const lamc_motion *)context;
+  const lamc_model *model = motion->model;
+  const double half = 3.141592653589793;
+  const int c = model->cut_count, nq = model->coordinate_count;
+  double *before = parts_of(motion).cuts, *after = before + (ptrdiff_t)2 * c;
+  lamc_status status = LAMC_OK;
+  model->cuts(motion->constants, y_old, y_old + nq, before);
+  model->cuts(motion->constants, y, y + nq, after);
+  for (int i = 0; i < c; i++) {
+    if (!model->cut_watched[i]) continue;
+    /* what the rates say tells a jump from a long step */
+    const double turn = 0.5 * (t - t_old) * (before[c + i] + after[c + i]);
+    if (fabs(turn - (after[i] - before[i])) < half) continue;
+    if (half - fabs(before[i]) < AT_THE_JUMP) return LAMC_ANGLE_WRAPPED;
+    status = LAMC_PAUSED;
+  }
+  return status;
 }

@@ -66,6 +66,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
     ode.judge = lamc_loops_judge;
     ode.doubts = lamc_loops_doubts;
   }
+  if (model->cut_watched != NULL) ode.allow = lamc_loops_allow;
   if (model->rates == NULL) {
     ode.jacobian = lamc_linearise;
   } else {

@@ -21,7 +21,8 @@ static const double MIN_RTOL = 1e-13; /* about 500 units of round-off: below, th
 static const double SAFETY = 0.9;     /* aim below the tolerance */
 static const double SHRINK_AT_MOST = 5.0;
 static const double SHRINK_NOT_FINITE =
-    10.0; /* the step is divided by this after NaN, infinity or lost closure */
+    10.0;                            /* the step is divided by this after NaN, infinity or lost closure */
+static const double TOO_LONG = 1e12; /* error norm, squared, of a step that is not allowed: shrink at most */
 static const double LOG_LEAST_ERROR =
     -13.287712379549449; /* log2(1e-4): a lucky step is not trusted further */
 
@@ -119,9 +120,13 @@ lamc_status lamc_run_take(lamc_run *run, double h, int is_last, double *squared)
   }
   if (settled != LAMC_OK) return settled;
   run->was_finite = all_finite(run, slope_here(run));
-  if (run->was_finite) return LAMC_OK;
-  lamc_run_move_back(run);
-  return LAMC_PAUSED;
+  lamc_status status = run->was_finite ? LAMC_OK : LAMC_PAUSED;
+  if (status == LAMC_OK && run->ode.allow != NULL) {
+    status = run->ode.allow(run->ode.context, run->t_old, y_there(run), run->t, y_here(run));
+    if (status == LAMC_PAUSED) *squared = TOO_LONG;
+  }
+  if (status != LAMC_OK) lamc_run_move_back(run);
+  return status;
 }
 
 /* What follows from a step that holds. */

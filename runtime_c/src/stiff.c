@@ -36,5 +36,6 @@ lamc_status lamc_stiff_step(const lamc_ode *ode, double t, double h, double *y, 
   const double squared = lamc_method_rodas5p.attempt(&run, h);
   memcpy(y, y_there(&run), bytes);
   if (!is_finite(squared)) return LAMC_NOT_FINITE;
-  return lamc_fixed_end(ode, t + h, y, scratch + size);
+  const lamc_status status = lamc_fixed_end(ode, t + h, y, scratch + size);
+  return status == LAMC_OK ? lamc_fixed_allow(ode, t, y_here(&run), t + h, y) : status;
 }

@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
+ * Program digest 616ae186eef735af44584d26fc4b46c06d7abde8a8f031d5a2ceac553d9db1c9
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -156,7 +156,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825",
+      "616ae186eef735af44584d26fc4b46c06d7abde8a8f031d5a2ceac553d9db1c9",
       0.5,
       1,
       1,
@@ -185,6 +185,7 @@ const lamc_model *driven_model(void) {
       NULL,
       NULL,
       parameter_defaults,
+      NULL,
       NULL,
       1.64,
       setup_from_array,

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
+ * Program digest 7d10c87741ac282b014d33af9aad860446132d4eb4ad842e40273002f81df3cf
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -486,7 +486,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163",
+      "7d10c87741ac282b014d33af9aad860446132d4eb4ad842e40273002f81df3cf",
       2.5000040999935202,
       3,
       3,
@@ -515,6 +515,7 @@ const lamc_model *pendulum_model(void) {
       NULL,
       NULL,
       parameter_defaults,
+      NULL,
       NULL,
       1.64,
       setup_from_array,

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea
+ * Program digest 63470d96e9b44e5ad94be6715b93236ba7b6b422ab665ab914da9ad8d8a9a541
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -432,7 +432,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea",
+      "63470d96e9b44e5ad94be6715b93236ba7b6b422ab665ab914da9ad8d8a9a541",
       1.0307764064044151,
       2,
       2,
@@ -461,6 +461,7 @@ const lamc_model *two_links_in_space_model(void) {
       NULL,
       NULL,
       parameter_defaults,
+      NULL,
       NULL,
       1.86,
       setup_from_array,

@@ -1,0 +1,69 @@
+"""In what a result of loops may not be what it seems: angles that jump, equations let go, a rank from elsewhere.
+
+In: a `Result`. Out: lines for people. Never: changes a number, or looks at more rows than it says.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from lamc.run.result import Result
+
+_ROWS = 5  # at which the rank of the closure is looked at
+_MOST = 2_000_000  # numbers in a closure's Jacobian that are looked at; a decomposition of more takes seconds
+_INDEPENDENT = (
+    1e-9  # of the largest singular value: above what a closed state has left of dependent equations, 1e-13
+)
+
+
+def notes(result: "Result") -> tuple[str, ...]:
+    """The lines, none for a tree."""
+    if not result.motion.model.cuts or not len(result.t):
+        return ()
+    return (*_jumps(result), *_let_go(result), *_rank_from_elsewhere(result))
+
+
+def _jumps(result: "Result") -> list[str]:
+    """Angles of cut joints that pass ±180° between two rows. Nothing reads them, or the run would have ended there."""
+    jumping = [
+        name for name in result.motion.model.cuts if bool((np.abs(np.diff(result.angle(name))) > np.pi).any())
+    ]
+    if not jumping:
+        return []
+    names = ", ".join(repr(name) for name in jumping)
+    return [
+        f"{names}, where a loop is closed, passes ±180°: the angle is told within ±180° and jumps there, it counts no "
+        "turns; the motion does not read it"
+    ]
+
+
+def _let_go(result: "Result") -> list[str]:
+    count = result.stats.singular_steps
+    if not count:
+        return []
+    return [
+        f"{count} of {result.stats.accepted} steps ended near a singular position, where equations of the loops fade "
+        "and were let go: there forces choose the branch of the motion; see whether the angles beyond are those meant"
+    ]
+
+
+def _rank_from_elsewhere(result: "Result") -> list[str]:
+    """Where the rank that the runtime takes at most is met in other postures only."""
+    model = result.motion.model
+    width = len(model.rates)
+    if model.rank == 0 or len(result.t) < _ROWS or model.closure_count * width > _MOST:
+        return []
+    rows = np.unique(np.linspace(0, len(result.t) - 1, _ROWS).astype(int))
+    met = 0
+    for k in rows:
+        state = np.hstack([result.q[k : k + 1], result.u[k : k + 1]])
+        jacobian = result.motion.closures(state)[0, model.closure_count :].reshape(-1, width)
+        values = np.linalg.svd(jacobian, compute_uv=False)
+        met = max(met, int((values > _INDEPENDENT * values[0]).sum()) if len(values) else 0)
+    if met >= model.rank:
+        return []
+    return [
+        f"the loops have {model.rank} independent equations in other postures, and {met} at the {len(rows)} rows that "
+        "were looked at: the rank was taken from elsewhere; compare with a run from another start"
+    ]

@@ -7,6 +7,7 @@ from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_sourc
 from lamc.commands.terminal import Terminal, plain
 from lamc.files import write_text
 from lamc.pipeline import Times
+from lamc.renewal import digests, renewed
 from lamc.report.bench import bench_table, draw_bench
 
 
@@ -21,8 +22,10 @@ def bench(source: Source, changes: SceneChanges, out: str | None, terminal: Term
             scene, _ = changed_scene(mechanism, changes)
             measured = measure(mechanism, scene, source.options, progress.stage)
             data = {"ok": True, **measured.to_dict(), "files": ["bench.json", "bench.png"]}
-            write_text(folder / "bench.json", json.dumps(plain(data), indent=2) + "\n")
-            draw_bench(measured, folder / "bench.png")
+            with renewed(folder, "bench.json", lambda _: set()) as staged:
+                draw_bench(measured, staged / "bench.png")
+                sums = digests(staged, ["bench.png"])
+                write_text(staged / "bench.json", json.dumps(plain(data | {"sha256": sums}), indent=2) + "\n")
     terminal.say(f"{bench_table(measured)}\n\nfiles   {folder}: bench.json, bench.png")
     terminal.result(data | {"folder": str(folder)})
     return 0

@@ -23,6 +23,7 @@ from lamc.ledger.peers import PEERS
 from lamc.ledger.records import DECADES, Ledger, Sweep
 from lamc.ledger.schema import ledger_schema
 from lamc.pipeline import Times
+from lamc.renewal import renewed
 from lamc.report.ledger import draw_ledger
 from lamc.report.ledger_text import ledger_text
 from lamc.run.defaults import DURATION
@@ -65,8 +66,9 @@ def ledger(order: LedgerOrder, terminal: Terminal) -> int:
                 mechanism, scene, order.source.options, sweep, progress, with_account=order.account
             )
             data = ledger_data(measured)
-            write_text(folder / "ledger.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n")
-            files = _drawn(measured, folder)
+            with renewed(folder, FILES[0], lambda _: set(FILES)) as staged:
+                write_text(staged / FILES[0], json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+                files = _drawn(measured, staged)
     terminal.say(f"{ledger_text(measured, full=order.full)}\n\nfiles   {folder}: {', '.join(files)}")
     is_whole = not measured.interrupted and len(files) == len(FILES)
     terminal.result({"ok": is_whole, **data, "folder": str(folder), "files": files})
@@ -82,7 +84,6 @@ def _drawn(measured: Ledger, folder: Path) -> list[str]:
     try:
         draw_ledger(measured, folder / FILES[1])
     except KeyboardInterrupt:
-        (folder / FILES[1]).unlink(missing_ok=True)  # that of an earlier ledger
         return list(FILES[:1])
     return list(FILES)
 

@@ -7,10 +7,11 @@ are taken away, so that none passes for one of this run.
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from lamc._version import __version__
 from lamc.commands.inputs import output_folder
-from lamc.commands.plate_files import own_files, write_files
+from lamc.commands.plate_files import SUMMARY, own_files, write_files
 from lamc.commands.plate_input import PlateSource, load_source
 from lamc.commands.plate_work import answers
 from lamc.commands.terminal import INTERRUPTED, Terminal, plain, problem_data
@@ -21,7 +22,9 @@ from lamc.pipeline import Times
 from lamc.plate.elements.description import describe
 from lamc.plate.elements.library import element as element_of
 from lamc.plate.files.problem_records import PlateFile
+from lamc.renewal import digests, renewed
 from lamc.report.plate_data import data
+from lamc.report.plate_records import PlateReport
 from lamc.report.plate_text import summary
 
 _MOST_MODES = 1000
@@ -64,20 +67,16 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
         with output_folder(order.out, file.name) as folder:
             size = _size(order.size)
             report = answers(file, source, size, order.solver, times, two_meshes=order.two_meshes)
-            older = own_files(folder)
-            files, interrupted = [], False
-            try:
-                for name in write_files(report, folder, pictures=order.pictures, progress=progress):
-                    files.append(name)
-            except KeyboardInterrupt:
-                interrupted = True
-            files.append("summary.json")
-            told = data(report) | {"lamc_version": __version__, "files": files, "interrupted": interrupted}
-            if report.errors:
-                told["errors"] = [problem_data(error) for error in report.errors]
-            write_text(folder / "summary.json", json.dumps(plain(told), indent=2, ensure_ascii=False) + "\n")
-            for name in sorted(older - set(files)):
-                (folder / name).unlink(missing_ok=True)
+            with renewed(folder, SUMMARY, own_files) as staged:
+                files, interrupted = [], False
+                try:
+                    for name in write_files(report, staged, pictures=order.pictures, progress=progress):
+                        files.append(name)
+                except KeyboardInterrupt:
+                    interrupted = True
+                told = _told(report, digests(staged, files), interrupted=interrupted)
+                files = told["files"]
+                write_text(staged / SUMMARY, json.dumps(plain(told), indent=2, ensure_ascii=False) + "\n")
     terminal.say(summary(report, folder, files))
     terminal.result(told | {"folder": str(folder)})
     for error in report.errors:
@@ -86,6 +85,19 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
         terminal.error(f"interrupted while files were written; see {folder}")
         return INTERRUPTED
     return max(_NOT_ALL if report.failed else 0, *(error.exit_code for error in report.errors), 0)
+
+
+def _told(report: PlateReport, sums: dict[str, str], *, interrupted: bool) -> dict[str, Any]:
+    """The summary as plain data. sums: of the files that were written."""
+    told = data(report) | {
+        "lamc_version": __version__,
+        "files": [*sums, SUMMARY],
+        "sha256": sums,
+        "interrupted": interrupted,
+    }
+    if report.errors:
+        told["errors"] = [problem_data(error) for error in report.errors]
+    return told
 
 
 def _chosen(file: PlateFile, order: PlateOrder) -> PlateFile:

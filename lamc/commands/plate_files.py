@@ -21,6 +21,7 @@ from lamc.report.plate_records import MODES, CaseReport, PlateReport, buckling_k
 from lamc.report.plate_shape_text import off_text
 from lamc.report.plates import draw_deflection, draw_fields, draw_mesh, draw_modes
 
+SUMMARY = "summary.json"
 _AXES = ("x", "y", "xy")
 _MADE = (
     "deflection",
@@ -57,7 +58,7 @@ def write_files(report: PlateReport, folder: Path, *, pictures: bool, progress: 
 def own_files(folder: Path) -> set[str]:
     """Files of an earlier run in this folder, by its summary; only names that lamc itself gives."""
     try:
-        told = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        told = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         listed = [str(name) for name in told["files"]] if "lamc_version" in told else []
     except (OSError, ValueError, KeyError, TypeError):
         return set()

@@ -30,6 +30,7 @@ from lamc.errors import LamcError, SimulationError
 from lamc.files import write_text
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
+from lamc.renewal import digests, renewed
 from lamc.report.animation import draw_animation
 from lamc.report.folded import draw_folded
 from lamc.report.loops_text import loops_data
@@ -42,6 +43,7 @@ from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
+MANIFEST = "manifest.json"
 FILES = (
     "results.npz",
     "results.csv",
@@ -49,7 +51,7 @@ FILES = (
     "folded.png",
     "animation.mp4",
     "animation.gif",
-    "manifest.json",
+    MANIFEST,
 )
 
 _LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
@@ -169,36 +171,35 @@ def _report(
 def _write_all(
     order: RunOrder, report: RunReport, folder: Path, times: Times, progress: Progress
 ) -> tuple[list[str], bool]:
-    """Writes every file; the manifest comes last. Returns their names, and whether Ctrl-C cut it short."""
+    """Writes every file in the place of an earlier run's. Returns their names, and whether Ctrl-C cut it short."""
     result = report.result
-    older = _own_files(folder)
     files: list[str] = []
     interrupted = False
-    try:
-        with times.stage("write results"):
-            files += [write_npz(result, folder / "results.npz", manifest=False).name]
-            files += [write_csv(result, folder / "results.csv", manifest=False).name]
-        if len(result.t):
-            with times.stage("draw"):
-                files += [draw_angles_energy(result, folder / "angles_energy.png").name]
-                files += [draw_folded(result, folder / "folded.png").name]
-        if order.animation and result.success and len(result.t) > 1 and result.joints:
-            with times.stage("animate"):
-                files += [draw_animation(result, folder, lambda k, n: progress.part(k, n)).name]
-    except KeyboardInterrupt:
-        interrupted = True
-    files.append("manifest.json")
-    manifest = _data(report) | {"files": files, "interrupted": interrupted}
-    write_text(folder / "manifest.json", json.dumps(plain(manifest), indent=2, ensure_ascii=False) + "\n")
-    for name in sorted(older - set(files)):  # a film of an earlier run must not pass for one of this run
-        (folder / name).unlink(missing_ok=True)
+    with renewed(folder, MANIFEST, _own_files) as staged:
+        try:
+            with times.stage("write results"):
+                files += [write_npz(result, staged / "results.npz", manifest=False).name]
+                files += [write_csv(result, staged / "results.csv", manifest=False).name]
+            if len(result.t):
+                with times.stage("draw"):
+                    files += [draw_angles_energy(result, staged / "angles_energy.png").name]
+                    files += [draw_folded(result, staged / "folded.png").name]
+            if order.animation and result.success and len(result.t) > 1 and result.joints:
+                with times.stage("animate"):
+                    files += [draw_animation(result, staged, lambda k, n: progress.part(k, n)).name]
+        except KeyboardInterrupt:
+            interrupted = True
+        sums = digests(staged, files)
+        files.append(MANIFEST)
+        manifest = _data(report) | {"files": files, "sha256": sums, "interrupted": interrupted}
+        write_text(staged / MANIFEST, json.dumps(plain(manifest), indent=2, ensure_ascii=False) + "\n")
     return files, interrupted
 
 
 def _own_files(folder: Path) -> set[str]:
     """Files of an earlier run in this folder, by its manifest; only names that lamc itself gives."""
     try:
-        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         listed = {str(name) for name in manifest["files"]} if "lamc_version" in manifest else set()
     except (OSError, ValueError, KeyError, TypeError):
         return set()

@@ -24,6 +24,7 @@ from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
 from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
+from lamc.renewal import renewed
 from lamc.report.bodies_picture import draw_bodies
 from lamc.report.hinges_text import hinge_data, hinge_table
 from lamc.report.loops_text import branch_lines, loops_data, loops_line
@@ -54,13 +55,14 @@ def split(source: Source, choice: HingeChoice, out: str | None, terminal: Termin
         loaded = load_source(source, times, progress)
         name = folder_name(loaded.name)
         files: list[str] = []
-        with output_folder(out, loaded.name) as folder:
+        told = f"{name}.mechanism.yaml"
+        with output_folder(out, loaded.name) as folder, renewed(folder, told, lambda _: set()) as staged:
             if isinstance(loaded.record, Design):
                 design = loaded.record
                 if choice.stiffness == "from-material":
                     progress.stage("hinges")
                     design, account = _from_material(design, replaced, notes)
-                mechanism = _split_design(design, folder, name, files, notes, progress)
+                mechanism = _split_design(design, staged, name, files, notes, progress)
             elif choice.stiffness == "from-material":
                 raise DesignError(
                     f"{loaded.origin!r} holds a mechanism, which has no layers; --hinge-stiffness from-material needs "
@@ -68,16 +70,16 @@ def split(source: Source, choice: HingeChoice, out: str | None, terminal: Termin
                 )
             else:
                 mechanism = loaded.record
-                _export_mechanism(mechanism, loaded.path, folder, name, files, notes)
-            files.append(f"{name}.mechanism.yaml")
-            write_mechanism(mechanism, folder / files[-1])
-    told = split_text(mechanism, notes)
+                _export_mechanism(mechanism, loaded.path, (folder, staged), name, files, notes)
+            files.append(told)
+            write_mechanism(mechanism, staged / told)
+    text = split_text(mechanism, notes)
     data = split_data(mechanism, notes)
     loops, data["loops"] = _loops(mechanism)
     hinges = hinge_table(account)
     if account:
         data["hinge_stiffness"] = hinge_data(account)
-    terminal.say("\n\n".join(part for part in (told, hinges, loops) if part))
+    terminal.say("\n\n".join(part for part in (text, hinges, loops) if part))
     terminal.say(f"\nfiles   {folder}: {', '.join(files)}")
     terminal.result({"ok": True, "folder": str(folder), "files": files, **data})
     return 0
@@ -141,17 +143,26 @@ def _split_design(
 
 
 def _export_mechanism(
-    mechanism: Mechanism, source: Path | None, folder: Path, name: str, files: list[str], notes: list[str]
+    mechanism: Mechanism,
+    source: Path | None,
+    folders: tuple[Path, Path],
+    name: str,
+    files: list[str],
+    notes: list[str],
 ) -> None:
-    """The joint definition and the picture of a mechanism whose bodies have plates; else a note."""
+    """The joint definition and the picture of a mechanism whose bodies have plates; else a note.
+
+    folders: that of the results, and that in which they are made
+    """
     if not any(body.outline for body in mechanism.bodies):
         notes.append("the file holds a mechanism already: no joint definition and no picture were made")
         return
-    target = folder / f"{name}.joints"
+    folder, staged = folders
+    target = staged / f"{name}.joints"
     definition = load_definition(source) if source is not None else None
     lines = drawn_lines(definition) if definition is not None else {}
     try:
-        if source is not None and target.resolve() == source.resolve():
+        if source is not None and (folder / target.name).resolve() == source.resolve():
             raise DesignError("it would replace the file that was read; name another folder with --out")
         layers = drawn_layers(definition) if definition is not None else layers_of(mechanism)
         write_joints(mechanism, layers, target, lines=lines)
@@ -163,5 +174,5 @@ def _export_mechanism(
             )
     except DesignError as error:  # the format cannot say it
         notes.append(f"no joint definition was written: {error.message}")
-    draw_bodies(mechanism, lines, folder / "bodies.png")
+    draw_bodies(mechanism, lines, staged / "bodies.png")
     files.append("bodies.png")

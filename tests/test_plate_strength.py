@@ -138,3 +138,20 @@ def test_cells_too_coarse_for_a_strength_are_told() -> None:
     first = plate.first_failure(solved(plate.grid(SIDE, SIDE, 2, 2), plate.Clamped("boundary")))
     assert first.off > 0.1
     assert "too coarse" in " ".join(first.notes)
+
+
+def test_coupled_plies_on_constant_strains_are_told_to_be_too_strong() -> None:
+    laminate = plate.Laminate.parse("[0/45/90]", plate.material("T300/5208"), THICKNESS / 3)
+    found = {}
+    for element in ("dkt+cst", "dkt+lst"):
+        problem = plate.Problem(
+            plate.grid(SIDE, SIDE, 10, 10),
+            laminate,
+            element,
+            [plate.Clamped("boundary")],
+            [plate.Pressure(PRESSURE)],
+        )
+        found[element] = plate.first_failure(plate.solve(problem))  # type: ignore[arg-type]
+    assert found["dkt+cst"].ratio > 1.1 * found["dkt+lst"].ratio
+    assert "take 'dkt+lst'" in " ".join(found["dkt+cst"].notes)
+    assert found["dkt+lst"].notes == ()

@@ -83,7 +83,7 @@ class Result(Unchanging):
         """True if the run reached its end."""
         return self.status == Status.REACHED_END
 
-    @cached_property
+    @lazy
     def notes(self) -> tuple[str, ...]:
         """One line for each thing in which this result may not be what it seems; looked for when asked for."""
         return doubts.notes(self)

@@ -45,7 +45,8 @@ def check_followed(places: Places, where: Where, what: str) -> None:
 
 def _check_points(places: Places, where: BaseGeometry, what: str) -> None:
     points = shapely.get_parts(where)
-    lost = points[~shapely.dwithin(points, MultiPoint(places.dofs.points), places.tolerance)]
+    on_plate = shapely.dwithin(points, places.covered, places.tolerance)  # of others a note tells, see `idle`
+    lost = points[on_plate & ~shapely.dwithin(points, MultiPoint(places.dofs.points), places.tolerance)]
     if len(lost):
         raise DesignError(
             f"{what} at {where_text(lost[0])} touches no node of the mesh there; let the mesh have one: "

@@ -10,7 +10,7 @@ import hashlib
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from lamc.design.inert import DEFAULT_LIMITS, Limits, compose
@@ -129,9 +129,7 @@ class Beside:
                 f"{error.message}; {way_out}"
             ) from error
         self._bytes += len(data)
-        node = compose(
-            self.decode(data, str(shown)), str(shown), limits=replace(self.limits, bytes=len(data))
-        )
+        node = compose(self.decode(data, str(shown)), str(shown), limits=self.limits)
         if not (node.tag.startswith("python/") and node.class_name == "Design"):
             raise named.error(
                 f"the file {shown.name[:80]!r} beside this one is no popupCAD design; {way_out}"

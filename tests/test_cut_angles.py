@@ -128,3 +128,35 @@ def test_stops_that_could_never_act_are_refused() -> None:
     )
     scene = Scene(effects=(JointLimits(stiffness=1.0),))
     assert lamc.compile(replace(mechanism, joints=joints), scene).run(t_end=0.0).success
+
+
+@pytest.mark.parametrize(("rate", "told"), [(1e-10, True), (1.0, False)])
+def test_a_rank_that_only_other_postures_have_is_a_note(rate: float, told: bool) -> None:
+    """A vertex of four creases, drawn flat: there two of its equations are independent, and three where it is folded.
+    At 1e-10 rad/s it has turned by 1e-11 rad at the end, and is flat for all that a double can tell."""
+    azimuths = np.radians([0.0, 60.0, 150.0, 270.0])  # sectors of 60, 90, 120, 90 degrees: it folds flat
+    middle = 0.5 * (azimuths + np.append(azimuths[1:], 2.0 * np.pi))
+    bodies = [
+        Body(
+            f"p{i}",
+            1e-3,
+            0.02 * np.array([np.cos(a), np.sin(a), 0.0]),
+            1e-7 * np.diag([1, 1, 2]),
+            fixed=i == 0,
+        )
+        for i, a in enumerate(middle)
+    ]
+    joints = [
+        Joint(f"c{i}", f"p{(i - 1) % 4}", f"p{i}", axis=(np.cos(a), np.sin(a), 0.0))
+        for i, a in enumerate(azimuths)
+    ]
+    sim = lamc.compile(
+        Mechanism(tuple(bodies), tuple(joints)), Scene(effects=(), branch=1, rates={"c0": rate})
+    )
+    assert sim.loops.rank == 3
+    result = sim.run(t_end=0.1, t_eval=np.linspace(0.0, 0.1, 11))
+    assert result.success, result.message
+    notes = [note for note in result.notes if "the rank was taken from elsewhere" in note]
+    assert bool(notes) == told
+    if told:
+        assert "3 independent equations in other postures, and 2 at the 5 rows" in notes[0]

@@ -218,7 +218,7 @@ def test_a_bent_polyline_is_one_hinge_per_straight_run() -> None:
     ]
 
 
-UNKNOWN = f"- {OPERATION}.freeze.Freeze {{customname: 'frozen', id: 7, operation_links: {{}}}}\n"
+UNKNOWN = f"- {OPERATION}.cutop.CutOperation {{customname: 'cut', id: 7, operation_links: {{}}}}\n"
 CODE = (
     "- !!python/object:popupcad.manufacturing.code_exec_op.CodeExecOp\n"
     "  {customname: '', id: 8, operation_links: {}, code: 'import os'}\n"
@@ -227,7 +227,7 @@ CODE = (
 
 def test_an_unknown_operation_matters_only_on_the_path_to_the_hinges() -> None:
     assert areas(read(cad(UNKNOWN))) == pytest.approx([400, 400], rel=1e-12)
-    with pytest.raises(UnsupportedError, match=r"'frozen', an operation of kind 'Freeze'"):
+    with pytest.raises(UnsupportedError, match=r"'cut', an operation of kind 'CutOperation'"):
         read(cad(UNKNOWN, 7))
 
 

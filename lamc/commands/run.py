@@ -24,6 +24,7 @@ from lamc.commands.inputs import (
     share_of,
 )
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
+from lamc.design.records import Design
 from lamc.effects.base import conserves
 from lamc.effects.registry import Choice
 from lamc.errors import LamcError, SimulationError
@@ -159,6 +160,7 @@ def _report(
     return RunReport(
         source=loaded.origin,
         source_digest=loaded.digest,
+        beside=loaded.record.beside if isinstance(loaded.record, Design) else (),
         simulator=simulator,
         result=result,
         account=account,
@@ -215,6 +217,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "lamc_version": __version__,
         "source": report.source,
         "source_sha256": report.source_digest,
+        "beside_sha256": dict(report.beside),
         "program_digest": result.provenance.digest,
         "compiler": result.provenance.compiler,
         "flags": list(result.provenance.flags),

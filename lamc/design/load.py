@@ -21,6 +21,7 @@ from lamc.design.inert import (
     compose,
 )
 from lamc.design.native import read_design
+from lamc.design.popupcad_beside import Beside
 from lamc.design.records import Design, Material
 from lamc.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.files import read_bytes
@@ -53,12 +54,13 @@ def load(
         raise DesignError(f"the path is {shown(path)}; it must be a string or a pathlib.Path")
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
-    return _read(file_text(path, limits), str(path), materials or {}, progress, limits)
+    beside = Beside(Path(path), limits, _text)
+    return _read(file_text(path, limits), str(path), materials or {}, progress, limits, beside)
 
 
 def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
     """The design or mechanism in a text that is in no file; messages call it `name`. Raises as `load` does."""
-    return _read(text, name, {}, None, limits)
+    return _read(text, name, {}, None, limits, Beside())
 
 
 def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> JointDefinition | None:
@@ -76,23 +78,30 @@ def file_text(path: Path | str, limits: Limits = DEFAULT_LIMITS) -> str:
 
 
 def _read(
-    text: str, file: str, materials: Mapping[str, Material], progress: Progress | None, limits: Limits
+    text: str,
+    file: str,
+    materials: Mapping[str, Material],
+    progress: Progress | None,
+    limits: Limits,
+    beside: Beside,
 ) -> Design | Mechanism:
     try:
         node = compose(text, file, limits=limits, progress=progress)
-        return _record(node, materials, progress)
+        return _record(node, materials, progress, beside)
     except LamcError:
         raise
     except RecursionError as error:
         raise DesignError("the file nests too deeply to be read", Place(file)) from error
 
 
-def _record(node: Node, materials: Mapping[str, Material], progress: Progress | None) -> Design | Mechanism:
+def _record(
+    node: Node, materials: Mapping[str, Material], progress: Progress | None, beside: Beside
+) -> Design | Mechanism:
     if progress is not None:
         progress("checking", 0.0)
     record: Design | Mechanism
     if popupcad.is_design(node):
-        record = popupcad.read_design(node, materials)
+        record = popupcad.read_design(node, materials, beside)
     elif materials:
         raise DesignError(
             "materials can be replaced in popupCAD designs only; edit this file instead", node.place

@@ -13,8 +13,10 @@ import shapely
 
 from lamc.design.inert import MapNode, Node
 from lamc.design.objects import MM, attribute, items, number, optional, refuse_stored_code
+from lamc.design.popupcad_beside import Beside
+from lamc.design.popupcad_kinds import union_of
 from lamc.design.popupcad_layers import degrees
-from lamc.design.popupcad_operations import Operations, union_of
+from lamc.design.popupcad_operations import Operations
 from lamc.design.popupcad_sketch import hinge_lines, sketch_shapes
 from lamc.design.popupcad_transforms import Laminate
 from lamc.design.records import Design, HingeSet, Layer, Material, Places
@@ -28,14 +30,16 @@ def is_design(node: Node) -> bool:
     return isinstance(node, MapNode) and node.tag.startswith("python/") and node.class_name == "Design"
 
 
-def read_design(node: Node, materials: Mapping[str, Material]) -> Design:
+def read_design(node: Node, materials: Mapping[str, Material], beside: Beside | None = None) -> Design:
     """The design in `node`; `materials` replace the file's own of the same name.
+
+    beside  the folder in which designs that the file only names are looked for; None: there is none
 
     Raises DesignError where the file is damaged or impossible, UnsupportedError for stored code and for
     operations that lamc does not know.
     """
     refuse_stored_code(node)
-    return _Reader(node, materials).design()
+    return _Reader(node, materials, Beside() if beside is None else beside).design()
 
 
 class _Reader(Operations):
@@ -69,6 +73,7 @@ class _Reader(Operations):
             places=Places((((), self.node.place),)),
             contact_points=self._contact_points(joint),
             notes=tuple(self.notes),
+            beside=tuple(sorted(self.beside.digests.items())),
         )
 
     def _joint_operation(self) -> Node:

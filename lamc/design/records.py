@@ -89,6 +89,7 @@ class Design:
     story         what the design is for, a paragraph of plain text; nothing is computed from it
     contact_points  points of the drawing, m, at which bodies may touch something, for scenes that ask for them
     notes         one line for each thing in the file that the design is without
+    beside        files beside its own that it was read from too: name and SHA-256
     """
 
     name: str
@@ -103,6 +104,7 @@ class Design:
     scenes: Mapping[str, Scene] = field(default_factory=dict, hash=False)
     contact_points: tuple[tuple[float, float], ...] = ()  # m, world x and y
     notes: tuple[str, ...] = field(default=(), compare=False)
+    beside: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))

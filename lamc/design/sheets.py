@@ -8,7 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import shapely
-from shapely.geometry import GeometryCollection, LineString, MultiLineString, MultiPoint, MultiPolygon, Point
+from shapely.geometry import (
+    GeometryCollection,
+    LineString,
+    MultiLineString,
+    MultiPoint,
+    MultiPolygon,
+    Point,
+    Polygon,
+)
 from shapely.geometry.base import BaseGeometry
 
 from lamc.design.shapes import areas
@@ -64,6 +72,16 @@ def grown(sheet: Sheet, distance: float, segments: int) -> Sheet:
     """
     parts = [shapely.buffer(part, distance, quad_segs=segments) for part in _parts(sheet)]
     return Sheet(areas(shapely.union_all(parts)))
+
+
+def simplified(sheet: Sheet, tolerance: float) -> Sheet:
+    """The sheet without corners that lie within `tolerance` (m) of what is left; nothing comes to cross anything."""
+    together = shapely.simplify(GeometryCollection(_parts(sheet)), tolerance, preserve_topology=True)
+    return Sheet(
+        areas(shapely.union_all([g for g in _simple(together) if isinstance(g, Polygon)])),
+        _lines(together),
+        _points(together),
+    )
 
 
 COMBINE: dict[str, Callable[[Sheet, Sheet], Sheet]] = {

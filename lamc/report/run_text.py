@@ -30,6 +30,7 @@ class RunReport:
     account  every effect, in or out, and why
     drift    largest change of the energy, J; None where something may dissipate or drive
     scene    what the scene was called on the command line; None: the design's own
+    beside   files that the design was read from besides `source`: name and SHA-256
     """
 
     source: str
@@ -40,6 +41,7 @@ class RunReport:
     times: Times
     drift: float | None
     scene: str | None = None
+    beside: tuple[tuple[str, str], ...] = ()
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -63,7 +63,11 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
         met = max(met, int((values > _INDEPENDENT * values[0]).sum()) if len(values) else 0)
     if met >= model.rank:
         return []
+    own = len(
+        model.cuts
+    )  # the angle of a cut joint follows by an equation of its own, which the closure leaves out
     return [
-        f"the loops have {model.rank} independent equations in other postures, and {met} at the {len(rows)} rows that "
-        "were looked at: the rank was taken from elsewhere; compare with a run from another start"
+        f"the loops have {model.rank + own} independent equations in other postures, and {met + own} "
+        f"at the {len(rows)} rows that were looked at: the rank was taken from elsewhere; "
+        "compare with a run from another start"
     ]

@@ -3,6 +3,7 @@
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 from shapely.geometry import LineString, Point, Polygon, box
 
@@ -155,3 +156,53 @@ def test_coupled_plies_on_constant_strains_are_told_to_be_too_strong() -> None:
     assert found["dkt+cst"].ratio > 1.1 * found["dkt+lst"].ratio
     assert "take 'dkt+lst'" in " ".join(found["dkt+cst"].notes)
     assert found["dkt+lst"].notes == ()
+
+
+SPAN, WIDTH = 0.1, 0.02
+BEAM = plate.Laminate([plate.Ply(dataclasses.replace(STRONG_IN_SHEAR, nu12=0.0, G12=35e9), THICKNESS)])
+
+
+def across(x: float) -> LineString:
+    return LineString([(x, 0), (x, WIDTH)])
+
+
+def two_spans(element: str, pattern: str, n: int, middle: list[object], load: object) -> plate.Solution:
+    """Of ν = 0, a beam: simply supported at both ends, and in the middle as `middle` says; n cells along each span."""
+    soft = [plate.SimplySupported(across(x), kind="soft") for x in (0.0, 2.0 * SPAN)]
+    mesh = plate.grid(2.0 * SPAN, WIDTH, 2 * n, n // 5, pattern)
+    found = plate.solve(plate.Problem(mesh, BEAM, element, [*soft, *middle], [load]))  # type: ignore[list-item]
+    assert isinstance(found, plate.Solution)
+    return found
+
+
+def left_span(x: object, y: object) -> object:
+    return PRESSURE * (np.asarray(x) < SPAN)
+
+
+# Kind of the middle, load, and the moment there: reactions and line loads make a kink of it, clamped lines a jump.
+PEAKS = {
+    "reaction": ([plate.SimplySupported(across(SPAN))], plate.Pressure(PRESSURE), PRESSURE * SPAN**2 / 8.0),
+    "clamped": ([plate.Clamped(across(SPAN))], plate.Pressure(left_span), PRESSURE * SPAN**2 / 8.0),
+    "line load": ([], plate.EdgeLoad(across(SPAN), PRESSURE * SPAN), PRESSURE * SPAN**2 / 2.0),
+}
+
+
+@pytest.mark.parametrize("element", ["dkt", "dkmt", "bciz"])
+@pytest.mark.parametrize("kind", sorted(PEAKS))
+@pytest.mark.parametrize(("n", "limit"), [(10, 0.06), (20, 0.03)])
+def test_strength_over_an_inner_line(element: str, kind: str, n: int, limit: float) -> None:
+    """First order, as at borders: the spans' moments fall by a third of the peak along the first cell of ten."""
+    middle, load, moment = PEAKS[kind]
+    solution = two_spans(element, "one-diagonal", n, middle, load)  # type: ignore[arg-type]
+    first = plate.first_failure(solution, "max-stress")
+    assert first.at[0] == pytest.approx(SPAN, rel=1e-12)
+    assert first.ratio == pytest.approx(ratio(moment), rel=limit)
+    assert first.sharp == ""  # the line ends at free edges, and beyond it are right angles
+
+
+def test_moments_jump_where_a_line_is_clamped() -> None:
+    """Nothing acts on the right span: its moments are those of round-off, up to the line."""
+    middle, load, moment = PEAKS["clamped"]
+    better = two_spans("dkt", "one-diagonal", 10, middle, load).recovered  # type: ignore[arg-type]
+    assert abs(float(better.moments(1.001 * SPAN, 0.5 * WIDTH)[0])) < 1e-9 * moment
+    assert abs(float(better.moments(0.999 * SPAN, 0.5 * WIDTH)[0])) == pytest.approx(moment, rel=0.06)

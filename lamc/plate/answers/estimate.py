@@ -17,6 +17,7 @@ import numpy as np
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_number
 from lamc.plate.answers.edge_rows import CUBIC_ALONG_EDGES, edge_rows
+from lamc.plate.answers.kinks import corners_by_side
 from lamc.plate.answers.recovery import RecoveredStrains, Rows, recover, sample_points
 from lamc.plate.elements.definition import TRIANGLE
 from lamc.plate.meshing.mesh import Mesh
@@ -111,14 +112,14 @@ def recovered_strains(solution: "Solution") -> RecoveredStrains:
     problem = solution.problem
     element, count = problem.dofs.element, len(problem.mesh.cells)
     names = element.name.split("+")  # what bends, then what stretches, which comes first in the strains
-    parts = []
+    parts, corners = [], corners_by_side(solution)
     for k, name in enumerate(reversed(names)):
         degree = _DEGREES.get(name, 1)
         xi = sample_points(element.cell, degree)
         strains = np.stack([solution.cell_strains(np.tile(point, (count, 1))) for point in xi], axis=1)
         mine = slice(3 * k, 3 * k + 3) if len(names) > 1 else slice(None)
         rows = _edge_rows(solution) if name in CUBIC_ALONG_EDGES else None
-        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, problem.dofs.of_corners, rows))
+        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, corners, rows))
     return RecoveredStrains(tuple(parts))
 
 

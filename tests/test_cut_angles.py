@@ -88,20 +88,20 @@ def test_steps_of_fixed_length_say_so_too() -> None:
     mechanism = crank_rocker(-1, "BC")
     sim = lamc.compile(mechanism, Scene(effects=SPRINGS, rates={"A": 120.0}))
     lib, ffi = sim._model.lib, sim._model.ffi
-    motion = sim._model.motion({})
-    ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion.handle))
-    y = np.array(sim.run(t_end=0.0).y[:, 0])
-    scratch = np.zeros(int(lib.lamc_fixed_scratch(ode)))
-    status, t, h = 0, 0.0, 1e-5
-    while status == 0 and t < 0.1:
-        status = lib.lamc_fixed_step(
-            ode,
-            t,
-            h,
-            ffi.from_buffer("double[]", y, require_writable=True),
-            ffi.from_buffer("double[]", scratch),
-        )
-        t += h
+    with sim._model.motion({}).opened() as handle:
+        ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(handle))
+        y = np.array(sim.run(t_end=0.0).y[:, 0])
+        scratch = np.zeros(int(lib.lamc_fixed_scratch(ode)))
+        status, t, h = 0, 0.0, 1e-5
+        while status == 0 and t < 0.1:
+            status = lib.lamc_fixed_step(
+                ode,
+                t,
+                h,
+                ffi.from_buffer("double[]", y, require_writable=True),
+                ffi.from_buffer("double[]", scratch),
+            )
+            t += h
     assert status == Status.ANGLE_WRAPPED
     end = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12).t[-1]
     assert 0.0 < t - end < 2.0 * h  # of the step over the jump

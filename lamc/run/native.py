@@ -151,7 +151,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
         effort=run.evaluations + run.jacobians * ode.jacobian_cost + run.factorisations * LINEAR_ALGEBRA,
         events=rows.events,
         switches=switches,
-        singular_steps=int(model.lib.lamc_motion_singular_steps(motion.handle)),
+        singular_steps=int(model.lib.lamc_motion_singular_steps(motion)),
     )
 
 

@@ -104,8 +104,9 @@ def test_modes_with_one_row_of_cells_across_a_strip_say_how_wrong_they_are() -> 
     coarse = plate.modes(plate.Problem(mesh, dict(found.laminates), supports=[clamped]), 3)
     truth = np.abs(coarse.frequencies[1:] / np.array([1532.6, 2860.3]) - 1.0)
     assert np.all((coarse.errors[1:] > truth / 3.0) & (coarse.errors[1:] < 3.0 * truth))
-    assert len(coarse.notes) == 2
-    assert "'hinge left': give it smaller cells" in coarse.notes[0]
+    told = [note for note in coarse.notes if "mesh" in note]  # the one on shear, 1.1 %, is another subject
+    assert len(told) == 2
+    assert all("'hinge left': give it smaller cells" in note for note in told)
 
 
 def test_meshes_of_designs_have_rows_enough_across_strips() -> None:

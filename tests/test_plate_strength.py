@@ -3,6 +3,7 @@
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 from shapely.geometry import LineString, Point, Polygon, box
 
@@ -35,7 +36,8 @@ def square(pattern: str, n: int) -> plate.Mesh:
 
 def solved(mesh: plate.Mesh, support: object, element: str = "dkt", **given: object) -> plate.Solution:
     given = {"loads": [plate.Pressure(PRESSURE)], **given}
-    found = plate.solve(plate.Problem(mesh, LAMINATE, element, supports=[support], **given))  # type: ignore[arg-type, list-item]
+    given = {"laminate": LAMINATE, **given}
+    found = plate.solve(plate.Problem(mesh, element=element, supports=[support], **given))  # type: ignore[arg-type, list-item]
     assert isinstance(found, plate.Solution)
     return found
 
@@ -48,7 +50,8 @@ LIMITS = {10: 0.035, 20: 0.03, 40: 0.016}
 
 @pytest.mark.parametrize(
     ("element", "pattern"),
-    [(e, p) for e in ("dkt", "dkt+cst") for p in ("one-diagonal", "criss-cross", "union-jack", "jittered", "mesher")]
+    [(e, p) for e in ("dkt", "dkt+cst", "dkmt")
+     for p in ("one-diagonal", "criss-cross", "union-jack", "jittered", "mesher")]
     + [("dkt+lst", "one-diagonal"), ("bciz", "one-diagonal"), ("bfs", "squares")],
 )  # fmt: skip
 @pytest.mark.parametrize("n", [10, 20])
@@ -81,13 +84,18 @@ def test_strength_of_a_simply_supported_square(n: int) -> None:
     assert bent.ratio == pytest.approx(ratio(0.0479 * PRESSURE * SIDE**2), rel=2.0 / n**2 + 1e-3)
 
 
-def test_strength_of_a_clamped_circle() -> None:
-    """q R² / 8 at the edge, by the closed form (Timoshenko and Woinowsky-Krieger 1959, section 17)."""
+@pytest.mark.parametrize(("element", "thickness"), [("dkt", 1e-3), ("dkmt", 1e-3), ("dkmt", 1e-2)])
+def test_strength_of_a_clamped_circle(element: str, thickness: float) -> None:
+    """q R² / 8 at the edge, by the closed form, with shear or without: moments are those of equilibrium and symmetry
+    (Timoshenko and Woinowsky-Krieger 1959, section 17)."""
     radius = 0.5 * SIDE
     mesh = plate.mesh(Point(0, 0).buffer(radius, quad_segs=32), 0.05 * SIDE)
-    first = plate.first_failure(solved(mesh, plate.Clamped("boundary")), "max-stress")
+    laminate = plate.Laminate([plate.Ply(METAL, thickness)])
+    solution = solved(mesh, plate.Clamped("boundary"), element, laminate=laminate)
+    first = plate.first_failure(solution, "max-stress")
     # As on the square of 20 cells, with straight edges for the arc: a part of 1e-3.
-    assert first.ratio == pytest.approx(ratio(PRESSURE * radius**2 / 8.0), rel=LIMITS[20])
+    expected = ratio(PRESSURE * radius**2 / 8.0) * (thickness / THICKNESS) ** 2
+    assert first.ratio == pytest.approx(expected, rel=LIMITS[20])
 
 
 def test_strength_of_a_long_clamped_rectangle() -> None:
@@ -155,3 +163,53 @@ def test_coupled_plies_on_constant_strains_are_told_to_be_too_strong() -> None:
     assert found["dkt+cst"].ratio > 1.1 * found["dkt+lst"].ratio
     assert "take 'dkt+lst'" in " ".join(found["dkt+cst"].notes)
     assert found["dkt+lst"].notes == ()
+
+
+SPAN, WIDTH = 0.1, 0.02
+BEAM = plate.Laminate([plate.Ply(dataclasses.replace(STRONG_IN_SHEAR, nu12=0.0, G12=35e9), THICKNESS)])
+
+
+def across(x: float) -> LineString:
+    return LineString([(x, 0), (x, WIDTH)])
+
+
+def two_spans(element: str, pattern: str, n: int, middle: list[object], load: object) -> plate.Solution:
+    """Of ν = 0, a beam: simply supported at both ends, and in the middle as `middle` says; n cells along each span."""
+    soft = [plate.SimplySupported(across(x), kind="soft") for x in (0.0, 2.0 * SPAN)]
+    mesh = plate.grid(2.0 * SPAN, WIDTH, 2 * n, n // 5, pattern)
+    found = plate.solve(plate.Problem(mesh, BEAM, element, [*soft, *middle], [load]))  # type: ignore[list-item]
+    assert isinstance(found, plate.Solution)
+    return found
+
+
+def left_span(x: object, y: object) -> object:
+    return PRESSURE * (np.asarray(x) < SPAN)
+
+
+# Kind of the middle, load, and the moment there: reactions and line loads make a kink of it, clamped lines a jump.
+PEAKS = {
+    "reaction": ([plate.SimplySupported(across(SPAN))], plate.Pressure(PRESSURE), PRESSURE * SPAN**2 / 8.0),
+    "clamped": ([plate.Clamped(across(SPAN))], plate.Pressure(left_span), PRESSURE * SPAN**2 / 8.0),
+    "line load": ([], plate.EdgeLoad(across(SPAN), PRESSURE * SPAN), PRESSURE * SPAN**2 / 2.0),
+}
+
+
+@pytest.mark.parametrize("element", ["dkt", "dkmt", "bciz"])
+@pytest.mark.parametrize("kind", sorted(PEAKS))
+@pytest.mark.parametrize(("n", "limit"), [(10, 0.06), (20, 0.03)])
+def test_strength_over_an_inner_line(element: str, kind: str, n: int, limit: float) -> None:
+    """First order, as at borders: the spans' moments fall by a third of the peak along the first cell of ten."""
+    middle, load, moment = PEAKS[kind]
+    solution = two_spans(element, "one-diagonal", n, middle, load)  # type: ignore[arg-type]
+    first = plate.first_failure(solution, "max-stress")
+    assert first.at[0] == pytest.approx(SPAN, rel=1e-12)
+    assert first.ratio == pytest.approx(ratio(moment), rel=limit)
+    assert first.sharp == ""  # the line ends at free edges, and beyond it are right angles
+
+
+def test_moments_jump_where_a_line_is_clamped() -> None:
+    """Nothing acts on the right span: its moments are those of round-off, up to the line."""
+    middle, load, moment = PEAKS["clamped"]
+    better = two_spans("dkt", "one-diagonal", 10, middle, load).recovered  # type: ignore[arg-type]
+    assert abs(float(better.moments(1.001 * SPAN, 0.5 * WIDTH)[0])) < 1e-9 * moment
+    assert abs(float(better.moments(0.999 * SPAN, 0.5 * WIDTH)[0])) == pytest.approx(moment, rel=0.06)

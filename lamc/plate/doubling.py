@@ -36,7 +36,7 @@ def doubled(
     touched[mesh.edges[hinges]] = True
     _check_fans(mesh, touched)
     part = np.full(of_nodes.shape, -1, dtype=np.int64)  # of the node of each cell, where there may be several
-    parts = _parts(mesh, ~is_hinge)
+    parts = parts_of_fans(mesh, ~is_hinge)
     for c in range(mesh.corner_count):
         corner = mesh.cells[:, c]
         part += (of_nodes == corner[:, None]) * (touched[corner] * (parts[:, c] + 1))[:, None]
@@ -55,9 +55,9 @@ def doubled(
     return result, pairs[again, 0].astype(np.int32)
 
 
-def _parts(mesh: Mesh, joins: NDArray[np.bool_]) -> NDArray[np.int64]:
+def parts_of_fans(mesh: Mesh, joins: NDArray[np.bool_]) -> NDArray[np.int64]:
     """For each corner of each cell the lowest cell of its part about that point, (m, corners); parts hang together by
-    edges that `joins` (edges,) names."""
+    the edges that `joins` (edges,) names."""
     corners, size = mesh.corner_count, mesh.cells.size
     order = np.argsort(mesh.cell_edges.ravel(), kind="stable")
     edge = mesh.cell_edges.ravel()[order]
@@ -78,7 +78,7 @@ def _next(at: NDArray[np.intp], corners: int) -> NDArray[np.intp]:
 
 def _check_fans(mesh: Mesh, touched: NDArray[np.bool_]) -> None:
     """Raises DesignError where parts of the plate touch at a point of a hinge without an edge in common."""
-    fan = _parts(mesh, np.ones(len(mesh.edges), dtype=bool))
+    fan = parts_of_fans(mesh, np.ones(len(mesh.edges), dtype=bool))
     least, most = np.full(len(mesh.points), len(mesh.cells)), np.full(len(mesh.points), -1)
     np.minimum.at(least, mesh.cells, fan)
     np.maximum.at(most, mesh.cells, fan)

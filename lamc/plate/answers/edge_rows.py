@@ -9,15 +9,43 @@ J. Barlow, Int. J. Numer. Meth. Engng 10, 1976; of gradients from nodal values, 
 26, 2005.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from lamc.mechanism.checks import Array
 from lamc.plate.answers.recovery import Rows
+from lamc.plate.elements.definition import CORNERS, TRIANGLE
+
+if TYPE_CHECKING:
+    from lamc.plate.solving.solution import Solution
 
 # Elements of which this is so at borders. Specht's has cubics along edges too, but rows make its moment at clamped
 # edges worse: 8 % low at 20 cells instead of 5 %.
 CUBIC_ALONG_EDGES = ("dkt", "bciz")
 _GAUSS = (0.5 - np.sqrt(3.0) / 6.0, 0.5 + np.sqrt(3.0) / 6.0)
+
+
+# With shear, slopes are not those of w, and their change across is no curvature; along an edge theirs still is.
+SHEARED = ("dkmt",)
+
+
+def sheared_rows(solution: "Solution") -> Rows:
+    """Of triangles with shear: curvatures along edges, two on each, six rows for each cell. They are the element's own,
+    whose section turns along an edge by what is at its ends."""
+    corners = solution.problem.mesh.corners
+    along = np.roll(corners, -1, axis=1) - corners
+    t = along / np.hypot(along[..., 0], along[..., 1])[..., None]
+    same = np.stack([t[..., 0] ** 2, t[..., 1] ** 2, t[..., 0] * t[..., 1]], axis=-1)
+    places, across, values = [], [], []
+    for edge in range(3):
+        start, end = (np.array(CORNERS[TRIANGLE][k % 3], dtype=float) for k in (edge, edge + 1))
+        for s in _GAUSS:
+            curvature = solution.cell_strains(np.tile((1.0 - s) * start + s * end, (len(corners), 1)))[:, -3:]
+            places.append(corners[:, edge] + s * along[:, edge])
+            across.append(same[:, edge])
+            values.append(np.sum(same[:, edge] * curvature, axis=-1))
+    return Rows(*(np.stack(parts, axis=1) for parts in (places, across, values)))
 
 
 def edge_rows(corners: Array, deflection: Array, slopes: Array) -> Rows:

@@ -4,7 +4,8 @@ In: a solution. Out: the energy of its error, cell by cell, and where to refine.
 within a small factor where the mesh shows what the solution does, and blind to what it does not show, such as infinite
 strains under a point load.
 
-The error of strains is taken for their difference from recovered ones (`recovery.py`). Source: O. C. Zienkiewicz, J. Z.
+The error of strains, of shear through the thickness where the element has it too, is taken for their difference from
+recovered ones (`recovery.py`). Source: O. C. Zienkiewicz, J. Z.
 Zhu, Int. J. Numer. Meth. Engng 33, 1992.
 """
 
@@ -16,7 +17,8 @@ import numpy as np
 
 from lamc.errors import DesignError
 from lamc.mechanism.checks import Array, checked_number
-from lamc.plate.answers.edge_rows import CUBIC_ALONG_EDGES, edge_rows
+from lamc.plate.answers.edge_rows import CUBIC_ALONG_EDGES, SHEARED, edge_rows, sheared_rows
+from lamc.plate.answers.kinks import corners_by_side
 from lamc.plate.answers.recovery import RecoveredStrains, Rows, recover, sample_points
 from lamc.plate.elements.definition import TRIANGLE
 from lamc.plate.meshing.mesh import Mesh
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
 # Degree of the polynomials that strains are recovered by; 1 for all others. Those of second order, and with bending
 # also those of first: moments at clamped edges are curved, and straight lines continued to the edge fall short of them.
-_DEGREES = {"bciz": 2, "bfs": 3, "dkt": 2, "lst": 2, "q12": 3, "q8": 3, "q9": 3, "specht": 2}
+_DEGREES = {"bciz": 2, "bfs": 3, "dkmt": 2, "dkt": 2, "lst": 2, "q12": 3, "q8": 3, "q9": 3, "specht": 2}
 # Six points, exact to degree four: D. A. Dunavant, Int. J. Numer. Meth. Engng 21, 1985.
 _DUNAVANT = (
     (0.091576213509770743, 0.10995174365532187),
@@ -99,6 +101,9 @@ def error_estimate(solution: "Solution") -> ErrorEstimate:
         area = 0.5 * weight * mesh.areas
         error += area * np.einsum("mi,mij,mj->m", off, stiffness, off)
         energy += area * np.einsum("mi,mij,mj->m", strain, stiffness, strain)
+    if element.shear:
+        sheared, of_shear = _shear_energies(solution)
+        error, energy = error + sheared, energy + of_shear
     total, stored = float(error.sum()), float(energy.sum())
     names = mesh.region_names
     shares = np.bincount(mesh.regions, error, len(names)) / max(total, np.finfo(float).tiny)
@@ -106,23 +111,47 @@ def error_estimate(solution: "Solution") -> ErrorEstimate:
     return ErrorEstimate(mesh, error, total, relative, dict(zip(names, shares.tolist(), strict=True)))
 
 
+def _shear_energies(solution: "Solution") -> tuple[Array, Array]:
+    """J of every cell, of shear through the thickness: of its error, and its own; two of shape (m,)."""
+    problem = solution.problem
+    mesh, kind = problem.mesh, problem.dofs.element.cell
+    count = len(mesh.cells)
+    cells = np.arange(count, dtype=np.int32)
+    stiffness = np.array([laminate.H for laminate in problem.laminates], dtype=float)[mesh.regions]
+    middle = sample_points(kind, 1)
+    samples = solution.cell_shear(np.tile(middle, (count, 1)))[:, None]
+    better = recover(mesh, middle, samples, 1, corners_by_side(solution))
+    error, energy = np.zeros(count), np.zeros(count)
+    for point, weight in integration_points(kind):
+        xi = np.tile(point, (count, 1))
+        shear = solution.cell_shear(xi)
+        off = better.at(cells, xi) - shear
+        for sum_, part in ((error, off), (energy, shear)):
+            sum_ += 0.5 * weight * mesh.areas * np.einsum("mi,mij,mj->m", part, stiffness, part)
+    return error, energy
+
+
 def recovered_strains(solution: "Solution") -> RecoveredStrains:
     """Strains, then curvatures, of `solution`, by patches; each by polynomials that suit its part of the element."""
     problem = solution.problem
     element, count = problem.dofs.element, len(problem.mesh.cells)
     names = element.name.split("+")  # what bends, then what stretches, which comes first in the strains
-    parts = []
+    parts, corners = [], corners_by_side(solution)
     for k, name in enumerate(reversed(names)):
         degree = _DEGREES.get(name, 1)
         xi = sample_points(element.cell, degree)
         strains = np.stack([solution.cell_strains(np.tile(point, (count, 1))) for point in xi], axis=1)
         mine = slice(3 * k, 3 * k + 3) if len(names) > 1 else slice(None)
-        rows = _edge_rows(solution) if name in CUBIC_ALONG_EDGES else None
-        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, problem.dofs.of_corners, rows))
+        rows = _edge_rows(solution, name)
+        parts.append(recover(problem.mesh, xi, strains[:, :, mine], degree, corners, rows))
     return RecoveredStrains(tuple(parts))
 
 
-def _edge_rows(solution: "Solution") -> Rows:
+def _edge_rows(solution: "Solution", name: str) -> Rows | None:
+    if name in SHEARED:
+        return sheared_rows(solution)
+    if name not in CUBIC_ALONG_EDGES:
+        return None
     names = np.array(solution.problem.dofs.element.dofs)
     w, slope_x, slope_y = (solution.cell_unknowns[:, names == name] for name in ("w", "w_x", "w_y"))
     return edge_rows(solution.problem.mesh.corners, w, np.stack([slope_x, slope_y], axis=-1))

@@ -3,7 +3,8 @@
 In: a `Solution`, a place. Out: what makes it sharp, in words. Never: says how large stresses are there.
 
 Source for corners: M. L. Williams, Proc. 1st US Nat. Congr. Appl. Mech., 1951. An end of a support is one where the
-plate goes on beyond it, by more than a right angle.
+plate goes on beyond it, by more than a right angle: a line across the plate that ends at its free edges leaves right
+angles on both sides.
 """
 
 import numpy as np
@@ -12,9 +13,11 @@ from shapely.geometry import MultiPoint, Point
 from shapely.geometry.base import BaseGeometry
 
 from lamc.mechanism.checks import Array
+from lamc.plate.doubling import parts_of_fans
 from lamc.plate.loads import PointLoad
 from lamc.plate.meshing.mesh import Mesh
 from lamc.plate.meshing.report import corner_angles
+from lamc.plate.places import Places
 from lamc.plate.solving.solution import Solution
 
 _NOTCH = 210.0  # degrees: less is taken for a piece of an arc, of twelve or more to the turn
@@ -41,15 +44,21 @@ def sharp_place(solution: Solution, at: Array, reach: float) -> str:
         if "LineString" not in where.geom_type:
             continue
         for end in getattr(where.boundary, "geoms", ()):
-            if here.distance(end) <= reach and _goes_on(problem.mesh, end, angles):
+            if here.distance(end) <= reach and _goes_on(problem.places, where, end):
                 return "at an end of a support"
     return ""
 
 
-def _goes_on(mesh: Mesh, end: Point, angles: Array) -> bool:
+def _goes_on(places: Places, where: BaseGeometry, end: Point) -> bool:
     """Whether the plate goes on beyond the end of a line."""
-    nearest = int(np.argmin(np.hypot(*(mesh.points - (end.x, end.y)).T)))
-    return bool(angles[nearest] > _PAST_AN_END)
+    mesh = places.dofs.mesh
+    cells, local = places.edges_on(where).T
+    free = np.ones(len(mesh.edges), dtype=bool)
+    free[mesh.cell_edges[cells, local]] = False
+    nearest = np.argmin(np.hypot(*(mesh.points - (end.x, end.y)).T))
+    here = mesh.cells == nearest
+    beyond = np.bincount(parts_of_fans(mesh, free)[here], corner_angles(mesh)[here])
+    return bool(beyond.max() > _PAST_AN_END)
 
 
 def _angles(mesh: Mesh) -> tuple[Array, NDArray[np.bool_]]:

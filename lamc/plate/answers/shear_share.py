@@ -17,11 +17,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from shapely.geometry import MultiPoint, Point
 
 from lamc.mechanism.checks import Array
 from lamc.plate.answers.estimate import integration_points
 from lamc.plate.elements.definition import CORNERS
 from lamc.plate.laminates.laminate import Laminate
+from lamc.plate.loads import PointLoad
 
 if TYPE_CHECKING:
     from lamc.plate.meshing.mesh import Mesh
@@ -32,11 +34,7 @@ _TRIANGLES = ("bciz", "dkt", "specht")
 # The element's own moments give 0.8 to 2.5 times the share by patches on 3 to 32 cells across, and cost a tenth:
 # patches are not made where these give less than this part of TOLD. On few cells patches lose most of it, down to a
 # fifth of what is missing on 2 cells across, and the larger of the two is told.
-_ROUGH, _FEW = 0.5, 100
-_TRIANGLES = ("bciz", "dkt", "specht")
-_ROUGH = (
-    0.2  # of TOLD: below it by the means at corners, which see a half of it at least, patches are not made
-)
+_ROUGH, _FEW = 0.2, 100
 
 
 def shear_share(solution: "Solution") -> float:
@@ -52,10 +50,13 @@ def shear_share(solution: "Solution") -> float:
 
 
 def shear_notes(solution: "Solution") -> tuple[str, ...]:
-    """A sentence where classical theory leaves out more than `TOLD` of the deflection."""
+    """A sentence where classical theory leaves out more than `TOLD` of the deflection, or where an element with shear
+    has one that no mesh comes to the end of."""
     element = solution.problem.dofs.element
-    if element.shear or not element.bends or not solution.values.any():
+    if not element.bends or not solution.values.any():
         return ()
+    if element.shear:
+        return _point_notes(solution)
     if any(_has_gap(laminate) for laminate in solution.problem.laminates):
         return (
             "a laminate has a gap, in which nothing bears shear through the thickness: the plies on both sides "
@@ -63,6 +64,24 @@ def shear_notes(solution: "Solution") -> tuple[str, ...]:
         )
     share = _told_share(solution)
     return (shear_text(share, element.name),) if share >= TOLD else ()
+
+
+def _point_notes(solution: "Solution") -> tuple[str, ...]:
+    """Under a force at a point w goes as P ln(1/r) / 2π √det H, and so by P ln 2 / 2π √det H with every halving."""
+    problem = solution.problem
+    forces = [abs(load.force[2]) for load in solution.loads if isinstance(load, PointLoad)]  # type: ignore[index]
+    points = [each for each in solution.reactions if isinstance(each.where, Point | MultiPoint)]
+    forces += [float(np.abs(each.values[:, 2]).max()) for each in points if len(each.values)]
+    softest = min(math.sqrt(np.linalg.det(laminate.H)) for laminate in problem.laminates)
+    grows = math.log(2.0) * max(forces, default=0.0) / (2.0 * math.pi * softest)
+    largest = float(np.abs(solution.at_nodes("w")).max())
+    if not largest > 0.0 or grows < TOLD * largest:
+        return ()
+    return (
+        "with shear through the thickness the deflection under a force at a point, or beside a support at one, has no "
+        f"bound: it grows by up to {1e6 * grows:.2g} µm, {100.0 * grows / largest:.2g} % of the largest, with every "
+        "halving of the cells; spread the force or the support over an area",
+    )
 
 
 def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tuple[str, ...]:

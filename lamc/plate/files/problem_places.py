@@ -5,12 +5,9 @@ place in the file. Never: meshes.
 """
 
 import math
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path as FilePath
 
-import numpy as np
-import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -22,6 +19,7 @@ from lamc.errors import DesignError
 from lamc.mechanism.records import checked_name
 from lamc.plate.designs.from_design import DesignPlate, plate_of
 from lamc.plate.files.circles import corners_of
+from lamc.plate.files.polygons import cut, polygon_of_wkt
 from lamc.plate.files.problem_records import Region
 from lamc.plate.files.problem_schema import (
     FollowModel,
@@ -136,7 +134,7 @@ class Places:
         ]
         if outer is None:
             return Polygon()
-        left = problems.attempt(("geometry", "holes"), lambda: _cut(outer, holes))
+        left = problems.attempt(("geometry", "holes"), lambda: cut(outer, holes))
         return left if left is not None else Polygon()
 
     def _design(self, model: GeometryModel) -> BaseGeometry:
@@ -196,7 +194,7 @@ class Places:
             return shapes.polygon(model.polygon)
         text = getattr(model, "wkt", None)
         if text is not None:
-            return _polygon_of_wkt(text, self._step)
+            return polygon_of_wkt(text, self._step)
         raise DesignError("the shape has no outline")
 
     def _corners(self, radius: float, size: float | None) -> int:
@@ -271,36 +269,3 @@ class Places:
             "top": ((x0, y1), (x1, y1)),
         }
         return LineString(ends[side])
-
-
-def _cut(outer: BaseGeometry, holes: Sequence[BaseGeometry | None]) -> BaseGeometry:
-    """The outline without its holes; one that reaches beyond the outline is a notch. Raises DesignError where a hole
-    does not overlap the outline, or nothing is left."""
-    left = outer
-    for hole in holes:
-        if hole is None:
-            continue
-        if not left.intersection(hole).area > 0.0:
-            raise DesignError("a hole lies outside the plate, or inside another hole; leave it out")
-        left = left.difference(hole)
-    if not left.area > 0.0:
-        raise DesignError("the holes take the whole plate away; make them smaller")
-    return left
-
-
-def _polygon_of_wkt(text: str, step: float) -> BaseGeometry:
-    """A polygon from well-known text; one step of its coordinates is `step` m. Raises DesignError."""
-    try:
-        shape = shapely.from_wkt(text)
-    except (shapely.errors.ShapelyError, ValueError) as error:
-        raise DesignError(
-            f"the text is no geometry; write such as 'POLYGON ((0 0, 2 0, 2 1, 0 0))': {str(error)[:80]}"
-        ) from error
-    if not isinstance(shape, Polygon) or shape.is_empty:
-        kind = "nothing" if shape is None or shape.is_empty else f"a {shape.geom_type}"
-        raise DesignError(f"the text holds {kind}; it must be a POLYGON")
-    rings = [
-        [(float(x) * step, float(y) * step) for x, y in np.asarray(ring.coords)[:, :2]]
-        for ring in (shape.exterior, *shape.interiors)
-    ]
-    return shapes.polygon(rings[0], rings[1:])

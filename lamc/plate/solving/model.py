@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lamc.errors import DesignError, LamcError, SimulationError
+from lamc.errors import DesignError, LamcError
 from lamc.mechanism.checks import Array, checked_kind, shown
 from lamc.plate.advice import notes
 from lamc.plate.answers.shear_share import shear_notes
@@ -21,7 +21,7 @@ from lamc.plate.solving.idle import idle
 from lamc.plate.solving.load_vectors import load_vector
 from lamc.plate.solving.refine import Deformed
 from lamc.plate.solving.refine import solve as refined
-from lamc.plate.solving.rigid import check_balance, free_text, pin_joints, without_rigid
+from lamc.plate.solving.rigid import check_balance, free_text, without_rigid
 from lamc.plate.solving.solution import Solution, SolveReport
 from lamc.plate.solving.system import System, system
 from lamc.readonly import ReadOnlyDict
@@ -64,24 +64,8 @@ class Model:
         outer = load_vector(self.problem, self.system.kernels, acting)
         check_balance(self.system.pieces, outer, self.problem.dofs)
         held = self.system.constraints
-        try:
-            deformed = refined(self.system, outer, held.fixed.T @ held.values, refine=self.refine)
-        except SimulationError as error:
-            raise SimulationError(f"{error.message}{self._loose_text()}") from error
+        deformed = refined(self.system, outer, held.fixed.T @ held.values, refine=self.refine)
         return self._solution(acting, outer, deformed)
-
-    def _loose_text(self) -> str:
-        """Where parts of the plate may turn in its plane although they hang together."""
-        if not self.problem.dofs.element.stretches:
-            return ""
-        joints = pin_joints(self.problem.dofs)
-        if not len(joints):
-            return ""
-        x, y = joints[0]
-        return (
-            f"; parts of the plate hang together at single points only, such as ({x:.6g}, {y:.6g}), and may turn about "
-            "them in its plane: join them by an edge, or hold both"
-        )
 
     def solve_case(self, name: str) -> Solution:
         """The case of that name, with what acts in every case. Raises as `solve` does, and names the case."""

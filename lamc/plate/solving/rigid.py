@@ -76,24 +76,6 @@ def _components(dofs: Dofs) -> tuple[Integers, int]:
     return label, int(count)
 
 
-def pin_joints(dofs: Dofs) -> Array:
-    """Places of nodes that join parts of the plate that have no edge in common, (k, 2), m.
-
-    Slopes go through such a node, but in its plane each part may turn about it.
-    """
-    mesh = dofs.mesh
-    by_edge = np.argsort(mesh.cell_edges.ravel(), kind="stable")
-    edge, cell = mesh.cell_edges.ravel()[by_edge], by_edge // mesh.corner_count
-    pair = np.flatnonzero(edge[1:] == edge[:-1])
-    links = (np.ones(len(pair), dtype=np.int8), (cell[pair], cell[pair + 1]))
-    graph = sp.coo_array(links, shape=(len(mesh.cells),) * 2).tocsr()
-    _, part = connected_components(graph, directed=False)
-    low, high = np.full(len(mesh.points), len(mesh.cells)), np.full(len(mesh.points), -1)
-    np.minimum.at(low, mesh.cells, part[:, None])
-    np.maximum.at(high, mesh.cells, part[:, None])
-    return np.asarray(mesh.points[high > low])
-
-
 def free_text(found: tuple[Piece, ...]) -> str:
     """Which pieces may move, and how: one line."""
     free = [piece for piece in found if piece.names]

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.events import (
     AliasEvent,
@@ -26,7 +25,7 @@ from ruamel.yaml.events import (
     SequenceStartEvent,
 )
 
-from lamc.design.old_keys import ScannerOfOldKeys
+from lamc.design.quick_yaml import quick_yaml
 from lamc.errors import DesignError, DesignErrors, Place
 
 Progress = Callable[[str, float], None]
@@ -183,10 +182,8 @@ def compose(
 
 def _events(text: str, file: str) -> Iterator[Any]:
     """ruamel.yaml's parser events, its errors turned into DesignError."""
-    yaml = YAML(typ="safe", pure=True)
-    yaml.Scanner = ScannerOfOldKeys
     try:
-        yield from yaml.parse(text)
+        yield from quick_yaml().parse(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file)

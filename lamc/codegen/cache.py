@@ -167,12 +167,13 @@ class Cache:
 def _digests(folder: Path) -> dict[str, str]:
     """Digest of each file by its path in the folder; without paths as objects, which take as long as the digests."""
     told = {}
+    start = len(os.path.join(folder, ""))
     for place, _, names in os.walk(folder):
         for name in names:
             path = os.path.join(place, name)
             if name != MANIFEST and os.path.isfile(path):
                 with open(path, "rb") as stream:
-                    told[os.path.relpath(path, folder)] = hashlib.sha256(stream.read()).hexdigest()
+                    told[path[start:]] = hashlib.sha256(stream.read()).hexdigest()
     return told
 
 

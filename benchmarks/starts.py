@@ -15,7 +15,7 @@ import tempfile
 
 from benchmarks.measure import seconds, table
 
-EXAMPLES = ("flaps", "pendulum", "four_bar", "waterbomb", "folding_box")
+EXAMPLES = ("flaps", "pendulum", "pendulum.cad", "four_bar", "crawler", "waterbomb", "folding_box")
 GOAL = 0.05  # s, of reading and compiling together
 _START = """
 import json, sys, time

@@ -5,11 +5,13 @@ It reads no file but for the names, sizes and times of lamc's own sources.
 """
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import shapely
 
 from lamc._version import __version__
 from lamc.codegen.toolchain import Compiler
@@ -36,74 +38,111 @@ def input_digest(
     inputs: Mapping[str, Input] = NO_INPUTS,
     *,
     books: bool = False,
+    common: bytes | None = None,
 ) -> str | None:
     """None if an effect is not lamc's own, as it may change between two runs under the same name, or holds a function.
 
-    books: whether the module tells powers.
+    books   whether the module tells powers
+    common  `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
     """
-    if any(type(effect) not in EFFECTS for effect in effects):
-        return None
     closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)
     words = (*parts, "with books" if books else "without books")
-    return _digest(words, mechanism, effects, inputs.items())
+    return _digest(words, common or common_digest(mechanism, effects), inputs.items())
 
 
-def loops_digest(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene) -> str | None:
+def loops_digest(
+    mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, *, common: bytes | None = None
+) -> str | None:
     """Of all that the count of loops follows from: where joints lie, which effects arrange them anew, and how the scene
-    starts, as large mechanisms are looked at there too. None as for `input_digest`."""
+    starts, as large mechanisms are looked at there too. None, and `common`, as for `input_digest`."""
+    start = (scene.angles, scene.rates, scene.branch, scene.closure_tolerance)
+    return _digest(("loops",), common or common_digest(mechanism, effects), start)
+
+
+def common_digest(mechanism: Mechanism, effects: tuple[Effect, ...]) -> bytes | None:
+    """Of mechanism and effects, which all other digests follow from; None as for `input_digest`."""
     if any(type(effect) not in EFFECTS for effect in effects):
         return None
-    start = (scene.angles, scene.rates, scene.branch, scene.closure_tolerance)
-    return _digest(("loops",), mechanism, effects, start)
-
-
-def _digest(
-    words: Iterable[str], mechanism: Mechanism, effects: tuple[Effect, ...], more: Iterable[object]
-) -> str | None:
-    text = hashlib.sha256()
-    for part in (__version__, _own_sources(), *words):
-        text.update(part.encode())
-        text.update(b"\0")
     drawn: tuple[Any, ...] = ()
     if mechanism.design is not None and any(hasattr(effect, "arrange") for effect in effects):
         # Coordinates that effects add may follow from what bodies and hinges are made of.
         design = mechanism.design
         drawn = (design.layers, design.hinges, design.fixed, design.body_names)
     try:
-        for piece in _pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn, *more)):
-            text.update(piece)
-            text.update(b"\0")
+        return _hash(_pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn))).digest()
     except _NoTellingError:
         return None
-    return text.hexdigest()
 
 
-def _pieces(value: Any) -> Iterator[bytes]:
+def _digest(words: Iterable[str], common: bytes | None, more: Iterable[object]) -> str | None:
+    if common is None:
+        return None
+    told = [part.encode() for part in (__version__, _own_sources(), *words)]
+    try:
+        return _hash([*told, common, *_pieces(tuple(more))]).hexdigest()
+    except _NoTellingError:
+        return None
+
+
+def _hash(pieces: Iterable[bytes]) -> "hashlib._Hash":
+    return hashlib.sha256(b"\0".join(pieces))
+
+
+def _pieces(value: Any) -> list[bytes]:
     """Everything that a value holds, in a fixed order: fields of records, items of mappings and sequences, numbers of
     arrays and geometries to the last bit."""
-    if is_dataclass(value) and not isinstance(value, type):
-        yield type(value).__name__.encode()
-        for entry in fields(value):
-            yield entry.name.encode()
-            yield from _pieces(getattr(value, entry.name))
-    elif isinstance(value, Mapping):
+    pieces: list[bytes] = []
+    geometries: list[tuple[int, Any]] = []
+    _gather(value, pieces, geometries)
+    # All at once: one call for each would be half of the digest of a mechanism of many plates.
+    for (at, _), told in zip(geometries, shapely.to_wkb([shape for _, shape in geometries]), strict=True):
+        pieces[at] = told
+    return pieces
+
+
+def _gather(value: Any, pieces: list[bytes], geometries: list[tuple[int, Any]]) -> None:
+    """Appends what a value holds; geometries are left open, and told with their place in `pieces`."""
+    kind, names = _kind(type(value))  # type: ignore[arg-type]  # to mypy a type is not hashable
+    if kind == "other":
+        pieces.append(repr(value).encode())
+    elif kind == "record":
+        pieces.append(type(value).__name__.encode())
+        for name, told in names:
+            pieces.append(told)
+            _gather(getattr(value, name), pieces, geometries)
+    elif kind == "mapping":
         for key, item in value.items():
-            yield repr(key).encode()
-            yield from _pieces(item)
-    elif isinstance(value, tuple | list):
-        yield str(len(value)).encode()
+            pieces.append(repr(key).encode())
+            _gather(item, pieces, geometries)
+    elif kind == "sequence":
+        pieces.append(str(len(value)).encode())
         for item in value:
-            yield from _pieces(item)
-    elif hasattr(value, "tobytes"):
-        yield repr((value.shape, str(value.dtype))).encode()
-        yield value.tobytes()
-    elif hasattr(value, "wkb"):
-        yield value.wkb
-    elif callable(value):
-        raise _NoTellingError
+            _gather(item, pieces, geometries)
+    elif kind == "array":
+        pieces += [repr((value.shape, str(value.dtype))).encode(), value.tobytes()]
+    elif kind == "geometry":
+        geometries.append((len(pieces), value))
+        pieces.append(b"")
     else:
-        yield repr(value).encode()
+        raise _NoTellingError
+
+
+@cache
+def _kind(of: type) -> tuple[str, tuple[tuple[str, bytes], ...]]:
+    """How values of a type are told; of records also the fields, with their names in bytes."""
+    if is_dataclass(of):
+        return "record", tuple((entry.name, entry.name.encode()) for entry in fields(of))
+    for kind, holds in (
+        ("mapping", issubclass(of, Mapping)),
+        ("sequence", issubclass(of, tuple | list)),
+        ("array", hasattr(of, "tobytes")),
+        ("geometry", issubclass(of, shapely.Geometry)),
+        ("function", any("__call__" in vars(base) for base in of.__mro__)),  # as `callable` of a value
+    ):
+        if holds:
+            return kind, ()
+    return "other", ()
 
 
 @cache

@@ -18,7 +18,7 @@ from lamc.design.split import split
 from lamc.effects.base import Effect
 from lamc.effects.registry import choose
 from lamc.errors import BuildError, DesignError
-from lamc.input_digest import input_digest, loops_digest
+from lamc.input_digest import common_digest, input_digest, loops_digest
 from lamc.inputs import NO_INPUTS, Input
 from lamc.kept_loops import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
@@ -127,10 +127,11 @@ def _compiled(
     mechanism: Mechanism, scene: Scene, options: CompileOptions, times: Times, cache: Cache
 ) -> Simulator:
     effects = effects_of(mechanism, scene)
+    common = common_digest(mechanism, effects)
     loops = None
     if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
-            loops = _loops_of(mechanism, effects, scene, cache)
+            loops = _loops_of(mechanism, effects, scene, cache, common)
     compiler = find_compiler(options.compiler, flags=options.flags)
 
     @remembered
@@ -144,7 +145,9 @@ def _compiled(
             return sources_of(derived, times, books=books, precision=options.precision)
 
     def module(*, books: bool) -> Module:
-        alias = input_digest(mechanism, effects, loops, compiler, options, scene.inputs, books=books)
+        alias = input_digest(
+            mechanism, effects, loops, compiler, options, scene.inputs, books=books, common=common
+        )
         with times.stage("load from cache"):
             key = cache.recall(alias) if alias else None
             folder = cache.find(key) if key else None
@@ -175,7 +178,9 @@ def _compiled(
     )
 
 
-def _loops_of(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, cache: Cache) -> LoopCount:
+def _loops_of(
+    mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, cache: Cache, common: bytes | None
+) -> LoopCount:
     """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
     arrangement = arrange(plan(mechanism), effects)
     cuts = tuple(cut.joint.name for cut in arrangement.tree.cuts)
@@ -187,7 +192,7 @@ def _loops_of(mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, c
             return count_loops(arrangement.tree, scene.closure_tolerance)
         return loops_of(arrangement.tree, scene)
 
-    return kept_loops(loops_digest(mechanism, effects, scene), cache, count)
+    return kept_loops(loops_digest(mechanism, effects, scene, common=common), cache, count)
 
 
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:

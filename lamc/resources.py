@@ -3,6 +3,7 @@
 In a wheel they lie in `lamc/_data/`; in a checkout (a folder with `pyproject.toml`) in place.
 """
 
+import os
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -27,8 +28,9 @@ def stamps(folders: Iterable[Path]) -> str:
     """Names, sizes and times of the files in `folders`: another text once one of them has changed."""
     parts = []
     for folder in folders:
-        for path in sorted(folder.iterdir()):
-            if path.is_file():
-                status = path.stat()
-                parts.append(f"{path.name} {status.st_size} {status.st_mtime_ns}")
+        # Not Path.iterdir: paths made, sorted and asked for 400 files are a third of a compile from the cache.
+        with os.scandir(folder) as entries:
+            files = [(entry.name, entry.stat()) for entry in entries if entry.is_file()]
+        files.sort(key=lambda file: file[0])
+        parts += [f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in files]
     return "\n".join(parts)

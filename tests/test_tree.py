@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lamc.errors import TopologyError
 from lamc.mechanism.records import Body, Joint, Mechanism
-from lamc.mechanism.tree import WORLD, Link, Tree, plan
+from lamc.mechanism.tree import WORLD, Link, Tree, _cross, plan
 from tests.mechanisms import Array, chain, random_tree, trees
 
 
@@ -253,3 +253,9 @@ def test_a_random_tree_has_every_body_once() -> None:
     mechanism = random_tree(25, seed=4)
     names = [link.body.name for link in plan(mechanism).links]
     assert sorted(names) == sorted(b.name for b in mechanism.bodies if not b.fixed)
+
+
+def test_cross_products_are_numpys_to_the_bit() -> None:
+    pairs = np.random.default_rng(5).normal(size=(200, 2, 3)) * 10.0 ** np.arange(-9, 11, 0.1)[:, None, None]
+    for a, b in pairs:
+        assert _cross(a, b).tobytes() == np.cross(a, b).tobytes()

@@ -11,7 +11,7 @@ removed, whichever way the line runs. Where a line ends on an edge or in a hole 
 masses are those of straight slits, exactly.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import shapely
@@ -35,10 +35,7 @@ def holes_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, 
     pairs = sorted((int(a), int(b)) for a, b in zip(first, second, strict=True) if a < b)
     overlaps = shapely.intersection([strips[a] for a, _ in pairs], [strips[b] for _, b in pairs])
     shared = [set(hinges[a].layers) & set(hinges[b].layers) for a, b in pairs]
-    return tuple(
-        as_multipolygon(shapely.union_all([o for o, s in zip(overlaps, shared, strict=True) if layer in s]))
-        for layer in range(count)
-    )
+    return _united(overlaps, shared, count)
 
 
 def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
@@ -46,12 +43,22 @@ def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, 
     grown = shapely.buffer(
         [h.line for h in hinges], [SLIT * h.properties.width for h in hinges], quad_segs=_ARC_SEGMENTS
     )
-    return tuple(
-        as_multipolygon(
-            shapely.union_all([g for g, h in zip(grown, hinges, strict=True) if layer in h.layers])
-        )
-        for layer in range(count)
-    )
+    return _united(grown, [h.layers for h in hinges], count)
+
+
+def _united(
+    shapes: Sequence[BaseGeometry], layers: Sequence[Collection[int]], count: int
+) -> tuple[MultiPolygon, ...]:
+    """Per layer, the shapes that lie in it, as one; `layers`: of each shape. Layers of the same shapes are united once,
+    as they often are: it is a fifth of a split."""
+    made: dict[tuple[int, ...], MultiPolygon] = {}
+    united = []
+    for layer in range(count):
+        held = tuple(i for i, among in enumerate(layers) if layer in among)
+        if held not in made:
+            made[held] = as_multipolygon(shapely.union_all([shapes[i] for i in held]))
+        united.append(made[held])
+    return tuple(united)
 
 
 def cut_layer(layer: Layer, hole: MultiPolygon, slit: MultiPolygon) -> MultiPolygon:

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.events import (
     AliasEvent,
@@ -32,7 +31,7 @@ from lamc.design.nodes import Node as Node
 from lamc.design.nodes import ScalarNode as ScalarNode
 from lamc.design.nodes import plain as plain
 from lamc.design.nodes import resolve as resolve
-from lamc.design.old_keys import ScannerOfOldKeys
+from lamc.design.quick_yaml import quick_yaml
 from lamc.errors import DesignError, DesignErrors, Place
 
 Progress = Callable[[str, float], None]
@@ -78,10 +77,8 @@ def compose(
 
 def _events(text: str, file: str) -> Iterator[Any]:
     """ruamel.yaml's parser events, its errors turned into DesignError."""
-    yaml = YAML(typ="safe", pure=True)
-    yaml.Scanner = ScannerOfOldKeys
     try:
-        yield from yaml.parse(text)
+        yield from quick_yaml().parse(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file)

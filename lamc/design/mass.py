@@ -98,20 +98,21 @@ class _Edges:
     def __init__(self, ring: Array, sign: float) -> None:
         self.a, self.b = ring[:-1], ring[1:]
         cross = self.a[:, 0] * self.b[:, 1] - self.b[:, 0] * self.a[:, 1]
-        self.cross = cross * (sign if math.fsum(cross) >= 0.0 else -sign)
+        self.cross = cross * (sign if math.fsum(cross.tolist()) >= 0.0 else -sign)
 
     def area(self) -> float:
-        return math.fsum(self.cross) / 2
+        return math.fsum(self.cross.tolist()) / 2
 
     def first(self, axis: int) -> float:
-        return math.fsum((self.a[:, axis] + self.b[:, axis]) * self.cross) / 6
+        return math.fsum(((self.a[:, axis] + self.b[:, axis]) * self.cross).tolist()) / 6
 
     def second(self) -> tuple[float, float, float]:
         a, b, cross = self.a, self.b, self.cross
         # Written symmetrically in a and b, so that a ring run backwards rounds alike.
         squares = (a * a + b * b + a * b) * cross[:, None]
         mixed = (a[:, 0] * b[:, 1] + b[:, 0] * a[:, 1]) + 2 * (a[:, 0] * a[:, 1] + b[:, 0] * b[:, 1])
-        return math.fsum(squares[:, 0]) / 12, math.fsum(squares[:, 1]) / 12, math.fsum(mixed * cross) / 24
+        x, y = squares.T.tolist()
+        return math.fsum(x) / 12, math.fsum(y) / 12, math.fsum((mixed * cross).tolist()) / 24
 
 
 def _signs(count: int) -> tuple[float, ...]:

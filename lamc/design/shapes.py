@@ -138,7 +138,8 @@ def _check_ring(ring: Points) -> None:
         raise DesignError("the polygon is empty; it needs at least three corners")
     array = np.asarray(ring, dtype=np.float64)
     check_coordinates(array, "the polygon")
-    count = len(np.unique(array, axis=0))
+    # Not np.unique, which imports numpy.ma when it is first called: a fifth of reading the first polygon's file.
+    count = len(set(map(tuple, array.reshape(len(array), -1).tolist())))
     if count < 3:
         raise DesignError(f"the polygon has {count} different corners; it needs at least three")
 

@@ -16,6 +16,9 @@ from lamc.design.split import split as split_design
 from lamc.errors import DesignError, LamcError
 from lamc.mechanism.network import faults
 from lamc.mechanism.records import Joint
+from lamc.plate.files import problem_make
+from lamc.plate.files.problem_file import plate_of_text
+from lamc.plate.files.problem_make import problem_of
 
 HEAD = """\
 kind: design
@@ -206,3 +209,31 @@ def test_mutated_examples_overlay_no_more_than_the_limits(
     assert all(told)
     assert passed
     assert max(passed) <= work.MOST_CROSSINGS
+
+
+def plate_text(geometry: str) -> str:
+    return (
+        "kind: plate\nunits: mm\nlaminate: {material: steel, thickness: 1}\n"
+        f"geometry: {{{geometry}}}\nsupports: [{{clamped: left}}]\nloads: [{{pressure: 1 Pa}}]\n"
+    )
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        "rect: [0, 0, 100, 100], grid: [1000, 200]",
+        "polygon: [[0, 0], [100, 0], [100, 100], [0, 100]], size: 0.3",
+    ],
+)
+def test_plate_files_of_more_cells_than_the_limit_are_refused_before_they_are_meshed(
+    geometry: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(problem_make, "check_memory", lambda *_given, **_named: None)  # of any machine
+    file = plate_of_text(plate_text(geometry), "x.yaml")
+    with pytest.raises(DesignError, match=rf"x.yaml:4:.*the limit is {problem_make.MOST}: take"):
+        problem_of(file)
+
+
+def test_a_plate_file_of_50_000_cells_is_meshed() -> None:
+    file = plate_of_text(plate_text("rect: [0, 0, 100, 100], grid: [250, 100]"), "x.yaml")
+    assert len(problem_of(file).mesh.cells) == 50_000

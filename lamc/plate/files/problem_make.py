@@ -28,7 +28,9 @@ from lamc.plate.solving.solvers import checked_solver
 from lamc.plate.supports import Where
 
 AUTO = "auto"
-MOST = 250_000  # cells of a plate file's mesh: made and checked in some ten seconds; in Python there may be more
+MOST = (
+    250_000  # cells of a plate file's mesh: made and checked in some ten seconds; in Python there may be more
+)
 # Of the cells that are expected, so many there are at least: 0.5 beside small holes to 0.95 in large squares, measured
 # on meshes of more than 5000.
 _SURE = 0.5

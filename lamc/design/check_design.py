@@ -124,11 +124,12 @@ def _check_repeated(hinge_sets: Sequence[HingeSet]) -> None:
 
 
 def _check_body_names(design: Design) -> None:
-    names = [each.name for each in design.body_names]
+    seen: set[str] = set()
     for each in design.body_names:
         checked_name(each.name, "a body")
-        if names.count(each.name) > 1:
+        if each.name in seen:
             raise DesignError(f"two bodies are named {each.name!r}; names must differ")
+        seen.add(each.name)
         if each.layer is not None and not 0 <= each.layer < len(design.layers):
             raise DesignError(
                 f"the point that names body {each.name!r} refers to layer {each.layer}; the design has layers 0 "

@@ -11,9 +11,10 @@ removed, whichever way the line runs. Where a line ends on an edge or in a hole 
 masses are those of straight slits, exactly.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely import STRtree
 from shapely.geometry import MultiPolygon, Polygon
@@ -22,20 +23,29 @@ from shapely.geometry.base import BaseGeometry
 from lamc.design.records import Layer
 from lamc.design.steps import Hinge
 
+Geometries = npt.NDArray[np.object_]
+
 SLIT = 0.1  # half width of a slit, in hinge widths
 _ARC_SEGMENTS = 8  # per quarter circle: a cap falls short of the round one by half a per cent of its radius
 
 
-def holes_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
-    """Per layer, where the strips of two hinge lines that both run through the layer overlap."""
-    strips = shapely.buffer(
+def strips_of(hinges: Sequence[Hinge]) -> Geometries:
+    """The hinge lines grown by their widths."""
+    strips: Geometries = shapely.buffer(
         [h.line for h in hinges], [h.properties.width for h in hinges], quad_segs=_ARC_SEGMENTS
     )
+    return strips
+
+
+def holes_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
+    """Per layer, where the strips of two hinge lines that both run through the layer overlap."""
+    strips = strips_of(hinges)
     first, second = STRtree(strips).query(strips, predicate="intersects")
     pairs = sorted((int(a), int(b)) for a, b in zip(first, second, strict=True) if a < b)
     overlaps = shapely.intersection([strips[a] for a, _ in pairs], [strips[b] for _, b in pairs])
     shared = [set(hinges[a].layers) & set(hinges[b].layers) for a, b in pairs]
-    return _united(overlaps, shared, count)
+    runs = [tuple(k for k, each in enumerate(shared) if layer in each) for layer in range(count)]
+    return _joined(overlaps, runs)
 
 
 def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
@@ -43,22 +53,14 @@ def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, 
     grown = shapely.buffer(
         [h.line for h in hinges], [SLIT * h.properties.width for h in hinges], quad_segs=_ARC_SEGMENTS
     )
-    return _united(grown, [h.layers for h in hinges], count)
+    runs = [tuple(k for k, h in enumerate(hinges) if layer in h.layers) for layer in range(count)]
+    return _joined(grown, runs)
 
 
-def _united(
-    shapes: Sequence[BaseGeometry], layers: Sequence[Collection[int]], count: int
-) -> tuple[MultiPolygon, ...]:
-    """Per layer, the shapes that lie in it, as one; `layers`: of each shape. Layers of the same shapes are united once,
-    as they often are: it is a fifth of a split."""
-    made: dict[tuple[int, ...], MultiPolygon] = {}
-    united = []
-    for layer in range(count):
-        held = tuple(i for i, among in enumerate(layers) if layer in among)
-        if held not in made:
-            made[held] = as_multipolygon(shapely.union_all([shapes[i] for i in held]))
-        united.append(made[held])
-    return tuple(united)
+def _joined(parts: Geometries, runs: Sequence[tuple[int, ...]]) -> tuple[MultiPolygon, ...]:
+    """Per layer the union of the parts that it has; layers that have the same ones share it."""
+    made = {run: as_multipolygon(shapely.union_all([parts[k] for k in run])) for run in dict.fromkeys(runs)}
+    return tuple(made[run] for run in runs)
 
 
 def cut_layer(layer: Layer, hole: MultiPolygon, slit: MultiPolygon) -> MultiPolygon:

@@ -7,6 +7,7 @@ Checks here are those that need more than one entry (a layer's material exists) 
 import math
 from collections.abc import Sequence
 from functools import partial
+from itertools import groupby
 from pathlib import PurePath
 
 import shapely
@@ -27,6 +28,7 @@ from lamc.design.schema import (
     ShapeModel,
 )
 from lamc.design.units import length_unit
+from lamc.design.work import MOST_LAYERS, check_outlines
 from lamc.errors import DesignError
 from lamc.mechanism.records import checked_name
 
@@ -100,11 +102,19 @@ class _Reader:
         """The places that a message about the whole drawing may need."""
         paths: list[Path] = [(), ("fixed",), ("hinges",)]
         paths += [("layers", index) for index in range(len(self.layer_names))]
-        paths += [("bodies", name) for name in self.model.bodies]
-        return Places(tuple((path, self.problems.place(path)) for path in paths))
+        found = [(path, self.problems.place(path)) for path in paths]
+        bodies = self.problems.places(("bodies",))
+        return Places((*found, *((("bodies", name), bodies[name]) for name in self.model.bodies)))
 
     def _check_names(self) -> None:
         model, problems = self.model, self.problems
+        if len(model.layers) > MOST_LAYERS:
+            problems.add(
+                ("layers",),
+                f"the design has {len(model.layers)} layers; at most {MOST_LAYERS} are split: join neighbours of one "
+                "material",
+            )
+            problems.raise_if_any()  # every shape and hinge would be looked for in all of them
         if not model.layers:
             problems.add(("layers",), "the design has no layers; list at least one, from the bottom up")
         if not model.shapes:
@@ -139,20 +149,23 @@ class _Reader:
 
     def _draw(self) -> list[MultiPolygon]:
         """The sheets: shapes in order, each added to or cut from the layers it names."""
-        sheets: list[MultiPolygon] = [MultiPolygon() for _ in self.layer_names]
-        runs: list[list[Polygon]] = [[] for _ in sheets]  # shapes are joined in one go up to the next cut
+        drawn_in: list[list[int]] = [[] for _ in self.layer_names]
+        regions: list[Polygon | None] = []
         for index, shape in enumerate(self.model.shapes):
             path: Path = ("shapes", index)
-            region = self._region(path, shape)
+            regions.append(self._region(path, shape))
             for layer in self._layers(shape.layers, (*path, "layers")):
-                if region is None:
-                    continue
-                if shape.cut is None:
-                    runs[layer].append(region)
-                else:
-                    joined = shapely.union_all([sheets[layer], *runs[layer]])
-                    sheets[layer], runs[layer] = shapes.areas(joined.difference(region)), []
-        sheets = [shapes.areas(shapely.union_all([s, *r])) for s, r in zip(sheets, runs, strict=True)]
+                if regions[-1] is not None:
+                    drawn_in[layer].append(index)
+        made: dict[tuple[int, ...], MultiPolygon] = {}  # layers are mostly drawn alike
+        for name, indices in zip(self.layer_names, drawn_in, strict=True):
+            entries = [
+                (region, self.model.shapes[k].cut is not None) for k in indices if (region := regions[k])
+            ]
+            if tuple(indices) not in made:
+                sheet = self.problems.attempt(("shapes",), partial(_sheet, entries, name))
+                made[tuple(indices)] = MultiPolygon() if sheet is None else sheet
+        sheets = [made[tuple(indices)] for indices in drawn_in]
         drawn = any(shape.cut is None for shape in self.model.shapes)
         if self.model.shapes and not drawn:
             self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
@@ -172,7 +185,11 @@ class _Reader:
             for layer in self._layers(entry.layers, ("fixed", index, "layers")):
                 if region is not None:
                     regions[layer].append(region)
-        return [shapes.areas(shapely.union_all(parts)) for parts in regions]
+        sheets = [
+            self.problems.attempt(("fixed",), partial(_sheet, [(part, False) for part in parts], name))
+            for parts, name in zip(regions, self.layer_names, strict=True)
+        ]
+        return [MultiPolygon() if sheet is None else sheet for sheet in sheets]
 
     def _body_name(self, name: str, body: NamedBodyModel) -> BodyName:
         found = [] if body.layer is None else self._layers([body.layer], ("bodies", name, "layer"))
@@ -238,6 +255,17 @@ class _Reader:
                 hint = did_you_mean(name, self.layer_names)
                 self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
         return sorted(indices)
+
+
+def _sheet(entries: Sequence[tuple[Polygon, bool]], layer: str) -> MultiPolygon:
+    """Shapes in order, True for those that are cut from what was drawn before them. Raises DesignError where they are
+    too much work to overlay."""
+    check_outlines([region for region, _ in entries], layer)
+    sheet = MultiPolygon()
+    for cut, run in groupby(entries, key=lambda entry: entry[1]):
+        joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square
+        sheet = shapes.areas(sheet.difference(joined) if cut else shapely.union_all([sheet, joined]))
+    return sheet
 
 
 def _line_names(hinge: HingeModel) -> list[str | None]:

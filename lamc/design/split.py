@@ -15,12 +15,13 @@ from shapely.geometry import LineString
 from lamc.design.bodies import Group, find_groups
 from lamc.design.check_design import check_design
 from lamc.design.contact import LayerIndex, contact
-from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits_per_layer
+from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits_per_layer, strips_of
 from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.design.records import BodyName, Design
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
+from lamc.design.work import check_strips
 from lamc.errors import DesignError, TopologyError
 from lamc.mechanism.checks import shown
 from lamc.mechanism.records import Body, Joint, Mechanism, Plate
@@ -63,6 +64,7 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     hinges = named_hinges(design)
     tell("cutting", 0.1)
     count = len(design.layers)
+    check_strips(strips_of(hinges), design.places.of("hinges"))
     holes, slits = holes_per_layer(hinges, count), slits_per_layer(hinges, count)
     cut = tuple(cut_layer(*each) for each in zip(design.layers, holes, slits, strict=True))
     tell("finding bodies", 0.4)

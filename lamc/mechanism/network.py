@@ -88,21 +88,26 @@ def _same_names(names: Sequence[str], what: str) -> Iterator[Fault]:
 def _same_hinges(joints: "Sequence[Joint]") -> Iterator[Fault]:
     """Two hinges of one pair of bodies may share a line, as a door's do, but not the place on it as well."""
     points = np.array([joint.point for joint in joints]).reshape(-1, 3)
+    axes = np.array([joint.axis for joint in joints]).reshape(-1, 3)
     size = float(np.linalg.norm(np.ptp(points, axis=0))) if len(joints) else 0.0
-    of_pair: dict[tuple[str, ...], list[Joint]] = {}
+    of_pair: dict[tuple[str, ...], list[int]] = {}
     for index, joint in enumerate(joints):
         others = of_pair.setdefault(tuple(sorted((joint.parent, joint.child))), [])
-        for other in others:
-            apart = float(np.linalg.norm(joint.point - other.point))
-            askew = float(np.linalg.norm(np.cross(joint.axis, other.axis)))
-            if apart <= SAME * size and askew <= SAME:
-                text = (
-                    f"joints {other.name!r} and {joint.name!r} are the same hinge: both join {joint.parent!r} and "
-                    f"{joint.child!r} at one point along one axis; remove one of them"
-                )
-                yield Fault(("joints", index), TopologyError(text))
-                break
-        others.append(joint)
+        apart = np.linalg.norm(points[others] - joint.point, axis=1)
+        near = np.flatnonzero(
+            apart <= SAME * size
+        )  # first, as crosses cost more: thousands may share two bodies
+        askew = np.linalg.norm(np.cross(axes[others][near], joint.axis), axis=1)
+        same = near[askew <= SAME]
+        if len(same):
+            other = joints[others[same[0]]]
+            text = (
+                f"joints {other.name!r} and {joint.name!r} are the same hinge: both join {joint.parent!r} and "
+                f"{joint.child!r} at one point along one axis; remove one of them"
+            )
+            yield Fault(("joints", index), TopologyError(text))
+        else:
+            others.append(index)
 
 
 def _held(fixed: set[str], joints: "Sequence[Joint]") -> set[str]:

@@ -28,6 +28,9 @@ from lamc.plate.solving.solvers import checked_solver
 from lamc.plate.supports import Where
 
 AUTO = "auto"
+MOST = (
+    250_000  # cells of a plate file's mesh: made and checked in some ten seconds; in Python there may be more
+)
 # Of the cells that are expected, so many there are at least: 0.5 beside small holes to 0.95 in large squares, measured
 # on meshes of more than 5000.
 _SURE = 0.5
@@ -52,7 +55,7 @@ def mesh_of(
         a, b = x1 - x0, y1 - y0
         cells = geometry.grid if size is None else (_steps(a, size), _steps(b, size))
         check_memory(element, cells[0] * cells[1] * PER_SQUARE[geometry.pattern], solver)
-        return grid(a, b, *cells, geometry.pattern, origin=(x0, y0), regions=shapes)
+        return grid(a, b, *cells, geometry.pattern, origin=(x0, y0), regions=shapes, limit=MOST)
     general = size or geometry.size or max(x1 - x0, y1 - y0) / CELLS_ALONG
     share = (
         1.0 if size is None or geometry.size is None else size / geometry.size
@@ -66,7 +69,7 @@ def mesh_of(
     expected = expected_cells(geometry.outline, general, regions=shapes, sizes=sizes, follow=followed)
     if expected < MOST_CELLS:  # the mesher refuses more
         check_memory(element, int(_SURE * expected), solver, least=True)
-    return mesh(geometry.outline, general, regions=shapes, sizes=sizes, follow=followed)
+    return mesh(geometry.outline, general, regions=shapes, sizes=sizes, follow=followed, limit=MOST)
 
 
 def problem_of(

@@ -29,6 +29,7 @@ test-all: $(STAMP) # with the peers that some tests need: MuJoCo, CasADi, FMPy, 
 lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-cache
 	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/single/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format --dry-run -Werror templates/export/fmu/*.[ch]
 

@@ -1,6 +1,6 @@
 """Build hook: ships `templates/` and `runtime_c/` in the wheel as `lamc/_data/…`.
 
-An editable install finds the two folders in the checkout (`lamc/resources.py`), so they are added to
+An editable install finds the two folders in the checkout (`lamc/basics/resources.py`), so they are added to
 standard wheels only: a copy made at install time would go stale with the first edit.
 """
 

@@ -1,4 +1,4 @@
-"""How much too flexible BCIZ's plates become on ever finer meshes: what `lamc.plate.meshing.report` tells.
+"""How much too flexible BCIZ's plates become on ever finer meshes: what `lamc.plates.meshing.report` tells.
 
 Square plates, simply supported and clamped, uniform pressure and a force in the middle; the deflection there over that
 of the series, less 1, on 20 and 40 cells a side, and continued to no size with second order. `python -m

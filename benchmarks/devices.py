@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from lamc.effects import Gravity, HingeDamping, HingeStiffness
-from lamc.mechanism.records import Body, Joint, Mechanism
-from lamc.scene import Scene
+from lamc.records.mechanism import Body, Joint, Mechanism
+from lamc.records.scene import Scene
 
 SCENE = Scene(effects=(Gravity((0.0, 0.0, -9.81)), HingeStiffness(), HingeDamping()))
 PARALLEL = (90.0,)

@@ -32,7 +32,7 @@ from benchmarks.measure import ROOT, environment, table, write_json
 from lamc.commands.examples import mechanism_of_example
 from lamc.examples import find
 from lamc.export import files_of
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 
 NAME = "pendulum"
 T_END = 10.0  # s

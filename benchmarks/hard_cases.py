@@ -23,10 +23,10 @@ from benchmarks.measure import ROOT, environment, interleaved, write_json
 from benchmarks.spine import fresh_folder, rows_in_c, show, target
 from lamc import examples
 from lamc.commands.examples import mechanism_of_example
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
-from tests.mechanisms import from_reference
+from tests.support.mechanisms import from_reference
 
 try:
     from benchmarks.peers import mujoco_peer

@@ -23,10 +23,10 @@ from benchmarks.devices import SCENE, plates
 from benchmarks.measure import environment, table, write_json
 from lamc.commands.examples import mechanism_of_example
 from lamc.examples import find
-from lamc.mechanism.records import Mechanism
-from tests.closed_mechanisms import closed_mechanism
-from tests.engines import InMujoco, mujoco
-from tests.mechanisms import ALL_PASSIVE, random_tree
+from lamc.records.mechanism import Mechanism
+from tests.support.closed_mechanisms import closed_mechanism
+from tests.support.engines import InMujoco, mujoco
+from tests.support.mechanisms import ALL_PASSIVE, random_tree
 
 STEPS = tuple(4e-3 / 2**k for k in range(7))  # s
 ROUND_OFF = 1e-11  # rad, below which no trend can be seen

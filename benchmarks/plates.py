@@ -24,14 +24,14 @@ from benchmarks.peers import ccx_peer
 from benchmarks.spine import Rows, fresh_folder, show, target, timed
 from lamc import plate
 from lamc.codegen.emit_element import MATRICES
-from lamc.plate.dofs import Dofs
-from lamc.plate.elements.assembly import Assembly
-from lamc.plate.elements.build import element_program
-from lamc.plate.elements.kernels import kernels
-from lamc.plate.memory import estimate_memory
-from lamc.plate.meshing.mesh import Mesh
-from lamc.plate.solving.model import Model
-from lamc.plate.solving.solvers import cholmod_is_fast
+from lamc.plates.dofs import Dofs
+from lamc.plates.elements.assembly import Assembly
+from lamc.plates.elements.build import element_program
+from lamc.plates.elements.kernels import kernels
+from lamc.plates.memory import estimate_memory
+from lamc.plates.meshing.mesh import Mesh
+from lamc.plates.solving.model import Model
+from lamc.plates.solving.solvers import cholmod_is_fast
 
 try:
     from benchmarks.peers import skfem_peer

@@ -25,10 +25,10 @@ from benchmarks.devices import CROSSED, OBLIQUE, PARALLEL, SCENE, plates
 from benchmarks.measure import environment, interleaved, seconds, table, write_json
 from benchmarks.peers import hand, kane_lambdify
 from lamc.codegen.emit import emit
-from lamc.codegen.lower import lower
 from lamc.mechanics.derive import derive
-from lamc.mechanism.records import Mechanism
+from lamc.mechanics.lower import lower
 from lamc.mechanism.tree import plan
+from lamc.records.mechanism import Mechanism
 from lamc.reference.sympy_kane import KaneModel, kane
 
 try:

@@ -10,10 +10,20 @@
 Everything public is listed in `__all__`; everything else may change.
 """
 
-from lamc._version import __version__
-from lamc.design.load import load
-from lamc.design.load_scene import load_scene
-from lamc.design.records import Design
+from lamc.basics._version import __version__
+from lamc.basics.errors import (
+    BuildError,
+    DesignError,
+    EmitError,
+    ExportError,
+    ExpressionError,
+    LamcError,
+    RequestError,
+    SimulationError,
+    TopologyError,
+    UnsupportedError,
+)
+from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.effects import (
     BaseMotion,
@@ -35,27 +45,17 @@ from lamc.effects import (
     Torque,
     TwistCompliance,
 )
-from lamc.errors import (
-    BuildError,
-    DesignError,
-    EmitError,
-    ExportError,
-    ExpressionError,
-    LamcError,
-    RequestError,
-    SimulationError,
-    TopologyError,
-    UnsupportedError,
-)
 from lamc.export import export
 from lamc.export.options import ExportOptions
-from lamc.inputs import Input
-from lamc.mechanism.records import Body, Joint, Mechanism, Plate
-from lamc.options import CompileOptions
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
+from lamc.readers.load import load
+from lamc.readers.load_scene import load_scene
+from lamc.records.design import Design
+from lamc.records.inputs import Input
+from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
-from lamc.scene import OutputPoint, Scene
 
 __all__ = [
     "BaseMotion",

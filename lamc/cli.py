@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 from lamc.commands.export_options import export
 from lamc.commands.ledger_options import ledger
 from lamc.commands.options import (
@@ -229,8 +229,8 @@ def examples(name: str | None, copy: str | None, picture: str | None, terminal: 
       lamc examples miura:4x5
       lamc examples sarrus --copy mine
     """
+    from lamc.basics.errors import LamcError
     from lamc.commands.examples import list_examples, show_example
-    from lamc.errors import LamcError
 
     if picture is not None:
         if name is not None or copy is not None:

@@ -10,34 +10,34 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lamc.basics.checks import shown
+from lamc.basics.errors import BuildError, DesignError
+from lamc.basics.once import alone_with, remembered
+from lamc.basics.places import told_at
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module, load_module
+from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
-from lamc.design.records import Design
 from lamc.design.split import split
-from lamc.effects.base import Effect
 from lamc.effects.registry import choose
-from lamc.errors import BuildError, DesignError
-from lamc.input_digest import common_digest, input_digest, loops_digest
-from lamc.inputs import NO_INPUTS, Input
-from lamc.kept_loops import kept_loops
+from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.starts import loops_of
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanism.checks import shown
-from lamc.mechanism.records import Mechanism
+from lamc.mechanics.effect import Effect
 from lamc.mechanism.tree import plan
-from lamc.once import alone_with, remembered
-from lamc.options import CompileOptions
-from lamc.places import told_at
+from lamc.records.design import Design
+from lamc.records.inputs import NO_INPUTS, Input
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
+from lamc.run.input_digest import common_digest, input_digest, loops_digest
 from lamc.run.simulator import Simulator
-from lamc.scene import Scene
 
 if TYPE_CHECKING:
     from lamc.codegen.emit import SourceTree
-    from lamc.codegen.program import Program
     from lamc.mechanics.equations import Equations
+    from lamc.symbolic.program import Program
 
 Observer = Callable[[str], None]  # told the name of each stage as it begins
 
@@ -88,7 +88,7 @@ def sources_of(
 ) -> "tuple[Program, SourceTree]":
     """lower and emit. books: with the power of every effect; precision: of accelerations, "double" or "float"."""
     from lamc.codegen.emit import emit
-    from lamc.codegen.lower import lower
+    from lamc.mechanics.lower import lower
 
     times = times or Times()
     with times.stage("lower"):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 from lamc.reference.kinematics import Link, walk
 from lamc.reference.loads import NumericLoads, numeric_loads
 

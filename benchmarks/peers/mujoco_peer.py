@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from lamc.mechanism.records import Body, Joint, Mechanism
+from lamc.records.mechanism import Body, Joint, Mechanism
 
 Array = npt.NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from pathlib import Path
 import cffi
 from cffi import recompiler
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import BuildError
 from lamc.codegen.cache import Cache
 from lamc.codegen.emit import SourceTree
 from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
+from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import Compiler, make_library, make_objects
-from lamc.errors import BuildError
-from lamc.options import CompileOptions
 
 # The generic name under which the Python side asks for the model, the element or the ply, whatever its prefix is.
 _THIS = """#include "{prefix}.h"

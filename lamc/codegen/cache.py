@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from lamc.errors import BuildError
+from lamc.basics.errors import BuildError
 
 MANIFEST = "manifest.json"
 STALE = 86_400.0  # s; nothing is under way for longer than this

@@ -13,15 +13,15 @@ from types import MappingProxyType
 
 import jinja2
 
-from lamc._version import __version__
-from lamc.allocation import collector_paused
+from lamc.basics._version import __version__
+from lamc.basics.resources import data_dir
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
-from lamc.codegen.program import Program
 from lamc.codegen.turns import CALLS
-from lamc.mechanics.piecewise import Piecewise
-from lamc.resources import data_dir
+from lamc.symbolic.allocation import collector_paused
+from lamc.symbolic.piecewise import Piecewise
+from lamc.symbolic.program import Program
 
 _DECLARATIONS = re.compile(
     r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL

@@ -10,14 +10,14 @@ from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
-from lamc._version import __version__
-from lamc.allocation import collector_paused
+from lamc.basics._version import __version__
+from lamc.basics.resources import data_dir
 from lamc.codegen.emit import SourceTree, declarations_of, environment
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
-from lamc.codegen.program import ElementProgram, Function, Space
-from lamc.resources import data_dir
+from lamc.symbolic.allocation import collector_paused
+from lamc.symbolic.program import ElementProgram, Function, Space
 
 LANES = 2  # cells at once: what all 64-bit processors have registers for; four took half as long again
 MAX_BLOCK = 3000  # statements

@@ -7,14 +7,14 @@ import hashlib
 from collections.abc import Sequence
 from types import MappingProxyType
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.resources import data_dir
 from lamc.codegen.emit import SourceTree, declarations_of, environment
 from lamc.codegen.layout import arrange
 from lamc.codegen.lowering import canonical
 from lamc.codegen.names import comment
 from lamc.codegen.printer import ShapePrinter
-from lamc.codegen.program import Function, Space
-from lamc.resources import data_dir
+from lamc.symbolic.program import Function, Space
 
 PREFIX = "laminate"
 

@@ -22,9 +22,9 @@ from lamc.codegen.pieces import (
     unused,
 )
 from lamc.codegen.printer import ShapePrinter, literal
-from lamc.codegen.program import Function, Operand, Space, Statement
 from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment, lay_out
 from lamc.codegen.turns import batches, call, calls, turns
+from lamc.symbolic.program import Function, Operand, Space, Statement
 
 PART = 250  # statements in one part of what does not repeat in a long function
 MAX_PERIOD = 4  # like links in turns: signs that alternate from link to link make two classes of one

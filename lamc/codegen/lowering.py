@@ -7,9 +7,9 @@ is about a mechanism or a finite element.
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
-from lamc.codegen.program import Function, Operand, Section, Shape, Space, Statement
-from lamc.mechanics.staging import Level, Number, Scalar, Store, Symbol, Value
-from lamc.mechanics.statements import count_operations, group
+from lamc.symbolic.program import Function, Operand, Section, Shape, Space, Statement
+from lamc.symbolic.staging import Level, Number, Scalar, Store, Symbol, Value
+from lamc.symbolic.statements import count_operations, group
 
 MAX_EXACT = 2**53  # doubles hold all integers up to here
 

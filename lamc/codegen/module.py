@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lamc.basics.errors import BuildError
 from lamc.codegen.cache import facts
-from lamc.errors import BuildError
 
 LIBRARY = "model.so"
 BINDING = "binding.py"

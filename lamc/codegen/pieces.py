@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from lamc.codegen.names import comment
 from lamc.codegen.printer import literal
-from lamc.codegen.program import Function, Operand, Operations, Space
+from lamc.symbolic.program import Function, Operand, Operations, Space
 
 SHORT_INDEX, LONG_INDEX, MAX_SHORT_INDEX = "unsigned short", "unsigned int", 65535  # C promises no more
 

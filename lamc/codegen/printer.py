@@ -12,10 +12,10 @@ import sympy as sp
 from sympy.codegen.ast import float32, real
 from sympy.printing.c import C99CodePrinter
 
-from lamc.codegen.program import Operand, Shape
-from lamc.errors import EmitError
-from lamc.mechanics.functions import FUNCTIONS
-from lamc.mechanics.staging import TABLE, table_place
+from lamc.basics.errors import EmitError
+from lamc.symbolic.functions import FUNCTIONS
+from lamc.symbolic.program import Operand, Shape
+from lamc.symbolic.staging import TABLE, table_place
 
 _PLACE = re.compile(r"P(\d+)Q")
 

@@ -8,7 +8,7 @@ build and to run. A segment reads values of other segments through a row of indi
 
 from dataclasses import dataclass
 
-from lamc.codegen.program import Function, Operand, Shape, Space, Statement
+from lamc.symbolic.program import Function, Operand, Shape, Space, Statement
 
 MIN_INSTANCES = 3  # fewer are written out: a kernel and its table would be longer than what they replace
 

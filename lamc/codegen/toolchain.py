@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lamc.basics.errors import BuildError
 from lamc.codegen import target, zig
 from lamc.codegen.cache import Cache, cache_root
-from lamc.errors import BuildError
 
 TIMEOUT = 600  # s; a compiler that takes longer on lamc's output hangs
 INSTALL_HINT = "install gcc or clang, or `pip install lamc[cc]`, or name one with --cc or $LAMC_CC"

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from lamc.codegen.program import Operand, Shape, Space, Statement
+from lamc.symbolic.program import Operand, Shape, Space, Statement
 
 CALLS = ("lamc_turn(", "lamc_turn_two(", "lamc_sin(", "lamc_cos(")  # in runtime_c/src/trig.h
 _SINE, _COSINE = ("sin", 0), ("cos", 0)

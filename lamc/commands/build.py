@@ -8,16 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lamc.basics.numbers import duration
+from lamc.basics.places import told_at
 from lamc.codegen.emit import SourceTree
-from lamc.codegen.program import Program
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Terminal
 from lamc.effects.registry import Choice
 from lamc.export.folder import Origin, write_folder
 from lamc.pipeline import Times, equations_of, sources_of
-from lamc.places import told_at
 from lamc.report.equations_text import equations_tex, equations_txt, listing
-from lamc.report.run_text import duration
+from lamc.symbolic.program import Program
 
 if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations

@@ -3,9 +3,9 @@
 import time
 from collections.abc import Callable
 
+from lamc.basics.errors import LamcError, SimulationError
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
 from lamc.commands.terminal import Progress, Terminal
-from lamc.errors import LamcError, SimulationError
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.reference import check as compare

@@ -20,12 +20,12 @@ from pathlib import Path
 import numpy as np
 
 import lamc
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import BuildError, LamcError
+from lamc.basics.numbers import duration
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.toolchain import Compiler, find_compiler
 from lamc.commands.terminal import Terminal
-from lamc.errors import BuildError, LamcError
-from lamc.report.run_text import duration
 
 _OPTIONAL = (
     ("pandas", "Result.to_pandas", "pip install lamc[frames]"),

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from lamc import examples
+from lamc.basics.errors import LamcError
 from lamc.commands.terminal import Terminal
-from lamc.design.load import load, load_text
-from lamc.design.records import Design
 from lamc.design.split import split
-from lamc.errors import LamcError
 from lamc.examples import Example
 from lamc.loops.rank import count_loops
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.readers.load import load, load_text
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
 
 _WIDTH = 100  # characters of a line of a story
 

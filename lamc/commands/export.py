@@ -6,16 +6,16 @@ In: an `ExportOrder`. Out: a folder, and a list of what is in it. What is writte
 from dataclasses import dataclass
 from pathlib import Path
 
+from lamc.basics.errors import ExportError
+from lamc.basics.places import told_at
 from lamc.commands.export_plate import check_example, files_of_plate, is_plate_source
 from lamc.commands.export_plate import load as load_plate
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Progress, Terminal
-from lamc.errors import ExportError
 from lamc.export import TARGETS, Files
 from lamc.export.folder import Origin, write_folder
 from lamc.export.options import ExportOptions
 from lamc.pipeline import Times
-from lamc.places import told_at
 from lamc.run.request import did_you_mean
 
 

@@ -5,19 +5,19 @@ In: words that name a plate. Out: its files. Where they go is the business of `e
 
 from pathlib import Path
 
+from lamc.basics.errors import DesignError, ExportError, LamcError
+from lamc.basics.units import LENGTH, to_si
 from lamc.commands.inputs import SceneChanges, Source
 from lamc.commands.plate_input import PlateSource
 from lamc.commands.plate_input import load_source as load_plate_source
-from lamc.design.inert import compose
-from lamc.design.load import file_text
-from lamc.design.units import LENGTH, to_si
-from lamc.errors import DesignError, ExportError, LamcError
 from lamc.examples import names as design_names
 from lamc.examples import plates
 from lamc.export import Files, files_of
 from lamc.export.options import ExportOptions
-from lamc.plate.files.problem_file import is_plate
-from lamc.plate.files.problem_records import PlateFile
+from lamc.readers.inert import compose
+from lamc.readers.load import file_text
+from lamc.readers.plates.problem_file import is_plate
+from lamc.readers.plates.problem_records import PlateFile
 from lamc.run.request import did_you_mean
 
 

@@ -13,23 +13,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lamc import examples
+from lamc.basics.errors import DesignError, LamcError
+from lamc.basics.places import told_at
+from lamc.basics.units import ANGLE, ANGLE_RATE, Quantity, to_si
+from lamc.codegen.options import CompileOptions
 from lamc.commands.terminal import Progress
-from lamc.design.effect_calls import make_effect
-from lamc.design.inert import compose, plain
-from lamc.design.load import load, load_text
-from lamc.design.load_scene import load_scene
-from lamc.design.records import Design
 from lamc.design.split import split
-from lamc.design.units import ANGLE, ANGLE_RATE, Quantity, to_si
-from lamc.effects.base import Effect
 from lamc.effects.registry import ADDED, Choice, by_name, choose
-from lamc.errors import DesignError, LamcError
-from lamc.mechanism.records import Mechanism
-from lamc.options import CompileOptions
+from lamc.mechanics.effect import Effect
 from lamc.pipeline import Times
-from lamc.places import told_at
+from lamc.readers.effect_calls import make_effect
+from lamc.readers.inert import compose, plain
+from lamc.readers.load import load, load_text
+from lamc.readers.load_scene import load_scene
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene, is_scene_name
 from lamc.run.request import did_you_mean
-from lamc.scene import Scene, is_scene_name
 
 
 @dataclass(frozen=True)

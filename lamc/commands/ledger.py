@@ -6,6 +6,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from lamc.basics.errors import LamcError
+from lamc.basics.files import write_text
+from lamc.basics.renewal import renewed
 from lamc.commands.inputs import (
     SceneChanges,
     Source,
@@ -16,14 +19,11 @@ from lamc.commands.inputs import (
     share_of,
 )
 from lamc.commands.terminal import INTERRUPTED, Terminal, plain
-from lamc.errors import LamcError
-from lamc.files import write_text
 from lamc.ledger.measure import measure
 from lamc.ledger.peers import PEERS
 from lamc.ledger.records import DECADES, Ledger, Sweep
 from lamc.ledger.schema import ledger_schema
 from lamc.pipeline import Times
-from lamc.renewal import renewed
 from lamc.report.ledger import draw_ledger
 from lamc.report.ledger_text import ledger_text
 from lamc.run.defaults import DURATION

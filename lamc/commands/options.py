@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
+from lamc.basics.errors import DesignError
+from lamc.codegen.options import PRECISIONS
 from lamc.commands.terminal import INTERRUPTED, Terminal, open_streams, tell
-from lamc.errors import DesignError
-from lamc.options import PRECISIONS
 
 Function = Callable[..., Any]
 
@@ -60,7 +60,7 @@ def seconds(context: click.Context, parameter: click.Parameter, value: str | Non
         return None
     with suppress(ValueError):
         return float(value)
-    from lamc.design.units import DURATION, to_si  # `--help` does without it
+    from lamc.basics.units import DURATION, to_si  # `--help` does without it
 
     try:
         return to_si(value, DURATION)

@@ -9,20 +9,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import DesignError, LamcError
+from lamc.basics.files import write_text
+from lamc.basics.renewal import digests, renewed
+from lamc.basics.units import LENGTH, to_si
 from lamc.commands.inputs import output_folder
 from lamc.commands.plate_files import SUMMARY, own_files, write_files
 from lamc.commands.plate_input import PlateSource, load_source
 from lamc.commands.plate_work import answers
 from lamc.commands.terminal import INTERRUPTED, Terminal, plain, problem_data
-from lamc.design.units import LENGTH, to_si
-from lamc.errors import DesignError, LamcError
-from lamc.files import write_text
 from lamc.pipeline import Times
-from lamc.plate.elements.description import describe
-from lamc.plate.elements.library import element as element_of
-from lamc.plate.files.problem_records import PlateFile
-from lamc.renewal import digests, renewed
+from lamc.plates.elements.description import describe
+from lamc.plates.elements.library import element as element_of
+from lamc.readers.plates.problem_records import PlateFile
 from lamc.report.plate_data import data
 from lamc.report.plate_records import PlateReport
 from lamc.report.plate_text import summary

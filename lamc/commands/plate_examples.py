@@ -7,11 +7,11 @@ import textwrap
 from dataclasses import replace
 from pathlib import Path
 
+from lamc.basics.errors import LamcError
 from lamc.commands.examples import copy_file
 from lamc.commands.terminal import Terminal
-from lamc.errors import LamcError
 from lamc.examples import plates
-from lamc.plate.files.problem_file import load_plate
+from lamc.readers.plates.problem_file import load_plate
 
 _WIDTH = 100  # characters of a line of a story
 

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lamc.basics.checks import Array
+from lamc.basics.numbers import shown_number
 from lamc.commands.inputs import folder_name
 from lamc.commands.terminal import Progress
-from lamc.mechanism.checks import Array
-from lamc.plate.files.field_files import write_table, write_vtu
+from lamc.readers.plates.field_files import write_table, write_vtu
 from lamc.report.laminate_picture import draw_stack
-from lamc.report.numbers import shown_number
 from lamc.report.plate_contours import Field
 from lamc.report.plate_records import MODES, CaseReport, PlateReport, buckling_key
 from lamc.report.plate_shape_text import off_text

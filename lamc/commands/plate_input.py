@@ -8,18 +8,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lamc.basics.errors import DesignError, LamcError
 from lamc.commands.inputs import check_named, split_pair
-from lamc.design import popupcad
-from lamc.design.checking import did_you_mean
-from lamc.design.inert import ListNode, MapNode, Node, ScalarNode, compose
-from lamc.design.load import file_text
-from lamc.design.native import length_unit_of
-from lamc.errors import DesignError, LamcError
 from lamc.examples import plates
-from lamc.mechanism import joints_file
-from lamc.plate.files.problem_file import is_plate, load_plate, read_plate
-from lamc.plate.files.problem_records import PlateFile
-from lamc.plate.files.problem_schema import PLACES
+from lamc.readers import joints_file, popupcad
+from lamc.readers.checking import did_you_mean
+from lamc.readers.inert import ListNode, MapNode, Node, ScalarNode, compose
+from lamc.readers.load import file_text
+from lamc.readers.native import length_unit_of
+from lamc.readers.plates.problem_file import is_plate, load_plate, read_plate
+from lamc.readers.plates.problem_records import PlateFile
+from lamc.readers.plates.problem_schema import PLACES
 
 _KINDS = ("plate", "design", "mechanism")
 _OPTIONS = "--body, --hinges, --material, --clamp, --hinge and --load"

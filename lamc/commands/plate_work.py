@@ -12,23 +12,23 @@ import shapely
 import shapely.ops
 from shapely.geometry import Point
 
-from lamc.errors import DesignError, DesignErrors, LamcError, about
-from lamc.mechanism.checks import Array
+from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError, DesignErrors, LamcError, about
 from lamc.pipeline import Times
-from lamc.plate.answers.buckling import Buckling, buckling
-from lamc.plate.answers.convergence import error_of_values
-from lamc.plate.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
-from lamc.plate.answers.estimate import error_estimate
-from lamc.plate.answers.failure import first_failure
-from lamc.plate.answers.modes import Modes, modes
-from lamc.plate.answers.shape_pairs import halved_buckling, halved_modes
-from lamc.plate.elements.kernels import kernels
-from lamc.plate.files.problem_make import halved_problem_of, problem_of
-from lamc.plate.files.problem_records import Output, PlateFile
-from lamc.plate.files.problem_schema import VALUES
-from lamc.plate.problem import Problem
-from lamc.plate.solving.model import Model
-from lamc.plate.solving.solution import Solution
+from lamc.plates.answers.buckling import Buckling, buckling
+from lamc.plates.answers.convergence import error_of_values
+from lamc.plates.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
+from lamc.plates.answers.estimate import error_estimate
+from lamc.plates.answers.failure import first_failure
+from lamc.plates.answers.modes import Modes, modes
+from lamc.plates.answers.shape_pairs import halved_buckling, halved_modes
+from lamc.plates.elements.kernels import kernels
+from lamc.plates.problem import Problem
+from lamc.plates.solving.model import Model
+from lamc.plates.solving.solution import Solution
+from lamc.readers.plates.problem_make import halved_problem_of, problem_of
+from lamc.readers.plates.problem_records import Output, PlateFile
+from lamc.readers.plates.problem_schema import VALUES
 from lamc.report.plate_records import (
     MODES,
     CaseReport,

@@ -11,7 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import LamcError, SimulationError
+from lamc.basics.files import write_text
+from lamc.basics.renewal import digests, renewed
 from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
@@ -24,14 +27,11 @@ from lamc.commands.inputs import (
     share_of,
 )
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
-from lamc.design.records import Design
-from lamc.effects.base import conserves
 from lamc.effects.registry import Choice
-from lamc.errors import LamcError, SimulationError
-from lamc.files import write_text
+from lamc.mechanics.effect import conserves
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
-from lamc.renewal import digests, renewed
+from lamc.records.design import Design
 from lamc.report.animation import draw_animation
 from lamc.report.folded import draw_folded
 from lamc.report.loops_text import loops_data

@@ -4,8 +4,8 @@ import json
 
 import click
 
-from lamc.design.schema import FILES, json_schema
-from lamc.plate.files.problem_schema import PlateFileModel
+from lamc.readers.plates.problem_schema import PlateFileModel
+from lamc.readers.schema import FILES, json_schema
 
 
 def schema() -> int:

@@ -10,21 +10,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lamc.basics.errors import BuildError, DesignError
+from lamc.basics.renewal import renewed
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder, split_pair
 from lamc.commands.terminal import Progress, Terminal
-from lamc.design.load import load_definition
-from lamc.design.records import Design
 from lamc.design.split import split_steps
-from lamc.errors import BuildError, DesignError
 from lamc.loops.starts import drawn_loops
-from lamc.mechanism.joint_definition import drawn_layers, drawn_lines
-from lamc.mechanism.joints_layers import layers_of
-from lamc.mechanism.joints_writer import write_joints, write_split
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
-from lamc.mechanism.yaml_file import write_mechanism
 from lamc.pipeline import Times
-from lamc.renewal import renewed
+from lamc.readers.joint_definition import drawn_layers, drawn_lines
+from lamc.readers.joints_layers import layers_of
+from lamc.readers.joints_writer import write_joints, write_split
+from lamc.readers.load import load_definition
+from lamc.readers.mechanism_file import write_mechanism
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
 from lamc.report.bodies_picture import draw_bodies
 from lamc.report.hinges_text import hinge_data, hinge_table
 from lamc.report.loops_text import branch_lines, loops_data, loops_line
@@ -32,8 +32,8 @@ from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
 
 if TYPE_CHECKING:
-    from lamc.plate.designs.hinges import MaterialHinge
-    from lamc.plate.laminates.materials import Material
+    from lamc.plates.designs.hinges import MaterialHinge
+    from lamc.plates.laminates.materials import Material
 
 
 @dataclass(frozen=True)
@@ -91,9 +91,7 @@ def _materials(choice: HingeChoice) -> "dict[str, Material]":
         raise DesignError("--material replaces the material of hinges; add --hinge-stiffness from-material")
     if not choice.materials:
         return {}
-    from lamc.plate.laminates.library import (
-        material,  # plates take a second to import, and most splits need none
-    )
+    from lamc.plates.laminates.library import material
 
     pairs = (split_pair(text, "--material", "film=Kapton HN") for text in choice.materials)
     return {name: material(value) for name, value in pairs}
@@ -103,8 +101,8 @@ def _from_material(
     design: Design, replaced: "dict[str, Material]", notes: list[str]
 ) -> "tuple[Design, tuple[MaterialHinge, ...]]":
     """By formulas, and by finite elements beside them where there is a C compiler to make these."""
-    from lamc.plate.answers.hinge_stiffness import CELLS
-    from lamc.plate.designs.hinges import with_material_stiffness
+    from lamc.plates.answers.hinge_stiffness import CELLS
+    from lamc.plates.designs.hinges import with_material_stiffness
 
     try:
         return with_material_stiffness(design, replaced, cells=CELLS)

@@ -18,7 +18,7 @@ from typing import Any, Protocol, Self
 
 import click
 
-from lamc.errors import DesignErrors, LamcError
+from lamc.basics.errors import DesignErrors, LamcError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 _PLAIN_EVERY = 2.0  # s between two plain lines about the same work

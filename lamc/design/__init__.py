@@ -1,0 +1,1 @@
+"""From a laminate as drawn to rigid bodies and hinges."""

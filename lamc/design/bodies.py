@@ -14,7 +14,7 @@ import shapely
 from shapely import STRtree
 from shapely.geometry import MultiPolygon, Polygon
 
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 # An overlap below this fraction of the design's size squared is round-off: two layers cut along the same line
 # overlap by its length times 1e-16 of the coordinates, at most about 1e-15; a real bond is far larger.

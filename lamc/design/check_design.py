@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import shapely
 from shapely.geometry import MultiPolygon
 
-from lamc.design.records import Design, HingeLine, HingeSet
-from lamc.errors import DesignError, Place, TopologyError
-from lamc.mechanism.records import checked_name
+from lamc.basics.errors import DesignError, Place, TopologyError
+from lamc.records.design import Design, HingeLine, HingeSet
+from lamc.records.mechanism import checked_name
 
 
 def check_design(design: Design) -> None:

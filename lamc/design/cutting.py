@@ -20,8 +20,8 @@ from shapely import STRtree
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from lamc.design.records import Layer
 from lamc.design.steps import Hinge
+from lamc.records.design import Layer
 
 Geometries = npt.NDArray[np.object_]
 

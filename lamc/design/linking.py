@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 from shapely.geometry import LineString
 
+from lamc.basics.errors import TopologyError
 from lamc.design.check_design import known
 from lamc.design.contact import SHORTEST, Contact
 from lamc.design.cutting import SLIT
 from lamc.design.steps import Connection, Hinge
-from lamc.errors import TopologyError
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from shapely.geometry import Polygon
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Array, Plate
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Array, Plate
 
 
 @dataclass(frozen=True)

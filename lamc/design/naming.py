@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Array
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Array
 
 # Relative to the design's size: far above the round-off of polygon overlays (1e-13 or so of the size), far
 # below the distance between two bodies or hinges that anyone draws.

@@ -15,8 +15,8 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.validation import explain_validity
 
-from lamc.design.records import Line
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
+from lamc.records.design import Line
 
 Points = Sequence[tuple[float, float]]
 

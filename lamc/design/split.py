@@ -12,6 +12,8 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString
 
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, TopologyError
 from lamc.design.bodies import Group, find_groups
 from lamc.design.check_design import check_design
 from lamc.design.contact import LayerIndex, contact
@@ -19,12 +21,10 @@ from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits
 from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
-from lamc.design.records import BodyName, Design
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
 from lamc.design.work import check_strips
-from lamc.errors import DesignError, TopologyError
-from lamc.mechanism.checks import shown
-from lamc.mechanism.records import Body, Joint, Mechanism, Plate
+from lamc.records.design import BodyName, Design
+from lamc.records.mechanism import Body, Joint, Mechanism, Plate
 
 Progress = Callable[[str, float], None]
 

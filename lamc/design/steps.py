@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
-from lamc.design.records import Design, HingeSet
-from lamc.errors import Place
-from lamc.mechanism.records import Mechanism
+from lamc.basics.errors import Place
+from lamc.records.design import Design, HingeSet
+from lamc.records.mechanism import Mechanism
 
 
 @dataclass(frozen=True, eq=False)

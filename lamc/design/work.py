@@ -14,7 +14,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lamc.errors import DesignError, Place
+from lamc.basics.errors import DesignError, Place
 
 Geometries = NDArray[np.object_]
 

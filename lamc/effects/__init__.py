@@ -1,6 +1,5 @@
 """Effects: one module each, known to the rest of lamc through `base.py` and `registry.py` only."""
 
-from lamc.effects.base import Effect
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
@@ -16,6 +15,7 @@ from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
+from lamc.mechanics.effect import Effect
 
 __all__ = [
     "BaseMotion",

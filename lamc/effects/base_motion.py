@@ -7,16 +7,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import is_list, shown
+from lamc.basics.errors import DesignError
 from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
-from lamc.effects.expression import stage
-from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging, PrescribedBase
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import is_list, shown
-from lamc.mechanism.records import Mechanism, checked_array, checked_number
+from lamc.records.mechanism import Mechanism, checked_array, checked_number
+from lamc.symbolic.expression import stage
+from lamc.symbolic.staging import Scalar
 
 Told = float | str
 

@@ -7,17 +7,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import checked_array, checked_name, checked_number
+from lamc.basics.errors import DesignError
 from lamc.effects.bender_plies import laminate_of
 from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
-from lamc.effects.expression import stage
-from lamc.errors import DesignError
-from lamc.mechanics.algebra import cross, dot
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import checked_array, checked_name, checked_number
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
+from lamc.symbolic.algebra import cross, dot
+from lamc.symbolic.expression import stage
+from lamc.symbolic.staging import Scalar
 
 _SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
 _VOLTAGE = "the voltage of a piezo bender"

@@ -7,14 +7,14 @@ needed: it takes longer than all the rest.
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from lamc.basics.checks import did_you_mean, shown
+from lamc.basics.errors import LamcError
 from lamc.effects.data import quantity, refusal
-from lamc.errors import LamcError
-from lamc.mechanism.checks import did_you_mean, shown
 
 if TYPE_CHECKING:
-    from lamc.plate.laminates.laminate import Laminate
-    from lamc.plate.laminates.materials import Material
-    from lamc.plate.laminates.plies import Ply
+    from lamc.plates.laminates.laminate import Laminate
+    from lamc.plates.laminates.materials import Material
+    from lamc.plates.laminates.plies import Ply
 
 _PLY = {"material": "", "thickness": "m", "angle": "deg", "gap": "m"}
 _MATERIAL = {
@@ -29,7 +29,7 @@ _TEXTS = ("name", "source")
 
 def laminate_of(data: object, what: str, where: str = "") -> "Laminate":
     """`data` as a Laminate. Raises DesignError for what is none, with the part at fault where `where` is given."""
-    from lamc.plate.laminates.laminate import Laminate
+    from lamc.plates.laminates.laminate import Laminate
 
     if isinstance(data, Laminate):
         return data
@@ -58,7 +58,7 @@ def _made(make: Any, where: str, path: tuple[str | int, ...]) -> Any:
 
 
 def _ply(data: object, where: str, path: tuple[str | int, ...]) -> "Ply":
-    from lamc.plate.laminates.plies import Ply
+    from lamc.plates.laminates.plies import Ply
 
     if isinstance(data, Ply):
         return data
@@ -72,8 +72,8 @@ def _ply(data: object, where: str, path: tuple[str | int, ...]) -> "Ply":
 
 
 def _material(data: object, where: str, path: tuple[str | int, ...]) -> "Material":
-    from lamc.plate.laminates.library import LIBRARY
-    from lamc.plate.laminates.materials import Material
+    from lamc.plates.laminates.library import LIBRARY
+    from lamc.plates.laminates.materials import Material
 
     if isinstance(data, Material):
         return data

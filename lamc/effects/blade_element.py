@@ -12,17 +12,17 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from shapely.geometry import Polygon
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import checked_flag, checked_name, checked_number, is_list, shown
+from lamc.basics.errors import DesignError
 from lamc.effects.data import record
 from lamc.effects.strips import Corners, Strip, Wing, gauss, wing
-from lamc.errors import DesignError
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, dot, scale
 from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Scalar, call
-from lamc.mechanism.checks import checked_flag, checked_name, checked_number, is_list, shown
-from lamc.mechanism.records import Mechanism, checked_array
+from lamc.records.mechanism import Mechanism, checked_array
+from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, dot, scale
+from lamc.symbolic.staging import Scalar, call
 
 AIR = 1.2  # kg/m³, at 20 °C at sea level
 MOST_STRIPS = 64

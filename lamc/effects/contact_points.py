@@ -10,10 +10,10 @@ from typing import Literal
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from lamc.errors import DesignError
-from lamc.mechanism.checks import is_list, shown
-from lamc.mechanism.records import Body, Mechanism, checked_array, checked_name
-from lamc.readonly import ReadOnlyDict
+from lamc.basics.checks import is_list, shown
+from lamc.basics.errors import DesignError
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.records.mechanism import Body, Mechanism, checked_array, checked_name
 
 Point = tuple[float, float, float]  # m, drawn configuration, world axes
 DRAWN: Literal["drawn"] = "drawn"

@@ -22,10 +22,10 @@ from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
-from lamc.design import units as kinds
-from lamc.design.units import Quantity, to_si
-from lamc.errors import DesignError
-from lamc.mechanism.checks import did_you_mean, shown
+from lamc.basics import units as kinds
+from lamc.basics.checks import did_you_mean, shown
+from lamc.basics.errors import DesignError
+from lamc.basics.units import Quantity, to_si
 
 E = TypeVar("E")
 

@@ -18,9 +18,9 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from lamc.effects.domain import EVERYWHERE, Undefined, undefined
-from lamc.effects.expression import CONSTANTS, names_in
-from lamc.errors import ExpressionError, about
+from lamc.basics.errors import ExpressionError, about
+from lamc.symbolic.domain import EVERYWHERE, Undefined, undefined
+from lamc.symbolic.expression import CONSTANTS, names_in
 
 Bounds = tuple[npt.ArrayLike, npt.ArrayLike]
 _Given = tuple[tuple[str, float], ...]  # inputs with their values

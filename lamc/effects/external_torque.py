@@ -4,15 +4,15 @@ from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import is_list, shown
+from lamc.basics.errors import DesignError
 from lamc.effects.data import record
-from lamc.errors import DesignError
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.checks import is_list, shown
-from lamc.mechanism.records import Mechanism, checked_name
+from lamc.records.mechanism import Mechanism, checked_name
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 _EVERY = "torque from outside on every hinge"
 

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import Array, checked_flag, checked_name, checked_number, shown
+from lamc.basics.errors import DesignError
 from lamc.effects.bender_plies import laminate_of
 from lamc.effects.data import record
 from lamc.effects.flexible_plates import BodyPlate, body_plate
-from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.checks import Array, checked_flag, checked_name, checked_number, shown
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import Tree
+from lamc.records.mechanism import Mechanism
 
 if TYPE_CHECKING:
-    from lamc.plate.answers.reduction import Reduction
+    from lamc.plates.answers.reduction import Reduction
 
 _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
@@ -55,7 +55,7 @@ class FlexibleLinks:
     pressure along its plane (geometric stiffness). Turning at ω, that is right while ω is small beside the first mode.
 
     Modes make the equations stiff: implicit integrators pay ("auto" finds out). Sources: A. A. Shabana, Dynamics of
-    Multibody Systems, 4th ed. 2013, chapters 5 and 6; those of `lamc.plate.answers.reduction`.
+    Multibody Systems, 4th ed. 2013, chapters 5 and 6; those of `lamc.plates.answers.reduction`.
 
     Raises DesignError for bodies that are not there, are fixed, or of which no laminate is known.
     """
@@ -136,7 +136,7 @@ class FlexibleLinks:
     def notes(self, tree: Tree) -> tuple[str, ...]:
         """A sentence for each body whose modes are too high as its edge stays straight at its hinge: by more than 5 %,
         with the body alone on that hinge."""
-        from lamc.plate.answers.straight_edges import straight_modes
+        from lamc.plates.answers.straight_edges import straight_modes
 
         inboard = {link.body.name: link.joint for link in tree.links}
         told = []
@@ -217,10 +217,10 @@ class _Asked:
 
 @lru_cache(maxsize=_KEPT)
 def _reduced(asked: _Asked) -> "Reduction":
-    from lamc.plate.answers.reduction import reduce_plate
-    from lamc.plate.meshing.mesher import mesh
-    from lamc.plate.problem import Problem
-    from lamc.plate.supports import Clamped
+    from lamc.plates.answers.reduction import reduce_plate
+    from lamc.plates.meshing.mesher import mesh
+    from lamc.plates.problem import Problem
+    from lamc.plates.supports import Clamped
 
     plate = asked.plate
     named = {name: region for name, region in plate.regions.items() if name}

@@ -13,14 +13,14 @@ import shapely
 from shapely.geometry import LineString, MultiLineString
 from shapely.geometry.base import BaseGeometry
 
-from lamc.errors import DesignError
-from lamc.mechanism.checks import did_you_mean
-from lamc.mechanism.records import Body, Joint, Mechanism
+from lamc.basics.checks import did_you_mean
+from lamc.basics.errors import DesignError
 from lamc.mechanism.tree import Tree
+from lamc.records.mechanism import Body, Joint, Mechanism
 
 if TYPE_CHECKING:
-    from lamc.plate.answers.reduction import Attachment
-    from lamc.plate.laminates.laminate import Laminate
+    from lamc.plates.answers.reduction import Attachment
+    from lamc.plates.laminates.laminate import Laminate
 
 _REACH = 1e-3  # of the outline's size: an edge of it that is so near to a hinge line lies along it
 _HEAVY = 1e-3  # part of its mass by which a body may weigh less than its plate
@@ -83,8 +83,8 @@ def body_plate(tree: Tree, name: str, laminate: "Laminate | None") -> BodyPlate:
 
 def _from_design(mechanism: Mechanism, name: str, hinge: Joint, others: list[Joint]) -> BodyPlate:
     """Without what bends at its hinges: that is in their stiffness."""
-    from lamc.plate.answers.reduction import Attachment
-    from lamc.plate.designs.from_design import plate_of
+    from lamc.plates.answers.reduction import Attachment
+    from lamc.plates.designs.from_design import plate_of
 
     if mechanism.design is None:
         raise DesignError(
@@ -110,7 +110,7 @@ def _from_design(mechanism: Mechanism, name: str, hinge: Joint, others: list[Joi
 
 
 def _from_outline(body: Body, hinge: Joint, others: list[Joint], laminate: "Laminate") -> BodyPlate:
-    from lamc.plate.answers.reduction import Attachment
+    from lamc.plates.answers.reduction import Attachment
 
     if not body.outline:
         raise DesignError(
@@ -141,7 +141,7 @@ def _from_outline(body: Body, hinge: Joint, others: list[Joint], laminate: "Lami
 
 def _edge_at(area: BaseGeometry, hinge: Joint) -> BaseGeometry | None:
     """The stretches of the outline along a hinge line; None where there are none."""
-    from lamc.plate.designs.hinge_edges import edges_along
+    from lamc.plates.designs.hinge_edges import edges_along
 
     size = float(np.hypot(*np.ptp(np.reshape(area.bounds, (2, 2)), axis=0)))
     way = hinge.axis[:2] * (

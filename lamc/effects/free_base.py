@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.errors import DesignError
 from lamc.effects.data import record
-from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging, FloatingBase
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.records import Array, Body, Mechanism, checked_array
 from lamc.mechanism.turns import snap
+from lamc.records.mechanism import Array, Body, Mechanism, checked_array
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 _FIELDS = ("position", "rotation", "velocity", "spin")
 

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.base import Effect
 from lamc.effects.data import record
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.records import Mechanism, checked_array
+from lamc.records.mechanism import Mechanism, checked_array
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 STANDARD = (0.0, 0.0, -9.81)  # m/s², the value of popupCAD and of the paper
 

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
-from lamc.effects.base import Effect, PlaneMark
+from lamc.basics.checks import checked_number, shown
+from lamc.basics.errors import DesignError
 from lamc.effects.contact_points import ContactPoint, Point, checked_points, contact_points
 from lamc.effects.data import record
-from lamc.errors import DesignError
-from lamc.mechanics.algebra import Vector3, add, dot, scale
+from lamc.mechanics.effect import Effect, PlaneMark
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Scalar, call, power
-from lamc.mechanism.checks import checked_number, shown
-from lamc.mechanism.records import Array, Mechanism, checked_array, checked_name
+from lamc.records.mechanism import Array, Mechanism, checked_array, checked_name
+from lamc.symbolic.algebra import Vector3, add, dot, scale
+from lamc.symbolic.staging import Scalar, call, power
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 STANDARD_GRAVITY = 9.81  # m/s², for a ground of which the scene does not say how stiff it is
 SINKING = 1e-3  # of the size: how deep all the weight presses one point into the ground

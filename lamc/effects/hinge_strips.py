@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamc.errors import DesignError
-from lamc.mechanism.checks import Array
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Joint, Mechanism
 
 if TYPE_CHECKING:
-    from lamc.design.records import Design
-    from lamc.plate.designs.hinges import FlexibleStrip
-    from lamc.plate.laminates.laminate import Laminate
+    from lamc.plates.designs.hinges import FlexibleStrip
+    from lamc.plates.laminates.laminate import Laminate
+    from lamc.records.design import Design
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def _drawn(mechanism: Mechanism, lacking: dict[str, Given]) -> "dict[str, Flexib
             f"the strip of hinge {name!r} is not known, as mechanism {mechanism.name!r} comes from no drawing: give "
             f"{', '.join(told.missing)} to twist_compliance, or run the design itself"
         )
-    from lamc.plate.laminates.materials import Material
+    from lamc.plates.laminates.materials import Material
 
     placeholder = Material.isotropic(1.0, 0.0, 0.0)  # never used: E and nu of the scene take its place
     return _strips_drawn(design, lacking, placeholder)
@@ -75,8 +75,8 @@ def _strips_drawn(
 ) -> "dict[str, FlexibleStrip]":
     from lamc.design.cutting import holes_per_layer
     from lamc.design.split import named_hinges
-    from lamc.plate.designs.hinges import flexible_strip
-    from lamc.plate.designs.materials import plate_materials
+    from lamc.plates.designs.hinges import flexible_strip
+    from lamc.plates.designs.materials import plate_materials
 
     every = named_hinges(design)
     hinges = [hinge for hinge in every if hinge.name in lacking]
@@ -106,7 +106,7 @@ def _strip(joint: Joint, given: Given, drawn: "FlexibleStrip | None") -> Strip:
 
 
 def _clamped(joint: Joint, given: Given, drawn: "FlexibleStrip | None") -> Strip:
-    from lamc.plate.answers.strip_stiffness import about, strip_stiffness
+    from lamc.plates.answers.strip_stiffness import about, strip_stiffness
 
     laminate, width = _laminate(given, drawn), given.width if drawn is None else given.width or drawn.width
     assert width is not None
@@ -127,9 +127,9 @@ def _clamped(joint: Joint, given: Given, drawn: "FlexibleStrip | None") -> Strip
 
 def _laminate(given: Given, drawn: "FlexibleStrip | None") -> "Laminate":
     """Of the drawing, with what the scene gives in place of its own."""
-    from lamc.plate.laminates.laminate import Laminate
-    from lamc.plate.laminates.materials import Material
-    from lamc.plate.laminates.plies import Ply
+    from lamc.plates.laminates.laminate import Laminate
+    from lamc.plates.laminates.materials import Material
+    from lamc.plates.laminates.plies import Ply
 
     if drawn is None:
         assert given.E is not None

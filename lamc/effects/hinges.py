@@ -4,15 +4,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import shown
 from lamc.effects.data import refusal
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import shown
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
+from lamc.symbolic.staging import Scalar
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 
 def _no_value(kind: str, value: object, where: str) -> None:

@@ -5,17 +5,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import checked_number, shown
+from lamc.basics.errors import DesignError
 from lamc.effects.data import record
-from lamc.errors import DesignError
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import checked_number, shown
 from lamc.mechanism.limits import outside_limits
-from lamc.mechanism.records import FREE_LIMITS, Joint, Mechanism
+from lamc.records.mechanism import FREE_LIMITS, Joint, Mechanism
+from lamc.symbolic.staging import Scalar
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 STANDARD_GRAVITY = 9.81  # m/s², for the stiffness of a stop of which the scene says nothing
 STOP_STIFFNESS = (

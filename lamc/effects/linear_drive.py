@@ -3,12 +3,12 @@
 In: an expression. Out: its three coefficients, or None. Never: knows who asks.
 """
 
-from lamc.codegen.program import Space
 from lamc.effects.drives import Drive
-from lamc.effects.expression import stage
-from lamc.mechanics.derivative import derivative
-from lamc.mechanics.staging import Scalar, Store, Value
-from lamc.mechanics.substitution import substitute
+from lamc.symbolic.derivative import derivative
+from lamc.symbolic.expression import stage
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.substitution import substitute
 
 
 def linear_drive(text: str) -> tuple[float, float, float] | None:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import Array, checked_name, checked_number
+from lamc.basics.errors import DesignError
 from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
-from lamc.effects.expression import stage
-from lamc.errors import DesignError
 from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.mechanics.staging import Scalar, Value
-from lamc.mechanism.checks import Array, checked_name, checked_number
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
+from lamc.symbolic.expression import stage
+from lamc.symbolic.staging import Scalar, Value
 
 if TYPE_CHECKING:
     from lamc.run.result import Result

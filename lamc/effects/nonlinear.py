@@ -4,20 +4,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import checked_name, shown
+from lamc.basics.errors import DesignError
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.hinges import stiffness_claim
 from lamc.effects.table_file import MAX_ROWS
 from lamc.effects.torque_laws import BETWEEN, MAX_DEGREE, LawData, law_of
-from lamc.errors import DesignError
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Value
-from lamc.mechanism.checks import checked_name, shown
-from lamc.mechanism.records import Mechanism
-from lamc.readonly import ReadOnlyDict
+from lamc.records.mechanism import Mechanism
+from lamc.symbolic.staging import Value
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 _NUMBER = {"type": ["number", "string"], "description": "a number (SI), or text with a unit"}
 LAW_SCHEMA: Mapping[str, Any] = {

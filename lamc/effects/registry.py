@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
-from lamc.effects.base import Effect, RegisteredEffect, claims_of
+from lamc.basics.checks import did_you_mean
+from lamc.basics.errors import DesignError, about
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
@@ -20,10 +21,9 @@ from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
-from lamc.errors import DesignError, about
-from lamc.mechanism.checks import did_you_mean
-from lamc.mechanism.records import Mechanism
-from lamc.scene import Scene
+from lamc.mechanics.effect import Effect, RegisteredEffect, claims_of
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 
 EFFECTS: tuple[type[RegisteredEffect], ...] = (
     Gravity,

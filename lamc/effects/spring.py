@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.base import Effect
 from lamc.effects.data import record
-from lamc.mechanics.algebra import Vector3, dot
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.staging import Scalar, call
-from lamc.mechanism.records import Mechanism, checked_array, checked_name, checked_number
+from lamc.records.mechanism import Mechanism, checked_array, checked_name, checked_number
+from lamc.symbolic.algebra import Vector3, dot
+from lamc.symbolic.staging import Scalar, call
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 
 @dataclass(frozen=True)

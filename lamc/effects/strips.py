@@ -14,8 +14,8 @@ from shapely.affinity import affine_transform
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Array, Mechanism
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Array, Mechanism
 
 Point = tuple[float, float, float]
 Corners = tuple[tuple[float, float], ...]  # m, x and y as drawn

@@ -7,10 +7,10 @@ two numbers, or the heading, or a remark after #, or it is refused with its plac
 import re
 from pathlib import Path
 
-from lamc.design.units import Quantity, to_si
-from lamc.errors import DesignError, Place
-from lamc.files import read_bytes
-from lamc.mechanism.checks import shown
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, Place
+from lamc.basics.files import read_bytes
+from lamc.basics.units import Quantity, to_si
 
 MAX_BYTES = 1_000_000
 MAX_ROWS = 10_000

@@ -4,20 +4,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.drives import Drive, checked_drive
-from lamc.effects.expression import stage
 from lamc.effects.external_torque import constant_claim, is_outside
 from lamc.effects.linear_drive import linear_drive
-from lamc.errors import DesignError
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.checks import shown
-from lamc.mechanism.records import Mechanism, checked_name, checked_number
-from lamc.readonly import ReadOnlyDict
+from lamc.records.mechanism import Mechanism, checked_name, checked_number
+from lamc.symbolic.expression import stage
 
 if TYPE_CHECKING:
-    from lamc.export.engine_loads import EngineLoads
+    from lamc.effects.engine_loads import EngineLoads
 
 
 @dataclass(frozen=True)

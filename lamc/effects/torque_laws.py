@@ -12,19 +12,19 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from lamc.codegen.program import Space
-from lamc.design.units import ANGLE, Quantity
-from lamc.effects.expression import stage
+from lamc.basics.checks import checked_flag, checked_number, did_you_mean, shown
+from lamc.basics.errors import DesignError, ExpressionError
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.units import ANGLE, Quantity
 from lamc.effects.table_file import MAX_ROWS, Rows, read_table
-from lamc.errors import DesignError, ExpressionError
-from lamc.mechanics.antiderivative import antiderivative
-from lamc.mechanics.derivative import derivative
 from lamc.mechanics.loads import Loads
-from lamc.mechanics.piecewise import Piecewise, monotone, spline
-from lamc.mechanics.staging import Scalar, Store, Value
-from lamc.mechanics.substitution import substitute
-from lamc.mechanism.checks import checked_flag, checked_number, did_you_mean, shown
-from lamc.readonly import ReadOnlyDict
+from lamc.symbolic.antiderivative import antiderivative
+from lamc.symbolic.derivative import derivative
+from lamc.symbolic.expression import stage
+from lamc.symbolic.piecewise import Piecewise, monotone, spline
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.substitution import substitute
 
 TORQUE = Quantity("torque", "N*m", "2 N*mm")
 MAX_DEGREE = 16

@@ -7,22 +7,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.checks import Array, checked_array, checked_name, checked_number, did_you_mean, shown
+from lamc.basics.errors import DesignError
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.data import record
 from lamc.effects.hinge_strips import Given, strips_of
-from lamc.errors import DesignError
 from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
+from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.checks import (
-    Array,
-    checked_array,
-    checked_name,
-    checked_number,
-    did_you_mean,
-    shown,
-)
-from lamc.mechanism.records import Joint, Mechanism
-from lamc.readonly import ReadOnlyDict
+from lamc.records.mechanism import Joint, Mechanism
 
 Amount = float | Mapping[str, float] | None
 _SIZES = ("width", "length", "thickness", "E", "nu")
@@ -50,7 +43,7 @@ class TwistCompliance:
     A hinge that closes a loop is held by its strip alone then, so that loops close that would not fit rigidly; it needs
     all five freedoms. Strips are stiff: motions across take 1e-4 to 1e-6 s, which implicit integrators step over
     ("auto" finds out whether it pays: what rings undamped has to be followed). Sources: those of
-    `lamc.plate.answers.strip_stiffness`.
+    `lamc.plates.answers.strip_stiffness`.
 
     Raises DesignError for joints that are not there, hinges whose strip is not known, and hinges along the normal.
     """

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.examples.miura import miura
 from lamc.examples.n_four_bar import n_four_bar
 from lamc.run.request import did_you_mean

@@ -10,10 +10,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias, Union
 
+from lamc.basics.errors import ExportError
 from lamc.codegen.names import identifier
-from lamc.design.records import Design
 from lamc.design.split import split
-from lamc.errors import ExportError
 from lamc.export.folder import Origin, write_folder
 from lamc.export.next_step import (
     build_urdf,
@@ -24,12 +23,13 @@ from lamc.export.next_step import (
     view_mjcf,
 )
 from lamc.export.options import ExportOptions, check_used, options_from
-from lamc.mechanism.records import Mechanism
-from lamc.scene import Scene
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 
 if TYPE_CHECKING:
-    from lamc.plate.files.problem_records import PlateFile
-    from lamc.plate.problem import Problem
+    from lamc.plates.problem import Problem
+    from lamc.readers.plates.problem_records import PlateFile
 
 Files = Mapping[str, bytes]  # relative path, parts joined by / → content
 Exported: TypeAlias = Union[Design, Mechanism, "PlateFile", "Problem"]
@@ -187,7 +187,7 @@ def files_of(
 
 def _plate_files(plate: "PlateFile | Problem", to: str, options: ExportOptions) -> Files:
     from lamc.export.plate import plate_files
-    from lamc.plate.files.problem_records import PlateFile
+    from lamc.readers.plates.problem_records import PlateFile
 
     if to != "c":
         raise ExportError(f"a plate is exported to 'c' only, not to {to!r}, which is for what moves")

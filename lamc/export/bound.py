@@ -8,8 +8,8 @@ are not counted. The counts follow the loops of `runtime_c/src/`: `fixed.c`, `st
 from collections import Counter
 from dataclasses import dataclass
 
-from lamc.codegen.program import Program
 from lamc.export.options import ExportOptions
+from lamc.symbolic.program import Program
 
 ITERATIONS = 8  # at most, of bringing a state back to closure: MAX_ITERATIONS of loops.c
 RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, 8

@@ -8,11 +8,10 @@ derives anything anew.
 import hashlib
 from dataclasses import dataclass
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 from lamc.codegen.emit import emit, environment
 from lamc.codegen.names import comment
 from lamc.codegen.printer import literal
-from lamc.codegen.program import Coordinate, Program
 from lamc.export.amalgam import amalgamate, public_functions
 from lamc.export.bound import spins, step_bound
 from lamc.export.fixed_step import suitable_step
@@ -25,6 +24,7 @@ from lamc.export.single import REPLACED, TOLERANCES, check_range, single_precisi
 from lamc.export.sizes import sizes_of
 from lamc.export.statuses import STATUSES
 from lamc.run.simulator import Simulator
+from lamc.symbolic.program import Coordinate, Program
 
 MODEL = "this"  # what names of the model's own C begin with; they are its alone, whatever the prefix of the export is
 

@@ -6,15 +6,15 @@ of such torques itself.
 
 from dataclasses import replace
 
+from lamc.basics.errors import ExportError
 from lamc.effects.external_torque import ExternalTorque
-from lamc.errors import ExportError
 from lamc.export.options import ExportOptions
-from lamc.mechanism.records import Mechanism
 from lamc.pipeline import compile as compile_
 from lamc.pipeline import effects_of
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.request import did_you_mean
 from lamc.run.simulator import Simulator
-from lamc.scene import Scene
 
 
 def simulator_of(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Simulator:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
+from lamc.records.mechanism import Array
 
 if TYPE_CHECKING:
     from lamc.export.engine_model import Piece

@@ -5,8 +5,8 @@ In: what is lost. Out: an error that names all of it, or nothing. Never: decides
 
 from collections.abc import Sequence
 
-from lamc.errors import UnsupportedError, about
-from lamc.export.engine_loads import Loss
+from lamc.basics.errors import UnsupportedError, about
+from lamc.effects.engine_loads import Loss
 from lamc.export.options import ExportOptions
 
 

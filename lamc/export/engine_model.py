@@ -17,19 +17,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamc.effects.base import Effect
+from lamc.basics.errors import DesignError
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.effects.engine_loads import EngineLoads, GroundPlane, HingeLoads, Loss, PointSpring, carried
 from lamc.effects.registry import choose
-from lamc.errors import DesignError
 from lamc.export.engine_inertia import drawn_jacobian, drawn_mass_matrix, freedoms, robust_inertia, time_step
-from lamc.export.engine_loads import EngineLoads, GroundPlane, HingeLoads, Loss, PointSpring, carried
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_start import joint_start
 from lamc.mechanics.arrangement import FloatingBase, arrange
-from lamc.mechanism.records import Array, Body, Joint, Mechanism
+from lamc.mechanics.effect import Effect
 from lamc.mechanism.tree import WORLD, Cut, Tree, plan
-from lamc.readonly import ReadOnlyDict
+from lamc.records.mechanism import Array, Body, Joint, Mechanism
+from lamc.records.scene import Scene
 from lamc.run.start_checks import check_angles
-from lamc.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

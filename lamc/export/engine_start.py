@@ -10,11 +10,11 @@ import numpy as np
 
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.starts import Starter, loops_of
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
+from lamc.records.mechanism import Array
+from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
 from lamc.run.start_checks import refuse_branch
-from lamc.scene import Scene
 
 
 def joint_start(tree: Tree, scene: Scene) -> tuple[Mapping[str, float], Mapping[str, float]]:

@@ -14,11 +14,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import ExportError
+from lamc.basics.resources import data_dir
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.toolchain import find_compiler, make_library
-from lamc.errors import ExportError
 from lamc.export.c import CSource, c_source
 from lamc.export.fmu_description import (
     FmuFacts,
@@ -31,7 +32,6 @@ from lamc.export.fmu_variables import Variable, variables
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
 from lamc.export.zips import zipped
-from lamc.resources import data_dir
 from lamc.run.simulator import RTOL, Simulator
 
 _FOLDER = "export/fmu"

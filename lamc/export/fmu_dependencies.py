@@ -7,7 +7,7 @@ evaluates anything; a dependence through a factor that happens to be zero counts
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from lamc.codegen.program import Function, Operand, Program, Space
+from lamc.symbolic.program import Function, Operand, Program, Space
 
 Slots = frozenset[tuple[Space, int]]
 _NONE: Slots = frozenset()

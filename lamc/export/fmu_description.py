@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 from lamc.export.fmu_units import base_units
 from lamc.export.fmu_variables import Variable
 

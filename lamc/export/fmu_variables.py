@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from itertools import count
 from math import inf
 
-from lamc.codegen.program import Coordinate, Parameter, Program, Space
 from lamc.export.fmu_dependencies import Slots, dependencies, named
 from lamc.run.parameters import Bounds, bounds
+from lamc.symbolic.program import Coordinate, Parameter, Program, Space
 
 _AXES = (1, 2, 3)
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

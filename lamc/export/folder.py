@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from lamc._version import __version__
-from lamc.errors import ExportError
-from lamc.files import fresh_folder
+from lamc.basics._version import __version__
+from lamc.basics.errors import ExportError
+from lamc.basics.files import fresh_folder
 
 MANIFEST = "lamc-export.json"
 _LARGEST_MANIFEST = 16_000_000  # bytes

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from lamc.codegen.names import comment, identifiers
 from lamc.codegen.printer import literal
-from lamc.codegen.program import Parameter, Program
 from lamc.export.markdown import markdown
 from lamc.run.parameters import Bounds, bounds
+from lamc.symbolic.program import Parameter, Program
 
 
 @dataclass(frozen=True)

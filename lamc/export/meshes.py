@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from lamc.mechanism.records import Array, Mechanism
+from lamc.records.mechanism import Array, Mechanism
 from lamc.report.solid import Face, solid_of
 
 _STICK = 0.01  # of the size: half the width of the sticks that stand for bodies without an outline

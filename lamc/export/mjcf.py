@@ -11,11 +11,11 @@ from xml.etree.ElementTree import Comment, Element, SubElement
 
 import numpy as np
 
-from lamc._version import __version__
-from lamc.effects.expression import in_python
-from lamc.errors import UnsupportedError
+from lamc.basics._version import __version__
+from lamc.basics.errors import UnsupportedError
+from lamc.basics.places import told_at
+from lamc.effects.engine_loads import Stop
 from lamc.export.engine_inertia import freedoms, principal_inertia
-from lamc.export.engine_loads import Stop
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
@@ -24,11 +24,11 @@ from lamc.export.markdown import markdown
 from lamc.export.meshes import body_meshes
 from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds
 from lamc.export.options import ExportOptions
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import WORLD
-from lamc.places import told_at
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.report.palette import body_colours
-from lamc.scene import Scene
+from lamc.symbolic.expression import in_python
 
 LEAST = 1e-15  # kg and kg·m²: MuJoCo refuses moving bodies that have no more (mjMINVAL)
 SOFTEST = 1e-4  # MuJoCo's smallest impedance (mjMINIMP): a constraint is then a spring and a damper

@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from lamc.export.engine_loads import GroundPlane
+from lamc.effects.engine_loads import GroundPlane
 from lamc.export.engine_model import EngineModel
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_text import number, row

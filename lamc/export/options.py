@@ -9,9 +9,9 @@ from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import Any, cast
 
-from lamc.errors import DesignError, ExportError
+from lamc.basics.checks import checked_number, shown
+from lamc.basics.errors import DesignError, ExportError
 from lamc.export.prefixes import check_prefix
-from lamc.mechanism.checks import checked_number, shown
 
 PRECISIONS = ("double", "float")
 INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")

@@ -8,21 +8,21 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
-from lamc.codegen.program import Program
 from lamc.export.bound import step_bound
 from lamc.export.c import CSource
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.files import titles
 from lamc.run.simulator import Simulator
+from lamc.symbolic.program import Program
 
 _TEMPLATES = {
     "CMakeLists.txt": "CMakeLists.txt.j2",

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
 
-from lamc.mechanism.records import Array, Joint, Mechanism
+from lamc.records.mechanism import Array, Joint, Mechanism
 from lamc.report.folded import free_corners, scale_bar, triad
 from lamc.report.plan_view import shortened
 from lamc.report.stage import HINGE, Stage, as_drawn

@@ -6,8 +6,9 @@ that lamc compiles for itself; mesh, supports and loads are tables (`plate_table
 
 from dataclasses import dataclass
 
+from lamc.basics.errors import ExportError
+from lamc.basics.resources import data_dir
 from lamc.codegen.emit import environment
-from lamc.errors import ExportError
 from lamc.export.amalgam import amalgamate, public_functions
 from lamc.export.options import ExportOptions
 from lamc.export.plate_context import expansions_of, plate_context
@@ -16,11 +17,10 @@ from lamc.export.plate_package import folder_of
 from lamc.export.plate_tables import PlateTables, plate_tables
 from lamc.export.prefixes import prefix_of
 from lamc.export.runtime import BARE, mathematics
-from lamc.plate.elements.build import element_program
-from lamc.plate.files.problem_make import problem_of
-from lamc.plate.files.problem_records import PlateFile
-from lamc.plate.problem import Problem
-from lamc.resources import data_dir
+from lamc.plates.elements.build import element_program
+from lamc.plates.problem import Problem
+from lamc.readers.plates.problem_make import problem_of
+from lamc.readers.plates.problem_records import PlateFile
 
 
 @dataclass(frozen=True)

@@ -10,23 +10,23 @@ from functools import cache
 
 import numpy as np
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 from lamc.codegen.layout import arrange
 from lamc.codegen.lowering import Lowering, canonical
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import ShapePrinter, literal
-from lamc.codegen.program import ElementProgram, Function, Space
 from lamc.export.options import ExportOptions
 from lamc.export.plate_arrays import CNumbers, constant_arrays
 from lamc.export.plate_climate import EXPANSIONS, ClimateTables
 from lamc.export.plate_laminates import MODULI, LaminateTables
 from lamc.export.plate_tables import PlateTables
 from lamc.export.statuses import CStatus
-from lamc.mechanics.staging import Level
-from lamc.plate.laminates.ply_terms import EXPANSION, MASS, PLY_NUMBERS, STIFFNESS, ply_equations
-from lamc.plate.loads import ElectricField, Moisture, Temperature
-from lamc.plate.problem import Problem
-from lamc.plate.solving.sections import NO_COUPLING
+from lamc.plates.laminates.ply_terms import EXPANSION, MASS, PLY_NUMBERS, STIFFNESS, ply_equations
+from lamc.plates.loads import ElectricField, Moisture, Temperature
+from lamc.plates.problem import Problem
+from lamc.plates.solving.sections import NO_COUPLING
+from lamc.symbolic.program import ElementProgram, Function, Space
+from lamc.symbolic.staging import Level
 
 STATUSES = (
     CStatus("BAD_ARGUMENT", -5, "an argument is NULL or outside its range"),

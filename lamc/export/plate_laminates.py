@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lamc.codegen.names import comment
-from lamc.plate.laminates.laminate import Laminate
-from lamc.plate.laminates.materials import Material
-from lamc.plate.problem import Problem
+from lamc.plates.laminates.laminate import Laminate
+from lamc.plates.laminates.materials import Material
+from lamc.plates.problem import Problem
 
 MODULI = ("E1", "E2", "nu12", "G12", "density")  # of every material; Pa, Pa, -, Pa, kg/m³
 _SURFACES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # as in `Laminate`

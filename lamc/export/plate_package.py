@@ -6,12 +6,12 @@ In: header, source, and what they were made of. Out: relative path → content. 
 import re
 from collections.abc import Mapping
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 from lamc.codegen.emit import environment
 from lamc.export.markdown import markdown
 from lamc.export.options import ExportOptions
 from lamc.export.package import DIGITS, compile_line, single_header
-from lamc.plate.problem import Problem
+from lamc.plates.problem import Problem
 from lamc.report.plates import mesh_figure
 from lamc.report.style import png_of
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.mechanism.checks import Array
-from lamc.plate.meshing.locate import TOLERANCE
-from lamc.plate.meshing.mesh import Integers
-from lamc.plate.problem import Problem
+from lamc.basics.checks import Array
+from lamc.plates.meshing.locate import TOLERANCE
+from lamc.plates.meshing.mesh import Integers
+from lamc.plates.problem import Problem
 
 _FEW = 20  # cells of a leaf that is not cut: with fewer, more of them stand in several leaves
 _GAIN = 0.75  # of the cells of a leaf that may be left to the larger side of a cut

@@ -11,9 +11,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from lamc.errors import ExportError
-from lamc.plate.meshing.mesh import Integers
-from lamc.plate.problem import Problem
+from lamc.basics.errors import ExportError
+from lamc.plates.meshing.mesh import Integers
+from lamc.plates.problem import Problem
 
 MOST_CELLS = 20_000  # beyond it the C is longer than some 10 MB, which compilers take many seconds over
 MOST_PROFILE = 8_000_000  # numbers of the factored matrix: 64 MB of the caller's memory

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from lamc.errors import ExportError, about
+from lamc.basics.checks import Array
+from lamc.basics.errors import ExportError, about
 from lamc.export.plate_climate import ClimateTables, climate_tables
 from lamc.export.plate_points import PointTables, point_tables
 from lamc.export.plate_profile import check_cells, check_profile, profile_of
-from lamc.mechanism.checks import Array
-from lamc.plate.loads import CLIMATES, Gravity, LoadRecord
-from lamc.plate.meshing.mesh import Integers
-from lamc.plate.problem import Problem
-from lamc.plate.solving.load_vectors import load_vector
-from lamc.plate.solving.springs import with_added
-from lamc.plate.solving.system import System, system
+from lamc.plates.loads import CLIMATES, Gravity, LoadRecord
+from lamc.plates.meshing.mesh import Integers
+from lamc.plates.problem import Problem
+from lamc.plates.solving.load_vectors import load_vector
+from lamc.plates.solving.springs import with_added
+from lamc.plates.solving.system import System, system
 
 HELD, ABSENT, OBLIQUE = -1, -2, -3  # what is no row of the matrix
 

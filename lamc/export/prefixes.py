@@ -6,9 +6,9 @@ files p.h and p.c, a type p_t, functions p_step and the like, macros P_OK and th
 
 import re
 
+from lamc.basics.checks import shown
+from lamc.basics.errors import ExportError
 from lamc.codegen.names import MAX_IDENTIFIER, RESERVED, identifier
-from lamc.errors import ExportError
-from lamc.mechanism.checks import shown
 
 # p.h would be found in the place of the header that a program means.
 _HEADERS = """

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from lamc.codegen.program import Program
+from lamc.basics.resources import data_dir
 from lamc.export.options import ExportOptions
-from lamc.resources import data_dir
 from lamc.run.native import METHODS
+from lamc.symbolic.program import Program
 
 IMPLICIT = ("rodas5p", "radau5")
 # What stands for <math.h> in programs without it, where the text says the name at the left.

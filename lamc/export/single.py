@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import ExportError
+from lamc.basics.errors import ExportError
 from lamc.export.ctokens import tokens
 
 _NAMES = {

@@ -9,9 +9,10 @@ URDF knows bodies, hinges, viscous damping and limits. It has no springs, torque
 from collections.abc import Mapping
 from xml.etree.ElementTree import Comment, Element, SubElement
 
-from lamc._version import __version__
-from lamc.errors import TopologyError
-from lamc.export.engine_loads import Loss
+from lamc.basics._version import __version__
+from lamc.basics.errors import TopologyError
+from lamc.basics.places import told_at
+from lamc.effects.engine_loads import Loss
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
@@ -19,12 +20,11 @@ from lamc.export.engine_text import filled, names_json, number, rgba, row, xml_t
 from lamc.export.markdown import markdown
 from lamc.export.meshes import body_meshes
 from lamc.export.options import ExportOptions
-from lamc.mechanism.network import some
-from lamc.mechanism.records import Array, Mechanism
 from lamc.mechanism.tree import WORLD
-from lamc.places import told_at
+from lamc.records.mechanism import Array, Mechanism
+from lamc.records.network import some
+from lamc.records.scene import Scene
 from lamc.report.palette import body_colours
-from lamc.scene import Scene
 
 EFFORT, VELOCITY = 1e6, 1e6  # N·m and rad/s: URDF asks for a bound of either, and a mechanism has none
 

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import BuildError
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import Compiler, run_compiler
 from lamc.codegen.zig import environment as zig_environment
-from lamc.errors import BuildError
 from lamc.export.c import CSource, c_source
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
@@ -30,7 +30,7 @@ from lamc.export.options import ExportOptions
 from lamc.export.package import state_bytes
 from lamc.export.picture import towards_child
 from lamc.export.statuses import of_bindings
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 from lamc.report.solid import Lines, Solid, solid_of
 from lamc.report.stage import Stage, as_drawn
 from lamc.report.style import body_colours

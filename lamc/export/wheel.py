@@ -21,11 +21,11 @@ from pathlib import Path
 import cffi
 from cffi import recompiler
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
+from lamc.basics.errors import ExportError
 from lamc.codegen.emit import declarations_of, environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import find_compiler, make_library
-from lamc.errors import ExportError
 from lamc.export.c import CSource, c_source
 from lamc.export.markdown import markdown
 from lamc.export.members import CMember

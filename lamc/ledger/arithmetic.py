@@ -6,7 +6,8 @@ In: a workshop, the scene, a list of compile options by name. Out: an `Arithmeti
 from collections.abc import Sequence
 from dataclasses import replace
 
-from lamc.errors import LamcError
+from lamc.basics.errors import LamcError
+from lamc.codegen.options import CompileOptions
 from lamc.ledger.clock import Clock, processor_seconds, shortest
 from lamc.ledger.effects_account import Setting
 from lamc.ledger.making import Workshop, end_run, evaluation_ns
@@ -14,8 +15,7 @@ from lamc.ledger.outputs import errors
 from lamc.ledger.records import ArithmeticRow, Sweep
 from lamc.ledger.reference import Truth
 from lamc.ledger.runners import Own, grid
-from lamc.options import CompileOptions
-from lamc.scene import Scene
+from lamc.records.scene import Scene
 
 _TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # at which the floor is looked for
 _REPEATS = 0.3  # s

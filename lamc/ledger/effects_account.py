@@ -9,17 +9,17 @@ cannot be simulated (an effect that others need) is a row with the reason.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from lamc.effects.base import Effect, alternatives_of
+from lamc.basics.errors import LamcError
 from lamc.effects.registry import EFFECTS, choose
-from lamc.errors import LamcError
 from lamc.ledger.clock import Clock, OutOfTime, processor_seconds, shortest
 from lamc.ledger.making import Made, Workshop, end_run, evaluation_ns
 from lamc.ledger.outputs import Errors, errors
 from lamc.ledger.records import Account, EffectRow, Sweep
 from lamc.ledger.reference import Truth
 from lamc.ledger.runners import Own, grid
+from lamc.mechanics.effect import Effect, alternatives_of
+from lamc.records.scene import Scene
 from lamc.run.result import Result
-from lamc.scene import Scene
 
 _TIGHT = 1e-10  # rtol of the runs that show model errors
 _LOOSER = 10.0

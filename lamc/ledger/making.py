@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from lamc.codegen.cache import Cache
+from lamc.codegen.options import CompileOptions
 from lamc.ledger.clock import processor_seconds
 from lamc.ledger.runners import ATOL, MOST_STEPS, uncancelled
-from lamc.mechanism.records import Body, Joint, Mechanism
-from lamc.options import CompileOptions
 from lamc.pipeline import compile as compile_design
+from lamc.records.mechanism import Body, Joint, Mechanism
+from lamc.records.scene import Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
-from lamc.scene import Scene
 
 _STATES = 256  # evaluated in one call: few enough to stay in the cache, enough to hide the call
 _TURNS = 60  # of some 0.1 ms: spread over enough time that a busy machine lets some pass undisturbed

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
-from lamc._version import __version__
-from lamc.effects.base import Effect
+from lamc.basics._version import __version__
+from lamc.codegen.options import CompileOptions
 from lamc.ledger import peers
 from lamc.ledger.arithmetic import measure_arithmetic
 from lamc.ledger.clock import Clock
@@ -21,11 +21,11 @@ from lamc.ledger.precision import Measured, in_order, measure_points, observed_o
 from lamc.ledger.records import Account, ArithmeticRow, Ledger, Sweep
 from lamc.ledger.reference import SENSITIVE, Truth, make_reference
 from lamc.ledger.verdict import cheapest, make_verdict
-from lamc.mechanism.records import Mechanism
-from lamc.options import CompileOptions
+from lamc.mechanics.effect import Effect
 from lamc.pipeline import effects_of
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.simulator import Simulator
-from lamc.scene import Scene
 
 # Shares of the budget, up to the end of each part.
 _REFERENCE, _SWEEP, _EFFECTS = 0.5, 0.6, 0.9

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.ledger.records import Output
+from lamc.records.scene import Scene
 from lamc.run.outputs import outputs_of, shared_ranges
 from lamc.run.request import Array
 from lamc.run.result import Result
-from lamc.scene import Scene
 
 _TURN = 2.0 * np.pi
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.errors import LamcError
+from lamc.basics.errors import LamcError
 from lamc.ledger.clock import Clock, OutOfTime
 from lamc.ledger.records import Sweep
 from lamc.ledger.runners import ATOL, MOST_STEPS, Own, Runner, Trace, grid

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from lamc.errors import LamcError
+from lamc.basics.errors import LamcError
 from lamc.ledger.records import Ledger
 
 

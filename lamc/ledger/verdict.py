@@ -6,8 +6,8 @@ In: points and the account. Out: a `Verdict`. It measures nothing.
 import re
 from collections.abc import Sequence
 
+from lamc.basics.numbers import duration
 from lamc.ledger.records import TARGETS, Account, Cheapest, EffectRow, Point, Reference, Sweep, Verdict
-from lamc.report.run_text import duration
 
 
 def cheapest_of(points: Sequence[Point], target: float, uncertainty: float) -> Point | None:

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.loops.closing import CLOSED, Mask, directions, settle
 from lamc.loops.geometry import LoopGeometry
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
-from lamc.readonly import ReadOnlyDict
+from lamc.records.mechanism import Array
 
 SINGULAR = (
     1e-6  # relative to the largest singular value, as in the runtime: below it an equation is not taken

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.loops.geometry import LoopGeometry
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
 

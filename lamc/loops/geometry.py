@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from lamc.mechanism.records import Array, Joint
 from lamc.mechanism.tree import WORLD, Tree
+from lamc.records.mechanism import Array, Joint
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from lamc.loops.closing import SMALL, directions
 from lamc.loops.geometry import LoopGeometry
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 STEP = 0.1  # rad, of the joint that turns most
 STEPS = 32  # each way: half a turn of that joint

@@ -11,7 +11,7 @@ import numpy as np
 
 from lamc.loops.closing import CLOSED, EXACT, SMALL, Mask, directions, settle
 from lamc.loops.geometry import LoopGeometry
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 RAMPS = 4  # ways out of the drawn position that are tried
 RAMP = (0.1, 0.2, 0.4)  # rad, of one joint, on each of them

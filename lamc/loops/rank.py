@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.loops.closing import CLOSED, EXACT, SMALL
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.places import Place, ramped_places, scattered_places, walked_places
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
+from lamc.records.mechanism import Array
 
 TOLERANCE = 1e-6  # of the size: gaps that are accepted unless the user says otherwise
 

@@ -9,15 +9,15 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tangents
 from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount, check_freedom, count_loops
 from lamc.loops.words import counted, listed, named, ratios
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
-from lamc.scene import Scene
+from lamc.records.mechanism import Array
+from lamc.records.scene import Scene
 
 TRIES = 12  # random guesses from which to look for the nearest closed position
 LARGE = 60  # joints: more than these are content with the first position found

@@ -7,14 +7,14 @@ looks for equilibrium; a start is where the scene puts it.
 
 import numpy as np
 
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import rounded_up
 from lamc.loops.rank import count_loops
 from lamc.loops.starts import Starter
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import Tree
-from lamc.scene import Scene
+from lamc.records.mechanism import Array
+from lamc.records.scene import Scene
 
 
 def yielding_start(tree: Tree, scene: Scene) -> Array:

@@ -8,9 +8,9 @@ force = dp/dt + ω × p, moment = dl/dt + ω × l + v × p, components in axes o
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.algebra import Vector3, add, cross, dot
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import Array
+from lamc.basics.checks import Array
+from lamc.symbolic.algebra import Vector3, add, cross, dot
+from lamc.symbolic.staging import Scalar
 
 Six = tuple[Scalar, ...]
 

@@ -15,20 +15,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lamc.codegen.program import Coordinate
-from lamc.errors import DesignError, about
+from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError, about
 from lamc.mechanics.compliant_hinge import CROSS_FREEDOMS as CROSS_FREEDOMS
 from lamc.mechanics.compliant_hinge import FREEDOMS as FREEDOMS
 from lamc.mechanics.compliant_hinge import CompliantHinge as CompliantHinge
 from lamc.mechanics.compliant_hinge import check_bushing
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanism.checks import Array
-from lamc.mechanism.network import some
 from lamc.mechanism.tree import Cut, Tree
+from lamc.records.network import some
+from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
-    from lamc.effects.base import Effect
-    from lamc.mechanics.staging import Scalar
+    from lamc.mechanics.effect import Effect
+    from lamc.symbolic.staging import Scalar
 
 BASE_COORDINATES = (
     *((f"base.{axis}", "m") for axis in "xyz"),

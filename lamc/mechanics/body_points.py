@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lamc.errors import DesignError
-from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross
+from lamc.basics.checks import Array, checked_array
+from lamc.basics.errors import DesignError
 from lamc.mechanics.placement import Placement, local_point, rotate
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.checks import Array, checked_array
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import WORLD
+from lamc.records.mechanism import Mechanism
+from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross
+from lamc.symbolic.staging import Scalar
 
 
 class BodyPoints:

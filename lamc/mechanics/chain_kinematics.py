@@ -10,18 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamc.basics.checks import Array
 from lamc.mechanics import chains
-from lamc.mechanics.algebra import ZERO, Matrix3, Turn, Vector3, add, cross, dot, inward, outward, scale
 from lamc.mechanics.arrangement import Arrangement, CompliantHinge
 from lamc.mechanics.chains import Going, Rotation, Shift, Step, Wrench
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.kinematics import Kinematics, Motion
 from lamc.mechanics.moving_base import STILL, MovingBase, Twist
 from lamc.mechanics.placement import numeric, rotate, rotate_back
-from lamc.mechanics.staging import Scalar, Store, cos, sin
-from lamc.mechanism.checks import Array
 from lamc.mechanism.tree import WORLD, Link
 from lamc.mechanism.turns import snap
+from lamc.symbolic.algebra import ZERO, Matrix3, Turn, Vector3, add, cross, dot, inward, outward, scale
+from lamc.symbolic.staging import Scalar, Store, cos, sin
 
 UNITS: tuple[Vector3, Vector3, Vector3] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.mechanics.algebra import ZERO, Turn, Vector3, add, cross, dot, inward, outward, scale
+from lamc.basics.checks import Array
 from lamc.mechanics.kinematics import acceleration_gradient
-from lamc.mechanics.staging import Scalar, Store, cos, sin
-from lamc.mechanism.checks import Array
 from lamc.mechanism.turns import constant_turns, snap
+from lamc.symbolic.algebra import ZERO, Turn, Vector3, add, cross, dot, inward, outward, scale
+from lamc.symbolic.staging import Scalar, Store, cos, sin
 
 Wrench = tuple[Vector3, Vector3]  # force N, moment about the frame's origin N·m
 

@@ -10,13 +10,13 @@ Residuals are in metres: those of direction are the sine of the angle between th
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.algebra import Vector3, add, dot
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.kinematics import Kinematics, Motion
 from lamc.mechanics.placement import Placement, rotate
-from lamc.mechanics.staging import Scalar, Store, Value, call
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD, Cut, Side
+from lamc.records.mechanism import Array
+from lamc.symbolic.algebra import Vector3, add, dot
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.staging import Scalar, Store, Value, call
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,17 @@ that is stored, exactly, booked under the effect that asked for them.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.algebra import Vector3, add, dot, total
+from lamc.basics.checks import Array
 from lamc.mechanics.arrangement import FREEDOMS, Bushing, CompliantHinge
 from lamc.mechanics.closure import CutHinge, constants
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.placement import Placement, rotate
-from lamc.mechanics.staging import Scalar, Value, call
-from lamc.mechanism.checks import Array
 from lamc.mechanism.tree import WORLD, Side
 from lamc.mechanism.turns import snap
+from lamc.symbolic.algebra import Vector3, add, dot, total
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.staging import Scalar, Value, call
 
 _PER = {("rad", "rad"): "N·m/rad", ("m", "rad"): "N/rad", ("m", "m"): "N/m"}
 _UNITS = {"twist": "rad", "angle": "rad", "slide": "m"}

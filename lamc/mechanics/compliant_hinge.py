@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import DesignError
-from lamc.mechanism.checks import Array, checked_array
+from lamc.basics.checks import Array, checked_array
+from lamc.basics.errors import DesignError
 
 # Freedoms of a compliant hinge beyond its angle, in the order of the rows of its matrices, where the angle is third.
 FREEDOMS = ("twist_x", "twist_y", "angle", "slide_x", "slide_y", "slide_z")

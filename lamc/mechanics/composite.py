@@ -8,7 +8,14 @@ push at its own inertia and at every hinge that rides on it.
 from collections.abc import Mapping, Sequence
 
 from lamc.mechanics import chains
-from lamc.mechanics.algebra import (
+from lamc.mechanics.chain_kinematics import ChainKinematics
+from lamc.mechanics.chains import Shift, Step, Wrench, together
+from lamc.mechanics.inertia import Inertia
+from lamc.mechanics.modal import ModalInertia
+from lamc.mechanics.moving_base import StagedFloat
+from lamc.mechanics.placement import rotate
+from lamc.mechanism.tree import WORLD, Link
+from lamc.symbolic.algebra import (
     Matrix3,
     Symmetric,
     Vector3,
@@ -19,14 +26,7 @@ from lamc.mechanics.algebra import (
     inward_symmetric,
     scale,
 )
-from lamc.mechanics.chain_kinematics import ChainKinematics
-from lamc.mechanics.chains import Shift, Step, Wrench, together
-from lamc.mechanics.inertia import Inertia
-from lamc.mechanics.modal import ModalInertia
-from lamc.mechanics.moving_base import StagedFloat
-from lamc.mechanics.placement import rotate
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.tree import WORLD, Link
+from lamc.symbolic.staging import Scalar
 
 Entries = dict[tuple[int, int], Scalar]
 

@@ -9,12 +9,8 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from lamc.allocation import collector_paused
-from lamc.codegen.program import Space
-from lamc.errors import about
-from lamc.inputs import NO_INPUTS, Input
+from lamc.basics.errors import about
 from lamc.loops.rank import LoopCount, count_loops
-from lamc.mechanics.algebra import Symmetric, Vector3, add, cross, dot, scale
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
@@ -28,13 +24,17 @@ from lamc.mechanics.mass_matrix import generalised_forces, mass_matrix, solve_by
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, potential_of_field, rotate_back
 from lamc.mechanics.powers import Mass, Moving, powers_of
-from lamc.mechanics.staging import Level, Scalar, Store, Value
-from lamc.mechanics.statements import count_operations
-from lamc.mechanics.substitution import substitute
 from lamc.mechanism.tree import WORLD, Link, Tree
+from lamc.records.inputs import NO_INPUTS, Input
+from lamc.symbolic.algebra import Symmetric, Vector3, add, cross, dot, scale
+from lamc.symbolic.allocation import collector_paused
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import Level, Scalar, Store, Value
+from lamc.symbolic.statements import count_operations
+from lamc.symbolic.substitution import substitute
 
 if TYPE_CHECKING:
-    from lamc.effects.base import Effect
+    from lamc.mechanics.effect import Effect
 
 # The mass-matrix form grows with the square of the depth; with more pairs of hinges on common ways to the world
 # than this it has lost in every mechanism measured (`python -m benchmarks.solver_crossover`), and is not tried.

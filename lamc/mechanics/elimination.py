@@ -9,12 +9,12 @@ counted from the bias (all hinge accelerations zero, gravity included), so no ve
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lamc.errors import TopologyError
-from lamc.mechanics.algebra import ZERO, Matrix3, Symmetric, Vector3, add, cross, dot, skew, total
+from lamc.basics.errors import TopologyError
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Bias, Kinematics
-from lamc.mechanics.staging import Scalar, Value, reciprocal
 from lamc.mechanism.tree import WORLD
+from lamc.symbolic.algebra import ZERO, Matrix3, Symmetric, Vector3, add, cross, dot, skew, total
+from lamc.symbolic.staging import Scalar, Value, reciprocal
 
 Wrench = tuple[Vector3, Vector3]  # force N, moment about the origin N·m; carrier components
 

@@ -8,21 +8,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from lamc.codegen.program import Coordinate, Operations, Parameter
-from lamc.inputs import Input
+from lamc.basics.once import alone_with, lazy
 from lamc.loops.rank import NO_LOOPS, LoopCount
-from lamc.mechanics.staging import Level, Scalar, Store, Value
-from lamc.mechanics.statements import count_operations, group
 from lamc.mechanism.tree import Tree
-from lamc.once import alone_with, lazy
+from lamc.records.inputs import Input
+from lamc.symbolic.program import Coordinate, Operations, Parameter
+from lamc.symbolic.staging import Level, Scalar, Store, Value
+from lamc.symbolic.statements import count_operations, group
 
 if TYPE_CHECKING:
     import sympy as sp
 
-    from lamc.effects.base import Effect
     from lamc.mechanics.arrangement import Arrangement
     from lamc.mechanics.closure import Closure
     from lamc.mechanics.derive import Problem
+    from lamc.mechanics.effect import Effect
     from lamc.mechanics.guards import GuardTerms
     from lamc.mechanics.inverse_dynamics import InverseDynamics
 

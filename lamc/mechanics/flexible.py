@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.errors import DesignError
-from lamc.mechanism.checks import Array, checked_array, checked_name
+from lamc.basics.checks import Array, checked_array, checked_name
+from lamc.basics.errors import DesignError
 
 Shapes = tuple[Array, Array]  # φ (k,), and the gradients (k, 3) of φ in the plate's plane, 1/m of φ's unit
 

@@ -13,12 +13,12 @@ Scalars are staged: a product of many rotations is a list of short assignments, 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from lamc.codegen.program import Space
-from lamc.errors import DesignError
-from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot, scale
-from lamc.mechanics.derivative import derivatives
+from lamc.basics.errors import DesignError
 from lamc.mechanics.placement import rotate, rotate_back
-from lamc.mechanics.staging import Scalar, Store, Value, cos, sin
+from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross, dot, scale
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import Scalar, Store, Value, cos, sin
 
 if TYPE_CHECKING:
     import sympy as sp

@@ -10,17 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamc.codegen.program import Space
-from lamc.inputs import Input
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics import compliance
-from lamc.mechanics.algebra import ZERO, add, dot, scale
 from lamc.mechanics.arrangement import Arrangement, FloatingBase, PrescribedBase
 from lamc.mechanics.chain_kinematics import ChainKinematics
 from lamc.mechanics.closure import Closure, CutHinge, close, cut_hinges
-from lamc.mechanics.derivative import derivative
 from lamc.mechanics.equations import Equations
-from lamc.mechanics.evaluate import evaluate
 from lamc.mechanics.general_outputs import energies_of, poses_of
 from lamc.mechanics.guards import Guard, GuardTerms
 from lamc.mechanics.inertia import link_inertia, regrouped
@@ -31,12 +26,17 @@ from lamc.mechanics.moving_base import MovingBase, StagedFloat, float_base, pres
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement
 from lamc.mechanics.powers import Mass, Moving, powers_of
-from lamc.mechanics.staging import Scalar, Store, Value
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD
+from lamc.records.inputs import Input
+from lamc.records.mechanism import Array
+from lamc.symbolic.algebra import ZERO, add, dot, scale
+from lamc.symbolic.derivative import derivative
+from lamc.symbolic.evaluate import evaluate
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import Scalar, Store, Value
 
 if TYPE_CHECKING:
-    from lamc.effects.base import Effect
+    from lamc.mechanics.effect import Effect
 
 INVERSE_DYNAMICS = "inverse dynamics"
 # The rank of loops in which something yields: looked at that far from the drawn position, rad or parts of the size by

@@ -6,7 +6,6 @@ move, the base's among them. Nothing here takes part in the motion.
 
 from collections.abc import Iterator, Sequence
 
-from lamc.mechanics.algebra import Vector3, cross, dot
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.inverse_dynamics import Masses
 from lamc.mechanics.kinematics import Motion
@@ -14,7 +13,8 @@ from lamc.mechanics.loads import Loads
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import Placement, potential_of_field, rotate
 from lamc.mechanics.powers import point_motion
-from lamc.mechanics.staging import Scalar
+from lamc.symbolic.algebra import Vector3, cross, dot
+from lamc.symbolic.staging import Scalar
 
 
 def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads: Loads) -> dict[str, Scalar]:

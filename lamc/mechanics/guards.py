@@ -11,8 +11,8 @@ equations are smooth. At an impact the guard's rate is reversed.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.derivative import derivative
-from lamc.mechanics.staging import Scalar, Value
+from lamc.symbolic.derivative import derivative
+from lamc.symbolic.staging import Scalar, Value
 
 
 @dataclass(frozen=True)

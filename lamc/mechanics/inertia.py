@@ -12,10 +12,10 @@ parent (and by the world in the end) without changing any acceleration; base par
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.algebra import Symmetric, Vector3
-from lamc.mechanics.staging import Scalar, Store
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.mechanism.turns import ROUND_OFF
+from lamc.symbolic.algebra import Symmetric, Vector3
+from lamc.symbolic.staging import Scalar, Store
 
 ParameterMaker = Callable[[str, float, str, str], Scalar]  # name, default, unit, meaning
 AXES = "xyz"

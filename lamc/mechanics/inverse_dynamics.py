@@ -8,11 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.algebra import ZERO, Matrix3, Vector3, add, cross, dot
 from lamc.mechanics.chain_kinematics import ChainKinematics
 from lamc.mechanics.chains import Going, Wrench, together
 from lamc.mechanics.composite import composite_mass_matrix
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.elimination import inertia_wrench
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Bias, acceleration_gradient
@@ -21,8 +19,10 @@ from lamc.mechanics.modal import ModalInertia
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import local_point, rotate, rotate_back
 from lamc.mechanics.powers import point_motion
-from lamc.mechanics.staging import Scalar, Value
 from lamc.mechanism.tree import WORLD
+from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross, dot
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.staging import Scalar, Value
 
 _DRAWN: Matrix3 = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

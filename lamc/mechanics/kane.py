@@ -13,11 +13,11 @@ against the other. Use this layer to read them, to try a force of your own, or f
 
 from dataclasses import dataclass, field
 
-from lamc.mechanics.algebra import Matrix3, Vector3, dot
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.frames import Frame, System, Vector
-from lamc.mechanics.staging import Scalar, Value
-from lamc.mechanics.substitution import substitute
+from lamc.symbolic.algebra import Matrix3, Vector3, dot
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.substitution import substitute
 
 
 @dataclass

@@ -13,7 +13,9 @@ from collections.abc import Collection, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lamc.mechanics.algebra import (
+from lamc.basics.checks import Array
+from lamc.mechanism.tree import WORLD, Link, Tree
+from lamc.symbolic.algebra import (
     ZERO,
     Matrix3,
     Symmetric,
@@ -27,9 +29,7 @@ from lamc.mechanics.algebra import (
     inward_symmetric,
     outward,
 )
-from lamc.mechanics.staging import Scalar, Store, cos, sin
-from lamc.mechanism.checks import Array
-from lamc.mechanism.tree import WORLD, Link, Tree
+from lamc.symbolic.staging import Scalar, Store, cos, sin
 
 if TYPE_CHECKING:
     from lamc.mechanics.arrangement import Arrangement

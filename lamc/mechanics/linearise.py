@@ -9,11 +9,11 @@ Where q̇ is not u, its derivatives come too.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.codegen.program import Space
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.equations import Equations
-from lamc.mechanics.staging import Level, Scalar, Store, Value
-from lamc.mechanics.statements import count_operations
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import Level, Scalar, Store, Value
+from lamc.symbolic.statements import count_operations
 
 # Beyond these the runtime takes differences, 2n + 2 evaluations: the code grows with the square of the rates, and the C
 # compiler's time with it. Measured with rodas5p: time by differences over time with derivatives, and more time of gcc,

@@ -2,7 +2,7 @@
 
 Goes in: symbolic loads, stored energies and parameters, from `Effect.contribute`. Comes out: hinge torques, a
 uniform field, wrenches on links and energies, in the order in which they came. A user's own effect does the same
-as lamc's: see `Effect` in `lamc/effects/base.py`.
+as lamc's: see `Effect` in `lamc/mechanics/effect.py`.
 """
 
 import numbers
@@ -11,20 +11,20 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from lamc.codegen.program import Space
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.mechanics import closure
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.algebra import ZERO, Vector3, add, cross, scale
 from lamc.mechanics.body_points import BodyPoints, drawn_point
 from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.guards import Guard
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, local_point, rotate_back
 from lamc.mechanics.powers import Account
-from lamc.mechanics.staging import NO_LINK, Scalar, Value
-from lamc.mechanism.records import Array, Joint, checked_number
 from lamc.mechanism.tree import WORLD
+from lamc.records.mechanism import Array, Joint, checked_number
+from lamc.symbolic.algebra import ZERO, Vector3, add, cross, scale
+from lamc.symbolic.program import Space
+from lamc.symbolic.staging import NO_LINK, Scalar, Value
 
 if TYPE_CHECKING:
     import sympy as sp

@@ -5,12 +5,12 @@ has no fill-in, since M[i, j] is zero unless one hinge carries the other (Feathe
 elimination for short trees.
 """
 
-from lamc.mechanics.algebra import Symmetric, Vector3, add, cross
 from lamc.mechanics.elimination import Wrench
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Kinematics
-from lamc.mechanics.staging import Scalar, reciprocal
 from lamc.mechanism.tree import WORLD, Tree
+from lamc.symbolic.algebra import Symmetric, Vector3, add, cross
+from lamc.symbolic.staging import Scalar, reciprocal
 
 Entries = dict[tuple[int, int], Scalar]  # lower triangle, entries on a common way to the world only
 

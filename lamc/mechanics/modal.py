@@ -7,14 +7,14 @@ points at r + n Σ φ_k η_k (Shabana, Dynamics of Multibody Systems, ch. 5; the
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from lamc.mechanics.algebra import Matrix3, Symmetric, Vector3, add, cross, dot, scale, total
 from lamc.mechanics.chain_kinematics import Modes
 from lamc.mechanics.chains import Going, Wrench, total_vector
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Motion
-from lamc.mechanics.staging import Scalar, Store
 from lamc.mechanism.tree import Link
 from lamc.mechanism.turns import snap
+from lamc.symbolic.algebra import Matrix3, Symmetric, Vector3, add, cross, dot, scale, total
+from lamc.symbolic.staging import Scalar, Store
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 

@@ -8,13 +8,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.algebra import ZERO, Matrix3, Symmetric, Vector3, add, total
+from lamc.basics.checks import Array
 from lamc.mechanics.arrangement import FloatingBase, PrescribedBase
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.inertia import ParameterMaker
 from lamc.mechanics.placement import rotate, rotate_back
-from lamc.mechanics.staging import Scalar, Store, Value, cos, reciprocal, sin
-from lamc.mechanism.checks import Array
+from lamc.symbolic.algebra import ZERO, Matrix3, Symmetric, Vector3, add, total
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.staging import Scalar, Store, Value, cos, reciprocal, sin
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from lamc.codegen.program import Operations
 from lamc.mechanics.derive import derive
 from lamc.mechanism.tree import plan
+from lamc.symbolic.program import Operations
 
 if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations

@@ -7,11 +7,11 @@ for. It knows nothing of what they are for.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from lamc.codegen.program import Parameter, Space
-from lamc.errors import DesignError, about
-from lamc.inputs import Input
-from lamc.mechanics.staging import Scalar, Store, Value
-from lamc.mechanism.checks import checked_number
+from lamc.basics.checks import checked_number
+from lamc.basics.errors import DesignError, about
+from lamc.records.inputs import Input
+from lamc.symbolic.program import Parameter, Space
+from lamc.symbolic.staging import Scalar, Store, Value
 
 
 @dataclass

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamc.mechanics.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
 from lamc.mechanics.kinematics import Kinematics
-from lamc.mechanics.staging import Scalar
-from lamc.mechanism.records import Array
 from lamc.mechanism.tree import WORLD, Link
 from lamc.mechanism.turns import ROUND_OFF
+from lamc.records.mechanism import Array
+from lamc.symbolic.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
+from lamc.symbolic.staging import Scalar
 
 if TYPE_CHECKING:
     from lamc.mechanics.moving_base import MovingBase

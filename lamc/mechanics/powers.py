@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.algebra import ZERO, Vector3, add, cross, dot, scale
-from lamc.mechanics.derivative import derivatives
 from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
-from lamc.mechanics.staging import Scalar, Value
 from lamc.mechanism.tree import WORLD
+from lamc.symbolic.algebra import ZERO, Vector3, add, cross, dot, scale
+from lamc.symbolic.derivative import derivatives
+from lamc.symbolic.staging import Scalar, Value
 
 if TYPE_CHECKING:
     from lamc.mechanics.kinematics import Motion

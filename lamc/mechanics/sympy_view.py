@@ -12,10 +12,11 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import UndefinedFunction
 
-from lamc.errors import ExpressionError
-from lamc.mechanics.functions import FUNCTIONS
-from lamc.mechanics.piecewise import Piecewise
-from lamc.mechanics.staging import (
+from lamc.basics.errors import ExpressionError
+from lamc.basics.once import remembered
+from lamc.symbolic.functions import FUNCTIONS
+from lamc.symbolic.piecewise import Piecewise
+from lamc.symbolic.staging import (
     LEAVES,
     STAGED,
     TABLE,
@@ -27,7 +28,6 @@ from lamc.mechanics.staging import (
     power,
     table_place,
 )
-from lamc.once import remembered
 
 # sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
 _CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}

@@ -1,1 +1,1 @@
-"""Bodies, joints, their file formats, and the spanning tree."""
+"""The spanning tree of a mechanism, and the frames of its hinges."""

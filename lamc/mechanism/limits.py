@@ -5,7 +5,7 @@ In: a mechanism and angles by joint name. Out: what lies outside, in words. Neve
 
 from collections.abc import Mapping
 
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 
 # rad: a start on its limit counts as inside, also where closing a loop has rounded it.
 ROUNDING = 1e-9

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.mechanism.network import loose_ends
-from lamc.mechanism.records import FREE_LIMITS, Array, Body, Joint, Mechanism
 from lamc.mechanism.turns import ROUND_OFF, constant_turns, snap
+from lamc.records.mechanism import FREE_LIMITS, Array, Body, Joint, Mechanism
+from lamc.records.network import loose_ends
 
 # An origin is slid along its hinge at most this many mechanism sizes: nearly parallel lines meet far away, and a
 # long lever would cost digits (errors grow with the square of the offset).

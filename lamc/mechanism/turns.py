@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 # Relative size under which a geometric number is round-off of a zero: a few hundred ulps, far below any drawing.
 ROUND_OFF = 1e-13

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.mechanism.records import Body
+from lamc.records.mechanism import Body
 from lamc.reference.curves import Curve, still
 from lamc.reference.jets import jet
 from lamc.reference.kinematics import Array, rodrigues, skew

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Joint
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Joint
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import cross
 from lamc.reference.point_loads import Place, Push

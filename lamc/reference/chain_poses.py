@@ -15,7 +15,7 @@ import numpy as np
 
 from lamc.mechanics.compliant_hinge import CompliantHinge
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanism.records import Body
+from lamc.records.mechanism import Body
 from lamc.reference.base_pose import base_pose
 from lamc.reference.curves import Amount, Curve, about, slide, turn
 from lamc.reference.kinematics import Array, Link

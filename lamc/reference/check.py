@@ -10,10 +10,9 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from lamc.codegen.program import Program
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.records.mechanism import Mechanism
 from lamc.reference.check_general import check_general
 from lamc.reference.check_loops import closures, cut_hinges, unchecked_turns
 from lamc.reference.check_motion import Budget, Progress, motions
@@ -25,6 +24,7 @@ from lamc.reference.interpreter import Interpreter
 from lamc.reference.loads import told_apart
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
+from lamc.symbolic.program import Program
 
 Array = npt.NDArray[np.float64]
 

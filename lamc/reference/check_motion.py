@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import SimulationError
+from lamc.basics.errors import SimulationError
 from lamc.reference.check_report import Comparison, Largest
 from lamc.reference.closing import nudged, on_closure
 from lamc.reference.integrate import Acceleration, EndOfRun, Run, simulate

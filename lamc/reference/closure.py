@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.kinematics import Array, Link, Motion, cross, skew
 
 ROWS = 5  # equations of one hinge

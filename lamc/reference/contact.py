@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.effects.contact_points import contact_points
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 from lamc.reference.point_loads import Place, Push
 
 Array = npt.NDArray[np.float64]

@@ -10,8 +10,8 @@ import math
 import operator
 from collections.abc import Callable, Mapping
 
-from lamc.errors import ExpressionError
-from lamc.reference.operations import SCALAR
+from lamc.basics.errors import ExpressionError
+from lamc.symbolic.operations import SCALAR
 
 Values = Mapping[str, float]
 Formula = Callable[[Values], float]

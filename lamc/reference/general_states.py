@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 from lamc.reference.closing import CLOSED, WELL_CONDITIONED, State, random_states
 from lamc.reference.constrained import split
 from lamc.reference.kinematics import Array

@@ -13,8 +13,8 @@ from numpy.polynomial import polynomial
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.expression import Formula, Values, parse
 
 STANDARD_GRAVITY = 9.81  # m/s², as the text of stops says that weight is counted

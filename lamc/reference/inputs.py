@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from lamc.effects.torque import Torque
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z]\w*", re.ASCII)
 

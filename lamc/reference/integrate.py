@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 
-from lamc.errors import DesignError, SimulationError
-from lamc.mechanism.records import Mechanism
+from lamc.basics.errors import DesignError, SimulationError
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.reference.inputs import told
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
-from lamc.scene import Scene
 
 Array = npt.NDArray[np.float64]
 Acceleration = Callable[[Array, Array, float], Array]

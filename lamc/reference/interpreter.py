@@ -9,11 +9,11 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from lamc.codegen.program import Program, Space
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.reference.constrained import constrained
-from lamc.reference.listing import listing_of, run
-from lamc.reference.operations import BATCHED, SCALAR, lookups
+from lamc.symbolic.listing import listing_of, run
+from lamc.symbolic.operations import BATCHED, SCALAR, lookups
+from lamc.symbolic.program import Program, Space
 
 Array = npt.NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lamc.errors import UnsupportedError
+from lamc.basics.errors import UnsupportedError
 from lamc.reference.expression import NUMBERS, parse
 
 # f, f', f''

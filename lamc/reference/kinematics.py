@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import TopologyError, UnsupportedError
-from lamc.mechanism.records import Body, Joint, Mechanism
+from lamc.basics.errors import TopologyError, UnsupportedError
+from lamc.records.mechanism import Body, Joint, Mechanism
 
 Array = npt.NDArray[np.float64]
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanism.records import Body, Mechanism
 from lamc.mechanism.tree import plan
+from lamc.records.mechanism import Body, Mechanism
 from lamc.reference.chain_poses import Chain, Placed
 from lamc.reference.closure import perpendicular
 from lamc.reference.constrained import constrained

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import DesignError, UnsupportedError
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.basics.errors import DesignError, UnsupportedError
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference import hinge_laws
 from lamc.reference.bender import folding_bender, pushing_bender
 from lamc.reference.contact import ground

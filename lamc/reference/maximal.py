@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.closure import Closure, perpendicular
 from lamc.reference.constrained import constrained
 from lamc.reference.kinematics import Array, Motion, cross, motion, skew, walk

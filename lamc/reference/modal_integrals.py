@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanism.records import Mechanism
 from lamc.mechanism.tree import plan
+from lamc.records.mechanism import Mechanism
 from lamc.reference.check_report import Comparison, Largest
 from lamc.reference.kinematics import Array
 from lamc.reference.plate_elements import ReferenceElement
 from lamc.reference.plate_layout import CORNERS, Layout
 
 if TYPE_CHECKING:
-    from lamc.plate.answers.reduction import Reduction
-    from lamc.plate.laminates.laminate import Laminate
+    from lamc.plates.answers.reduction import Reduction
+    from lamc.plates.laminates.laminate import Laminate
 
 _ENTRIES = np.triu_indices(3)
 LIMIT = 1e-12  # of sums in which nothing cancels

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.closure import Closure, ClosureState
 from lamc.reference.constrained import constrained
 from lamc.reference.jets import jet

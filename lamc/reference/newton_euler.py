@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 from lamc.reference.closure import Closure
 from lamc.reference.constrained import constrained, split
 from lamc.reference.kinematics import Array, Motion, cross, motion, walk

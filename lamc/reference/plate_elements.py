@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.reference.plate_bending import BendingShapes, frame
 from lamc.reference.plate_layout import layout
 from lamc.reference.plate_shapes import Numbers, membrane_polynomials, square_rule, triangle_rule

@@ -6,7 +6,7 @@ In: "dkt", "cst", "dkt+cst", … Out: nodes and unknowns in order. Never: shape 
 from dataclasses import dataclass
 from fractions import Fraction
 
-from lamc.errors import UnsupportedError
+from lamc.basics.errors import UnsupportedError
 
 Point = tuple[Fraction, Fraction]
 CORNERS: dict[str, tuple[Point, ...]] = {

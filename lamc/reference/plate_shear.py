@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lamc.errors import UnsupportedError
+from lamc.basics.errors import UnsupportedError
 from lamc.reference.plate_bending import frame
 from lamc.reference.plate_shapes import Numbers, membrane_polynomials, triangle_rule
 

@@ -11,8 +11,8 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Mechanism
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Mechanism
 from lamc.reference.kinematics import Link, Motion, cross
 
 Array = npt.NDArray[np.float64]

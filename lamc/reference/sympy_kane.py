@@ -19,8 +19,8 @@ from sympy.physics.mechanics import (
     inertia,
 )
 
-from lamc.errors import UnsupportedError
-from lamc.mechanism.records import Mechanism
+from lamc.basics.errors import UnsupportedError
+from lamc.records.mechanism import Mechanism
 from lamc.reference.kinematics import Array, Link, walk
 from lamc.reference.loads import NumericLoads, numeric_loads
 

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from lamc.errors import DesignError
-from lamc.mechanism.records import Mechanism
+from lamc.basics.errors import DesignError
+from lamc.records.mechanism import Mechanism
 from lamc.reference.point_loads import Place, Push
 
 Array = npt.NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Tables, texts and pictures for people. Nothing is computed from what they show."""

@@ -13,9 +13,9 @@ import matplotlib as mpl
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from lamc.errors import LamcError
-from lamc.files import replacing
-from lamc.mechanism.records import Array
+from lamc.basics.errors import LamcError
+from lamc.basics.files import replacing
+from lamc.records.mechanism import Array
 from lamc.report.folded import round_length
 from lamc.report.plan_view import length_text, shortened
 from lamc.report.raster import Pixels

@@ -12,8 +12,8 @@ import shapely
 from matplotlib.figure import Figure
 from shapely.geometry import Polygon
 
-from lamc.design.records import Line
-from lamc.mechanism.records import Body, Mechanism
+from lamc.records.design import Line
+from lamc.records.mechanism import Body, Mechanism
 from lamc.report.plan_view import fill, frame, label, shortened, thinned, view_of
 from lamc.report.style import body_colours, save
 

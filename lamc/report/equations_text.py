@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-from lamc._version import __version__
+from lamc.basics._version import __version__
 
 if TYPE_CHECKING:
     from lamc.mechanics.equations import Assignment, Equations

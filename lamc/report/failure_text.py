@@ -5,8 +5,8 @@ In: a `PlateFailure`. Out: text. Never: computes anything.
 
 import math
 
-from lamc.plate.answers.failure import PlateFailure
-from lamc.report.numbers import place_text
+from lamc.basics.numbers import place_text
+from lamc.plates.answers.failure import PlateFailure
 
 _NAMES = {"tsai-wu": "Tsai-Wu", "max-stress": "maximum stress"}
 

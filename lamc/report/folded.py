@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 from lamc.report.plan_view import length_text, shortened
 from lamc.report.raster import Pixels
 from lamc.report.stage import HINGE, Stage, stage_of

@@ -10,7 +10,7 @@ from lamc.report.plan_view import length_text
 from lamc.report.split_text import short_name, table
 
 if TYPE_CHECKING:
-    from lamc.plate.designs.hinges import MaterialHinge
+    from lamc.plates.designs.hinges import MaterialHinge
 
 
 def hinge_table(account: "Sequence[MaterialHinge]") -> str:

@@ -19,10 +19,10 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch, Rectangle
 
-from lamc.errors import LamcError
-from lamc.mechanism.checks import Array
-from lamc.plate.laminates.laminate import Laminate
-from lamc.plate.laminates.plies import Ply
+from lamc.basics.checks import Array
+from lamc.basics.errors import LamcError
+from lamc.plates.laminates.laminate import Laminate
+from lamc.plates.laminates.plies import Ply
 from lamc.report.plan_view import shortened
 from lamc.report.style import PALETTE, save
 

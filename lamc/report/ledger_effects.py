@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from lamc.basics.numbers import duration
 from lamc.ledger.records import Account, EffectRow, Ledger
 from lamc.ledger.verdict import percent, power
 from lamc.report.plan_view import shortened
-from lamc.report.run_text import duration
 
 GRID = "#E3E3E3"
 _DOUBT = "#777777"

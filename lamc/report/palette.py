@@ -3,7 +3,7 @@
 In: a mechanism. Out: colours as "#rrggbb". Never: draws.
 """
 
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
 
 # Okabe and Ito's palette, which readers of all kinds of colour vision can tell apart; grey is for the world.
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442")

@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 _LARGEST_FONT, _SMALLEST_FONT = 9.0, 4.5  # pt; labels that would be smaller are left out
 _FINEST = 1 / 3000  # of the drawing's size: detail below it is not drawn

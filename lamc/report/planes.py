@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lamc.effects.base import PlaneMark
-from lamc.mechanism.records import Array
+from lamc.mechanics.effect import PlaneMark
+from lamc.records.mechanism import Array
 from lamc.report.raster import Camera, Canvas
 
 SHEET, SHADOW, GRID = (236, 239, 243), (208, 213, 221), (198, 204, 213)

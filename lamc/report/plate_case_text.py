@@ -7,11 +7,11 @@ import math
 
 import numpy as np
 
-from lamc.plate.answers.corner_fields import Extreme
-from lamc.plate.answers.estimate import ErrorEstimate
-from lamc.plate.answers.hinge_turns import HingeTurn
+from lamc.basics.numbers import place_text, prefixed, shown_number
+from lamc.plates.answers.corner_fields import Extreme
+from lamc.plates.answers.estimate import ErrorEstimate
+from lamc.plates.answers.hinge_turns import HingeTurn
 from lamc.report.failure_text import failure_text
-from lamc.report.numbers import place_text, prefixed, shown_number
 from lamc.report.plan_view import shortened
 from lamc.report.plate_marks import load_text, vector_text
 from lamc.report.plate_records import CaseReport, Halved

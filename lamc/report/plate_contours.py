@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from lamc.mechanism.checks import Array
-from lamc.plate.meshing.mesh import Mesh
-from lamc.report.numbers import prefixed
+from lamc.basics.checks import Array
+from lamc.basics.numbers import prefixed
+from lamc.plates.meshing.mesh import Mesh
 from lamc.report.plate_marks import Scale, draw_outline
 from lamc.report.plate_solid import ONE_SIGN, colours_of, split
 

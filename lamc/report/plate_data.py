@@ -5,9 +5,9 @@ In: a `PlateReport`. Out: numbers, strings, lists and maps. Never: files.
 
 from typing import Any
 
-from lamc.plate.answers.failure import PlateFailure
-from lamc.plate.answers.modes import Modes
-from lamc.plate.laminates.laminate import Laminate
+from lamc.plates.answers.failure import PlateFailure
+from lamc.plates.answers.modes import Modes
+from lamc.plates.laminates.laminate import Laminate
 from lamc.report.plate_records import MODES, CaseReport, PlateReport, ShapeReport, buckling_key
 from lamc.report.plate_text import angles, by_region
 

@@ -15,8 +15,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from shapely.geometry.base import BaseGeometry
 
-from lamc.mechanism.checks import Array
-from lamc.plate.loads import (
+from lamc.basics.checks import Array
+from lamc.basics.numbers import shown_number
+from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
     ElectricField,
@@ -28,10 +29,9 @@ from lamc.plate.loads import (
     Pressure,
     Temperature,
 )
-from lamc.plate.meshing.mesh import Mesh
-from lamc.plate.problem import Problem
-from lamc.plate.supports import Clamped, Hinged, SimplySupported, Symmetry
-from lamc.report.numbers import shown_number
+from lamc.plates.meshing.mesh import Mesh
+from lamc.plates.problem import Problem
+from lamc.plates.supports import Clamped, Hinged, SimplySupported, Symmetry
 from lamc.report.plan_view import shortened
 
 INK = "#202020"

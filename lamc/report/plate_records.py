@@ -6,19 +6,19 @@ In: values that were computed. Out: the same, together. Never: text, files.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from lamc.errors import LamcError
-from lamc.mechanism.checks import Array
+from lamc.basics.checks import Array
+from lamc.basics.errors import LamcError
 from lamc.pipeline import Times
-from lamc.plate.answers.buckling import Buckling
-from lamc.plate.answers.convergence import QuantityError
-from lamc.plate.answers.corner_fields import CornerFields, Extreme
-from lamc.plate.answers.estimate import ErrorEstimate
-from lamc.plate.answers.failure import PlateFailure
-from lamc.plate.answers.modes import Modes
-from lamc.plate.answers.shape_pairs import ShapePair
-from lamc.plate.files.problem_records import Output, PlateFile
-from lamc.plate.problem import Problem
-from lamc.plate.solving.solution import Solution
+from lamc.plates.answers.buckling import Buckling
+from lamc.plates.answers.convergence import QuantityError
+from lamc.plates.answers.corner_fields import CornerFields, Extreme
+from lamc.plates.answers.estimate import ErrorEstimate
+from lamc.plates.answers.failure import PlateFailure
+from lamc.plates.answers.modes import Modes
+from lamc.plates.answers.shape_pairs import ShapePair
+from lamc.plates.problem import Problem
+from lamc.plates.solving.solution import Solution
+from lamc.readers.plates.problem_records import Output, PlateFile
 
 
 @dataclass(frozen=True)

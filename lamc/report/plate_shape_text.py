@@ -3,9 +3,9 @@
 In: a `PlateReport`. Out: rows of a label and a text. It measures nothing and prints nothing.
 """
 
-from lamc.plate.answers.shape_errors import TOLD
-from lamc.plate.answers.shape_pairs import ShapePair
-from lamc.report.numbers import shown_number
+from lamc.basics.numbers import shown_number
+from lamc.plates.answers.shape_errors import TOLD
+from lamc.plates.answers.shape_pairs import ShapePair
 from lamc.report.plate_records import MODES, PlateReport, ShapeReport, buckling_key
 
 

@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import CenteredNorm, Normalize
 
-from lamc.mechanism.checks import Array
-from lamc.plate.meshing.mesh import Mesh
+from lamc.basics.checks import Array
+from lamc.plates.meshing.mesh import Mesh
 from lamc.report.plate_marks import INK
 
 ONE_SIGN, TWO_SIGNS = "viridis", "PuOr"

@@ -8,18 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
+from lamc.basics.numbers import duration, place_text, prefixed, shown_number
 from lamc.pipeline import Times
-from lamc.plate.laminates.laminate import Laminate
-from lamc.plate.meshing.mesh import Mesh
-from lamc.plate.meshing.report import corner_angles
-from lamc.plate.problem import Problem
-from lamc.plate.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
-from lamc.report.numbers import place_text, prefixed, shown_number
+from lamc.plates.laminates.laminate import Laminate
+from lamc.plates.meshing.mesh import Mesh
+from lamc.plates.meshing.report import corner_angles
+from lamc.plates.problem import Problem
+from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
 from lamc.report.plan_view import shortened
 from lamc.report.plate_case_text import case_rows
 from lamc.report.plate_records import PlateReport
 from lamc.report.plate_shape_text import shape_rows
-from lamc.report.run_text import duration
 from lamc.report.split_text import table
 
 _NAMES = 6  # names in a list before it is cut

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
 
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 
 Pixels = npt.NDArray[np.uint8]
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lamc.basics.numbers import duration
 from lamc.effects.registry import Choice
 from lamc.mechanism.limits import outside_limits
 from lamc.pipeline import Times
@@ -204,14 +205,6 @@ def _times(times: Times) -> str:
     if "compile" in kept:
         kept.remove("load from cache")  # it looked, and found nothing
     return ", ".join(f"{told.get(name, name)} {duration(times.seconds[name])}" for name in kept)
-
-
-def duration(seconds: float) -> str:
-    """A time in the unit that suits it."""
-    for scale, unit in ((86400.0, "d"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
-        if seconds >= scale:
-            return f"{seconds / scale:.3g} {unit}"
-    return f"{seconds * 1e9:.3g} ns"
 
 
 def books_lines(result: Result) -> list[str]:

@@ -14,7 +14,7 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from lamc.mechanism.records import Array, Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Array, Body, Joint, Mechanism, Plate
 
 _FINEST = 1 / 2500  # of the device's size: detail and gaps below it are not drawn
 _SHARP = np.cos(np.radians(25.0))  # corners turned by less carry no upright edge

@@ -22,11 +22,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from shapely.geometry import MultiPolygon, Polygon
 
+from lamc.basics.errors import LamcError
+from lamc.basics.files import replacing
 from lamc.design.cutting import SLIT, material_size
 from lamc.design.steps import SplitBody, SplitSteps
-from lamc.errors import LamcError
-from lamc.files import replacing
-from lamc.mechanism.records import Array
+from lamc.records.mechanism import Array
 from lamc.report.plan_view import (
     View,
     fill,

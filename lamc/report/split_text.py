@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lamc.mechanism.records import Body, Joint, Mechanism
+from lamc.records.mechanism import Body, Joint, Mechanism
 
 _MASSES = ((1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "µg"))
 _LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))

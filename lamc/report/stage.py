@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPoint
 
-from lamc.effects.base import PlaneMark
-from lamc.mechanism.records import Array, Mechanism
+from lamc.mechanics.effect import PlaneMark
+from lamc.records.mechanism import Array, Mechanism
 from lamc.report.planes import Sheet
 from lamc.report.raster import Camera, Canvas, Pixels
 from lamc.report.solid import Lines, Solid, solid_of

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 
-from lamc.files import replacing
+from lamc.basics.files import replacing
 from lamc.report.palette import PALETTE as PALETTE
 from lamc.report.palette import WORLD as WORLD
 from lamc.report.palette import body_colours as body_colours

@@ -1,0 +1,1 @@
+"""Simulators, their runs and results."""

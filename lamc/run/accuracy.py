@@ -20,14 +20,14 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import RequestError
+from lamc.basics.errors import RequestError
+from lamc.records.scene import Scene
 from lamc.run.accuracy_record import Accuracy, Rung
 from lamc.run.model import Motion
 from lamc.run.outputs_error import common_rows, output_errors
 from lamc.run.probe import Choice, choose
 from lamc.run.request import MIN_RTOL, Array, Request, Status, finite
 from lamc.run.result import Result
-from lamc.scene import Scene
 
 Rows = npt.NDArray[np.bool_]
 Run = Callable[[str, Request], tuple[Result, float]]  # and what it took, in evaluations

@@ -9,11 +9,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import RequestError, about
-from lamc.mechanism.checks import shown
+from lamc.basics.checks import shown
+from lamc.basics.errors import RequestError, about
+from lamc.records.scene import Scene
 from lamc.run.model import Model
 from lamc.run.request import Array, did_you_mean, finite
-from lamc.scene import Scene
 
 
 def states(

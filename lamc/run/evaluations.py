@@ -9,12 +9,12 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from lamc.codegen.program import Coordinate
-from lamc.errors import RequestError
-from lamc.once import lazy
+from lamc.basics.errors import RequestError
+from lamc.basics.once import lazy
 from lamc.run.arguments import numbers, states
 from lamc.run.model import Model, Motion, Unchanging
 from lamc.run.request import Array
+from lamc.symbolic.program import Coordinate
 
 NO_PARAMETERS: Mapping[str, float] = MappingProxyType({})
 

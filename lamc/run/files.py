@@ -14,12 +14,12 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from lamc.files import replacing
+from lamc.basics.files import replacing
 from lamc.run.request import Array
 
 if TYPE_CHECKING:
-    from lamc.codegen.program import Coordinate
     from lamc.run.result import Result
+    from lamc.symbolic.program import Coordinate
 
 
 def columns(result: "Result") -> dict[str, Array]:

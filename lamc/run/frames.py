@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamc.errors import LamcError
+from lamc.basics.errors import LamcError
 from lamc.run.files import columns, others
 
 if TYPE_CHECKING:

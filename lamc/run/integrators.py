@@ -1,7 +1,7 @@
 """The integrators by name. In: a name, a `Motion`, a `Request`. Out: the name that was used and a
 `Trajectory`."""
 
-from lamc.errors import RequestError
+from lamc.basics.errors import RequestError
 from lamc.run import native
 from lamc.run.model import Motion
 from lamc.run.request import Request, Trajectory, did_you_mean

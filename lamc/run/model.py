@@ -10,11 +10,11 @@ from typing import Any, NoReturn, Protocol, Self
 
 import numpy as np
 
-from lamc.codegen.program import Coordinate
-from lamc.errors import UnsupportedError
+from lamc.basics.errors import UnsupportedError
 from lamc.run.opened import Opened, OpenedPool
 from lamc.run.parameters import checked_parameters
 from lamc.run.request import Array
+from lamc.symbolic.program import Coordinate
 
 
 class CompiledModule(Protocol):

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.errors import SimulationError
+from lamc.basics.errors import SimulationError
 from lamc.run.model import Model, Motion
 from lamc.run.request import Array, Request, Status, Trajectory
 

@@ -8,11 +8,11 @@ In: names and points, and a mechanism or a result. Out: an error for what means 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from lamc.errors import DesignError, about
-from lamc.mechanism.checks import did_you_mean
+from lamc.basics.checks import did_you_mean
+from lamc.basics.errors import DesignError, about
+from lamc.records.scene import OutputPoint, Scene
 from lamc.run.request import Array
 from lamc.run.result import Result
-from lamc.scene import OutputPoint, Scene
 
 _AXES = ("x", "y", "z")
 

@@ -5,10 +5,10 @@ In: `Result`s whose rows lie at the same times. Out: relative errors by output. 
 
 import numpy as np
 
+from lamc.records.scene import Scene
 from lamc.run.outputs import Output, outputs_of, shared_ranges
 from lamc.run.request import Array
 from lamc.run.result import Result
-from lamc.scene import Scene
 
 
 def compared_outputs(result: Result, scene: Scene) -> tuple[Output, ...]:

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lamc.errors import DesignError, RequestError
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, RequestError
 from lamc.mechanics.compliant_hinge import CROSS_FREEDOMS
-from lamc.mechanism.checks import shown
-from lamc.mechanism.records import Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
 from lamc.run.request import did_you_mean, finite
 
 

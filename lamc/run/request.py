@@ -13,8 +13,8 @@ from enum import IntEnum
 import numpy as np
 import numpy.typing as npt
 
-from lamc.errors import RequestError
-from lamc.mechanism.checks import shown
+from lamc.basics.checks import shown
+from lamc.basics.errors import RequestError
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[float, float], None]

@@ -14,24 +14,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from lamc.codegen.program import Coordinate
-from lamc.errors import RequestError
-from lamc.files import checked_path
-from lamc.mechanism.records import Mechanism
-from lamc.once import lazy
+from lamc.basics.errors import RequestError
+from lamc.basics.files import checked_path
+from lamc.basics.once import lazy
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import OutputPoint
 from lamc.run import doubts, files, frames
 from lamc.run.accuracy_record import Accuracy
 from lamc.run.books import IMPACTS, Books, Kept, books_of
 from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
-from lamc.scene import OutputPoint
+from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from lamc.effects.base import PlaneMark
+    from lamc.mechanics.effect import PlaneMark
 
 
 @dataclass(frozen=True, eq=False)

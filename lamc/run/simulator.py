@@ -13,19 +13,20 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lamc._version import __version__
-from lamc.effects.base import PlaneMark, marks_of, notes_of
-from lamc.errors import RequestError
+from lamc.basics._version import __version__
+from lamc.basics.errors import RequestError
+from lamc.basics.once import lazy
+from lamc.basics.places import told_at
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
 from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
-from lamc.mechanism.records import Mechanism
+from lamc.mechanics.effect import PlaneMark, marks_of, notes_of
 from lamc.mechanism.tree import plan
-from lamc.once import lazy
-from lamc.places import told_at
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import OutputPoint, Scene
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate, drawn_start
@@ -39,7 +40,6 @@ from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.start_checks import check_driven, check_poses, check_start, refuse_branch
-from lamc.scene import OutputPoint, Scene
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.errors import DesignError, about
 from lamc.effects.drives import check_drives
-from lamc.errors import DesignError, about
-from lamc.mechanism.records import Mechanism
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.model import Motion
 from lamc.run.request import Array
-from lamc.scene import Scene
 
 
 def refuse_branch(scene: Scene) -> None:

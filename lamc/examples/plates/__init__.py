@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from lamc import examples
-from lamc.errors import DesignError
+from lamc.basics.errors import DesignError
 from lamc.examples import Example, first_line
 from lamc.run.request import did_you_mean
 

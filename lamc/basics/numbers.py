@@ -1,0 +1,43 @@
+"""Numbers with units, for people.
+
+In: a value in SI and its unit. Out: text, or a scale and a unit with a prefix. It rounds, so nothing is computed from
+what it gives.
+"""
+
+import math
+
+_PREFIXES = (
+    *((1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, "")),
+    *((1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p")),
+)
+_LENGTHS = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
+_UNPREFIXED = ("", "1/m", "rad", "°")
+
+
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """Scale and unit in which numbers up to `largest` read well: value / scale is in the unit."""
+    size = abs(largest)
+    if not math.isfinite(size) or size == 0.0 or unit in _UNPREFIXED:
+        return 1.0, unit
+    choices = _LENGTHS if unit == "m" else tuple((scale, prefix + unit) for scale, prefix in _PREFIXES)
+    return next(((scale, name) for scale, name in choices if size >= scale * (1.0 - 1e-9)), choices[-1])
+
+
+def shown_number(value: float, unit: str, digits: int = 5) -> str:
+    """A value with its unit and the prefix that suits it."""
+    scale, name = prefixed(value, unit)
+    return f"{value / scale:.{digits}g} {name}".rstrip()
+
+
+def place_text(at: tuple[float, float], size: float) -> str:
+    """(x, y) in the unit that suits a plate of `size` m."""
+    scale, unit = prefixed(size, "m")
+    return f"({', '.join(f'{round(c / scale, 4) + 0.0:.5g}' for c in at)}) {unit}"
+
+
+def duration(seconds: float) -> str:
+    """A time in the unit that suits it."""
+    for scale, unit in ((86400.0, "d"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if seconds >= scale:
+            return f"{seconds / scale:.3g} {unit}"
+    return f"{seconds * 1e9:.3g} ns"

@@ -1,0 +1,231 @@
+"""`lower`: from Equations to a Program of straight-line functions.
+
+Goes in: staged equations. Comes out: `setup`, which computes once what depends on parameters only, and the functions
+that run at every step and read what it left. No sympy, no text, no file.
+"""
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from types import MappingProxyType
+
+from lamc.codegen.lowering import Lowering, canonical
+from lamc.mechanics.equations import Equations
+from lamc.mechanics.linearise import linearise
+from lamc.symbolic.allocation import collector_paused
+from lamc.symbolic.piecewise import Piecewise
+from lamc.symbolic.program import Function, Guard, Program, Space
+from lamc.symbolic.staging import TABLE, Level, Scalar, Store, Value, table_place
+
+INPUT = "from outside"
+_STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
+
+# name, purpose, what it reads; the outputs come from the equations
+ACCELERATION = ("acceleration", "accelerations of the joints, rad/s^2", _STATE)
+RATES = ("rates", "derivatives of the coordinates by time", (Space.CONSTANT, Space.ANGLE, Space.RATE))
+ENERGY = ("energy", "energies by effect, J; kinetic first", _STATE)
+POSES = (
+    "poses",
+    "per moving body: centre of mass (3), m, and rotation (9, by rows), world axes",
+    (Space.CONSTANT, Space.TIME, Space.ANGLE),
+)
+
+
+SYSTEM = ("system", "mass matrix, lower triangle by rows, then forces", _STATE)
+CLOSURE = (
+    "closure",
+    "residuals of the loops (m), m, then their Jacobian by rates (m, nu)",
+    (Space.CONSTANT, Space.ANGLE),
+)
+DYNAMICS = (
+    "dynamics",
+    "mass matrix and forces as system gives them, then Jacobian of the loops (m, nu) and their bias (m), m/s^2",
+    _STATE,
+)
+INERTIA = ("inertia", "mass matrix, lower triangle by rows", (Space.CONSTANT, Space.ANGLE))
+JACOBIAN = (
+    "jacobian",
+    "derivatives by q, u and t of M udot - f - J^T lambda, then of J udot + gamma",
+    (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
+)
+GUARDS = ("guards", "guards, then their rates", _STATE)
+IMPACTS = (
+    "impacts",
+    "restitutions of the guards, then derivatives of their rates by u",
+    (Space.CONSTANT, Space.TIME, Space.ANGLE),
+)
+POWER = ("power", "power of the loads of each effect, W", (*_STATE, Space.ACCELERATION))
+CUTS = (
+    "cuts",
+    "angles of the cut joints, rad, then their rates, rad/s",
+    (Space.CONSTANT, Space.ANGLE, Space.RATE),
+)
+
+
+@collector_paused
+def lower(equations: Equations, *, books: bool = False) -> Program:
+    """The program of `equations`; with the power of every effect where `books` are to be kept."""
+    store = equations.store
+    jobs = [
+        *_motion_jobs(equations),
+        (ENERGY, tuple(equations.energies.values())),
+        (POSES, equations.poses),
+        *_event_jobs(equations),
+        *([(POWER, tuple(equations.powers.values()))] if books else []),
+    ]
+    modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
+    constants: dict[int, int] = {
+        mode.index: k for k, mode in enumerate(modes)
+    }  # node → slot; modes first, zero at first
+    functions = [
+        Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
+        for (name, purpose, reads), outputs in jobs
+    ]
+    setup = Lowering(store, Level.NUMBER, {}).function(
+        "setup",
+        "everything that depends on parameters only; once per change of parameters",
+        (Space.PARAMETER,),
+        [0 if slot < len(modes) else Value(store, index, 1) for index, slot in constants.items()],
+    )
+    program = Program(
+        name=equations.tree.mechanism.name,
+        joints=equations.joints,
+        coordinates=equations.coordinates,
+        rates=equations.rates,
+        bodies=equations.bodies,
+        parameters=equations.parameters,
+        constant_count=len(constants),
+        energies=tuple(equations.energies),
+        cuts=equations.cut_joints,
+        watched=equations.watched_cuts,
+        closure_count=len(equations.closure.residual) if equations.closure else 0,
+        guards=tuple(
+            Guard(g.name, constants[g.mode.index] if g.mode is not None else -1)
+            for g in (terms.guard for terms in equations.guards)
+        ),
+        drawn=_drawn(equations),
+        powers=tuple(equations.powers) if books else (),
+        jacobian_cost=_jacobian_cost(functions),
+        rank=equations.loops.closure_rank,
+        tolerance=equations.loops.accepted_gap,
+        size=equations.tree.mechanism.size,
+        functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
+        notes=(_solver_note(equations),),
+        tables=MappingProxyType(_tables(store, (setup, *functions))),
+    )
+    return _with_digest(program)
+
+
+def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    """What moves the mechanism: accelerations, or what the runtime solves them from."""
+    closure, flow = equations.closure, equations.coordinate_rates
+    rates = [] if flow is None else [(RATES, flow)]
+    if closure is None and equations.is_plain:
+        return [*rates, (ACCELERATION, equations.acceleration)]
+    lower_triangle = _lower_triangle(equations)
+    system = (SYSTEM, [*lower_triangle, *equations.forces])
+    if closure is None:
+        return [*rates, system]
+    jacobian = [value for row in closure.jacobian for value in row]
+    cuts = [hinge.angle for hinge in closure.hinges] + [hinge.rate for hinge in closure.hinges]
+    return [
+        *rates,
+        system,
+        (CLOSURE, [*closure.residual, *jacobian]),
+        (CUTS, cuts),
+        (DYNAMICS, [*lower_triangle, *equations.forces, *jacobian, *closure.bias]),
+    ]
+
+
+def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    """Derivatives for implicit integrators, guards, and what a tree's impacts and derivatives need besides."""
+    jobs: list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]] = []
+    linearisation = linearise(equations)
+    terms = equations.guards
+    impacts = any(t.guard.mode is None for t in terms)
+    if equations.closure is None and equations.is_plain and (impacts or linearisation is not None):
+        jobs.append((INERTIA, _lower_triangle(equations)))
+    if linearisation is not None:
+        rows = (*linearisation.entries, *linearisation.flow)
+        jobs.append((JACOBIAN, [value for row in rows for value in row]))
+    if terms:
+        jobs.append((GUARDS, [*(t.guard.value for t in terms), *(t.rate for t in terms)]))
+    if impacts:
+        nothing = (0,) * len(equations.rates)
+        restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]
+        jobs.append((IMPACTS, [*restitutions, *(v for t in terms for v in (t.gradient or nothing))]))
+    return jobs
+
+
+def _drawn(equations: Equations) -> tuple[float, ...]:
+    state = () if equations.arrangement is None else tuple(equations.arrangement.drawn.tolist())
+    return state if any(state) else ()
+
+
+def _lower_triangle(equations: Equations) -> list[Scalar]:
+    count = len(equations.rates)
+    return [equations.inertia.get((i, j), 0) for i in range(count) for j in range(i + 1)]
+
+
+def _tables(store: Store, functions: Sequence[Function]) -> dict[int, Piecewise]:
+    """The tables that the functions look up, by number; a look-up is a statement of its own."""
+    operations = {s.shape[0] for f in functions for s in f.statements if isinstance(s.shape, tuple)}
+    numbers = {table_place(o)[0] for o in operations if isinstance(o, str) and o.startswith(TABLE)}
+    return {number: store.tables[number] for number in sorted(numbers)}
+
+
+def _jacobian_cost(functions: Sequence[Function]) -> float:
+    """Operations of the Jacobian over those of an acceleration; library calls count ten."""
+    work = {f.name: f.operations.flops + 10 * f.operations.calls for f in functions}
+    once = work.get("acceleration", work.get("dynamics", work.get("system", 0)))
+    return round((work.get("jacobian", 0) + work.get("inertia", 0)) / max(once, 1), 2)
+
+
+def _solver_note(equations: Equations) -> str:
+    if equations.closure is not None:
+        rows = len(equations.closure.residual)
+        return f"{len(equations.cut_joints)} loops, held by {rows} closure equations; lamc's runtime solves with them."
+    if not equations.is_plain:
+        return f"Accelerations by {equations.solver}; lamc's runtime solves M udot = f."
+    flops = ", ".join(f"{way} {count}" for way, count in sorted(equations.solver_flops.items()))
+    return f"Accelerations by {equations.solver} (operations: {flops})."
+
+
+def _with_digest(program: Program) -> Program:
+    text = hashlib.sha256()
+    for part in _canonical(program):
+        text.update(part.encode())
+        text.update(b"\n")
+    fields = {name: getattr(program, name) for name in Program.__dataclass_fields__ if name != "digest"}
+    return Program(**fields, digest=text.hexdigest())
+
+
+def _canonical(program: Program) -> Iterable[str]:
+    """Every fact of the program as text, one line each, in a fixed order."""
+    yield repr(
+        (
+            program.name,
+            program.joints,
+            program.coordinates,
+            program.rates,
+            program.bodies,
+            program.energies,
+            program.constant_count,
+            program.notes,
+            program.cuts,
+            program.watched,
+            program.closure_count,
+            program.rank,
+            program.guards,
+            program.drawn,
+            program.powers,
+            program.jacobian_cost,
+            program.tolerance,
+            program.size,
+        )
+    )
+    for parameter in program.parameters:
+        yield f"{parameter!r} {INPUT}" if parameter.is_input else repr(parameter)
+    for number, table in program.tables.items():
+        yield f"{number} {table!r}"
+    for function in program.functions.values():
+        yield from canonical(function)

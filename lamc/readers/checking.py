@@ -1,0 +1,193 @@
+"""Validation of a file against a schema, with all problems at once and the place of each.
+
+In: nodes (from `inert`) and a pydantic model. Out: the validated model, or DesignErrors whose every line
+reads `file:line:column: path: message`. It knows no particular schema.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path as FilePath
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from lamc.basics.checks import did_you_mean as did_you_mean
+from lamc.basics.errors import DesignError, DesignErrors, LamcError, Place
+from lamc.readers.inert import STANDARD_TAGS, ListNode, MapNode, Node, ScalarNode, plain
+
+Path = tuple[str | int, ...]
+T = TypeVar("T")
+M = TypeVar("M", bound=BaseModel)
+
+_SHOWN_PROBLEMS = 50
+_PLAIN_WORDS = {  # pydantic speaks of Python's types; people who write files know lists and maps
+    "tuple_type": "a list of values is expected here",
+    "list_type": "a list of values is expected here",
+    "dict_type": "a map of keys and values is expected here",
+    "model_type": "a map of keys and values is expected here",
+    "string_type": "a text is expected here",
+    "bool_type": "true or false is expected here",
+    "bool_parsing": "true or false is expected here",
+}
+
+
+class Problems:
+    """Collects the problems of one file, so that a reader can go on after the first."""
+
+    def __init__(self, root: Node) -> None:
+        self._root = root
+        self._found: list[DesignError] = []
+
+    @property
+    def none(self) -> bool:
+        return not self._found
+
+    @property
+    def folder(self) -> FilePath | None:
+        """Where the file lies, from which it counts the names of other files; None for text that has no file."""
+        file = self._root.place.file
+        return FilePath(file).parent if file else None
+
+    def place(self, path: Path) -> Place:
+        """The place of what stands at `path`, or of the nearest thing around it."""
+        return node_at(self._root, path).place
+
+    def places(self, path: Path) -> Mapping[str, Place]:
+        """The places of the values of the map at `path`, by key; empty where no map is."""
+        node = node_at(self._root, path)
+        pairs = node.pairs if isinstance(node, MapNode) else ()
+        return {key.text: value.place for key, value in pairs if isinstance(key, ScalarNode)}
+
+    def add(self, path: Path, message: str, place: Place | None = None) -> None:
+        self._found.append(DesignError(f"{shown(path)}: {message}", place or self.place(path)))
+
+    def attempt(self, path: Path, make: Callable[[], T]) -> T | None:
+        """What `make` returns, or None after noting the DesignError that it raised."""
+        try:
+            return make()
+        except DesignErrors as errors:
+            self._found += errors.problems
+        except DesignError as error:
+            if error.place is not None:
+                self._found.append(error)
+            else:
+                self._found.append(type(error)(f"{shown(path)}: {error.message}", self.place(path)))
+        return None
+
+    def raise_if_any(self) -> None:
+        """Raises DesignErrors with what was found, ordered by place; nothing where all is well."""
+        found = sorted(self._found, key=lambda e: e.place or Place())
+        if len(found) > _SHOWN_PROBLEMS:
+            more = DesignError(f"… and {len(found) - _SHOWN_PROBLEMS} problems more", found[-1].place)
+            found = [*found[:_SHOWN_PROBLEMS], more]
+        if found:
+            raise DesignErrors(found)
+
+
+def validate(model: type[M], node: Node, context: Mapping[str, Any] | None = None) -> M:
+    """`node` as `model`. Raises DesignErrors with every problem."""
+    problems = Problems(node)
+    for tagged in _tagged(node):
+        problems.add(
+            (), f"the tag !{tagged.tag.lstrip('!')[:60]} has no meaning here; remove it", tagged.place
+        )
+    problems.raise_if_any()
+    if not isinstance(node, MapNode):
+        raise node.error(f"a {_kind(node)} stands where a map of keys and values is expected")
+    try:
+        return model.model_validate(plain(node), context=dict(context or {}))
+    except ValidationError as error:
+        for item in error.errors(include_url=False):
+            path: Path = tuple(item["loc"])
+            problems.add(path, _message(model, path, item), _place_of(node, path, item["type"]))
+    problems.raise_if_any()
+    raise LamcError("a validation failed without a problem")
+
+
+def node_at(root: Node, path: Path) -> Node:
+    """The node at `path`, or the innermost one on the way there."""
+    node = root
+    for step in path:
+        following = None
+        if isinstance(node, MapNode):
+            following = node.get(str(step))
+        elif isinstance(node, ListNode) and isinstance(step, int) and step < len(node.items):
+            following = node.items[step]
+        if following is None:
+            break
+        node = following
+    return node
+
+
+def shown(path: Path) -> str:
+    """`("layers", 0, "name")` as `layers[0].name`."""
+    text = ""
+    for step in path:
+        text += f"[{step}]" if isinstance(step, int) else f".{step}" if text else str(step)
+    return text or "the file"
+
+
+def _tagged(node: Node) -> Iterator[Node]:
+    """Nodes with a tag that a hand-written file has no use for; shared nodes are looked at once."""
+    seen: set[int] = set()
+    stack = [node]
+    while stack:
+        item = stack.pop()
+        if id(item) in seen:
+            continue
+        seen.add(id(item))
+        if item.tag not in STANDARD_TAGS:
+            yield item
+        if isinstance(item, ListNode):
+            stack.extend(reversed(item.items))
+        elif isinstance(item, MapNode):
+            stack.extend(n for pair in reversed(item.pairs) for n in reversed(pair))
+
+
+def _place_of(root: Node, path: Path, kind: str) -> Place:
+    """An unknown key is marked at the key, everything else at the value."""
+    if kind == "extra_forbidden":
+        parent = node_at(root, path[:-1])
+        if isinstance(parent, MapNode):
+            for key, _ in parent.pairs:
+                if isinstance(key, ScalarNode) and key.text == path[-1]:
+                    return key.place
+    return node_at(root, path).place
+
+
+def _message(model: type[BaseModel], path: Path, item: Any) -> str:
+    kind = item["type"]
+    if kind == "extra_forbidden":
+        known = sorted(_fields_at(model, path[:-1]))
+        return f"the key {str(path[-1])[:40]!r} is unknown; {did_you_mean(str(path[-1]), known)}"
+    if kind == "missing" and isinstance(path[-1], int):
+        return "a value is missing here"
+    if kind == "missing":
+        return "this key is missing, and it is required"
+    text = str(item["msg"]).removeprefix("Value error, ")
+    if kind == "lamc":
+        return text
+    text = _PLAIN_WORDS.get(kind, text)
+    given = repr(item["input"])
+    return f"{text[0].lower()}{text[1:]}, and it is {given if len(given) <= 40 else given[:39] + '…'}"
+
+
+def _fields_at(model: type[BaseModel], path: Path) -> list[str]:
+    """Names of the keys allowed at `path`."""
+    current: type[BaseModel] | None = model
+    for step in path:
+        if current is None or isinstance(step, int):
+            continue
+        field = next((f for n, f in current.model_fields.items() if step in (n, f.alias)), None)
+        current = _model_in(field.annotation) if field is not None else current
+    return [f.alias or n for n, f in current.model_fields.items()] if current is not None else []
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The model that an annotation such as `list[Layer] | None` speaks of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for found in map(_model_in, get_args(annotation)) if found is not None), None)
+
+
+def _kind(node: Node) -> str:
+    return {ListNode: "list", MapNode: "map"}.get(type(node), "single value")

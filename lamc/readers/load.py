@@ -1,0 +1,164 @@
+"""`load`: a file becomes a `Design` or a `Mechanism`, whichever of lamc's formats it holds.
+
+In: a path, or a text. Out: a record. The content decides which format it is, not the suffix. Nothing in a file is ever
+executed, and every failure is a LamcError with the place.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError
+from lamc.basics.files import read_bytes
+from lamc.readers import joints_file, popupcad
+from lamc.readers.inert import (
+    DEFAULT_LIMITS,
+    STANDARD_TAGS,
+    Limits,
+    ListNode,
+    MapNode,
+    Node,
+    Progress,
+    ScalarNode,
+    compose,
+)
+from lamc.readers.joint_definition import JointDefinition
+from lamc.readers.mechanism_file import read_mechanism
+from lamc.readers.native import read_design
+from lamc.readers.popupcad_beside import Beside
+from lamc.records.design import Design, Material
+from lamc.records.mechanism import Mechanism
+
+FORMATS = "a lamc design, a lamc mechanism, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+
+
+def load(
+    path: Path | str,
+    *,
+    materials: Mapping[str, Material] | None = None,
+    progress: Progress | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+) -> Design | Mechanism:
+    """The design or mechanism in the file at `path`.
+
+    materials  replace a popupCAD file's materials of the same name, whose moduli are often placeholders
+    progress   called now and then with a stage's name and the fraction of it that is done
+    limits     what the file may cost; a file beyond them is refused with the limit's name
+
+    Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
+    or impossible, and UnsupportedError for one that is well formed and beyond this version.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise DesignError(f"the path is {shown(path)}; it must be a string or a pathlib.Path")
+    if materials is not None and not isinstance(materials, Mapping):
+        raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
+    beside = Beside(Path(path), limits, _text)
+    return _read(file_text(path, limits), str(path), materials or {}, progress, limits, beside)
+
+
+def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
+    """The design or mechanism in a text that is in no file; messages call it `name`. Raises as `load` does."""
+    return _read(text, name, {}, None, limits, Beside())
+
+
+def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> JointDefinition | None:
+    """The joint definition in the file at `path`, layers and drawn lines included; None for another format.
+
+    For a file that `load` has read. Raises DesignError as `load` does.
+    """
+    node = compose(file_text(path, limits), str(path), limits=limits)
+    return joints_file.read_definition(node) if joints_file.is_joint_definition(node) else None
+
+
+def file_text(path: Path | str, limits: Limits = DEFAULT_LIMITS) -> str:
+    """The text of a file. Raises DesignError where there is none, or what it holds is no text."""
+    return _text(read_bytes(Path(path), limits.bytes), str(path))
+
+
+def _read(
+    text: str,
+    file: str,
+    materials: Mapping[str, Material],
+    progress: Progress | None,
+    limits: Limits,
+    beside: Beside,
+) -> Design | Mechanism:
+    try:
+        node = compose(text, file, limits=limits, progress=progress)
+        return _record(node, materials, progress, beside)
+    except LamcError:
+        raise
+    except RecursionError as error:
+        raise DesignError("the file nests too deeply to be read", Place(file)) from error
+
+
+def _record(
+    node: Node, materials: Mapping[str, Material], progress: Progress | None, beside: Beside
+) -> Design | Mechanism:
+    if progress is not None:
+        progress("checking", 0.0)
+    record: Design | Mechanism
+    if popupcad.is_design(node):
+        record = popupcad.read_design(node, materials, beside)
+    elif materials:
+        raise DesignError(
+            "materials can be replaced in popupCAD designs only; edit this file instead", node.place
+        )
+    elif joints_file.is_joint_definition(node):
+        record = joints_file.read_joints(node)
+    else:
+        record = _native(node)
+    if progress is not None:
+        progress("checking", 1.0)
+    return record
+
+
+def _native(node: Node) -> Design | Mechanism:
+    if node.tag not in STANDARD_TAGS:
+        raise UnsupportedError(f"the file holds a {node.class_name[:60]!r}; lamc reads {FORMATS}", node.place)
+    if not isinstance(node, MapNode):
+        found = "a list" if isinstance(node, ListNode) else "a single value"
+        raise DesignError(f"the file holds {found}; lamc reads {FORMATS}", node.place)
+    kind_node = node.get("kind")
+    kind: str | None = kind_node.text if isinstance(kind_node, ScalarNode) else None
+    if kind_node is None:
+        kind = "mechanism" if node.get("joints") is not None and node.get("layers") is None else "design"
+        if not any(node.get(key) is not None for key in ("layers", "shapes", "materials", "joints")):
+            if any(node.get(key) is not None for key in ("scene", "scenes", "effects", "angles")):
+                raise _scenes_alone(node)
+            raise DesignError(f"the file has neither layers nor joints; lamc reads {FORMATS}", node.place)
+    if kind == "design":
+        return read_design(node)
+    if kind == "mechanism":
+        return read_mechanism(node)
+    assert kind_node is not None
+    if kind == "scene":
+        raise _scenes_alone(node)
+    if kind == "plate":
+        raise DesignError(
+            "the file holds a plate problem, not a design; `lamc plate` solves it", kind_node.place
+        )
+    shown = repr(kind[:40]) if kind is not None else "this"
+    raise DesignError(f"kind: {shown} is unknown; it is 'design' or 'mechanism'", kind_node.place)
+
+
+def _scenes_alone(node: Node) -> DesignError:
+    return DesignError(
+        "the file holds scenes, not a design; name it beside one: lamc run DESIGN --scene FILE", node.place
+    )
+
+
+def _text(data: bytes, file: str) -> str:
+    """The bytes as text. Raises DesignError for what is not text, or holds nothing."""
+    if not data.strip():
+        raise DesignError(f"the file is empty; lamc reads {FORMATS}", Place(file))
+    encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise DesignError(
+            f"byte {error.start} is not text; lamc reads {FORMATS}", Place(file, line)
+        ) from error
+    return text

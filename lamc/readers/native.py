@@ -1,0 +1,279 @@
+"""Native design files: from a validated model to the `Design` record.
+
+In: nodes of a design file. Out: a Design, or DesignErrors with every problem of the file and its place.
+Checks here are those that need more than one entry (a layer's material exists) and geometry.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from itertools import groupby
+from pathlib import PurePath
+
+import shapely
+from shapely.geometry import MultiPolygon, Point, Polygon
+
+from lamc.basics.errors import DesignError
+from lamc.basics.units import length_unit
+from lamc.design import shapes
+from lamc.design.work import MOST_LAYERS, check_outlines
+from lamc.readers.checking import Path, Problems, did_you_mean, validate
+from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
+from lamc.readers.inert import MapNode, Node, ScalarNode
+from lamc.readers.scene_file import read_scenes
+from lamc.readers.schema import DesignModel, HingeModel, LayerModel, NamedBodyModel, OutlineModel, ShapeModel
+from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Material, Places
+from lamc.records.mechanism import checked_name
+
+
+def read_design(node: Node) -> Design:
+    """The design in `node`. Raises DesignErrors with every problem."""
+    unit = length_unit_of(node)
+    model = validate(DesignModel, node, {LENGTH_UNIT: unit})
+    return _Reader(model, Problems(node), node.place.file, unit).design()
+
+
+def length_unit_of(node: Node) -> str | None:
+    """The file's `units`, needed before anything else is read; None (metres) where it says nothing usable."""
+    unit = node.get("units") if isinstance(node, MapNode) else None
+    if not isinstance(unit, ScalarNode):
+        return None
+    try:
+        return length_unit(unit.text)
+    except DesignError:
+        return None  # the schema says so, once; every length of the file need not
+
+
+class _Reader:
+    """One design file on its way to a record; every step adds to `problems` and goes on."""
+
+    def __init__(self, model: DesignModel, problems: Problems, file: str, length_unit: str | None) -> None:
+        self.model = model
+        self.problems = problems
+        self.file = file
+        self.length_unit = length_unit
+        self.layer_names = [layer.name for layer in model.layers]
+
+    def design(self) -> Design:
+        model, problems = self.model, self.problems
+        name = model.name or PurePath(self.file).stem or "design"
+        problems.attempt(("name",), lambda: checked_name(name, "the design"))
+        self._check_names()
+        geometry = self._draw()
+        fixed = self._fixed()
+        found = [self._hinge(i, hinge) for i, hinge in enumerate(model.hinges)]
+        hinges = tuple(hinge for hinge in found if hinge is not None)
+        names = tuple(self._body_name(name, body) for name, body in model.bodies.items())
+        scene, scenes = read_scenes(model.scene, model.scenes, problems, self.length_unit)
+        problems.raise_if_any()
+        materials = {
+            name: Material(
+                name, m.density, m.E1, m.E2, m.poisson, m.rigid, m.flexible, m.adhesive, m.conductive, m.G12
+            )
+            for name, m in model.materials.items()
+        }
+        layers = tuple(
+            Layer(entry.name, materials[entry.material], entry.thickness, sheet, entry.angle)
+            for entry, sheet in zip(model.layers, geometry, strict=True)
+        )
+        source = PurePath(self.file).name
+        return Design(
+            name,
+            layers,
+            hinges,
+            tuple(fixed),
+            names,
+            scene,
+            source,
+            model.story.strip(),
+            self._places(),
+            scenes,
+            tuple(model.contact_points),
+        )
+
+    def _places(self) -> Places:
+        """The places that a message about the whole drawing may need."""
+        paths: list[Path] = [(), ("fixed",), ("hinges",)]
+        paths += [("layers", index) for index in range(len(self.layer_names))]
+        found = [(path, self.problems.place(path)) for path in paths]
+        bodies = self.problems.places(("bodies",))
+        return Places((*found, *((("bodies", name), bodies[name]) for name in self.model.bodies)))
+
+    def _check_names(self) -> None:
+        model, problems = self.model, self.problems
+        if len(model.layers) > MOST_LAYERS:
+            problems.add(
+                ("layers",),
+                f"the design has {len(model.layers)} layers; at most {MOST_LAYERS} are split: join neighbours of one "
+                "material",
+            )
+            problems.raise_if_any()  # every shape and hinge would be looked for in all of them
+        if not model.layers:
+            problems.add(("layers",), "the design has no layers; list at least one, from the bottom up")
+        if not model.shapes:
+            problems.add(("shapes",), "the design has no shapes; draw at least one")
+        for index, layer in enumerate(model.layers):
+            self._check_layer(index, layer)
+        for section, entries in (("materials", model.materials), ("bodies", model.bodies)):
+            for name in entries:
+                problems.attempt((section, name), partial(checked_name, name, f"an entry of {section}"))
+        seen: set[str] = set()
+        for index, hinge in enumerate(model.hinges):
+            for line_name in _line_names(hinge):
+                if line_name is not None:
+                    path: Path = ("hinges", index, "name")
+                    problems.attempt(path, partial(checked_name, line_name, "a hinge"))
+                    if line_name in seen:
+                        problems.add(path, f"two hinges are named {line_name!r}; names must differ")
+                    seen.add(line_name)
+
+    def _check_layer(self, index: int, layer: LayerModel) -> None:
+        path: Path = ("layers", index)
+        self.problems.attempt((*path, "name"), lambda: checked_name(layer.name, "a layer"))
+        if layer.name == ALL_LAYERS:
+            self.problems.add(
+                (*path, "name"), f"{ALL_LAYERS!r} means every layer and cannot name one; rename it"
+            )
+        if layer.name in self.layer_names[:index]:
+            self.problems.add((*path, "name"), f"two layers are named {layer.name!r}; names must differ")
+        if layer.material not in self.model.materials:
+            hint = did_you_mean(layer.material, sorted(self.model.materials))
+            self.problems.add((*path, "material"), f"no material is named {layer.material[:40]!r}; {hint}")
+
+    def _draw(self) -> list[MultiPolygon]:
+        """The sheets: shapes in order, each added to or cut from the layers it names."""
+        drawn_in: list[list[int]] = [[] for _ in self.layer_names]
+        regions: list[Polygon | None] = []
+        for index, shape in enumerate(self.model.shapes):
+            path: Path = ("shapes", index)
+            regions.append(self._region(path, shape))
+            for layer in self._layers(shape.layers, (*path, "layers")):
+                if regions[-1] is not None:
+                    drawn_in[layer].append(index)
+        made: dict[tuple[int, ...], MultiPolygon] = {}  # layers are mostly drawn alike
+        for name, indices in zip(self.layer_names, drawn_in, strict=True):
+            entries = [
+                (region, self.model.shapes[k].cut is not None) for k in indices if (region := regions[k])
+            ]
+            if tuple(indices) not in made:
+                sheet = self.problems.attempt(("shapes",), partial(_sheet, entries, name))
+                made[tuple(indices)] = MultiPolygon() if sheet is None else sheet
+        sheets = [made[tuple(indices)] for indices in drawn_in]
+        drawn = any(shape.cut is None for shape in self.model.shapes)
+        if self.model.shapes and not drawn:
+            self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
+        elif drawn and self.problems.none and all(s.is_empty for s in sheets):
+            self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
+        return sheets
+
+    def _region(self, path: Path, shape: OutlineModel) -> Polygon | None:
+        if isinstance(shape, ShapeModel) and shape.cut is not None:
+            return self.problems.attempt((*path, "cut"), partial(_draw, shape.cut))
+        return self.problems.attempt(path, partial(_draw, shape))
+
+    def _fixed(self) -> list[MultiPolygon]:
+        regions: list[list[Polygon]] = [[] for _ in self.layer_names]
+        for index, entry in enumerate(self.model.fixed):
+            region = self._region(("fixed", index), entry)
+            for layer in self._layers(entry.layers, ("fixed", index, "layers")):
+                if region is not None:
+                    regions[layer].append(region)
+        sheets = [
+            self.problems.attempt(("fixed",), partial(_sheet, [(part, False) for part in parts], name))
+            for parts, name in zip(regions, self.layer_names, strict=True)
+        ]
+        return [MultiPolygon() if sheet is None else sheet for sheet in sheets]
+
+    def _body_name(self, name: str, body: NamedBodyModel) -> BodyName:
+        found = [] if body.layer is None else self._layers([body.layer], ("bodies", name, "layer"))
+        return BodyName(name, Point(body.at), found[0] if len(found) == 1 else None)
+
+    def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
+        path: Path = ("hinges", index)
+        drawn = [hinge.line] if hinge.line is not None else list(hinge.lines or [])
+        line_paths: list[Path] = (
+            [(*path, "line")] if hinge.line is not None else [(*path, "lines", i) for i in range(len(drawn))]
+        )
+        lines: list[HingeLine] = []
+        for at, (start, end), name in zip(line_paths, drawn, _line_names(hinge), strict=True):
+            line = self.problems.attempt(at, partial(shapes.line, start, end))
+            if line is not None:
+                lines.append(HingeLine(line, name, self.problems.place(at)))
+        layer = self._hinge_layer(path, hinge.layer)
+        through = self._layers(hinge.layers, (*path, "layers"))
+        if layer is None or not lines:
+            return None
+        limits = hinge.limits or (-math.pi, math.pi)
+        return HingeSet(
+            tuple(lines),
+            hinge.width,
+            layer,
+            tuple(through),
+            hinge.stiffness,
+            hinge.damping,
+            hinge.rest_angle,
+            limits,
+        )
+
+    def _hinge_layer(self, path: Path, name: str | None) -> int | None:
+        """Index of the layer that bends: the named one, or the only flexible one."""
+        if name is not None:
+            found = self._layers([name], (*path, "layer"))
+            return found[0] if found and name != ALL_LAYERS else None
+        materials = self.model.materials
+        flexible = [
+            i
+            for i, layer in enumerate(self.model.layers)
+            if layer.material in materials and materials[layer.material].flexible
+        ]
+        if len(flexible) == 1:
+            return flexible[0]
+        if any(layer.material not in materials for layer in self.model.layers):
+            return None  # a problem already, and perhaps the cause
+        self.problems.add(
+            path,
+            f"the hinge names no layer, and {len(flexible)} layers are flexible; say which bends: layer: …",
+        )
+        return None
+
+    def _layers(self, names: Sequence[str], path: Path) -> list[int]:
+        """Indices of the named layers, ascending; unknown names become problems."""
+        if list(names) == [ALL_LAYERS]:
+            return list(range(len(self.layer_names)))
+        indices: set[int] = set()
+        for name in names:
+            if name in self.layer_names:
+                indices.add(self.layer_names.index(name))
+            else:
+                hint = did_you_mean(name, self.layer_names)
+                self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
+        return sorted(indices)
+
+
+def _sheet(entries: Sequence[tuple[Polygon, bool]], layer: str) -> MultiPolygon:
+    """Shapes in order, True for those that are cut from what was drawn before them. Raises DesignError where they are
+    too much work to overlay."""
+    check_outlines([region for region, _ in entries], layer)
+    sheet = MultiPolygon()
+    for cut, run in groupby(entries, key=lambda entry: entry[1]):
+        joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square
+        sheet = shapes.areas(sheet.difference(joined) if cut else shapely.union_all([sheet, joined]))
+    return sheet
+
+
+def _line_names(hinge: HingeModel) -> list[str | None]:
+    """One name per line: the hinge's own, numbered where it has several lines."""
+    count = 1 if hinge.line is not None else len(hinge.lines or [])
+    if hinge.name is None or count == 1:
+        return [hinge.name] * count
+    return [f"{hinge.name}_{i}" for i in range(1, count + 1)]
+
+
+def _draw(shape: OutlineModel) -> Polygon:
+    if shape.rect is not None:
+        return shapes.rectangle(*shape.rect)
+    if shape.circle is not None:
+        return shapes.circle(*shape.circle.center, shape.circle.radius)
+    if shape.polygon is None:
+        raise DesignError("the shape has no outline")
+    return shapes.polygon(shape.polygon, shape.holes)

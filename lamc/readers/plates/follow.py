@@ -1,0 +1,102 @@
+"""What the mesh of a plate file follows without being told: the places of supports and of loads along edges.
+
+In: places, and the lines that are meshed anyhow. Out: lines and points for the mesher, which meet these in corners.
+Never: meshes.
+
+A place that runs along what is there already, within round-off, gives only its ends: two lines that nearly coincide
+would be meshed as a gap between them.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+import shapely.ops
+from shapely.geometry import LineString, MultiPoint, Point
+from shapely.geometry.base import BaseGeometry
+
+from lamc.basics.checks import Array
+from lamc.plates.supports import Where
+
+_NEAR = 1e-7  # of the plate's size, a tenth of a Problem's tolerance: lines so near are one
+_ALONG = 10.0  # times that: what lies longer in the other's band runs along it, what lies shorter crosses it
+
+
+def to_follow(
+    wheres: Sequence[Where], outline: BaseGeometry, drawn: Sequence[BaseGeometry]
+) -> list[BaseGeometry]:
+    """Lines and points of `wheres` within `outline`: of areas their borders.
+
+    drawn  lines, points and areas that the mesh follows besides, such as regions and hinge lines
+    """
+    x0, y0, x1, y1 = outline.bounds
+    near = _NEAR * float(np.hypot(x1 - x0, y1 - y0))
+    lines = [_as_line(place) for place in (outline, *drawn)]
+    found: list[BaseGeometry] = []
+    for where in wheres:
+        if isinstance(where, str):
+            continue
+        for part in shapely.get_parts(shapely.get_parts(where)):
+            made = _new(_as_line(part), outline, lines, near)
+            found += made
+            lines += made
+    return found
+
+
+def _as_line(place: BaseGeometry) -> BaseGeometry:
+    """The border of an area; lines and points as they are."""
+    return place.boundary if shapely.get_dimensions(place) == 2 else place
+
+
+def _new(
+    place: BaseGeometry, outline: BaseGeometry, lines: Sequence[BaseGeometry], near: float
+) -> list[BaseGeometry]:
+    """What `place` adds to `lines`."""
+    inside = shapely.intersection(place, shapely.buffer(outline, near))
+    there = shapely.union_all(lines)
+    corners = MultiPoint(np.unique(shapely.get_coordinates(lines), axis=0))
+    band = shapely.buffer(there, near)
+    made: list[BaseGeometry] = []
+    ends: list[Array] = []
+    for part in _chains(shapely.difference(inside, band)):
+        points = shapely.get_coordinates(part)
+        if len(points) > 1 and part.length > _ALONG * near:
+            points[[0, -1]] = [_joined(point, there, corners, near) for point in points[[0, -1]]]
+            made.append(LineString(points))
+        elif len(points) == 1:
+            made.append(part)
+    for part in _chains(shapely.intersection(inside, band)):
+        points = shapely.get_coordinates(part)
+        if len(points) > 1 and part.length > _ALONG * near and not part.is_ring:
+            ends += [points[0], points[-1]]
+        elif len(points) == 1:
+            ends.append(points[0])
+    taken = [
+        *shapely.get_parts(corners),
+        *(Point(xy) for line in made for xy in shapely.get_coordinates(line)),
+    ]
+    for end in ends:
+        at = _joined(end, there, corners, near)
+        if min(other.distance(Point(at)) for other in taken) > _ALONG * near:
+            made.append(Point(at))
+            taken.append(Point(at))
+    return made
+
+
+def _chains(place: BaseGeometry) -> list[BaseGeometry]:
+    """Lines as long as they go on without a fork, and points."""
+    parts = shapely.get_parts(place)
+    lines = parts[shapely.get_dimensions(parts) == 1]
+    return [
+        *shapely.get_parts(shapely.line_merge(shapely.union_all(lines))),
+        *parts[shapely.get_dimensions(parts) == 0],
+    ]
+
+
+def _joined(point: Array, there: BaseGeometry, corners: BaseGeometry, near: float) -> Array:
+    """The corner at `point`, or else the place on `there` beside it; where nothing is near, the point itself."""
+    here = Point(point)
+    for other, reach in ((corners, 8.0 * near), (there, 2.0 * near)):
+        if other.distance(here) <= reach:
+            return np.asarray(shapely.get_coordinates(shapely.ops.nearest_points(other, here)[0])[0])
+    return point

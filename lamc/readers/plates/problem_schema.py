@@ -1,0 +1,312 @@
+"""The schema of plate files: what `kind: plate` may say.
+
+In: plain data. Out: validated models with every quantity in SI. What needs more than one entry (a laminate that is
+named exists, a force at a point or along an edge) and geometry are checked where models become records, in
+`problem_file`.
+"""
+
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from lamc.basics import units
+from lamc.readers.fields import Coordinate, Length, LengthUnit, Model, Point, described, not_negative, reader
+from lamc.readers.plates.amounts import ElectricField, Intensity, Warming, Wetness
+from lamc.readers.plates.section_schema import LaminateField, MaterialField, one_of, only_with, problem
+from lamc.readers.schema import CircleModel
+
+Named = Literal["boundary", "left", "right", "bottom", "top", "fixed"]
+PLACES = get_args(Named)
+VALUES = {  # what can be asked for at a point, and its unit
+    "w": "m",
+    "u": "m",
+    "v": "m",
+    "w_x": "",
+    "w_y": "",
+    "kappa_x": "1/m",
+    "kappa_y": "1/m",
+    "kappa_xy": "1/m",
+    "M_x": "N",
+    "M_y": "N",
+    "M_xy": "N",
+    "N_x": "N/m",
+    "N_y": "N/m",
+    "N_xy": "N/m",
+}
+
+
+HingeStiffness = Annotated[
+    float,
+    reader(units.LINE_STIFFNESS, not_negative),
+    described(units.LINE_STIFFNESS, ", at least 0"),
+]
+FoundationStiffness = Annotated[
+    float, reader(units.FOUNDATION, not_negative), described(units.FOUNDATION, ", above 0")
+]
+Moment = Annotated[float, reader(units.LINE_MOMENT), described(units.LINE_MOMENT)]
+Acceleration = Annotated[float, reader(units.ACCELERATION), described(units.ACCELERATION)]
+FreeValue = Annotated[
+    Any, WithJsonSchema({"type": ["number", "string"]})
+]  # its unit depends on its neighbours
+FreeVector = Annotated[Any, WithJsonSchema({"type": ["number", "string", "array"]})]
+
+
+def check_line(line: list[Point] | None) -> None:
+    """Raises for a line of less than two points."""
+    if line is not None and len(line) < 2:
+        raise problem("a line has two points at least")
+
+
+class PlateOutlineModel(Model):
+    """A region of the plane: exactly one of rect, polygon, circle and wkt."""
+
+    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
+        None, description="two opposite corners: [x0, y0, x1, y1]"
+    )
+    polygon: list[Point] | None = Field(None, description="corners in order; the last joins the first")
+    circle: CircleModel | None = None
+    wkt: str | None = Field(None, description="a polygon in well-known text, coordinates in the file's units")
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> "PlateOutlineModel":
+        one_of(self, ("rect", "polygon", "circle", "wkt"), "an outline")
+        return self
+
+
+def _outline(value: Any) -> Any:
+    return {"polygon": value} if isinstance(value, list) else value
+
+
+OutlineField = Annotated[
+    PlateOutlineModel, BeforeValidator(_outline, json_schema_input_type=PlateOutlineModel | list[Point])
+]
+
+
+class PlateRegionModel(PlateOutlineModel):
+    """A part of the plate with a laminate or an edge length of its own."""
+
+    laminate: LaminateField | None = None
+    size: Length | None = Field(None, description="length of the mesh's edges in this region")
+
+
+class FollowModel(Model):
+    """A line or a point inside the plate, where a support, a load or an output is."""
+
+    point: Point | None = None
+    line: list[Point] | None = None
+
+    @model_validator(mode="after")
+    def _one_place(self) -> "FollowModel":
+        one_of(self, ("point", "line"), "a place to follow")
+        check_line(self.line)
+        return self
+
+
+class GeometryModel(Model):
+    """The plate's outline and how it is meshed."""
+
+    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = None
+    polygon: list[Point] | None = None
+    circle: CircleModel | None = None
+    wkt: str | None = None
+    design: str | None = Field(
+        None, description="a laminate design beside this file; the laminates come from it"
+    )
+    body: str | list[str] | None = Field(
+        None, description="the body of that design, or several that hang together"
+    )
+    hinges: Literal["none", "lines", "strips"] = Field(
+        "none",
+        description="the strip that bends: none: it ends where it was cut; lines: it is left out, and the "
+        "stiff edge beside the hinge line can be held, and between two bodies of the plate the line itself folds; "
+        "strips: it is part of the plate",
+    )
+    holes: list[OutlineField] = Field(default=[])
+    grid: tuple[int, int] | None = Field(None, description="cells along x and y of a regular mesh; for rect")
+    pattern: Literal["one-diagonal", "criss-cross", "union-jack", "squares"] = "one-diagonal"
+    size: Length | None = Field(None, description="length of the mesh's edges")
+    follow: list[FollowModel] = Field(
+        default=[], description="lines and points inside that edges and corners of the mesh shall be on"
+    )
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> "GeometryModel":
+        kind = one_of(self, ("rect", "polygon", "circle", "wkt", "design"), "a geometry")
+        only_with(self, kind, {"design": ("body", "hinges"), "rect": ("grid", "pattern")}, "geometry")
+        if kind == "design" and (self.holes or not self.body):
+            raise problem("a plate of a design names a body of it, and holes are drawn there")
+        if self.grid is not None and (self.size is not None or self.holes):
+            raise problem("a grid has neither size nor holes: give size alone for a mesh that follows them")
+        if self.grid is not None and self.follow:
+            raise problem(
+                "the lines of a grid are where they are: give size alone for a mesh that follows others"
+            )
+        if self.grid is None and "pattern" in self.model_fields_set:
+            raise problem("pattern belongs to a grid: give grid: [cells along x, cells along y]")
+        if self.grid is not None and min(self.grid) < 1:
+            raise problem(f"the grid is {list(self.grid)}; it has one cell at least along x and along y")
+        return self
+
+
+class WhereModel(Model):
+    """A place on the plate: the boundary, a side of its bounding box, or what is drawn or named here."""
+
+    named: Named | None = Field(None, description="fixed: where the design holds the body")
+    point: Point | None = None
+    line: list[Point] | None = None
+    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = None
+    polygon: list[Point] | None = None
+    circle: CircleModel | None = None
+    region: str | None = None
+    hinge: str | None = Field(None, description="a hinge of the design, by the name of its joint")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> "WhereModel":
+        one_of(self, ("named", "point", "line", "rect", "polygon", "circle", "region", "hinge"), "a place")
+        check_line(self.line)
+        return self
+
+
+def _where(value: Any) -> Any:
+    if isinstance(value, str):
+        if value not in PLACES:
+            raise problem(
+                f"{value[:40]!r} is no place; write one of {', '.join(PLACES)}, or a map such as "
+                "{line: [[0, 0], [0, 1]]}, {point: [0, 0]} or {region: name}"
+            )
+        return {"named": value}
+    return value
+
+
+Where = Annotated[
+    WhereModel,
+    BeforeValidator(_where, json_schema_input_type=WhereModel | Named),
+]
+
+
+_BESIDE = {"fixed": ("where", "value"), "simply_supported": ("kind",), "hinged": ("stiffness",)}
+
+
+class SupportModel(Model):
+    """How the plate is held, and where: {clamped: left}; {fixed: [w, w_x], where: left, value: 1 mm}."""
+
+    clamped: Where | None = None
+    simply_supported: Where | None = None
+    hinged: Where | None = Field(None, description="on a hinge to another body: turns, and does not move")
+    symmetry: Where | None = None
+    fixed: list[Literal["u", "v", "w", "w_x", "w_y"]] | None = None
+    where: Where | None = Field(None, description="of fixed unknowns")
+    value: FreeValue = Field(
+        0.0, description="of the fixed unknowns, or an expression in x and y; m, of slopes without unit"
+    )
+    stiffness: HingeStiffness = Field(0.0, description="of a hinge, per length of its line; 0: turns freely")
+    kind: Literal["hard", "soft"] = Field("hard", description="soft: free to twist along a simple support")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "SupportModel":
+        kind = one_of(self, ("clamped", "simply_supported", "hinged", "symmetry", "fixed"), "a support")
+        only_with(self, kind, _BESIDE, "support")
+        if kind == "fixed" and (not self.fixed or self.where is None):
+            raise problem("fixed lists unknowns, and where tells the place: {fixed: [w], where: left}")
+        return self
+
+
+class FoundationModel(Model):
+    """Elastic ground under the plate: {stiffness: 2 MPa/mm, where: {rect: [0, 0, 50, 20]}}."""
+
+    stiffness: FoundationStiffness = Field(description="pressure per deflection")
+    where: Where | None = Field(
+        None, description="an area: a rect, a polygon, a circle or a region; all of the plate"
+    )
+
+
+class HingeLineModel(Model):
+    """A line inside the plate along which its sides may turn: {along: {line: [[5, 0], [5, 2]]}, stiffness: 3 N/rad}."""
+
+    along: Where = Field(description="a line, or a hinge between bodies of the design: {hinge: name}")
+    stiffness: HingeStiffness = Field(0.0, description="per length of the line; 0: turns freely")
+    name: str | None = None
+
+    @model_validator(mode="after")
+    def _a_line(self) -> "HingeLineModel":
+        if self.along.line is None and self.along.hinge is None:
+            raise problem(
+                "a hinge inside the plate is along a line: {along: {line: [[0, 0], [0, 1]]}}; an edge of the plate is "
+                "held by supports: hinged"
+            )
+        return self
+
+
+class LoadModel(Model):
+    """What acts: at a point, along an edge, on the face, or in the material."""
+
+    point: Point | None = None
+    edge: Where | None = None
+    force: FreeVector = Field(None, description="N at a point, N/m along an edge; along z, or [x, y, z]")
+    total: FreeVector = Field(None, description="N, spread evenly along the edge; along z, or [x, y, z]")
+    moment: Moment | None = Field(None, description="N·m/m, bends like a positive moment of the plate")
+    pressure: Intensity | None = None
+    gravity: tuple[Acceleration, Acceleration, Acceleration] | None = None
+    temperature: Warming | None = None
+    moisture: Wetness | None = None
+    field: ElectricField | None = Field(
+        None, description="V/m through every piezoelectric ply, or a list of one value per ply"
+    )
+    gradient: FreeValue | None = Field(
+        None,
+        description="of temperature, K/m, or of moisture, 1/m, through the thickness, upwards from the reference "
+        "surface; or an expression in x and y",
+    )
+    region: str | None = Field(None, description="the named region only")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "LoadModel":
+        kinds = ("point", "edge", "pressure", "gravity", "temperature", "moisture", "field")
+        kind = one_of(self, kinds, "a load")
+        allowed = {"point": ("force",), "edge": ("force", "total", "moment")}
+        allowed |= dict.fromkeys(("pressure", "field"), ("region",))
+        allowed |= dict.fromkeys(("temperature", "moisture"), ("region", "gradient"))
+        only_with(self, kind, allowed, "load")
+        if kind == "point" and self.force is None:
+            raise problem("a load at a point has a force: {point: [0, 0], force: 1 N}")
+        if kind == "edge":
+            one_of(self, ("force", "total", "moment"), "a load along an edge")
+        return self
+
+
+class OutputModel(Model):
+    """A value to print: {name: middle, at: [0, 0], value: w, expected: 0.1 mm}. Curvatures, moments and forces are
+    recovered from patches of cells, as the extremes are."""
+
+    at: Point
+    name: str | None = None
+    value: Literal[tuple(VALUES)] = "w"  # type: ignore[valid-type]
+    expected: FreeValue | None = Field(
+        None,
+        description="what it should be: a number, text with a unit, or an expression in A11 to D66 and h, all SI",
+    )
+
+
+class PlateFileModel(Model):
+    """A plate, how it is held and what acts on it."""
+
+    kind: Literal["plate"]
+    name: str | None = None
+    story: str = Field("", description="what the problem is about, a paragraph of plain text")
+    units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
+    materials: dict[str, MaterialField] = Field(default={})
+    laminates: dict[str, LaminateField] = Field(default={})
+    laminate: LaminateField | None = Field(None, description="of the plate, where no region has its own")
+    geometry: GeometryModel
+    regions: dict[str, PlateRegionModel] = Field(default={})
+    element: str = "dkt"
+    hinges: list[HingeLineModel] = Field(default=[], description="lines inside the plate that fold")
+    supports: list[SupportModel] = Field(default=[])
+    foundation: list[FoundationModel] = Field(
+        default=[], description="elastic ground under the plate, in one or several areas"
+    )
+    loads: list[LoadModel] = Field(default=[], description="what acts, in every case if there are cases")
+    cases: dict[str, list[LoadModel]] = Field(default={}, description="loads by the name of the case")
+    outputs: list[OutputModel] = Field(default=[])
+    modes: int = Field(0, description="natural modes to compute")
+    buckling: int = Field(0, description="buckling loads to compute, in multiples of the first case")

@@ -1,0 +1,87 @@
+"""Scenes as plain data, to be written to a file.
+
+In: `Scene` records. Out: dicts that `scene_file` reads back to equal records. No effect is known here by name.
+"""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from lamc.basics.errors import DesignError
+from lamc.mechanics.effect import Effect
+from lamc.readers.effect_calls import make_effect
+from lamc.readers.scene_file import SINGLE
+from lamc.records.scene import OutputPoint, Scene
+
+
+def scenes_data(default: Scene | None, named: Mapping[str, Scene]) -> dict[str, Any]:
+    """Sections `scene` and `scenes` that `read_scenes` gives back. Raises DesignError as `scene_data` does."""
+    data: dict[str, Any] = {}
+    if default is not None:
+        same = next((name for name, scene in named.items() if scene == default), None)
+        data["scene"] = scene_data(default) if same is None else {"like": same}
+    if named:
+        data["scenes"] = {name: scene_data(scene) for name, scene in named.items()}
+    return data
+
+
+def scene_data(scene: Scene) -> dict[str, Any]:
+    """The scene as plain data.
+
+    Raises DesignError for an effect with values that a file cannot hold.
+    """
+    data: dict[str, Any] = {}
+    if scene.effects is not None:
+        data["effects"] = [{effect.name: _effect_data(effect)} for effect in scene.effects]
+    if scene.added:
+        data["with"] = [{effect.name: _effect_data(effect)} for effect in scene.added]
+    if scene.without:
+        data["without"] = list(scene.without)
+    for name, values in (("angles", scene.angles), ("rates", scene.rates)):
+        if values:
+            data[name] = dict(sorted(values.items()))
+    if scene.inputs:
+        data["inputs"] = {name: _plain(each) for name, each in scene.inputs.items()}
+    for name in SINGLE:
+        value = getattr(scene, name)
+        if value is not None:
+            data[name] = [_output_data(each) for each in value] if isinstance(value, tuple) else value
+    return data or {"angles": {}}  # a scene in a file says something
+
+
+def _output_data(output: str | OutputPoint) -> object:
+    if isinstance(output, str):
+        return output
+    return {"name": output.name, "body": output.body, "point": list(output.point)}
+
+
+def _effect_data(effect: Effect) -> object:
+    """An effect's record as plain data: nothing, its fields by name, or the one that stands for all."""
+    assert is_dataclass(effect)
+    values = {f.name: _plain(getattr(effect, f.name)) for f in fields(effect)}
+    short = getattr(effect, "shorthand", None)
+    data = values.get(short, values or None) if len(values) == 1 else values or None
+    try:
+        same = make_effect(effect.name, data, effect.name) == effect
+    except DesignError:
+        same = False
+    if not same:
+        raise DesignError(
+            f"the effect {effect.name!r} has values that a file cannot hold, so it cannot be written"
+        )
+    return data
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple | list):
+        return [_plain(v) for v in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        said = {f.name: (getattr(value, f.name), f.default) for f in fields(value) if f.init}
+        return {name: _plain(v) for name, (v, default) in said.items() if default is MISSING or v != default}
+    return value

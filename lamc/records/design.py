@@ -1,0 +1,118 @@
+"""The `Design` record: a laminate as drawn. SI, radians, layers from bottom to top, z = 0 at the bottom.
+
+Front ends (YAML, popupCAD) make it, `split` reads it. Lengths became metres and angles radians where the file
+was read, and nowhere later.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from shapely.geometry import MultiPolygon, Point
+
+from lamc.basics.errors import Place
+from lamc.basics.places import Places as Places
+from lamc.records.scene import Scene, checked_scenes
+
+Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
+
+
+@dataclass(frozen=True)
+class Material:
+    """A sheet material. Moduli may be None where the file has none, or a placeholder that means none."""
+
+    name: str
+    density: float  # kg/m³
+    E1: float | None = None  # Pa
+    E2: float | None = None  # Pa
+    poisson: float | None = None
+    is_rigid: bool = False
+    is_flexible: bool = False
+    is_adhesive: bool = False
+    is_conductive: bool = False
+    G12: float | None = None  # Pa; with E1 = E2 and none of it, the material is isotropic
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One sheet of the laminate and what is left of it after cutting."""
+
+    name: str
+    material: Material
+    thickness: float  # m
+    geometry: MultiPolygon  # m, world x and y
+    angle: float = 0.0  # rad, ply angle
+
+
+@dataclass(frozen=True)
+class HingeLine:
+    """One drawn hinge line; its direction start → end is the joint's axis."""
+
+    line: Line  # m
+    name: str | None = None
+    place: Place = field(default_factory=Place)
+
+
+@dataclass(frozen=True)
+class HingeSet:
+    """Hinge lines that share a flexible layer, a width and properties (a popupCAD joint definition)."""
+
+    lines: tuple[HingeLine, ...]
+    width: float  # m, of the strip cut out around the lines where they cross or touch
+    layer: int  # index of the flexible layer; the axis lies at its mid-plane
+    sublaminate: tuple[int, ...]  # indices of the layers the hinge runs through
+    stiffness: float = 0.0  # N·m/rad
+    damping: float = 0.0  # N·m·s/rad
+    rest_angle: float = 0.0  # rad
+    limits: tuple[float, float] = (-math.pi, math.pi)  # rad
+
+
+@dataclass(frozen=True)
+class BodyName:
+    """A name that the drawing gives to a body, by a point inside it.
+
+    layer  index of the layer to look in, where sheets above one another hold several bodies; None: any layer
+    """
+
+    name: str
+    point: Point  # m, world x and y
+    layer: int | None = None
+
+
+@dataclass(frozen=True)
+class Design:
+    """A laminate device before splitting.
+
+    fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
+    scene         what runs call for if nothing else is said; None: what the design itself asks for
+    scenes        other scenes by name
+    story         what the design is for, a paragraph of plain text; nothing is computed from it
+    contact_points  points of the drawing, m, at which bodies may touch something, for scenes that ask for them
+    notes         one line for each thing in the file that the design is without
+    beside        files beside its own that it was read from too: name and SHA-256
+    """
+
+    name: str
+    layers: tuple[Layer, ...]
+    hinges: tuple[HingeSet, ...]
+    fixed: tuple[MultiPolygon, ...]
+    body_names: tuple[BodyName, ...] = ()
+    scene: Scene | None = None
+    source: str = ""  # the file's name, without its folder
+    story: str = ""
+    places: Places = field(default=Places(), compare=False, repr=False)
+    scenes: Mapping[str, Scene] = field(default_factory=dict, hash=False)
+    contact_points: tuple[tuple[float, float], ...] = ()  # m, world x and y
+    notes: tuple[str, ...] = field(default=(), compare=False)
+    beside: tuple[tuple[str, str], ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))
+
+    @property
+    def z(self) -> tuple[float, ...]:
+        """Heights of the layer boundaries, m, shape (len(layers) + 1,)."""
+        heights = [0.0]
+        for layer in self.layers:
+            heights.append(heights[-1] + layer.thickness)
+        return tuple(heights)

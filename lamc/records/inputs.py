@@ -1,0 +1,138 @@
+"""Inputs of a scene: named numbers that come from outside while a model runs, such as the command of a controller.
+
+In: default, unit and meaning of each, by name. Out: checked records. They may stand in the expressions of drives and
+are constant within a run; each is a parameter of the model. Effects tell which they read; what does not fit is refused
+by name. Never: knows an effect by name, or a file.
+"""
+
+import keyword
+import re
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lamc.basics.checks import checked_number, shown
+from lamc.basics.errors import DesignError, ExpressionError, about
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.si_units import si_unit
+from lamc.symbolic.functions import FUNCTIONS
+
+LONGEST_NAME = 40
+MOST = 1000
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
+_STAGED = re.compile(r"z[0-9]+|mode_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+")  # what `Equations` calls its own
+_MEANS = {
+    "t": "the time",
+    "angle": "the angle of the driven joint",
+    "rate": "the rate of the driven joint",
+    "pi": "3.14159…",
+}
+
+
+@dataclass(frozen=True)
+class Input:
+    """A number from outside.
+
+    default  its value until told otherwise, in `unit`
+    unit     SI, such as "N*m"; "1" for a plain number
+    meaning  what it is, in a few words
+
+    Raises DesignError for a default that is no finite number and a unit that is not SI.
+    """
+
+    default: float = 0.0
+    unit: str = "1"
+    meaning: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "default", checked_number(self.default, "the default of an input"))
+        if not isinstance(self.unit, str) or not isinstance(self.meaning, str):
+            raise DesignError(
+                f"an input has unit {shown(self.unit)} and meaning {shown(self.meaning)}; both must be text"
+            )
+        unit = si_unit(self.unit)
+        if unit.factor != 1.0:
+            raise DesignError(
+                f"the unit of an input is {self.unit!r}; inputs are in SI units: give {unit.text!r}, and the default "
+                f"times {unit.factor:g}"
+            )
+        object.__setattr__(self, "unit", unit.text)
+        object.__setattr__(self, "meaning", " ".join(self.meaning.split()))
+
+
+NO_INPUTS: Mapping[str, Input] = ReadOnlyDict({})
+
+
+def checked_inputs(inputs: object) -> Mapping[str, Input]:
+    """Inputs by name, sorted, as a mapping that cannot change. Raises DesignError for what are none."""
+    if not isinstance(inputs, Mapping):
+        raise DesignError(
+            f"inputs of a scene is {shown(inputs)}; it must map names to lamc.Input(…), as in "
+            "{'drive': Input(unit='V')}"
+        )
+    if len(inputs) > MOST:
+        raise DesignError(f"the scene has {len(inputs)} inputs; at most {MOST} are taken")
+    for name, each in inputs.items():
+        check_name(name)
+        if not isinstance(each, Input):
+            raise DesignError(f"input {name!r} of a scene is {shown(each)}; make one with lamc.Input(…)")
+    return ReadOnlyDict({name: inputs[name] for name in sorted(inputs)})
+
+
+def check_name(name: object) -> None:
+    """Raises DesignError for a name that no input can have."""
+    if not isinstance(name, str) or _NAME.match(name) is None or len(name) > LONGEST_NAME:
+        raise DesignError(
+            f"an input is named {shown(name)}; a name is of letters, digits and _, begins with a letter, and has at "
+            f"most {LONGEST_NAME} characters"
+        )
+    taken = _MEANS.get(name)
+    if name in FUNCTIONS:
+        taken = "a function"
+    elif keyword.iskeyword(name):
+        taken = "a word of Python"
+    elif _STAGED.fullmatch(name):
+        taken = "a quantity of the staged equations"
+    if taken is not None:
+        raise DesignError(
+            f"an input is named {name!r}, which is {taken}; choose another name, such as {name + '_in'!r}"
+        )
+
+
+def inputs_of(effect: object) -> tuple[str, ...]:
+    """Names of the inputs that an effect reads, sorted: in its drives, and those it tells by inputs()."""
+    drives: Iterable[Any] = getattr(effect, "drives", tuple)()
+    told: Iterable[str] = getattr(effect, "inputs", tuple)()
+    return tuple(sorted({*told, *(name for drive in drives for name in drive.inputs())}))
+
+
+def check_inputs(effect: object, known: Collection[str]) -> None:
+    """Raises ExpressionError for a name in a drive of `effect` that is no input of the scene, whose names are `known`,
+    and DesignError for one that the effect tells."""
+    with about(effect):
+        for drive in getattr(effect, "drives", tuple)():
+            for name, column in drive.inputs().items():
+                if name not in known:
+                    listed = ", ".join((*drive.names, *sorted(known), *FUNCTIONS))
+                    raise ExpressionError(
+                        f"{drive.what}: expression {drive.text!r}, column {column}: {name!r} is not known; known are "
+                        f"{listed}; a number from outside is declared in the scene's inputs"
+                    )
+        for name in inputs_of(effect):
+            if name not in known:
+                raise DesignError(
+                    f"effect {getattr(effect, 'name', effect)!r} reads the input {name!r}, which the scene does not "
+                    "have; declare it in the scene's inputs"
+                )
+
+
+def check_read(inputs: Iterable[str], effects: Iterable[object]) -> None:
+    """Raises DesignError for an input of the scene that none of its effects reads."""
+    read = {name for effect in effects for name in inputs_of(effect)}
+    for name in inputs:
+        if name not in read:
+            with about(("inputs", name)):
+                raise DesignError(
+                    f"the scene's input {name!r} is read by none of its effects; take it away, or write it into the "
+                    "expression of one"
+                )

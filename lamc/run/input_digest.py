@@ -1,0 +1,160 @@
+"""The digest of all that a compiled module follows from, so that a compile from the cache derives nothing.
+
+Goes in: mechanism, effects, loops, compiler, options, inputs. Comes out: a digest, or None where there is no telling.
+It reads no file but for the names, sizes and times of lamc's own sources.
+"""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import shapely
+
+from lamc.basics._version import __version__
+from lamc.basics.resources import data_dir, stamps
+from lamc.codegen.options import CompileOptions
+from lamc.codegen.toolchain import Compiler
+from lamc.effects.registry import EFFECTS
+from lamc.loops.rank import LoopCount
+from lamc.mechanics.effect import Effect
+from lamc.records.inputs import NO_INPUTS, Input
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
+
+
+class _NoTellingError(Exception):
+    """A value whose text does not tell all of it."""
+
+
+def input_digest(
+    mechanism: Mechanism,
+    effects: tuple[Effect, ...],
+    loops: LoopCount | None,
+    compiler: Compiler,
+    options: CompileOptions,
+    inputs: Mapping[str, Input] = NO_INPUTS,
+    *,
+    books: bool = False,
+    common: bytes | None = None,
+) -> str | None:
+    """None if an effect is not lamc's own, as it may change between two runs under the same name, or holds a function.
+
+    books   whether the module tells powers
+    common  `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
+    """
+    closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
+    parts = (compiler.identity, *options.flags, mechanism.name, closure)
+    words = (*parts, "with books" if books else "without books")
+    return _digest(words, common or common_digest(mechanism, effects), inputs.items())
+
+
+def loops_digest(
+    mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, *, common: bytes | None = None
+) -> str | None:
+    """Of all that the count of loops follows from: where joints lie, which effects arrange them anew, and how the scene
+    starts, as large mechanisms are looked at there too. None, and `common`, as for `input_digest`."""
+    start = (scene.angles, scene.rates, scene.branch, scene.closure_tolerance)
+    return _digest(("loops",), common or common_digest(mechanism, effects), start)
+
+
+def common_digest(mechanism: Mechanism, effects: tuple[Effect, ...]) -> bytes | None:
+    """Of mechanism and effects, which all other digests follow from; None as for `input_digest`."""
+    if any(type(effect) not in EFFECTS for effect in effects):
+        return None
+    drawn: tuple[Any, ...] = ()
+    if mechanism.design is not None and any(hasattr(effect, "arrange") for effect in effects):
+        # Coordinates that effects add may follow from what bodies and hinges are made of.
+        design = mechanism.design
+        drawn = (design.layers, design.hinges, design.fixed, design.body_names)
+    try:
+        return _hash(_pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn))).digest()
+    except _NoTellingError:
+        return None
+
+
+def _digest(words: Iterable[str], common: bytes | None, more: Iterable[object]) -> str | None:
+    if common is None:
+        return None
+    told = [part.encode() for part in (__version__, _own_sources(), *words)]
+    try:
+        return _hash([*told, common, *_pieces(tuple(more))]).hexdigest()
+    except _NoTellingError:
+        return None
+
+
+def _hash(pieces: Iterable[bytes]) -> "hashlib._Hash":
+    return hashlib.sha256(b"\0".join(pieces))
+
+
+def _pieces(value: Any) -> list[bytes]:
+    """Everything that a value holds, in a fixed order: fields of records, items of mappings and sequences, numbers of
+    arrays and geometries to the last bit."""
+    pieces: list[bytes] = []
+    geometries: list[tuple[int, Any]] = []
+    _gather(value, pieces, geometries)
+    # All at once: one call for each would be half of the digest of a mechanism of many plates.
+    for (at, _), told in zip(geometries, shapely.to_wkb([shape for _, shape in geometries]), strict=True):
+        pieces[at] = told
+    return pieces
+
+
+def _gather(value: Any, pieces: list[bytes], geometries: list[tuple[int, Any]]) -> None:
+    """Appends what a value holds; geometries are left open, and told with their place in `pieces`."""
+    kind, names = _kind(type(value))  # type: ignore[arg-type]  # to mypy a type is not hashable
+    if kind == "other":
+        pieces.append(repr(value).encode())
+    elif kind == "record":
+        pieces.append(type(value).__name__.encode())
+        for name, told in names:
+            pieces.append(told)
+            _gather(getattr(value, name), pieces, geometries)
+    elif kind == "mapping":
+        for key, item in value.items():
+            pieces.append(repr(key).encode())
+            _gather(item, pieces, geometries)
+    elif kind == "sequence":
+        pieces.append(str(len(value)).encode())
+        for item in value:
+            _gather(item, pieces, geometries)
+    elif kind == "array":
+        pieces += [repr((value.shape, str(value.dtype))).encode(), value.tobytes()]
+    elif kind == "geometry":
+        geometries.append((len(pieces), value))
+        pieces.append(b"")
+    else:
+        raise _NoTellingError
+
+
+@cache
+def _kind(of: type) -> tuple[str, tuple[tuple[str, bytes], ...]]:
+    """How values of a type are told; of records also the fields, with their names in bytes."""
+    if is_dataclass(of):
+        return "record", tuple((entry.name, entry.name.encode()) for entry in fields(of))
+    for kind, holds in (
+        ("mapping", issubclass(of, Mapping)),
+        ("sequence", issubclass(of, tuple | list)),
+        ("array", hasattr(of, "tobytes")),
+        ("geometry", issubclass(of, shapely.Geometry)),
+        ("function", any("__call__" in vars(base) for base in of.__mro__)),  # as `callable` of a value
+    ):
+        if holds:
+            return kind, ()
+    return "other", ()
+
+
+@cache
+def _own_sources() -> str:
+    """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
+    package = Path(__file__).parent
+    folders = [
+        package / name
+        for name in ("mechanism", "loops", "mechanics", "effects", "codegen", "plate", "design")
+    ]
+    folders += sorted(
+        path.parent for path in (package / "plate").glob("*/__init__.py")
+    )  # reduce flexible bodies
+    folders += [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
+    return stamps(folders)

@@ -1,0 +1,1 @@
+"""Staged symbolic arithmetic: the store, functions, expressions and their domains, programs."""

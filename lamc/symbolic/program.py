@@ -1,0 +1,241 @@
+"""The `Program`: what `lower` gives and `emit` and the interpreter read.
+
+A program is a handful of functions of straight-line assignments over numbered slots. It holds no sympy object,
+no name from the design outside the string tables, and no text in any language.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lamc.symbolic.piecewise import Piecewise
+
+
+class Space(Enum):
+    """The arrays that a slot can lie in. The value is the letter that the C uses."""
+
+    LOCAL = "z"  # intermediate values of one function
+    CONSTANT = "c"  # parameter-only values, made by `setup`, kept for a run
+    PARAMETER = "p"  # what a user can change without recompiling
+    ANGLE = "q"  # coordinates: joint angles, rad, then others
+    RATE = "u"  # rates: of joints, rad/s, then others
+    TIME = "t"  # s
+    ACCELERATION = "a"  # derivatives of the rates
+    MULTIPLIER = "l"  # forces of the closure equations
+    # of a finite element; units in `lamc/plate/elements/`
+    CORNER = "xy"  # coordinates of the corners, x and y of one after the other, m
+    SECTION = "s"  # unique entries of the section's stiffness
+    AREAL_MASS = "rho"  # kg/m²
+    MEMBRANE_FORCE = "n"  # N_x, N_y, N_xy, N/m, tension positive
+    INTENSITY = "f"  # forces per area at the corners, N/m²: one field after the other
+    RESULTANT = "r"  # membrane forces, N/m, and moments, N
+    NATURAL = "xi"  # ξ and η
+    UNKNOWN = "d"  # of the element, node by node
+    PLY = "y"  # numbers of a ply; units in `lamc/plates/laminates/ply_terms.py`
+    NUMBER = "#"  # a literal
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """A slot (space, index), or a literal (Space.NUMBER, value)."""
+
+    space: Space
+    index: int = 0
+    value: float | Fraction = 0.0  # a fraction only where no double holds it and its digits are asked for
+
+
+# An expression shape: an int is the position of an operand; a tuple is (operation, argument, …). Operations:
+# "+", "-", "*" with two arguments, "neg", "reciprocal", the names in `mechanics.functions` with one or two, and
+# "table_<number>_<order>" with one: the derivative of that order of one of `Program.tables`.
+Shape = int | tuple["str | Shape", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """`target = shape(operands)`; every slot is assigned once, before it is read."""
+
+    target: Operand
+    shape: Shape
+    operands: tuple[Operand, ...]
+    section: int  # index into Function.sections
+    link: int = -1  # link of the tree that it is about; -1: none. Statements of like links become one kernel
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A run of statements with one origin: shown as a comment in the C."""
+
+    title: str
+    effect: str  # name of the effect that called for it; "" for the mechanism itself
+    source: str  # the equation it comes from
+
+
+@dataclass(frozen=True)
+class Operations:
+    """Counts of one function. `flops` counts + - * and reciprocals; library calls stand apart."""
+
+    additions: int = 0
+    multiplications: int = 0
+    reciprocals: int = 0
+    calls: int = 0
+
+    @property
+    def flops(self) -> int:
+        return self.additions + self.multiplications + self.reciprocals
+
+
+@dataclass(frozen=True)
+class Function:
+    """One function: statements in order, then outputs[k] = ±operand, as (sign, operand)."""
+
+    name: str
+    purpose: str
+    reads: tuple[Space, ...]
+    statements: tuple[Statement, ...]
+    outputs: tuple[tuple[int, Operand], ...]
+    sections: tuple[Section, ...]
+    operations: Operations
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A number that can change without recompiling."""
+
+    name: str  # the user's name for it, e.g. "h1.stiffness"
+    default: float
+    unit: str
+    meaning: str
+    effect: str  # name of the effect that reads it; "" for the mechanism itself
+    is_input: bool = field(default=False, repr=False)  # comes from outside while a model runs
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """A coordinate or a rate: its name and unit."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A condition whose passing of zero is an event."""
+
+    name: str
+    mode: int  # slot in the constants that is 1 beyond the guard and 0 before; -1: an impact
+
+
+@dataclass(frozen=True)
+class Program:
+    """Everything there is to emit.
+
+    functions, by name:
+      "setup"         parameters → constants, shape (constant_count,)
+      "rates"         where q̇ is not u: q, u → q̇, shape (nq,)
+      "acceleration"  t, q, u → u̇, shape (nu,); joints on a fixed world, without loops
+                      other mechanisms have instead of it:
+      "system"        t, q, u → M, lower triangle by rows, then f of M u̇ = f without the loops
+                      and with loops:
+      "dynamics"      t, q, u → what "system" gives, then J (m, nu) and bias γ (m), m/s², of J u̇ + γ = 0
+      "closure"       q → residuals φ (m), m, then J (m, nu), by which φ̇ = J u
+      "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s
+      "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
+      "inertia"       beside "acceleration", where impacts or the Jacobian need it: q → M, lower triangle by rows
+      "jacobian"      t, q, u, u̇, λ → derivatives (nu + m, nq + nu + 1) by q, u and t of the residuals M u̇ - f - Jᵀλ
+                      and J u̇ + γ, then, where there is "rates", (nq, nq + nu) of q̇; absent where it would be too long
+      "guards"        where there are any: t, q, u → guards, then their rates
+      "impacts"       where there are any: t, q → restitutions of the guards, then derivatives (nu,) of their rates by u
+      "power"         where it is asked for: t, q, u, u̇ → power of each of `powers`, W
+      "poses"         t, q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
+                      equal to world axes in the drawn configuration), shape (12 len(bodies),)
+    """
+
+    name: str
+    joints: tuple[str, ...]  # names of the first coordinates
+    coordinates: tuple[Coordinate, ...]  # of q, (nq,): the joints, then what effects add
+    rates: tuple[Coordinate, ...]  # of u, (nu,)
+    bodies: tuple[str, ...]  # names of the moving bodies, in the order of `poses`
+    parameters: tuple[Parameter, ...]
+    constant_count: int
+    energies: tuple[str, ...]
+    functions: Mapping[str, Function]
+    notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
+    cuts: tuple[str, ...] = ()  # names of the joints that close loops
+    watched: tuple[str, ...] = ()  # those of them whose angle forces, energies or guards depend on
+    closure_count: int = 0  # m, equations that hold the loops
+    rank: int = 0  # of the closure at a generic position; the other equations are redundant
+    guards: "tuple[Guard, ...]" = ()
+    drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
+    powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
+    jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
+    tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
+    size: float = 1.0  # m, the mechanism's length scale
+    tables: "Mapping[int, Piecewise]" = field(
+        default_factory=lambda: MappingProxyType({})
+    )  # by number, those that the functions look up
+    digest: str = ""  # of everything above
+
+
+@dataclass(frozen=True)
+class ElementProgram:
+    """A finite element: everything there is to emit.
+
+    functions, by name; those that make no sense for the element are absent:
+      "stiffness"     xy, s → ∫ BᵀSB dA, lower triangle by rows
+      "mass"          xy, rho → consistent mass, lower triangle by rows
+      "geometric"     xy, n → ∫ ∇wᵀN∇w dA, lower triangle by rows
+      "load"          xy, f → forces and moments on the unknowns
+      "prestress"     xy, r → ∫ Bᵀr dA
+      "strain"        xy, xi, d → membrane strains, then curvatures, at one point
+      "displacement"  xy, xi, d → u, v, then w, w_x, w_y, at one point
+      "force"         xy, s, d → ∫ BᵀSBd dA by way of the strains
+
+    points  of functions that are to be summed up: (ξ, η, weight) each, which they read as three slots of NATURAL
+    """
+
+    name: str
+    nodes: tuple[tuple[str, ...], ...]  # names of the unknowns of each node
+    corner_count: int
+    fields: tuple[str, ...]  # of u, v, w
+    functions: Mapping[str, Function]
+    points: Mapping[str, tuple[tuple[float, float, float], ...]]
+    source: str = ""  # where the element comes from
+    shear: bool = False  # through the thickness
+    digest: str = ""  # of everything above
+
+    @property
+    def unknown_count(self) -> int:
+        return sum(map(len, self.nodes))
+
+    def inputs(self, name: str) -> tuple[Space, ...]:
+        """What a function is given for each cell."""
+        return tuple(
+            s for s in self.functions[name].reads if s is not Space.NATURAL or name not in self.points
+        )
+
+    @property
+    def strain_count(self) -> int:
+        """Membrane strains where it has u and v, curvatures where it has w; three of each."""
+        return 3 * (("u" in self.fields) + ("w" in self.fields))
+
+    @property
+    def section_count(self) -> int:
+        """Unique entries of D or A, or of A, B and D; with shear, of H and of D about the neutral surface as well."""
+        return (18 if self.strain_count == 6 else 6) + 9 * self.shear
+
+    def size(self, space: Space) -> int:
+        """How many values a cell has of an input."""
+        return {
+            Space.CORNER: 2 * self.corner_count,
+            Space.SECTION: self.section_count,
+            Space.AREAL_MASS: 1,
+            Space.MEMBRANE_FORCE: 3,
+            Space.INTENSITY: len(self.fields) * self.corner_count,
+            Space.RESULTANT: self.strain_count,
+            Space.NATURAL: 2,
+            Space.UNKNOWN: self.unknown_count,
+        }[space]

@@ -1,0 +1,95 @@
+"""Commands and programs of the page for those who embed exports, and of the readme's section, do what they say."""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lamc
+from lamc import plate
+from lamc.examples import plates
+from lamc.export import files_of
+from tests.support.ctools import needs_cc
+from tests.support.exported_folders import STRICT, cc, does, exported, mechanism_of, needs, put
+from tests.support.paths import ROOT
+
+TEXTS = {
+    "README.md": (ROOT / "README.md").read_text(encoding="utf-8").split("## Embed\n")[1].split("\n## ")[0],
+    "docs/embedding.md": (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8"),
+}
+
+pytestmark = needs_cc
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+@pytest.mark.parametrize("name", sorted(TEXTS))
+def test_commands_in_their_order_leave_a_program_that_prints(name: str, tmp_path: Path) -> None:
+    script = "\n".join(blocks(TEXTS[name], "sh"))
+    assert "lamc export" in script
+    assert "cc " in script
+    lamc = f"{shlex.quote(sys.executable)} -m lamc"
+    script = re.sub(r"^lamc ", f"{lamc} ", script, flags=re.MULTILINE)
+    done = subprocess.run(
+        ["sh", "-e", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    (program,) = [p for p in tmp_path.rglob("*") if p.name in ("example", "pendulum") and p.is_file()]
+    assert len(does([program], tmp_path).splitlines()) == 2002  # a title and 200 rows a second of 10 s
+
+
+@pytest.mark.parametrize("name", sorted(TEXTS))
+def test_programs_compile_without_a_warning_and_run(name: str, tmp_path: Path) -> None:
+    put(exported("pendulum"), tmp_path)
+    put(files_of(plate.load_plate(plates.find("strip").path), "c"), tmp_path)
+    programs = blocks(TEXTS[name], "c")
+    assert programs
+    for program in programs:
+        whole = (
+            program
+            if "int main" in program
+            else f"""
+#include "pendulum.h"
+int main(void) {{
+pendulum_t it;
+if (pendulum_init(&it, 0, 0) != PENDULUM_OK) return 1;
+{program}
+return 0;
+}}
+"""
+        )
+        (tmp_path / "program.c").write_text(whole)
+        source = "strip.c" if '"strip.h"' in program else "pendulum.c"
+        cc(tmp_path, "-std=c99", *STRICT, "program.c", source, "-lm", "-o", "program")
+        does([tmp_path / "program"], tmp_path)
+
+
+def test_cmake_lines_name_what_the_folder_has() -> None:
+    lists = exported("pendulum")["CMakeLists.txt"].decode()
+    for text in TEXTS.values():
+        for block in blocks(text, "cmake"):
+            assert "pendulum::pendulum" in block
+            assert "add_library(pendulum::pendulum ALIAS" in lists
+
+
+@needs("rustc", "ar")
+def test_the_program_in_rust_gets_the_bits_of_python(tmp_path: Path) -> None:
+    put(exported("pendulum"), tmp_path)
+    text = TEXTS["docs/embedding.md"]
+    (program,) = blocks(text, "rust")
+    (tmp_path / "main.rs").write_text(program)
+    (command,) = re.findall(r"^`(cc .* rustc .*)`$", text, re.MULTILINE)
+    does(["sh", "-e", "-c", command], tmp_path)
+    t, angle, _ = map(
+        float, does([tmp_path / "main"], tmp_path).split()
+    )  # Rust prints what reads back exactly
+    result = lamc.compile(mechanism_of("pendulum")).run(10.0, t_eval=[0.0, 0.5])
+    assert (t, angle) == (0.5, result.q[1, 0])
+    (room,) = re.findall(r"rest: \[u64; (\d+)\]", program)
+    (told,) = re.findall(r"one instance \| (\d+) bytes", exported("pendulum")["README.md"].decode())
+    assert 7 * 8 + 8 * int(room) >= int(told)

@@ -1,0 +1,140 @@
+"""Every command and every program that the README shows does what it says."""
+
+import math
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lamc
+from lamc import examples, plate
+from lamc.examples import plates
+from lamc.readers.plates.problem_file import plate_of_text
+from lamc.readers.plates.problem_make import problem_of
+from tests.support.paths import ROOT
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def commands() -> list[str]:
+    """Shell lines of all blocks, and the commands of the first table on a design of the reader's own."""
+    lines = [line.split(" #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    return [line for line in lines if line] + re.findall(r"\| `(lamc [^`]*)` \|", README)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with the design and the files of the reader's own that the README speaks of."""
+    shutil.copy(ROOT / "lamc" / "examples" / "pendulum.cad", tmp_path / "design.cad")
+    for text in blocks("yaml"):
+        named = re.match(r"# (\S+\.yaml)\n", text)
+        if named:
+            (tmp_path / named[1]).write_text(text, encoding="utf-8")
+    for name, copies in re.findall(r"lamc plate --example (\S+) --copy (\S+)", README):
+        (tmp_path / copies).mkdir(exist_ok=True)
+        for design in plates.designs(plates.find(name)):
+            (tmp_path / copies / design.file_name).write_text(design.text, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def folder_with_copies(folder: Path) -> Path:
+    """The folder after the README's commands that copy examples."""
+    for name, copies in re.findall(r"lamc examples (\S+) --copy (\S+)", README):
+        example = examples.find(name)
+        (folder / copies).mkdir(exist_ok=True)
+        (folder / copies / example.file_name).write_text(example.text, encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("command", [c for c in commands() if c.startswith("lamc")])
+def test_each_lamc_command_of_the_readme_succeeds(command: str, folder: Path) -> None:
+    arguments = [sys.executable, "-m", "lamc", *shlex.split(command)[1:]]
+    if "--copy" in arguments:
+        shutil.rmtree(folder / arguments[-1], ignore_errors=True)  # what the command is to make
+    if "run" in command.split():
+        arguments.append("--no-animation")  # the film has its own tests, and takes most of the time
+    done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("command", [c for c in commands() if c.startswith("make")])
+def test_each_make_target_of_the_readme_exists(command: str) -> None:
+    done = subprocess.run([*command.split(), "-n"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_readme_has_commands_of_both_kinds() -> None:
+    kinds = {command.split()[0] for command in commands()}
+    assert {"lamc", "make"} <= kinds
+
+
+@pytest.mark.parametrize("program", blocks("python"))
+def test_each_program_of_the_readme_runs(program: str, folder_with_copies: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=folder_with_copies,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "to_csv" not in program or (folder_with_copies / "pendulum.csv").is_file()
+
+
+def test_the_design_of_the_readme_is_one_hinge_that_starts_open(tmp_path: Path) -> None:
+    (text,) = [text for text in blocks("yaml") if text.startswith("name: flap")]
+    file = tmp_path / "flap.yaml"
+    file.write_text(text, encoding="utf-8")
+    sim = lamc.compile(lamc.load(file))
+    assert sim.joints == ("fold",)
+    result = sim.run(t_end=0.1)
+    assert result.success
+    assert result.angle("fold")[0] == pytest.approx(0.5235987755982988, abs=1e-15)  # 30°, one rounding
+
+
+def test_the_scenes_of_the_readme_are_what_it_says(folder: Path) -> None:
+    design = lamc.load(folder / "design.cad")
+    swing, driven, moon = (
+        lamc.load_scene(folder / "swings.yaml", name) for name in ("swing", "driven", "moon")
+    )
+    acting = [
+        {effect.name for effect in lamc.compile(design, scene).effects} for scene in (swing, driven, moon)
+    ]
+    assert acting == [
+        {"gravity", "hinge_stiffness"},
+        {"gravity", "hinge_stiffness", "hinge_damping", "torque"},
+        {"gravity", "joint_limits"},
+    ]
+    assert (driven.angles, moon.duration) == ({"h1": -math.pi / 3}, 5.0)
+
+
+def test_the_plate_of_the_readme_is_a_lid_with_a_hole(tmp_path: Path) -> None:
+    (text,) = [text for text in blocks("yaml") if text.startswith("kind: plate")]
+    lid = plate_of_text(text, "lid.yaml")
+    assert lid.geometry.outline.area == pytest.approx(0.12 * 0.08 - math.pi * 0.015**2, rel=1e-12)
+    assert list(lid.cases) == ["wind", "push"]
+    solved = plate.solve(problem_of(lid, size=8e-3))
+    (beside,) = lid.outputs
+    assert solved["wind"].deflection(*beside.at) > 0.0 > solved["push"].deflection(*beside.at)
+
+
+def test_pictures_of_the_readme_are_there() -> None:
+    names = re.findall(r'<img src="([^"]*)"', README)
+    assert names
+    for name in names:
+        assert (ROOT / name).stat().st_size > 10_000
+
+
+def test_examples_that_the_readme_names_exist() -> None:
+    for verb, name in re.findall(r"lamc (\w+) --example (\S+?)[\s`]", README):
+        assert (plates if verb == "plate" else examples).find(name).text

@@ -1,0 +1,93 @@
+"""Exported folders as somebody without lamc has them: what compiles them, and models of every kind."""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import lamc
+from lamc.export import files_of
+from tests.support.ctools import CC
+
+STRICT = ("-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+EXAMPLES = Path(lamc.__file__).parent / "examples"
+
+# A tree; loops; impacts and stops, which are events; a floating base on the ground.
+KINDS = ("pendulum", "four_bar", "limit_stop", "crawler")
+DURATION = {"pendulum": 1.0, "four_bar": 1.0, "limit_stop": 0.5, "crawler": 0.1, "stiff_triple": 0.1}  # s
+
+
+def clang() -> list[str] | None:
+    """clang, or the one inside the ziglang package; None without either."""
+    if shutil.which("clang"):
+        return ["clang"]
+    if importlib.util.find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    return None
+
+
+def compilers() -> list[object]:
+    """Commands of C compilers as parameters of a test; those that are not here are skipped with the reason."""
+    has_gcc, found = shutil.which("gcc") is not None, clang()
+    no_gcc = pytest.mark.skipif(not has_gcc, reason="gcc is not installed")
+    no_clang = pytest.mark.skipif(found is None, reason="clang is not installed, nor the ziglang package")
+    return [
+        pytest.param(["gcc"], id="gcc", marks=no_gcc),
+        pytest.param(found or ["clang"], id="clang", marks=no_clang),
+    ]
+
+
+def needs(*programs: str) -> pytest.MarkDecorator:
+    missing = [program for program in programs if shutil.which(program) is None]
+    return pytest.mark.skipif(bool(missing), reason=f"needs {', '.join(missing)}")
+
+
+def mechanism_of(name: str) -> lamc.Mechanism:
+    design = lamc.load(EXAMPLES / f"{name}.yaml")
+    return design if isinstance(design, lamc.Mechanism) else lamc.split(design)
+
+
+def scene_of(name: str) -> lamc.Scene:
+    """The example's own scene, over a time that a test can wait for."""
+    from dataclasses import replace
+
+    return replace(mechanism_of(name).scene or lamc.Scene(), duration=DURATION[name])
+
+
+@cache
+def exported(name: str, **options: object) -> Mapping[str, bytes]:
+    """Files of an example's export; it is also their prefix."""
+    return files_of(mechanism_of(name), "c", scene_of(name), lamc.ExportOptions(**options))  # type: ignore[arg-type]
+
+
+def put(files: Mapping[str, bytes], folder: Path) -> Path:
+    """Writes the files, as they are, into a folder anywhere."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    return folder
+
+
+def does(command: Sequence[str | Path], folder: Path, **environment: str) -> str:
+    """What a command prints; the test fails, with what it says, if it does not end well."""
+    done = subprocess.run(
+        list(map(str, command)),
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+        env={**os.environ, **environment},
+    )
+    assert done.returncode == 0, (done.returncode, done.stdout[-3000:], done.stderr[-3000:])
+    return done.stdout
+
+
+def cc(folder: Path, *arguments: str, command: Sequence[str] = (CC,)) -> str:
+    return does([*" ".join(command).split(), *arguments], folder)

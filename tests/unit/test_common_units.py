@@ -1,0 +1,29 @@
+"""The table of common units is pint's, and what uses no other unit starts without pint."""
+
+import subprocess
+import sys
+
+import pytest
+
+from lamc.basics import units
+from lamc.basics.common_units import COMMON
+
+QUANTITIES = {
+    value.unit: value for _, value in sorted(vars(units).items()) if isinstance(value, units.Quantity)
+}
+
+
+@pytest.mark.parametrize(("unit", "si"), sorted(COMMON))
+def test_a_common_unit_is_what_pint_says(unit: str, si: str) -> None:
+    units.check_unit(unit, QUANTITIES[si])
+    assert COMMON[unit, si] == units._asked(unit, QUANTITIES[si])  # to the last bit: results must not move
+
+
+@pytest.mark.parametrize("name", ["flaps", "four_bar", "waterbomb", "folding_box", "pendulum"])
+def test_examples_are_read_without_pint(name: str) -> None:
+    code = (
+        "import sys, lamc; from lamc.examples import path\n"
+        f"lamc.load(path({name!r})); print('pint' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

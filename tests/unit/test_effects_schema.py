@@ -1,0 +1,87 @@
+"""`lamc schema` says what effects may hold, as each effect's own class does."""
+
+import json
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+import pytest
+
+from lamc.effects import Gravity, JointLimits, Spring, Torque
+from lamc.effects.registry import EFFECTS
+from lamc.readers.effects_schema import effect_schema
+from lamc.readers.schema import json_schema
+
+SCHEMA = json_schema()["$defs"]
+
+
+def test_scenes_refer_to_every_effect_of_the_registry() -> None:
+    names = sorted(kind.name for kind in EFFECTS)
+    by_map, by_list = SCHEMA["Effects"]["anyOf"]
+    assert sorted(by_map["properties"]) == names
+    assert by_map["additionalProperties"] is False
+    assert by_list["items"]["anyOf"][0]["enum"] == names
+    for scene in ("SceneModel", "Scene"):
+        for key in ("effects", "with"):
+            assert {"$ref": "#/$defs/Effects"} in SCHEMA[scene]["properties"][key]["anyOf"]
+
+
+@pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.name)
+def test_an_effect_is_described_by_its_class(kind: Any) -> None:
+    said = SCHEMA[f"effect_{kind.name}"]
+    json.dumps(said)
+    assert said["description"]
+    if "properties" in said:
+        assert set(said["properties"]) == {f.name for f in fields(kind)}
+
+
+def test_fields_have_units_and_the_words_of_the_docstring() -> None:
+    limits = effect_schema(JointLimits)
+    assert limits["properties"]["stiffness"]["description"].startswith(
+        "N·m/rad; with neither stiffness nor rest"
+    )
+    assert {"type": ["number", "string"], "description": "a number (N*m/rad), or text with a unit"} in limits[
+        "properties"
+    ]["stiffness"]["anyOf"]
+    assert limits["properties"]["flat_fold"]["type"] == "boolean"
+    assert limits["type"] == ["object", "null", "boolean"]
+    assert "restitution above 0" not in limits["description"]
+
+
+def test_what_must_be_given_is_required() -> None:
+    spring = effect_schema(Spring)
+    assert spring["required"] == ["body_a", "point_a", "body_b", "point_b", "stiffness"]
+    assert spring["type"] == ["object"]
+    assert spring["properties"]["point_a"]["minItems"] == 3
+    assert spring["properties"]["point_b"]["description"].startswith("where the points are")
+
+
+def test_a_field_may_stand_alone() -> None:
+    whole, short = effect_schema(Gravity)["anyOf"]
+    assert whole["properties"]["acceleration"] == short
+    torque = effect_schema(Torque)
+    assert torque["type"] == "object"
+    kinds = [each["type"] for each in torque["additionalProperties"]["anyOf"]]
+    assert kinds == [["number", "string"], "string"]
+
+
+def test_an_effect_of_any_fields_is_described() -> None:
+    @dataclass(frozen=True)
+    class Odd:
+        """Odd.
+
+        table  rows,
+               ascending
+        """
+
+        table: tuple[tuple[float, float], ...] = ()
+        choice: int | str | None = None
+
+        name: ClassVar[str] = "odd"
+        summary: ClassVar[str] = "Odd"
+        units: ClassVar[dict[str, str]] = {"table": "rad"}
+
+    said = effect_schema(Odd)  # type: ignore[arg-type]
+    assert said["description"] == "Odd."
+    assert said["properties"]["table"]["description"] == "rows, ascending"
+    assert said["properties"]["table"]["items"]["maxItems"] == 2
+    assert [part["type"] for part in said["properties"]["choice"]["anyOf"]] == ["integer", "string", "null"]

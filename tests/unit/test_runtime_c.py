@@ -1,0 +1,42 @@
+"""The C runtime passes its own tests, plain and under sanitizers, and its sources are C++ as well."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.support.paths import RUNTIME
+
+COMPILER = os.environ.get("CC", "cc")
+
+pytestmark = pytest.mark.skipif(
+    shutil.which(COMPILER.split()[0]) is None or shutil.which("make") is None,
+    reason="needs make and a C compiler (set CC)",
+)
+
+
+def make(target: str, out: Path) -> str:
+    done = subprocess.run(
+        ["make", "-C", str(RUNTIME), target, f"CC={COMPILER}", f"OUT={out}"],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("target", ["test", "sanitize"])
+def test_runtime_passes_its_own_tests(target: str, tmp_path: Path) -> None:
+    counts = re.findall(r"^(\d+) passed, (\d+) failed$", make(target, tmp_path), re.MULTILINE)
+    assert len(counts) == len(list((RUNTIME / "tests").glob("test_*.c")))
+    assert all(int(passed) > 0 and failed == "0" for passed, failed in counts)
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
+def test_runtime_compiles_as_cxx(tmp_path: Path) -> None:
+    make("cxx", tmp_path)

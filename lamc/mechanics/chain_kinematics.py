@@ -54,7 +54,7 @@ class ChainKinematics(Kinematics):
         self.in_run = [False] * len(self.tree.links)
         self.spin = [None] * len(self.tree.links)
         self.modes = self._modes()
-        self.flexible = self.modes.keys()
+        self.flexible = frozenset(self.modes)
         compliant = {hinge.joint: hinge for hinge in arrangement.compliant}
         self.chains: list[tuple[Step, ...]] = []
         with store.section("From link to link", source="eq. 1-4"):

@@ -7,11 +7,12 @@ store. It knows no effect by name, and makes no text.
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from lamc.basics.errors import about
 from lamc.loops.rank import LoopCount, count_loops
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanics.closure import close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
@@ -58,9 +59,20 @@ def derive(
     Raises DesignError where an effect does not fit.
     """
     arrangement = arrange(tree, effects)
-    if not arrangement.is_plain:
-        return derive_general(arrangement, effects, loops, inputs)
-    store = Store()
+    road = _derive_plain if arrangement.is_plain else derive_general
+    equations = road(arrangement, effects, loops, inputs)
+    equations.store.is_frozen = True
+    return equations
+
+
+def _derive_plain(
+    arrangement: Arrangement,
+    effects: "Sequence[Effect]",
+    loops: LoopCount | None,
+    inputs: Mapping[str, Input],
+) -> Equations:
+    """Hinges on a fixed world and nothing else."""
+    tree, store = arrangement.tree, Store()
     count = len(tree.links)
     names = tree.joint_names
     parameters = Parameters(store)
@@ -101,8 +113,19 @@ def derive(
         solver_flops=flops,
         arrangement=arrangement,
         inputs=inputs,
-        account_for_powers=lambda: powers_of(loads, _moving(placement, pairs, q, u, time)),
+        account_for_powers=partial(_powers, loads, placement, pairs, q, u, time),
     )
+
+
+def _powers(
+    loads: Loads,
+    placement: Placement,
+    pairs: Sequence[tuple[Inertia, Vector3]],
+    q: Sequence[Value],
+    u: Sequence[Value],
+    time: Value,
+) -> dict[str, Scalar]:
+    return powers_of(loads, _moving(placement, pairs, q, u, time))
 
 
 def _moving(

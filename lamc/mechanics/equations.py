@@ -4,11 +4,12 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 `mass_matrix` and `generalised_forces` give M and f of M u̇ = f.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING
 
-from lamc.basics.once import alone_with, lazy
+from lamc.basics.once import lazy
 from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanism.tree import Tree
 from lamc.records.inputs import Input
@@ -59,6 +60,9 @@ class Equations:
     coordinate_rates  q̇ (nq,) by q and u; None where q̇ = u
     inputs        numbers from outside that the scene declares, by name
     account_for_powers  makes `powers`, which take time and memory that few ask for
+
+    The store is frozen once `derive` is done. What is worked out later (`inertia`, `forces`, `powers`, the program)
+    is written into a fork of it, so that nothing depends on what was read before.
     """
 
     tree: Tree
@@ -84,25 +88,36 @@ class Equations:
             f"<Equations of {self.tree.mechanism.name!r}: {len(self.joints)} joints, solved by {self.solver}>"
         )
 
+    def forked(self) -> "Equations":
+        """The same equations over a copy of the store, in which one may go on writing."""
+        mechanism = self.tree.mechanism
+        kept = (self.tree, *self.tree.links, mechanism, *mechanism.bodies, *mechanism.joints)
+        kept += (self.effects, *self.effects, self.parameters, self.arrangement, self.inputs)
+        memo: dict[int, object] = {id(record): record for record in kept}
+        return replace(self, **{each.name: deepcopy(getattr(self, each.name), memo) for each in fields(self)})
+
     @lazy
     def powers(self) -> Mapping[str, Scalar]:
         """Power of all loads of an effect, W, by its name, in terms of t, q, u and u̇; of what moves a base as told
-        too. Their sum is the rate of the kinetic energy."""
-        with alone_with(self.store):
-            return self.account_for_powers()
+        too. Their sum is the rate of the kinetic energy. Scalars of a fork, unless these equations are one."""
+        return self.forked().powers if self.store.is_frozen else self.account_for_powers()
 
-    @lazy
+    @property
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:
         """M by rates, kg·m² between joints: entries (i, j), i >= j; a plain tree's have j on the way from i to the
-        world."""
-        with alone_with(self.store):  # each writes to the store
-            return self.problem.mass_matrix()
+        world. Scalars of the same fork as `forces`, unless these equations are one."""
+        return self._system[0]
 
-    @lazy
+    @property
     def forces(self) -> tuple[Scalar, ...]:
         """f of M u̇ = f, N·m of joints, by rates."""
-        with alone_with(self.store):
-            return tuple(self.problem.forces())
+        return self._system[1]
+
+    @lazy
+    def _system(self) -> tuple[Mapping[tuple[int, int], Scalar], tuple[Scalar, ...]]:
+        if self.store.is_frozen:
+            return self.forked()._system
+        return self.problem.mass_matrix(), tuple(self.problem.forces())
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -145,7 +160,8 @@ class Equations:
         if self.closure is None:
             return ()
         guards = [terms.guard.value for terms in self.guards]
-        live = set(self.store.live([*self.forces, *self.energies.values(), *guards]))
+        read = [*self.forces, *self.energies.values(), *guards]
+        live = set(_store_of(read, self.store).live(read))
         return tuple(
             hinge.cut.joint.name
             for hinge in self.closure.hinges
@@ -225,8 +241,8 @@ class Equations:
 
         from lamc.mechanics.sympy_view import expression, node_expression
 
-        store = self.store
         values = list(outputs.values())
+        store = _store_of(values, self.store)
         grouping = group(store, values, Level.NUMBER)
         named: dict[int, sp.Symbol] = {}
         result: list[Assignment] = []
@@ -252,3 +268,8 @@ class Equations:
         from lamc.mechanics.sympy_view import expression
 
         return expression(value, {})
+
+
+def _store_of(values: Sequence[Scalar], own: Store) -> Store:
+    """The store of all values: forks know the nodes of what they were forked from, by the same numbers."""
+    return max((value.store for value in values if isinstance(value, Value)), key=len, default=own)

@@ -6,6 +6,7 @@ energies, poses and guards by all coordinates. It knows no effect by name, and n
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -100,7 +101,7 @@ def derive_general(
         arrangement=arrangement,
         inputs=inputs,
         coordinate_rates=(*u[:plain], *rates) if rates else None,
-        account_for_powers=lambda: _powers(problem, placement, masses, loads, speeds),
+        account_for_powers=partial(_powers, problem, placement, masses, loads, speeds),
     )
 
 

@@ -64,6 +64,7 @@ CUTS = (
 @collector_paused
 def lower(equations: Equations, *, books: bool = False) -> Program:
     """The program of `equations`; with the power of every effect where `books` are to be kept."""
+    equations = equations.forked()
     store = equations.store
     jobs = [
         *_motion_jobs(equations),

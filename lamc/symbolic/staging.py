@@ -13,6 +13,7 @@ import math
 import numbers
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
@@ -70,8 +71,17 @@ class Store:
         self.payloads: dict[int, Number | Symbol] = {}
         self.sections: list[Section] = [Section("", "", "")]
         self.tables: list[Piecewise] = []
+        self.is_frozen = False  # equations that are finished: what is to be added is added to a copy
         self._known: dict[object, int] = {}
         self._section = 0
+
+    def __deepcopy__(self, memo: dict[int, object]) -> "Store":
+        """A store that goes on from here: the nodes so far are the same, and keep their numbers."""
+        copied = memo[id(self)] = Store()
+        for name in ("operations", "arguments", "levels", "section_of", "link_of", "sections", "tables"):
+            setattr(copied, name, list(getattr(self, name)))
+        copied.payloads, copied._known = dict(self.payloads), dict(self._known)
+        return copied
 
     def __len__(self) -> int:
         return len(self.operations)
@@ -171,6 +181,8 @@ class Store:
     ) -> int:
         index = self._known.get(key)
         if index is None:
+            if self.is_frozen:
+                raise RuntimeError("finished equations take no new nodes: write in `Equations.forked()`")
             index = len(self.operations)
             self._known[key] = index
             self.operations.append(name)
@@ -209,6 +221,9 @@ class Value:
         self.store = store
         self.index = index
         self.sign = sign
+
+    def __deepcopy__(self, memo: dict[int, object]) -> "Value":
+        return Value(deepcopy(self.store, memo), self.index, self.sign)
 
     def __eq__(self, other: object) -> bool:
         """Same node and sign, i.e. the same expression."""

@@ -1,0 +1,59 @@
+"""Equal in, equal out: what a stage gives does not depend on what was read of the stage before."""
+
+import itertools
+from pathlib import Path
+
+import pytest
+
+import lamc
+from lamc.mechanics.equations import Equations
+from lamc.mechanics.lower import lower
+from lamc.pipeline import effects_of, equations_of
+from lamc.records.scene import Scene
+from lamc.symbolic.program import Space
+
+EXAMPLES = sorted(
+    [
+        *Path(lamc.__file__).parent.joinpath("examples").glob("*.yaml"),
+        *Path(lamc.__file__).parent.joinpath("examples").glob("*.cad"),
+    ]
+)
+READ = ("inertia", "forces", "powers", "assignments", "mass_matrix", "operations")
+
+
+def _equations(path: Path) -> Equations:
+    loaded = lamc.load(path)
+    mechanism = lamc.split(loaded) if isinstance(loaded, lamc.Design) else loaded
+    scene = mechanism.scene or Scene()
+    return equations_of(mechanism, effects_of(mechanism, scene), inputs=scene.inputs)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
+def test_programs_do_not_depend_on_what_was_read_of_the_equations(path: Path) -> None:
+    equations = _equations(path)
+    untouched = lower(equations).digest
+    with_books = lower(equations, books=True).digest
+    nodes = len(equations.store)
+    for name in READ:
+        getattr(equations, name)
+    assert len(equations.store) == nodes
+    assert lower(equations).digest == untouched
+    assert lower(equations, books=True).digest == with_books
+
+
+def test_what_is_read_does_not_depend_on_the_order_of_reading() -> None:
+    texts = set()
+    for order in itertools.permutations(("inertia", "forces", "powers", "assignments")):
+        equations = _equations(next(path for path in EXAMPLES if path.stem == "four_bar"))
+        for name in order:
+            getattr(equations, name)
+        texts.add("\n".join(map(str, (*equations.assignments, *equations.mass_assignments))))
+    assert len(texts) == 1
+
+
+def test_finished_equations_take_no_new_nodes() -> None:
+    equations = _equations(next(path for path in EXAMPLES if path.stem == "pendulum"))
+    with pytest.raises(RuntimeError, match="forked"):
+        equations.store.symbol("another", Space.ANGLE, 99)
+    equations.forked().store.symbol("another", Space.ANGLE, 99)
+    assert len(equations.forked().store) == len(equations.store)

@@ -34,3 +34,10 @@ def stamps(folders: Iterable[Path]) -> str:
         files.sort(key=lambda file: file[0])
         parts += [f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in files]
     return "\n".join(parts)
+
+
+def own_stamps(*packages: str) -> str:
+    """Stamps of the sources of these packages of lamc, with the packages in them: work on lamc itself changes them."""
+    package = Path(__file__).resolve().parent.parent
+    folders = [path.parent for name in packages for path in sorted((package / name).rglob("__init__.py"))]
+    return stamps(folders)

@@ -8,13 +8,12 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import shapely
 
 from lamc.basics._version import __version__
-from lamc.basics.resources import data_dir, stamps
+from lamc.basics.resources import data_dir, own_stamps, stamps
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import Compiler
 from lamc.effects.registry import EFFECTS
@@ -148,13 +147,17 @@ def _kind(of: type) -> tuple[str, tuple[tuple[str, bytes], ...]]:
 @cache
 def _own_sources() -> str:
     """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
-    package = Path(__file__).parent
-    folders = [
-        package / name
-        for name in ("mechanism", "loops", "mechanics", "effects", "codegen", "plate", "design")
-    ]
-    folders += sorted(
-        path.parent for path in (package / "plate").glob("*/__init__.py")
-    )  # reduce flexible bodies
-    folders += [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
-    return stamps(folders)
+    shaping = (
+        "basics",
+        "symbolic",
+        "codegen",
+        "records",
+        "mechanism",
+        "design",
+        "loops",
+        "mechanics",
+        "plates",
+        "effects",
+    )
+    data = [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
+    return own_stamps(*shaping) + stamps(data)

@@ -6,10 +6,9 @@ In: an `Element`. Out: an `ElementProgram`, or a `Module` and the C side's `lamc
 import hashlib
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 
 from lamc.basics._version import __version__
-from lamc.basics.resources import data_dir, stamps
+from lamc.basics.resources import data_dir, own_stamps, stamps
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.emit_element import emit_element
@@ -56,6 +55,5 @@ def alias_of(element: Element, compiler: str, flags: Sequence[str]) -> str:
 @cache
 def _own_sources() -> str:
     """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
-    package = Path(__file__).parents[2]
-    folders = [package / "codegen", package / "mechanics", package / "plate" / "elements"]
-    return stamps([*folders, data_dir("templates"), data_dir("runtime_c") / "plate"])
+    shaping = ("basics", "symbolic", "codegen", "mechanics", "plates/elements")
+    return own_stamps(*shaping) + stamps([data_dir("templates"), data_dir("runtime_c") / "plate"])

@@ -173,7 +173,8 @@ class Equations:
         """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), and of q̇ where that is not u;
         parameter-only work excluded."""
         values = [value for name, value in self._results.items() if not name.startswith("phi_")]
-        return count_operations(self.store, [*values, *(self.coordinate_rates or ())], Level.PARAMETER)
+        values += self.coordinate_rates or ()
+        return count_operations(_store_of(values, self.store), values, Level.PARAMETER)
 
     @lazy
     def operations_by_effect(self) -> Mapping[str, Operations]:

@@ -71,7 +71,7 @@ class General:
     """One mechanism under effects, in the general form."""
 
     def __init__(self, mechanism: Mechanism, effects: Sequence[Effect]) -> None:
-        equations = self.equations = equations_of(mechanism, tuple(effects))
+        equations = self.equations = equations_of(mechanism, tuple(effects)).forked()  # to write in
         arrangement = equations.arrangement
         assert arrangement is not None
         assert not arrangement.is_plain

@@ -47,10 +47,14 @@ from lamc.effects import (
 )
 from lamc.export import export
 from lamc.export.options import ExportOptions
-from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
+from lamc.pipeline import (
+    Times,
+    compile,  # noqa: A004  the public name is lamc.compile
+)
+from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
-from lamc.records.design import Design
+from lamc.records.design import Design, Material
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Plate
 from lamc.records.scene import OutputPoint, Scene
@@ -81,7 +85,9 @@ __all__ = [
     "Joint",
     "JointLimits",
     "LamcError",
+    "Limits",
     "LinearMotor",
+    "Material",
     "Mechanism",
     "NonlinearStiffness",
     "OutputPoint",
@@ -94,6 +100,7 @@ __all__ = [
     "SimulationError",
     "Simulator",
     "Spring",
+    "Times",
     "TopologyError",
     "Torque",
     "TwistCompliance",
@@ -105,3 +112,7 @@ __all__ = [
     "load_scene",
     "split",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,5 @@
+"""An old name of `lamc.codegen.options`, kept for programs that use it; what users need is in `lamc` itself."""
+
+from lamc.basics.moved import moved
+
+__getattr__ = moved("lamc.options", "lamc.codegen.options")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import BuildError, DesignError
-from lamc.basics.once import alone_with, remembered
+from lamc.basics.once import remembered
 from lamc.basics.places import told_at
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module, load_module
@@ -24,9 +24,9 @@ from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.starts import loops_of
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanics.effect import Effect
 from lamc.mechanism.tree import plan
 from lamc.records.design import Design
+from lamc.records.effect import Effect
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -140,9 +140,7 @@ def _compiled(
 
     @remembered
     def sources(*, books: bool) -> "tuple[Program, SourceTree]":
-        derived = equations()
-        with alone_with(derived.store):  # powers are written to it when they are first asked for
-            return sources_of(derived, times, books=books, precision=options.precision)
+        return sources_of(equations(), times, books=books, precision=options.precision)
 
     def module(*, books: bool) -> Module:
         alias = input_digest(

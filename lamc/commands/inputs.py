@@ -20,13 +20,13 @@ from lamc.codegen.options import CompileOptions
 from lamc.commands.terminal import Progress
 from lamc.design.split import split
 from lamc.effects.registry import ADDED, Choice, by_name, choose
-from lamc.mechanics.effect import Effect
 from lamc.pipeline import Times
 from lamc.readers.effect_calls import make_effect
 from lamc.readers.inert import compose, plain
 from lamc.readers.load import load, load_text
 from lamc.readers.load_scene import load_scene
 from lamc.records.design import Design
+from lamc.records.effect import Effect, hooked
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene, is_scene_name
 from lamc.run.request import did_you_mean
@@ -165,7 +165,7 @@ def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, t
 
 
 def _is_repeatable(effect: Effect) -> bool:
-    return bool(getattr(effect, "repeatable", False))
+    return hooked(effect).repeatable
 
 
 def _told_by_options(choice: Choice, more: Sequence[Effect], left_out: Sequence[str]) -> Choice:

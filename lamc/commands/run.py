@@ -28,10 +28,10 @@ from lamc.commands.inputs import (
 )
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
-from lamc.mechanics.effect import conserves
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.records.design import Design
+from lamc.records.effect import conserves
 from lamc.report.animation import draw_animation
 from lamc.report.folded import draw_folded
 from lamc.report.loops_text import loops_data

@@ -15,7 +15,7 @@ from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
-from lamc.mechanics.effect import Effect
+from lamc.records.effect import Effect
 
 __all__ = [
     "BaseMotion",

@@ -9,12 +9,11 @@ import numpy as np
 
 from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import DesignError
-from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging, PrescribedBase
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Mechanism, checked_array, checked_number
+from lamc.records.mechanism import checked_array, checked_number
 from lamc.symbolic.expression import stage
 from lamc.symbolic.staging import Scalar
 
@@ -22,7 +21,7 @@ Told = float | str
 
 
 @dataclass(frozen=True)
-class BaseMotion:
+class BaseMotion(RegisteredEffect):
     """A drawn point d of the fixed bodies is at point + Rot(axis, angle) (d - point) + displacement.
 
     displacement  along world x, y and z, m: numbers, or expressions in t (s) and inputs of the scene, such as
@@ -44,6 +43,7 @@ class BaseMotion:
     summary: ClassVar[str] = "Fixed bodies that move as told"
     source: ClassVar[str] = "x(t) and θ(t), differentiated"
     units: ClassVar[Mapping[str, str]] = {"displacement": "m", "angle": "rad", "point": "m"}
+    absent: ClassVar[str] = "the fixed bodies stay where they are"
 
     def __post_init__(self) -> None:
         given = self.displacement
@@ -93,15 +93,6 @@ class BaseMotion:
         """The displacements and the angle that are expressions."""
         told = (*zip("xyz", self.displacement, strict=True), ("angle", self.angle))
         return tuple(Drive(f"{name} of base_motion", value) for name, value in told if isinstance(value, str))
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "the fixed bodies stay where they are"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "BaseMotion":
-        """From a scene file: a map of the fields above."""
-        return record(cls, value, where)
 
 
 def _told(value: object, what: str) -> Told:

@@ -12,9 +12,9 @@ from lamc.basics.errors import DesignError
 from lamc.effects.bender_plies import laminate_of
 from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.records.mechanism import Joint, Mechanism
+from lamc.records.mechanism import Joint
 from lamc.symbolic.algebra import cross, dot
 from lamc.symbolic.expression import stage
 from lamc.symbolic.staging import Scalar
@@ -34,7 +34,7 @@ class BenderLine:
 
 
 @dataclass(frozen=True)
-class PiezoBender:
+class PiezoBender(RegisteredEffect):
     """A straight strip of laminate, clamped on body_a at `root`, whose tip pushes body_b at `tip` along the normal.
 
     root, tip  ends of the strip in the drawn configuration, m, world axes; the strip is straight there
@@ -90,6 +90,7 @@ class PiezoBender:
         "voltage": "V",
         "extension": "m",
     }
+    absent: ClassVar[str] = "no bender is called for"
 
     def __post_init__(self) -> None:
         for field in ("body_a", "body_b"):
@@ -256,10 +257,6 @@ class PiezoBender:
         label = f"piezo_bender.{self.body_a}.{self.body_b}"
         count = sum(name.startswith(f"{label}.") and name.endswith(".stiffness") for name in taken)
         return f"{label}.{count + 1}" if count else label
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no bender is called for"
 
     @classmethod
     def from_data(cls, value: object, where: str) -> "PiezoBender":

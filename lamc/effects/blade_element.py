@@ -14,11 +14,10 @@ from shapely.geometry import Polygon
 
 from lamc.basics.checks import checked_flag, checked_name, checked_number, is_list, shown
 from lamc.basics.errors import DesignError
-from lamc.effects.data import record
+from lamc.effects.registered import RegisteredEffect
 from lamc.effects.strips import Corners, Strip, Wing, gauss, wing
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.arrangement import Arranging
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import Mechanism, checked_array
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, dot, scale
@@ -36,7 +35,7 @@ _COEFFICIENTS = {  # field: its meaning
 
 
 @dataclass(frozen=True)
-class BladeElementDrag:
+class BladeElementDrag(RegisteredEffect):
     """Lift, drag and added mass of a flat wing, by strips across its span.
 
     A strip of chord c that meets the air at speed U and angle of attack α has, per span,
@@ -110,6 +109,7 @@ class BladeElementDrag:
         "outline": "m",
         "rest_speed": "m/s",
     }
+    absent: ClassVar[str] = "no air is called for"
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -203,15 +203,6 @@ class BladeElementDrag:
             for axis, value in zip("xyz", self.wind or (), strict=True)
         )
         return (x, y, z)
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no air is called for"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "BladeElementDrag":
-        """From a scene file: a mapping of the fields above."""
-        return record(cls, value, where)
 
 
 class _Motion(NamedTuple):

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.errors import ExpressionError, about
+from lamc.records.effect import hooked
 from lamc.symbolic.domain import EVERYWHERE, Undefined, undefined
 from lamc.symbolic.expression import CONSTANTS, names_in
 
@@ -78,7 +79,7 @@ def check_drives(
     angles, rates  of all joints at the start, rad and rad/s; t_end  s; inputs  values of the run, by name
     """
     for effect in effects:
-        for drive in getattr(effect, "drives", tuple)():
+        for drive in hooked(effect).drives():
             given = tuple((name, inputs[name]) for name in drive.inputs())
             with about(effect):
                 _check_start(drive, angles, rates, given)

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from lamc.basics.errors import DesignError, about
-from lamc.mechanics.effect import claims_of
+from lamc.records.effect import claims_of, overrides
 from lamc.records.mechanism import Mechanism
 from lamc.records.network import some
 
 if TYPE_CHECKING:
     from lamc.effects.contact_points import ContactPoint
-    from lamc.mechanics.effect import Effect
+    from lamc.records.effect import Effect
 
 Vector = tuple[float, float, float]
 FAR = 1e3  # rad, the limit on a side that has none
@@ -208,10 +208,9 @@ def carried(mechanism: Mechanism, effects: "Sequence[Effect]", moving_bodies: Se
     engine = EngineLoads(mechanism, tuple(moving_bodies), claims)
     for effect in effects:
         engine.effect = effect
-        carry = getattr(effect, "carry_over", None)
         with about(effect):
-            if carry is None:
-                engine.lose(f"{effect.name} ({effect.summary})")
+            if overrides(effect, "carry_over"):
+                effect.carry_over(engine)
             else:
-                carry(engine)
+                engine.lose(f"{effect.name} ({effect.summary})")
     return engine

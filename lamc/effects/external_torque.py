@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import DesignError
-from lamc.effects.data import record
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Mechanism, checked_name
+from lamc.records.mechanism import checked_name
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
@@ -32,7 +31,7 @@ def _claim(joint: str) -> str:
 
 
 @dataclass(frozen=True)
-class ExternalTorque:
+class ExternalTorque(RegisteredEffect):
     """A torque on each hinge's child about the hinge's axis, N·m, an input of the model; positive opens the fold.
 
     joints  names of the hinges; None: every one, those that close loops too
@@ -49,6 +48,7 @@ class ExternalTorque:
     source: ClassVar[str] = "eq. 17"
     shorthand: ClassVar[str] = "joints"
     units: ClassVar[Mapping[str, str]] = {}
+    absent: ClassVar[str] = "no torque comes from outside"
 
     def __post_init__(self) -> None:
         if self.joints is None:
@@ -81,12 +81,3 @@ class ExternalTorque:
         """The same: an engine takes them while it runs."""
         for joint in self.joints or tuple(joint.name for joint in engine.mechanism.joints):
             engine.hinge_outside(joint)
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no torque comes from outside"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "ExternalTorque":
-        """From a scene file: nothing, for every hinge, or a list of names."""
-        return record(cls, value, where)

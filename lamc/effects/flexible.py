@@ -13,12 +13,11 @@ from lamc.basics.errors import DesignError
 from lamc.effects.bender_plies import laminate_of
 from lamc.effects.data import record
 from lamc.effects.flexible_plates import BodyPlate, body_plate
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.tree import Tree
-from lamc.records.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from lamc.plates.answers.reduction import Reduction
@@ -32,7 +31,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
-class FlexibleLinks:
+class FlexibleLinks(RegisteredEffect):
     """Bodies bend in the lowest modes of their own plates, clamped along the hinge on the way to the fixed bodies.
 
     bodies         names of those that bend; None: all that move
@@ -73,6 +72,7 @@ class FlexibleLinks:
     summary: ClassVar[str] = "Bodies that bend"
     source: ClassVar[str] = "½ ηᵀ K η, modes of the plate in a floating frame, Shabana 2013, ch. 5"
     units: ClassVar[Mapping[str, str]] = {"damping_ratio": "1", "size": "m", "refinement": "1"}
+    absent: ClassVar[str] = "bodies are rigid"
 
     def __post_init__(self) -> None:
         if self.bodies is not None:
@@ -165,10 +165,6 @@ class FlexibleLinks:
             "coarser mesh": replace(self, refinement=0.5 * self.refinement),
             "finer mesh": replace(self, refinement=2.0 * self.refinement),
         }
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "bodies are rigid"
 
     @classmethod
     def from_data(cls, value: object, where: str) -> "FlexibleLinks":

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.effects.data import record
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging, FloatingBase
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.turns import snap
-from lamc.records.mechanism import Array, Body, Mechanism, checked_array
+from lamc.records.mechanism import Array, Body, checked_array
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
@@ -22,7 +21,7 @@ _FIELDS = ("position", "rotation", "velocity", "spin")
 
 
 @dataclass(frozen=True)
-class FreeBase:
+class FreeBase(RegisteredEffect):
     """Six more freedoms: world position of the centre of mass of what was fixed, and its rotation, a quaternion.
 
     position  of that centre of mass at the start, m, world; None: as drawn
@@ -48,6 +47,7 @@ class FreeBase:
         "velocity": "m/s",
         "spin": "rad/s",
     }
+    absent: ClassVar[str] = "the fixed bodies stay where they are"
 
     def __post_init__(self) -> None:
         for field in _FIELDS:
@@ -82,15 +82,6 @@ class FreeBase:
 
     def carry_over(self, engine: "EngineLoads") -> None:
         """Nothing: `arrange` says it all."""
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "the fixed bodies stay where they are"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "FreeBase":
-        """From a scene file: a map of the fields above; nothing for a start at rest as drawn."""
-        return record(cls, value, where)
 
 
 def _together(bodies: list[Body]) -> tuple[float, Array, Array]:

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.data import record
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism, checked_array
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ STANDARD = (0.0, 0.0, -9.81)  # m/s², the value of popupCAD and of the paper
 
 
 @dataclass(frozen=True)
-class Gravity:
+class Gravity(RegisteredEffect):
     """Field strength, m/s², world axes. Components that are zero are left out of the equations."""
 
     acceleration: tuple[float, float, float] = STANDARD
@@ -49,8 +49,3 @@ class Gravity:
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
         return cls(), "-9.81 m/s² along z unless a scene says otherwise"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "Gravity":
-        """From a scene file: nothing (the standard), three numbers (m/s², or with units), or a map of the field."""
-        return record(cls, value, where)

@@ -14,9 +14,9 @@ import numpy as np
 from lamc.basics.checks import checked_number, shown
 from lamc.basics.errors import DesignError
 from lamc.effects.contact_points import ContactPoint, Point, checked_points, contact_points
-from lamc.effects.data import record
-from lamc.mechanics.effect import Effect, PlaneMark
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
+from lamc.records.effect import PlaneMark
 from lamc.records.mechanism import Array, Mechanism, checked_array, checked_name
 from lamc.symbolic.algebra import Vector3, add, dot, scale
 from lamc.symbolic.staging import Scalar, call, power
@@ -33,7 +33,7 @@ STICTION_PEAK = 5.0  # slip speeds at which friction is strongest where its stat
 
 
 @dataclass(frozen=True)
-class GroundContact:
+class GroundContact(RegisteredEffect):
     """A plane that pushes on the points of bodies that are below it, and rubs on those that slide.
 
     With the depth d of a point and the speed v at which it goes deeper, the ground pushes with
@@ -81,6 +81,7 @@ class GroundContact:
         "height": "m",
         "points": "m",
     }
+    absent: ClassVar[str] = "no ground is called for"
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -193,15 +194,6 @@ class GroundContact:
         height = parameters.get(f"{self.name}.height", self.height)
         x, y, z = (height * n for n in self.normal)
         return (PlaneMark((x, y, z), self.normal),)
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no ground is called for"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "GroundContact":
-        """From a scene file: a mapping of the fields above; nothing for all defaults."""
-        return record(cls, value, where)
 
 
 class _Ground:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from lamc.basics.checks import shown
 from lamc.effects.data import refusal
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.symbolic.staging import Scalar
 
@@ -47,7 +48,7 @@ def _stiffness(loads: Loads, hinge: Hinge) -> Scalar:
 
 
 @dataclass(frozen=True)
-class HingeStiffness:
+class HingeStiffness(RegisteredEffect):
     """Torque -k q on every hinge with a stiffness; the energy is ½ k q².
 
     Hinges whose stiffness another effect of the scene claims, such as NonlinearStiffness, are left to that one.
@@ -85,7 +86,7 @@ class HingeStiffness:
 
 
 @dataclass(frozen=True)
-class RestAngle:
+class RestAngle(RegisteredEffect):
     """Torque +k q₀ on every hinge with a rest angle, which moves the spring's rest from the drawn angle to q₀.
 
     Its energy, k q₀ (½ q₀ - q), makes the sum with HingeStiffness ½ k (q - q₀)². It acts where HingeStiffness does.
@@ -127,7 +128,7 @@ class RestAngle:
 
 
 @dataclass(frozen=True)
-class HingeDamping:
+class HingeDamping(RegisteredEffect):
     """Torque -c q̇ on every hinge with a damping."""
 
     name: ClassVar[str] = "hinge_damping"

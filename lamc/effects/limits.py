@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 from lamc.basics.checks import checked_number, shown
 from lamc.basics.errors import DesignError
-from lamc.effects.data import record
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanism.limits import outside_limits
+from lamc.records.effect import Effect
 from lamc.records.mechanism import FREE_LIMITS, Joint, Mechanism
 from lamc.symbolic.staging import Scalar
 
@@ -25,7 +25,7 @@ STOP_DAMPING_RATIO = 0.3  # of critical damping with the mechanism's inertia: a 
 
 
 @dataclass(frozen=True)
-class JointLimits:
+class JointLimits(RegisteredEffect):
     """Keeps joint angles within the joints' limits (lower, upper), rad.
 
     Either a torque -k (q - limit) - c u on the joint while it is beyond its limit, or impacts at the limit that reverse
@@ -167,11 +167,6 @@ class JointLimits:
             if count
             else (None, "no joint has limits narrower than ±180°")
         )
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "JointLimits":
-        """From a scene file: a mapping of the fields above; nothing for all defaults."""
-        return record(cls, value, where)
 
 
 def _limits(joint: Joint, *, flat_fold: bool) -> Iterator[tuple[int, float]]:

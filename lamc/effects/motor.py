@@ -9,12 +9,11 @@ import numpy as np
 
 from lamc.basics.checks import Array, checked_name, checked_number
 from lamc.basics.errors import DesignError
-from lamc.effects.data import record
 from lamc.effects.drives import Drive, checked_drive
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Hinge, Loads
-from lamc.records.mechanism import Joint, Mechanism
+from lamc.records.mechanism import Joint
 from lamc.symbolic.expression import stage
 from lamc.symbolic.staging import Scalar, Value
 
@@ -53,7 +52,7 @@ class MotorBooks:
 
 
 @dataclass(frozen=True)
-class LinearMotor:
+class LinearMotor(RegisteredEffect):
     """Torque on a joint's child about its axis: T = n (T_stall V / V₀ - T_stall ω / ω₀), ω = n · the joint's rate.
 
     voltage   V; a number is a parameter of the simulator, a string an expression in t (s), angle (rad) and rate (rad/s)
@@ -103,6 +102,7 @@ class LinearMotor:
         "gear_ratio": "1",
         "rotor_inertia": "kg*m^2",
     }
+    absent: ClassVar[str] = "no motor is called for"
 
     def __post_init__(self) -> None:
         checked_name(self.joint, "the joint of a motor")
@@ -208,15 +208,6 @@ class LinearMotor:
         """The voltage, if it is an expression."""
         what = f"the voltage of the motor on joint {self.joint!r}"
         return (Drive(what, self.voltage, self.joint),) if isinstance(self.voltage, str) else ()
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no motor is called for"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "LinearMotor":
-        """From a scene file: a mapping of the fields above."""
-        return record(cls, value, where)
 
 
 def winding(constants: Sequence[Scalar]) -> tuple[Scalar, Scalar]:

@@ -9,11 +9,10 @@ from lamc.basics.errors import DesignError
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.hinges import stiffness_claim
+from lamc.effects.registered import RegisteredEffect
 from lamc.effects.table_file import MAX_ROWS
 from lamc.effects.torque_laws import BETWEEN, MAX_DEGREE, LawData, law_of
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Mechanism
 from lamc.symbolic.staging import Value
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ LAW_SCHEMA: Mapping[str, Any] = {
 
 
 @dataclass(frozen=True)
-class NonlinearStiffness:
+class NonlinearStiffness(RegisteredEffect):
     """Restoring torques T(angle) by joint name; the hinge feels -T, and stores ∫ T from its rest angle on.
 
     The angle, rad, counts from the joint's rest angle, whether RestAngle acts or not. The law takes the place of the
@@ -81,6 +80,7 @@ class NonlinearStiffness:
     shorthand: ClassVar[str] = "laws"
 
     data_schema: ClassVar[Mapping[str, Any]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
+    absent: ClassVar[str] = "no law of a hinge's torque is given"
 
     def __post_init__(self) -> None:
         if not isinstance(self.laws, Mapping):
@@ -129,10 +129,6 @@ class NonlinearStiffness:
                 engine.hinge_rest(joint, data[0], hinge.rest_angle)
             else:
                 engine.lose(f"the nonlinear stiffness of hinge {joint!r}")
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no law of a hinge's torque is given"
 
     @classmethod
     def from_data(cls, value: object, where: str) -> "NonlinearStiffness":

@@ -18,10 +18,11 @@ from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
+from lamc.effects.registered import RegisteredEffect
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
-from lamc.mechanics.effect import Effect, RegisteredEffect, claims_of
+from lamc.records.effect import Effect, claims_of, hooked
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 
@@ -83,7 +84,7 @@ def _called(effects: Sequence[Effect]) -> list[Choice]:
     """The account where a scene lists its effects."""
     names = [effect.name for effect in effects]
     for effect in effects:
-        if names.count(effect.name) > 1 and not getattr(effect, "repeatable", False):
+        if names.count(effect.name) > 1 and not hooked(effect).repeatable:
             raise DesignError(
                 f"two effects of the scene are named {effect.name!r}; names keep their energies apart"
             )
@@ -98,7 +99,7 @@ def _called(effects: Sequence[Effect]) -> list[Choice]:
 def _changed(choices: list[Choice], scene: Scene) -> list[Choice]:
     """The account after what the scene adds and leaves out."""
     for effect in scene.added:
-        kept = getattr(effect, "repeatable", False)
+        kept = hooked(effect).repeatable
         choices = [c for c in choices if c.name != effect.name or (kept and c.effect is not None)]
         choices.append(Choice(effect.name, effect, ADDED))
     for name in scene.without:

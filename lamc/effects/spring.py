@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from lamc.effects.data import record
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Mechanism, checked_array, checked_name, checked_number
+from lamc.records.mechanism import checked_array, checked_name, checked_number
 from lamc.symbolic.algebra import Vector3, dot
 from lamc.symbolic.staging import Scalar, call
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(RegisteredEffect):
     """Pulls its two points together when it is longer than its rest length; several may act in one scene.
 
     point_a, point_b  where the points are in the drawn configuration, m, world axes
@@ -44,6 +43,7 @@ class Spring:
         "rest_length": "m",
         "damping": "N*s/m",
     }
+    absent: ClassVar[str] = "no spring is called for"
 
     def __post_init__(self) -> None:
         for field in ("body_a", "body_b"):
@@ -96,15 +96,6 @@ class Spring:
         """The same spring."""
         ends = (self.body_a, self.point_a), (self.body_b, self.point_b)
         engine.add_spring(*ends, self.stiffness, self.rest_length, self.damping)
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no spring is called for"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "Spring":
-        """From a scene file: a mapping of the fields above."""
-        return record(cls, value, where)
 
 
 def _difference(a: Sequence[Scalar], b: Sequence[Scalar]) -> Vector3:

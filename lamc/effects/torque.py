@@ -11,9 +11,9 @@ from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.external_torque import constant_claim, is_outside
 from lamc.effects.linear_drive import linear_drive
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Mechanism, checked_name, checked_number
+from lamc.records.mechanism import checked_name, checked_number
 from lamc.symbolic.expression import stage
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Torque:
+class Torque(RegisteredEffect):
     """Torques by joint name, N·m, on the child about the joint's axis.
 
     A number is a parameter of the simulator; a string is an expression in t (s), angle (rad) and rate (rad/s), and in
@@ -35,6 +35,7 @@ class Torque:
     source: ClassVar[str] = "eq. 17"
     shorthand: ClassVar[str] = "torques"
     units: ClassVar[Mapping[str, str]] = {"torques": "N*m"}
+    absent: ClassVar[str] = "no torque is called for"
 
     def __post_init__(self) -> None:
         if not isinstance(self.torques, Mapping):
@@ -85,10 +86,6 @@ class Torque:
     def drives(self) -> tuple[Drive, ...]:
         """The torques that are expressions."""
         return tuple(_drive(joint, text) for joint, text in self.torques.items() if isinstance(text, str))
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "no torque is called for"
 
     @classmethod
     def from_data(cls, value: object, where: str) -> "Torque":

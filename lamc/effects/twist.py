@@ -10,12 +10,11 @@ import numpy as np
 from lamc.basics.checks import Array, checked_array, checked_name, checked_number, did_you_mean, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.effects.data import record
 from lamc.effects.hinge_strips import Given, strips_of
+from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Joint, Mechanism
+from lamc.records.mechanism import Joint
 
 Amount = float | Mapping[str, float] | None
 _SIZES = ("width", "length", "thickness", "E", "nu")
@@ -23,7 +22,7 @@ _ALONG = 1e-6  # sine of the angle between a hinge and the normal below which it
 
 
 @dataclass(frozen=True)
-class TwistCompliance:
+class TwistCompliance(RegisteredEffect):
     """Hinges twist, stretch and shear: potential ½ pᵀ K p in five more directions, p small, besides the hinge's angle.
 
     joints      names of those that yield; None: all
@@ -70,6 +69,7 @@ class TwistCompliance:
         "retardation": "s",
         "normal": "1",
     }
+    absent: ClassVar[str] = "hinges turn about their axes only"
 
     def __post_init__(self) -> None:
         if self.joints is not None:
@@ -163,15 +163,6 @@ class TwistCompliance:
             )
         x = x / np.linalg.norm(x)
         return np.column_stack([x, np.cross(z, x), z])
-
-    @classmethod
-    def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:
-        return None, "hinges turn about their axes only"
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "TwistCompliance":
-        """From a scene file: a map of the fields above; sizes and moduli for all hinges, or by joint name."""
-        return record(cls, value, where)
 
 
 def _names(values: object, field: str) -> tuple[str, ...]:

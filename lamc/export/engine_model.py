@@ -25,8 +25,8 @@ from lamc.export.engine_inertia import drawn_jacobian, drawn_mass_matrix, freedo
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_start import joint_start
 from lamc.mechanics.arrangement import FloatingBase, arrange
-from lamc.mechanics.effect import Effect
 from lamc.mechanism.tree import WORLD, Cut, Tree, plan
+from lamc.records.effect import Effect, overrides
 from lamc.records.mechanism import Array, Body, Joint, Mechanism
 from lamc.records.scene import Scene
 from lamc.run.start_checks import check_angles
@@ -150,7 +150,7 @@ def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) ->
 
 def _floating(tree: Tree, effects: Sequence[Effect]) -> FloatingBase | None:
     """The floating base, if an effect lets the fixed bodies go. What else effects arrange is lost with them."""
-    base = arrange(tree, [effect for effect in effects if hasattr(effect, "carry_over")]).base
+    base = arrange(tree, [effect for effect in effects if overrides(effect, "carry_over")]).base
     return base if isinstance(base, FloatingBase) else None
 
 

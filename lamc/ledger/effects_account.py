@@ -17,7 +17,7 @@ from lamc.ledger.outputs import Errors, errors
 from lamc.ledger.records import Account, EffectRow, Sweep
 from lamc.ledger.reference import Truth
 from lamc.ledger.runners import Own, grid
-from lamc.mechanics.effect import Effect, alternatives_of
+from lamc.records.effect import Effect, hooked
 from lamc.records.scene import Scene
 from lamc.run.result import Result
 
@@ -112,7 +112,7 @@ class Accounting:
             rest = tuple(effect for effect in kept if effect.name != name)
             found.append(_Variant((name,), False, self._scene.acting(rest)))
         for k, effect in enumerate(kept):
-            for form, other in alternatives_of(effect).items():
+            for form, other in hooked(effect).alternatives().items():
                 effects = (*kept[:k], other, *kept[k + 1 :])
                 scene = self._scene.acting(effects)
                 found.append(_Variant((effect.name,), False, scene, form))

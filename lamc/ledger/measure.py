@@ -21,8 +21,8 @@ from lamc.ledger.precision import Measured, in_order, measure_points, observed_o
 from lamc.ledger.records import Account, ArithmeticRow, Ledger, Sweep
 from lamc.ledger.reference import SENSITIVE, Truth, make_reference
 from lamc.ledger.verdict import cheapest, make_verdict
-from lamc.mechanics.effect import Effect
 from lamc.pipeline import effects_of
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.simulator import Simulator

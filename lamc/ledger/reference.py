@@ -21,7 +21,7 @@ from lamc.ledger.clock import Clock, OutOfTime
 from lamc.ledger.outputs import Scales, errors, scales
 from lamc.ledger.records import DECADES, Reference, Sweep
 from lamc.ledger.runners import ATOL, MOST_STEPS, Own, grid
-from lamc.mechanics.effect import conserves
+from lamc.records.effect import conserves
 from lamc.run import integrators
 from lamc.run.request import MIN_RTOL, Array, Progress, Status, checked_request
 from lamc.run.result import Result

@@ -23,11 +23,12 @@ from lamc.mechanics.compliant_hinge import CompliantHinge as CompliantHinge
 from lamc.mechanics.compliant_hinge import check_bushing
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.tree import Cut, Tree
+from lamc.records.effect import hooked
 from lamc.records.network import some
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
-    from lamc.mechanics.effect import Effect
+    from lamc.records.effect import Effect
     from lamc.symbolic.staging import Scalar
 
 BASE_COORDINATES = (
@@ -247,11 +248,9 @@ def arrange(tree: Tree, effects: "Iterable[Effect | Any]") -> Arrangement:
     """What the effects of a scene make of `tree`. Raises DesignError where they do not fit it."""
     arranging = Arranging(tree)
     for effect in effects:
-        ask = getattr(effect, "arrange", None)
-        if ask is not None:
-            arranging.effect = effect.name
-            with about(effect):
-                ask(arranging)
+        arranging.effect = effect.name
+        with about(effect):
+            hooked(effect).arrange(arranging)
     return arranging.arranged()
 
 

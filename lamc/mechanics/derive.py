@@ -26,6 +26,7 @@ from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, potential_of_field, rotate_back
 from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanism.tree import WORLD, Link, Tree
+from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.symbolic.algebra import Symmetric, Vector3, add, cross, dot, scale
 from lamc.symbolic.allocation import collector_paused
@@ -35,7 +36,7 @@ from lamc.symbolic.statements import count_operations
 from lamc.symbolic.substitution import substitute
 
 if TYPE_CHECKING:
-    from lamc.mechanics.effect import Effect
+    from lamc.records.effect import Effect
 
 # The mass-matrix form grows with the square of the depth; with more pairs of hinges on common ways to the world
 # than this it has lost in every mechanism measured (`python -m benchmarks.solver_crossover`), and is not tried.
@@ -89,9 +90,9 @@ def _derive_plain(
     placement = Placement(Kinematics(store, tree, q))
     hinges = cut_hinges(placement, u)
     loads = Loads(placement, parameters, time, q, u, hinges, given)
-    loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
+    loads.claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
     for effect in effects:
-        with about(effect), loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
+        with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
             effect.contribute(loads)
     problem = Problem(placement.kinematics, base, u, loads)
     solutions, flops = ({CONSTRAINED: ()}, {}) if hinges else _solutions(problem, count)

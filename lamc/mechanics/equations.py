@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from lamc.mechanics.arrangement import Arrangement
     from lamc.mechanics.closure import Closure
     from lamc.mechanics.derive import Problem
-    from lamc.mechanics.effect import Effect
     from lamc.mechanics.guards import GuardTerms
     from lamc.mechanics.inverse_dynamics import InverseDynamics
+    from lamc.records.effect import Effect
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement
 from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanism.tree import WORLD
+from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Array
 from lamc.symbolic.algebra import ZERO, add, dot, scale
@@ -37,7 +38,7 @@ from lamc.symbolic.program import Space
 from lamc.symbolic.staging import Scalar, Store, Value
 
 if TYPE_CHECKING:
-    from lamc.mechanics.effect import Effect
+    from lamc.records.effect import Effect
 
 INVERSE_DYNAMICS = "inverse dynamics"
 # The rank of loops in which something yields: looked at that far from the drawn position, rad or parts of the size by
@@ -72,9 +73,9 @@ def derive_general(
     hinges = _general_hinges(seen, q[:plain], u[:plain])
     held = [compliance.bushing_amounts(seen, b, q[:plain], u[:plain]) for b in arrangement.bushings]
     loads = Loads(placement, parameters, time, q, u, (*hinges, *(hinge for _, hinge in held)), given)
-    loads.claims = {claim: effect.name for effect in effects for claim in getattr(effect, "claims", tuple)()}
+    loads.claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
     for effect in effects:
-        with loads.effect(effect.name, effect.summary, getattr(effect, "source", "")):
+        with loads.effect(effect.name, effect.summary, hooked(effect).source):
             _hold(loads, arrangement, kinematics, [h for h, _ in held], q, u)
             effect.contribute(loads)
     problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)

@@ -2,7 +2,7 @@
 
 Goes in: symbolic loads, stored energies and parameters, from `Effect.contribute`. Comes out: hinge torques, a
 uniform field, wrenches on links and energies, in the order in which they came. A user's own effect does the same
-as lamc's: see `Effect` in `lamc/mechanics/effect.py`.
+as lamc's: see `Effect` in `lamc/records/effect.py`.
 """
 
 import numbers

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from lamc.mechanics.derive import derive
 from lamc.mechanism.tree import plan
+from lamc.records.effect import overrides
 from lamc.symbolic.program import Operations
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ def operations_by_effect(equations: "Equations") -> Mapping[str, Operations]:
     Those that bring coordinates come first, then the others in the order of the scene. They add up to
     `equations.operations`."""
     tree = plan(equations.tree.mechanism)
-    ordered = sorted(equations.effects, key=lambda effect: not hasattr(effect, "arrange"))
-    loops = None if any(hasattr(effect, "arrange") for effect in ordered) else equations.loops
+    ordered = sorted(equations.effects, key=lambda effect: not overrides(effect, "arrange"))
+    loops = None if any(overrides(effect, "arrange") for effect in ordered) else equations.loops
     before = derive(tree, (), loops, equations.inputs).operations
     result = {MECHANISM: before}
     for count, effect in enumerate(ordered, start=1):

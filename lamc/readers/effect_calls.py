@@ -9,8 +9,8 @@ from typing import NamedTuple
 from lamc.basics.errors import DesignError
 from lamc.effects.data import DataError, refusal
 from lamc.effects.registry import by_name
-from lamc.mechanics.effect import Effect
 from lamc.readers.checking import Path, did_you_mean
+from lamc.records.effect import Effect
 
 
 class Called(NamedTuple):

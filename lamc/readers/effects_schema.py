@@ -13,8 +13,8 @@ from types import NoneType
 from typing import Any, Literal
 
 from lamc.effects.data import takes_text
+from lamc.effects.registered import RegisteredEffect
 from lamc.effects.registry import by_name
-from lamc.mechanics.effect import RegisteredEffect
 
 _EFFECTS = "Effects"
 _ENTRY = re.compile(r"(\w+(?:, \w+)*)  +(\S.*)")  # of the fields in a docstring: names, two blanks, text
@@ -59,10 +59,10 @@ def effect_schema(kind: type[RegisteredEffect]) -> dict[str, Any]:
     The field that an effect's `shorthand` names may stand alone. An effect whose data is no record says it itself, as
     `data_schema`.
     """
-    own: Mapping[str, Any] | None = getattr(kind, "data_schema", None)
+    own = kind.data_schema
     if own is not None:
         return {"description": " ".join((kind.__doc__ or kind.summary).split()), **own}
-    units: Mapping[str, str] = getattr(kind, "units", {})
+    units = kind.units
     hints = typing.get_type_hints(kind)
     entries = fields_of(kind)  # type: ignore[arg-type]
     text, notes = _explained(kind.__doc__ or kind.summary, [f.name for f in entries])
@@ -75,7 +75,7 @@ def effect_schema(kind: type[RegisteredEffect]) -> dict[str, Any]:
     nothing = [] if needed else ["null", "boolean"]
     whole = {"type": ["object", *nothing], "properties": said, "additionalProperties": False}
     whole |= {"required": needed} if needed else {}
-    short: str | None = getattr(kind, "shorthand", None)
+    short = kind.shorthand
     if short is None:
         return {"description": text, **whole}
     if said[short].get("type") == "object":  # its keys are names, which the field's own name would be one of

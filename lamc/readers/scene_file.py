@@ -12,11 +12,11 @@ from lamc.basics.errors import DesignError, Place
 from lamc.basics.places import Places
 from lamc.effects.data import DataError, Where
 from lamc.effects.registry import by_name
-from lamc.mechanics.effect import Effect
 from lamc.readers.checking import Path, Problems, did_you_mean, shown
 from lamc.readers.effect_calls import Called, effects_called, make_effect, unplaced
 from lamc.readers.scene_inputs import read_inputs
 from lamc.readers.scene_schema import OutputPointModel, SceneModel
+from lamc.records.effect import Effect
 from lamc.records.scene import OutputPoint, Scene, is_scene_name
 
 MOST_SCENES = 1000  # in one file

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.si_units import measured
-from lamc.mechanics.effect import Effect
 from lamc.readers.checking import Path, Problems
+from lamc.records.effect import Effect
 from lamc.records.inputs import Input, check_inputs, check_name, check_read, inputs_of
 
 _FIELDS = ("default", "unit", "meaning")

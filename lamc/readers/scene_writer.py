@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.mechanics.effect import Effect
+from lamc.effects.registered import RegisteredEffect
 from lamc.readers.effect_calls import make_effect
 from lamc.readers.scene_file import SINGLE
+from lamc.records.effect import Effect
 from lamc.records.scene import OutputPoint, Scene
 
 
@@ -61,7 +62,7 @@ def _effect_data(effect: Effect) -> object:
     """An effect's record as plain data: nothing, its fields by name, or the one that stands for all."""
     assert is_dataclass(effect)
     values = {f.name: _plain(getattr(effect, f.name)) for f in fields(effect)}
-    short = getattr(effect, "shorthand", None)
+    short = effect.shorthand if isinstance(effect, RegisteredEffect) else None
     data = values.get(short, values or None) if len(values) == 1 else values or None
     try:
         same = make_effect(effect.name, data, effect.name) == effect

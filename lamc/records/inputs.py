@@ -15,6 +15,7 @@ from lamc.basics.checks import checked_number, shown
 from lamc.basics.errors import DesignError, ExpressionError, about
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.basics.si_units import si_unit
+from lamc.records.effect import hooked
 from lamc.symbolic.functions import FUNCTIONS
 
 LONGEST_NAME = 40
@@ -99,18 +100,17 @@ def check_name(name: object) -> None:
         )
 
 
-def inputs_of(effect: object) -> tuple[str, ...]:
+def inputs_of(effect: Any) -> tuple[str, ...]:
     """Names of the inputs that an effect reads, sorted: in its drives, and those it tells by inputs()."""
-    drives: Iterable[Any] = getattr(effect, "drives", tuple)()
-    told: Iterable[str] = getattr(effect, "inputs", tuple)()
-    return tuple(sorted({*told, *(name for drive in drives for name in drive.inputs())}))
+    effect = hooked(effect)
+    return tuple(sorted({*effect.inputs(), *(name for drive in effect.drives() for name in drive.inputs())}))
 
 
 def check_inputs(effect: object, known: Collection[str]) -> None:
     """Raises ExpressionError for a name in a drive of `effect` that is no input of the scene, whose names are `known`,
     and DesignError for one that the effect tells."""
     with about(effect):
-        for drive in getattr(effect, "drives", tuple)():
+        for drive in hooked(effect).drives():
             for name, column in drive.inputs().items():
                 if name not in known:
                     listed = ", ".join((*drive.names, *sorted(known), *FUNCTIONS))

@@ -7,19 +7,15 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from numbers import Integral
-from typing import TYPE_CHECKING
 
 from lamc.basics.checks import checked_array, checked_kind, checked_name, checked_number, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.places import Places
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.records.effect import Effect, check_hooks, overrides
 from lamc.records.inputs import Input, check_inputs, check_read, checked_inputs, inputs_of
 
-if TYPE_CHECKING:
-    from lamc.mechanics.effect import Effect
-
-
-_NEEDED = ("name", "summary", "contribute")  # what `lamc.mechanics.effect.Effect` asks for
+_NEEDED = ("name", "summary", "contribute")  # what `lamc.records.effect.Effect` asks for
 
 
 def _angles(values: Mapping[str, float], argument: str, what: str) -> Mapping[str, float]:
@@ -30,7 +26,7 @@ def _angles(values: Mapping[str, float], argument: str, what: str) -> Mapping[st
     return ReadOnlyDict({str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()})
 
 
-def _effects(values: "Iterable[Effect]", argument: str) -> "tuple[Effect, ...]":
+def _effects(values: Iterable[Effect], argument: str) -> tuple[Effect, ...]:
     if isinstance(values, type) or hasattr(values, "contribute"):
         name = values.__name__ if isinstance(values, type) else type(values).__name__
         raise DesignError(f"{argument} of a scene is {shown(values)}, no tuple; write {argument}=({name}(),)")
@@ -44,11 +40,14 @@ def _effects(values: "Iterable[Effect]", argument: str) -> "tuple[Effect, ...]":
                 f"{argument} of a scene holds the class {effect.__name__}; make one: {effect.__name__}()"
             )
         missing = [each for each in _NEEDED if not hasattr(effect, each)]
+        if not missing and not overrides(effect, "contribute"):
+            missing = ["contribute"]
         if missing:
             raise DesignError(
                 f"{argument} of a scene holds {shown(effect)}, which is no effect (it has no {missing[0]!r}); "
                 "make an instance of one, such as those in lamc.effects"
             )
+        check_hooks(effect)
     kinds = [type(e) for e in effects]
     for kind in kinds:
         if kinds.count(kind) > 1 and not getattr(kind, "repeatable", False):
@@ -126,12 +125,12 @@ class Scene:
     ExpressionError for a name in an expression that is no input.
     """
 
-    effects: "tuple[Effect, ...] | None" = None
+    effects: tuple[Effect, ...] | None = None
     angles: Mapping[str, float] = field(default_factory=dict)  # rad
     rates: Mapping[str, float] = field(default_factory=dict)  # rad/s
     branch: int | None = None
     closure_tolerance: float | None = None  # m
-    added: "tuple[Effect, ...]" = ()
+    added: tuple[Effect, ...] = ()
     without: tuple[str, ...] = ()
     duration: float | None = None  # s
     outputs: tuple[str | OutputPoint, ...] | None = None
@@ -172,7 +171,7 @@ class Scene:
             tolerance = checked_number(self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0)
             object.__setattr__(self, "closure_tolerance", tolerance)
 
-    def acting(self, effects: "Iterable[Effect]") -> "Scene":
+    def acting(self, effects: Iterable[Effect]) -> "Scene":
         """The same in which exactly these effects act, with the inputs that they read."""
         acting = tuple(effects)
         read = {name for effect in acting for name in inputs_of(effect)}

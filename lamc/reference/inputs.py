@@ -10,6 +10,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from lamc.effects.torque import Torque
+from lamc.records.effect import overrides
 from lamc.records.mechanism import Mechanism
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z]\w*", re.ASCII)
@@ -33,7 +34,7 @@ def _told(mechanism: Mechanism, effect: Any, inputs: Mapping[str, float], consta
     if effect.name == "torque":
         torques = {n: inputs.get(f"{n}.torque", v) if n in constant else v for n, v in effect.torques.items()}
         return replace(effect, torques=_written(torques, inputs))
-    if not hasattr(effect, "drives"):
+    if not overrides(effect, "drives"):
         return effect
     texts = {drive.text for drive in effect.drives()}
     said = {f.name: getattr(effect, f.name) for f in fields(effect)}

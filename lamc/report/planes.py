@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lamc.mechanics.effect import PlaneMark
+from lamc.records.effect import PlaneMark
 from lamc.records.mechanism import Array
 from lamc.report.raster import Camera, Canvas
 

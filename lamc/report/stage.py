@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPoint
 
-from lamc.mechanics.effect import PlaneMark
+from lamc.records.effect import PlaneMark
 from lamc.records.mechanism import Array, Mechanism
 from lamc.report.planes import Sheet
 from lamc.report.raster import Camera, Canvas, Pixels

@@ -18,7 +18,7 @@ from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import Compiler
 from lamc.effects.registry import EFFECTS
 from lamc.loops.rank import LoopCount
-from lamc.mechanics.effect import Effect
+from lamc.records.effect import Effect, overrides
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -64,7 +64,7 @@ def common_digest(mechanism: Mechanism, effects: tuple[Effect, ...]) -> bytes | 
     if any(type(effect) not in EFFECTS for effect in effects):
         return None
     drawn: tuple[Any, ...] = ()
-    if mechanism.design is not None and any(hasattr(effect, "arrange") for effect in effects):
+    if mechanism.design is not None and any(overrides(effect, "arrange") for effect in effects):
         # Coordinates that effects add may follow from what bodies and hinges are made of.
         design = mechanism.design
         drawn = (design.layers, design.hinges, design.fixed, design.body_names)

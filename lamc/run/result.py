@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from lamc.mechanics.effect import PlaneMark
+    from lamc.records.effect import PlaneMark
 
 
 @dataclass(frozen=True, eq=False)

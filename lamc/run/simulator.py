@@ -23,8 +23,8 @@ from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
 from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
-from lamc.mechanics.effect import PlaneMark, marks_of, notes_of
 from lamc.mechanism.tree import plan
+from lamc.records.effect import PlaneMark, marks_of, notes_of, overrides
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run import integrators
@@ -268,7 +268,7 @@ class Simulator(Evaluations):
 
     def _bending(self) -> tuple[str, ...]:
         """Names of the bodies that bend."""
-        if not any(hasattr(effect, "arrange") for effect in self.effects):
+        if not any(overrides(effect, "arrange") for effect in self.effects):
             return ()
         return tuple(each.body for each in self._arrangement.flexible)
 

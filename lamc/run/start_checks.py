@@ -11,6 +11,7 @@ import numpy as np
 
 from lamc.basics.errors import DesignError, about
 from lamc.effects.drives import check_drives
+from lamc.records.effect import overrides
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.model import Motion
@@ -29,21 +30,21 @@ def refuse_branch(scene: Scene) -> None:
 def check_start(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array) -> None:
     """Shows the angles at the start (nq + nu,) and the mechanism with the limits of the run. Raises DesignError if an
     effect refuses them."""
-    if any(hasattr(effect, "check_start") for effect in effects):
+    if any(overrides(effect, "check_start") for effect in effects):
         check_angles(effects, mechanism, _by_joint(motion, start)[0])
 
 
 def check_angles(effects: Sequence[Any], mechanism: Mechanism, angles: Mapping[str, float]) -> None:
     """As `check_start`, of angles by joint, rad."""
     for effect in effects:
-        if hasattr(effect, "check_start"):
+        if overrides(effect, "check_start"):
             with about(effect):
                 effect.check_start(mechanism, angles)
 
 
 def check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array) -> None:
     """Shows where the bodies are at the start, as `check_start`."""
-    checks = [effect for effect in effects if hasattr(effect, "check_poses")]
+    checks = [effect for effect in effects if overrides(effect, "check_poses")]
     if checks:
         (rows,) = motion.poses(np.zeros(1), start.reshape(1, -1))
         names = motion.model.bodies
@@ -55,7 +56,7 @@ def check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, st
 
 def check_driven(effects: Sequence[Any], motion: Motion, start: Array, t_end: float) -> None:
     """Raises ExpressionError for a drive without a value at the start, or within a run of t_end s."""
-    driven = [effect for effect in effects if hasattr(effect, "drives")]
+    driven = [effect for effect in effects if overrides(effect, "drives")]
     if driven:
         check_drives(driven, *_by_joint(motion, start), t_end, _parameters(motion))
 

@@ -13,8 +13,8 @@ from shapely.geometry import Polygon
 import lamc
 from lamc.basics.errors import DesignError
 from lamc.effects.strips import wing
-from lamc.mechanics.effect import Effect
 from lamc.pipeline import equations_of
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism, Plate
 from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES, mechanism

@@ -16,9 +16,9 @@ import lamc
 from lamc.basics.errors import DesignError, RequestError
 from lamc.effects.registry import EFFECTS
 from lamc.mechanics.arrangement import Arranging
-from lamc.mechanics.effect import Effect, conserves
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.lower import lower
+from lamc.records.effect import Effect, conserves
 from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
 from tests.support.closed_mechanisms import closed_mechanism

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lamc
-from lamc.mechanics.effect import Effect, conserves
+from lamc.records.effect import Effect, conserves
 from lamc.records.scene import Scene
 from lamc.run.books import IMPACTS
 from tests.support.ctools import needs_cc

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc.mechanics.effect import Effect
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.reference import check

@@ -16,11 +16,11 @@ from lamc.basics.errors import DesignError, LamcError
 from lamc.codegen.names import identifier
 from lamc.effects import registry
 from lamc.effects.registry import EFFECTS, by_name, choose
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.equations import Equations
 from lamc.pipeline import effects_of, equations_of, sources_of
 from lamc.readers.load_scene import scene_of_text
 from lamc.readers.scene_writer import scene_data
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from tests.support.every_effect import SAMPLES, mechanism

@@ -10,9 +10,9 @@ from lamc.basics.errors import DesignError
 from lamc.effects import ExternalTorque, Gravity, HingeDamping, HingeStiffness, Torque
 from lamc.effects.engine_loads import carried
 from lamc.examples import __file__ as examples
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.lower import lower
 from lamc.pipeline import effects_of, equations_of
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism
 from lamc.records.scene import Scene
 from lamc.reference.check import check

@@ -8,8 +8,8 @@ import pytest
 
 import lamc
 from lamc import Design, FlexibleLinks, FreeBase, Simulator
-from lamc.mechanics.effect import Effect
 from lamc.readers.load import load_text
+from lamc.records.effect import Effect
 from lamc.reference import check
 from tests.support.ctools import needs_cc
 

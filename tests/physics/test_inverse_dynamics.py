@@ -5,7 +5,7 @@ import pytest
 
 from lamc.effects import Gravity, HingeDamping, HingeStiffness
 from lamc.effects.free_base import FreeBase
-from lamc.mechanics.effect import Effect
+from lamc.records.effect import Effect
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.program import Space
 from tests.physics.test_added_inertia import Fluid

@@ -11,7 +11,7 @@ from shapely.geometry import box
 
 import lamc
 from lamc import plate
-from lamc.mechanics.effect import Effect
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism, Plate
 
 PIEZO = plate.Material(62e9, 62e9, 0.31, 24e9, 7800.0, d31=-190e-12, d32=-190e-12, name="piezo")

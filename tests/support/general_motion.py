@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
 
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.equations import Equations
 from lamc.pipeline import equations_of
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from lamc.reference.constrained import constrained
 from lamc.symbolic.functions import FUNCTIONS

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import pytest
 
 from lamc.effects import Gravity, JointLimits, Spring, Torque
+from lamc.effects.registered import RegisteredEffect
 from lamc.effects.registry import EFFECTS
 from lamc.readers.effects_schema import effect_schema
 from lamc.readers.schema import json_schema
@@ -66,7 +67,7 @@ def test_a_field_may_stand_alone() -> None:
 
 def test_an_effect_of_any_fields_is_described() -> None:
     @dataclass(frozen=True)
-    class Odd:
+    class Odd(RegisteredEffect):
         """Odd.
 
         table  rows,

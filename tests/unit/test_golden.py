@@ -15,10 +15,10 @@ import lamc
 from lamc.codegen.emit_element import emit_element
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, NonlinearStiffness, Torque
 from lamc.examples import __file__ as examples
-from lamc.mechanics.effect import Effect
 from lamc.pipeline import effects_of, equations_of, sources_of
 from lamc.plates.elements.build import element_program
 from lamc.plates.elements.library import element
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism
 from lamc.records.scene import Scene
 from tests.support.paths import GOLDEN

@@ -11,8 +11,8 @@ from shapely.geometry import box
 import lamc
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism, Plate
 from lamc.run import input_digest as module
 from lamc.run.input_digest import input_digest

@@ -19,13 +19,13 @@ from lamc.basics.errors import DesignError, DesignErrors, ExpressionError, LamcE
 from lamc.basics.si_units import measured, si_unit
 from lamc.cli import main
 from lamc.effects import BaseMotion, Gravity, LinearMotor, PiezoBender, Torque
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.lower import lower
 from lamc.pipeline import equations_of
 from lamc.readers.load_scene import scene_of_text
 from lamc.readers.scene_writer import scene_data
 from lamc.readers.schema import json_schema
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism
 from lamc.records.scene import Scene
 from lamc.reference.check import check

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 import lamc
-from lamc.mechanics.effect import Effect
 from lamc.mechanics.lower import lower
 from lamc.pipeline import effects_of, equations_of
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_tree

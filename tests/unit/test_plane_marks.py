@@ -7,7 +7,7 @@ import pytest
 
 import lamc
 from lamc import Gravity, GroundContact, Scene
-from lamc.mechanics.effect import PlaneMark
+from lamc.records.effect import PlaneMark
 from lamc.report.folded import instants
 from lamc.report.planes import GRID, SHADOW, SHEET, Sheet
 from lamc.report.stage import stage_of

@@ -1,0 +1,76 @@
+"""Effects of any class have all hooks; a method that nothing would ask for is refused."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import pytest
+
+import lamc
+from lamc.basics.errors import DesignError
+from lamc.effects.registry import EFFECTS
+from lamc.records.effect import HOOKS, Effect, claims_of, conserves, hooked, marks_of, overrides
+
+
+@dataclass(frozen=True)
+class Own(Effect):
+    name: ClassVar[str] = "own"
+    summary: ClassVar[str] = "An effect of one's own"
+
+    def contribute(self, loads: Any) -> None:
+        pass
+
+
+class Foreign:
+    name = "foreign"
+    summary = "An object of another class"
+
+    def contribute(self, loads: Any) -> None:
+        pass
+
+    def claims(self) -> tuple[str, ...]:
+        return ("peace", "peace")
+
+
+def test_hooks_do_nothing_unless_they_are_overridden() -> None:
+    own = Own()
+    assert claims_of(own) == ()
+    assert marks_of((own,), {}) == ()
+    assert not own.alternatives()
+    assert conserves(own, {"own"})
+    assert not conserves(own, set())
+    assert not any(overrides(own, hook) for hook in HOOKS if hook != "contribute")
+
+
+def test_an_object_of_another_class_has_the_hooks_that_it_brings_and_the_rest_by_default() -> None:
+    foreign = Foreign()
+    assert claims_of(foreign) == ("peace",)  # type: ignore[arg-type]
+    assert overrides(foreign, "claims")
+    assert not overrides(foreign, "arrange")
+    assert list(hooked(foreign).drives()) == []
+    assert hooked(foreign).source == ""
+    lamc.Scene(effects=(foreign,))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("check_starts", "check_start"), ("claim", "claims"), ("drive", "drives"), ("carryover", "carry_over")],
+)
+@pytest.mark.parametrize("base", [Own, Foreign])
+def test_a_method_named_nearly_as_a_hook_is_refused(base: type, written: str, meant: str) -> None:
+    near = type("Near", (base,), {written: lambda self: ()})
+    with pytest.raises(DesignError, match=f"{written!r}.*did you mean {meant!r}"):
+        lamc.Scene(effects=(near(),))
+
+
+def test_a_private_method_may_have_any_name() -> None:
+    lamc.Scene(effects=(type("Private", (Own,), {"_claim": lambda self: ()})(),))
+
+
+def test_an_effect_that_contributes_nothing_is_none() -> None:
+    with pytest.raises(DesignError, match="'contribute'"):
+        lamc.Scene(effects=(type("Empty", (Effect,), {"name": "empty", "summary": "nothing"})(),))
+
+
+@pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.name)
+def test_effects_of_lamc_are_of_the_base_class(kind: type) -> None:
+    assert issubclass(kind, lamc.Effect)

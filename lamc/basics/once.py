@@ -58,13 +58,6 @@ def _in_turn(key: Hashable) -> Iterator[None]:
                 del _turns[key]
 
 
-@contextmanager
-def alone_with(thing: object) -> Iterator[None]:
-    """One thread at a time for each `thing`, by identity. A thread may enter twice."""
-    with _in_turn(id(thing)):
-        yield
-
-
 class lazy(Generic[_T]):  # noqa: N801  (lower case, as `property` is)
     """A property that is computed when it is first asked for, once, and kept in the object's `__dict__`."""
 

@@ -10,7 +10,7 @@ import pytest
 
 import lamc
 from lamc import examples, plate
-from lamc.basics.once import alone_with, lazy, remembered
+from lamc.basics.once import lazy, remembered
 from tests.support.plates import cross_ply
 
 THREADS = 8
@@ -142,26 +142,20 @@ def test_threads_that_solve_one_plate_get_its_numbers() -> None:
 class Counted:
     def __init__(self) -> None:
         self.made: list[str] = []
-        self.inside = self.most = 0
 
     def _slow(self, name: str) -> object:
-        self.inside += 1
-        self.most = max(self.most, self.inside)
         threading.Event().wait(0.01)  # lets the others come
         self.made.append(name)
-        self.inside -= 1
         return object()
 
     @lazy
     def value(self) -> object:
         """A value."""
-        with alone_with(self):
-            return self._slow("value")
+        return self._slow("value")
 
     @lazy
     def other(self) -> object:
-        with alone_with(self):
-            return self._slow("other")
+        return self._slow("other")
 
     @lazy
     def failing(self) -> object:
@@ -175,7 +169,6 @@ def test_a_lazy_value_is_made_once_and_leaves_no_lock() -> None:
     found = at_once([lambda: thing.value] * THREADS + [lambda: thing.other] * THREADS)
     assert sorted(thing.made) == ["other", "value"]
     assert len(set(map(id, found))) == 2
-    assert thing.most == 1  # both write to the same thing
     assert not once._turns
     with pytest.raises(KeyError):
         _ = thing.failing

@@ -13,7 +13,7 @@ import lamc
 from lamc import examples
 from lamc.basics.errors import LamcError
 from lamc.cli import main
-from lamc.mechanics.effect import Effect
+from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism
 from tests.support.every_effect import SAMPLES, mechanism
 

@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
 
-.PHONY: demo test test-all lint types format bench ledgers pictures clean check-tools
+.PHONY: demo test test-all lint types format docs map bench ledgers pictures clean check-tools
 
 demo: $(STAMP)
 	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
@@ -41,6 +41,14 @@ format: $(STAMP)
 	$(BIN)/ruff format .
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format -i templates/export/fmu/*.[ch]
 	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/single/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+
+docs: $(STAMP) # the pages as a site, in out/site; a link that leads nowhere is an error
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
+	@echo "Look into out/site: index.html"
+
+map: $(STAMP) # docs/map.md: every module in a line
+	$(BIN)/python docs/make_map.py
 
 bench: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

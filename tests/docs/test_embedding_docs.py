@@ -1,4 +1,4 @@
-"""Commands and programs of the page for those who embed exports, and of the readme's section, do what they say."""
+"""Commands and programs of the page for those who embed exports, and of the guide on exports, do what they say."""
 
 import re
 import shlex
@@ -17,8 +17,7 @@ from tests.support.exported_folders import STRICT, cc, does, exported, mechanism
 from tests.support.paths import ROOT
 
 TEXTS = {
-    "README.md": (ROOT / "README.md").read_text(encoding="utf-8").split("## Embed\n")[1].split("\n## ")[0],
-    "docs/embedding.md": (ROOT / "docs" / "embedding.md").read_text(encoding="utf-8"),
+    name: (ROOT / name).read_text(encoding="utf-8") for name in ("docs/guide/export.md", "docs/embedding.md")
 }
 
 pytestmark = needs_cc

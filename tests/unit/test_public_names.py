@@ -53,7 +53,11 @@ def _exposed() -> list[tuple[str, object]]:
     return [(f"{where}.{name}", getattr(home, name)) for home, where in homes for name in home.__all__]
 
 
-@pytest.mark.parametrize(("name", "thing"), [e for e in _exposed() if isfunction(e[1])], ids=lambda e: str(e))
+FUNCTIONS = [pytest.param(name, thing, id=name) for name, thing in _exposed() if isfunction(thing)]
+CLASSES = [pytest.param(name, thing, id=name) for name, thing in _exposed() if isclass(thing)]
+
+
+@pytest.mark.parametrize(("name", "thing"), FUNCTIONS)
 def test_public_functions_say_what_they_take_and_give(name: str, thing: typing.Any) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -62,6 +66,6 @@ def test_public_functions_say_what_they_take_and_give(name: str, thing: typing.A
     assert signature(thing).return_annotation is not signature(thing).empty, name
 
 
-@pytest.mark.parametrize(("name", "thing"), [e for e in _exposed() if isclass(e[1])], ids=lambda e: str(e))
+@pytest.mark.parametrize(("name", "thing"), CLASSES)
 def test_public_classes_have_a_docstring(name: str, thing: type) -> None:
     assert thing.__doc__, name

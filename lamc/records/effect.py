@@ -127,11 +127,11 @@ class _Foreign(Effect):
     """An object of another class, with the hooks that it has."""
 
     def __init__(self, effect: Any) -> None:
-        self.__dict__.update(effect=effect, name=effect.name, summary=effect.summary)
+        self.__dict__["effect"] = effect
 
     def __getattribute__(self, name: str) -> Any:
         own = object.__getattribute__(self, "__dict__")
-        if name in HOOKS and hasattr(own["effect"], name):
+        if name in (*HOOKS, "name", "summary") and hasattr(own["effect"], name):
             return getattr(own["effect"], name)
         return super().__getattribute__(name)
 

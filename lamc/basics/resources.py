@@ -39,5 +39,7 @@ def stamps(folders: Iterable[Path]) -> str:
 def own_stamps(*packages: str) -> str:
     """Stamps of the sources of these packages of lamc, with the packages in them: work on lamc itself changes them."""
     package = Path(__file__).resolve().parent.parent
-    folders = [path.parent for name in packages for path in sorted((package / name).rglob("__init__.py"))]
-    return stamps(folders)
+    folders = sorted(
+        folder for name in packages for folder, _, files in os.walk(package / name) if "__init__.py" in files
+    )
+    return stamps(map(Path, folders))

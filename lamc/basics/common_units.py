@@ -2,7 +2,7 @@
 second, is needed for others only.
 
 The numbers are pint's, to the last bit, so that no result depends on which of the two was asked
-(`tests/test_common_units.py` compares each).
+(`tests/unit/test_common_units.py` compares each).
 """
 
 from collections.abc import Mapping

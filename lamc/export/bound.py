@@ -2,7 +2,8 @@
 
 In: a program. Out: operations (+ - * / and square roots) and calls of functions. Comparisons, absolute values and moves
 are not counted. The counts follow the loops of `runtime_c/src/`: `fixed.c`, `stiff.c` with what it calls, `loops.c`,
-`system.c`, `guards.c` and `cholesky.h`; `tests/test_export_bound.py` counts what really happens, and it is never more.
+`system.c`, `guards.c` and `cholesky.h`; `tests/export/test_export_bound.py` counts what really happens, and it is
+never more.
 """
 
 from collections import Counter

@@ -2,7 +2,7 @@
 
 In: the characters of a YAML text. Out: ruamel.yaml's events, marks and errors, as its own classes give them. Never:
 decides anything anew; what is not plain text, a comment or a usual break is left to ruamel.yaml, and both are held
-against each other by `tests/test_quick_yaml.py`.
+against each other by `tests/unit/test_quick_yaml.py`.
 """
 
 import re

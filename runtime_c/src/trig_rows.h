@@ -1,7 +1,7 @@
 /* trig_rows.h, of lamc: the numbers that trig.h looks up.
  *
  * In: nothing. Out: sines of the multiples of pi/64, and 1 / (2 pi). Never: computed while a program runs;
- * tests/test_trig.py holds every one of them against mpmath. */
+ * tests/unit/test_trig.py holds every one of them against mpmath. */
 #ifndef LAMC_TRIG_ROWS_H
 #define LAMC_TRIG_ROWS_H
 

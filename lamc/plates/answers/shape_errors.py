@@ -6,8 +6,8 @@ In: shapes, and what energy each stores. Out: relative errors, notes, where the 
 the Finite Element Method, 1973, section 6.3), which `estimate.py` takes from recovered strains, as for a solution. That
 sum has no sign: elements that are too soft in one part of the energy and too stiff in another, such as dkt where edges
 are free, are better than it says, by a factor of ten at times; those that converge to another plate, such as bciz on
-most meshes, are off by that besides. Measured (tests/test_plate_shape_errors.py): between a third and three times of
-the truth for plates held all around and for narrow strips between stiff parts.
+most meshes, are off by that besides. Measured (tests/plates/test_plate_shape_errors.py): between a third and three
+times of the truth for plates held all around and for narrow strips between stiff parts.
 """
 
 from dataclasses import dataclass

@@ -5,8 +5,8 @@ beyond that, so that objects can be copied, pickled and forked; makes callers of
 
 functools' do not do this. From Python 3.12 on cached_property takes no lock and calls the function once for each
 thread, up to 3.11 it has one lock for all objects of a class; lru_cache calls it once for each thread that comes early.
-That is no matter for a pure function of numbers. It is one where the function writes to something shared, as equations
-do to their store, or where two equal objects are not interchangeable, as pint's registries are not.
+That is no matter for a pure function of numbers. It is one where the work is long, as deriving equations is, or where
+two equal objects are not interchangeable, as pint's registries are not.
 """
 
 import os

@@ -23,6 +23,7 @@ pytestmark = needs_cc
 Z = (0.0, 0.0, 1.0)
 DOWN = Gravity((0.0, -9.81, 0.0))
 
+FOLDERS = {"test_popupcad_pendulum": "unit"}  # of tests that are not beside this one
 LOOPS = "test_loops:test_loops_move_as_computed_independently"
 VOICES = "test_three_voices:test_reference_cases_are_met_within_what_they_accept"
 STIFF = "test_reference_cases:test_stiff_hinges_hold_a_triple_pendulum_straight"
@@ -68,7 +69,7 @@ def test_every_case_is_claimed_by_a_test(cases: dict[str, Any]) -> None:
     assert sorted(COVERED_BY) == sorted(cases)
     for case, where in COVERED_BY.items():
         module_name, function = where.split(":")
-        module = importlib.import_module(f"tests.{module_name}")
+        module = importlib.import_module(f"tests.{FOLDERS.get(module_name, 'physics')}.{module_name}")
         assert callable(getattr(module, function)), (case, where)
         assert function.startswith("test_"), (case, where)  # else pytest does not collect it
         assert f'"{case}"' in inspect.getsource(module), (case, where)

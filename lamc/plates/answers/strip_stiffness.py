@@ -19,8 +19,8 @@ A and D are those of a strip that cannot narrow along z (A11, D11; κ = 1) for b
 κ = 5/6) for narrower ones, as for `hinge_stiffness`. Finite elements differ by 13 % at most, near b = L, and by 3 %
 from b = 10 L on (`tests/plates/test_strip_stiffness.py`). Warping is what counts in hinges: free to warp, a strip ten
 times as long as wide would be some hundred times softer in torsion. Sources: S. P. Timoshenko and J. M. Gere, Theory of
-Elastic Stability, 2nd ed. 1961, section 5.3 (torsion with warping; Γ = b³ t³/144 of a thin rectangle); S. P. Timoshenko,
-Strength of Materials I, 3rd ed. 1955, section 39 (shear).
+Elastic Stability, 2nd ed. 1961, section 5.3 (torsion with warping; Γ = b³ t³/144 of a thin rectangle); S.
+P. Timoshenko, Strength of Materials I, 3rd ed. 1955, section 39 (shear).
 """
 
 import math

@@ -61,7 +61,7 @@ def test_every_case_is_claimed_by_a_test(shared: Path) -> None:
     assert sorted(COVERED_BY) == sorted(case["id"] for case in json.loads(text)["cases"])
     for case, where in COVERED_BY.items():
         module_name, function = where.split(":")
-        module = importlib.import_module(f"tests.{module_name}")
+        module = importlib.import_module(f"tests.plates.{module_name}")
         assert callable(getattr(module, function)), (case, where)
         assert function.startswith("test_"), (case, where)  # else pytest does not collect it
         assert f'"{case}"' in inspect.getsource(module), (case, where)

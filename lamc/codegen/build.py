@@ -94,7 +94,7 @@ def _maker(
         source = folder / SOURCES
         source.mkdir()
         write_sources(tree, source)
-        entry = f"this_{tree.kind}.c"
+        entry = f"_this_{tree.kind}.c"  # no design has such a prefix: objects are named after their units
         (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
         units = [entry, f"{SOURCES}/{tree.prefix}.c"]
         make_library(compiler, [*options.flags, f"-I{SOURCES}"], units, LIBRARY, folder, objects)

@@ -24,7 +24,7 @@ STATUSES = (
     CStatus(
         "ANGLE_WRAPPED",
         -10,
-        "a joint that closes a loop passes ±180°, and forces read its angle, which jumps there",
+        "a joint that closes a loop passes +-180 deg, and forces read its angle, which jumps there",
     ),
     CStatus("BAD_DIGEST", -20, "a struct of another design, or one that was never initialised"),
     CStatus("IN_PAST", -21, "the time asked for lies before the present one"),

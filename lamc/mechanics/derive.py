@@ -6,31 +6,26 @@ store. It knows no effect by name, and makes no text.
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
-from lamc.basics.errors import about
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.arrangement import Arrangement, arrange
-from lamc.mechanics.closure import close, cut_hinges
+from lamc.mechanics.assembly import Solved, Symbols, assemble, collect, symbols_of
+from lamc.mechanics.closure import Closure, close, cut_hinges
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.general import derive_general
-from lamc.mechanics.guards import guard_terms
 from lamc.mechanics.inertia import Inertia, link_inertia, regrouped
+from lamc.mechanics.inverse_dynamics import Masses
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.mass_matrix import generalised_forces, mass_matrix, solve_by_mass_matrix, way_to_world
 from lamc.mechanics.parameters import Parameters
-from lamc.mechanics.placement import Placement, potential_of_field, rotate_back
-from lamc.mechanics.powers import Mass, Moving, powers_of
+from lamc.mechanics.placement import Placement, rotate_back
 from lamc.mechanism.tree import WORLD, Link, Tree
-from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import NO_INPUTS, Input
-from lamc.symbolic.algebra import Symmetric, Vector3, add, cross, dot, scale
+from lamc.symbolic.algebra import Vector3, add
 from lamc.symbolic.allocation import collector_paused
-from lamc.symbolic.program import Space
 from lamc.symbolic.staging import Level, Scalar, Store, Value
 from lamc.symbolic.statements import count_operations
 from lamc.symbolic.substitution import substitute
@@ -61,93 +56,33 @@ def derive(
     """
     arrangement = arrange(tree, effects)
     road = _derive_plain if arrangement.is_plain else derive_general
-    equations = road(arrangement, effects, loops, inputs)
+    equations = road(symbols_of(arrangement, inputs), arrangement, effects, loops, inputs)
     equations.store.is_frozen = True
     return equations
 
 
 def _derive_plain(
+    symbols: Symbols,
     arrangement: Arrangement,
     effects: "Sequence[Effect]",
     loops: LoopCount | None,
     inputs: Mapping[str, Input],
 ) -> Equations:
     """Hinges on a fixed world and nothing else."""
-    tree, store = arrangement.tree, Store()
-    count = len(tree.links)
-    names = tree.joint_names
-    parameters = Parameters(store)
-    time = store.symbol("t", Space.TIME, 0)
-    q = [store.symbol(f"q_{name}", Space.ANGLE, i) for i, name in enumerate(names)]
-    u = [store.symbol(f"u_{name}", Space.RATE, i) for i, name in enumerate(names)]
-    given = parameters.declare(inputs, names)
+    tree, store, q, u = arrangement.tree, symbols.store, symbols.q, symbols.u
     with store.section(
         "Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"
     ):
-        pairs = [_tagged_inertia(store, i, link, parameters) for i, link in enumerate(tree.links)]
-        inertias = [inertia for inertia, _ in pairs]
+        pairs = [_tagged_inertia(store, i, link, symbols.parameters) for i, link in enumerate(tree.links)]
+        inertias, coms = zip(*pairs, strict=True) if pairs else ((), ())
         base = regrouped(store, tree, inertias)
     placement = Placement(Kinematics(store, tree, q))
     hinges = cut_hinges(placement, u)
-    loads = Loads(placement, parameters, time, q, u, hinges, given)
-    loads.claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
-    for effect in effects:
-        with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
-            effect.contribute(loads)
+    loads = collect(symbols, placement, hinges, effects)
     problem = Problem(placement.kinematics, base, u, loads)
-    solutions, flops = ({CONSTRAINED: ()}, {}) if hinges else _solutions(problem, count)
-    solver = _cheapest(store, solutions, flops, parameters)
-    coms = [com for _, com in pairs]
-    return Equations(
-        tree=tree,
-        effects=tuple(effects),
-        store=store,
-        parameters=tuple(parameters.records),
-        acceleration=tuple(solutions[solver]),
-        problem=problem,
-        closure=close(hinges, q, u) if hinges else None,
-        energies=_energies(placement, inertias, coms, u, loads),
-        poses=tuple(_poses(placement, coms)),
-        loops=loops or count_loops(tree),
-        guards=tuple(guard_terms(guard, q, u) for guard in loads.guards),
-        solver=solver,
-        solver_flops=flops,
-        arrangement=arrangement,
-        inputs=inputs,
-        account_for_powers=partial(_powers, loads, placement, pairs, q, u, time),
-    )
-
-
-def _powers(
-    loads: Loads,
-    placement: Placement,
-    pairs: Sequence[tuple[Inertia, Vector3]],
-    q: Sequence[Value],
-    u: Sequence[Value],
-    time: Value,
-) -> dict[str, Scalar]:
-    return powers_of(loads, _moving(placement, pairs, q, u, time))
-
-
-def _moving(
-    placement: Placement,
-    pairs: Sequence[tuple[Inertia, Vector3]],
-    q: Sequence[Value],
-    u: Sequence[Value],
-    time: Value,
-) -> Moving:
-    """What the loads of a tree of hinges on the world do work on."""
-    kinematics = placement.kinematics
-    masses = []
-    for i, (inertia, com) in enumerate(pairs):
-        kinematics.store.link = i
-        masses.append(Mass(inertia.mass, scale(inertia.mass, kinematics.in_carrier(i, com))))
-    udot = [
-        kinematics.store.symbol(f"udot_{name}", Space.ACCELERATION, i)
-        for i, name in enumerate(kinematics.tree.joint_names)
-    ]
-    speeds: dict[Value, Scalar] = {time: 1, **dict(zip((*q, *u), (*u, *udot), strict=True))}
-    return Moving(placement, masses, 0, u, speeds)
+    solved = _solved(problem, close(hinges, q, u) if hinges else None, symbols.parameters)
+    masses = Masses(inertias, coms, {})
+    return assemble(symbols, arrangement, loads, masses, solved, loops or count_loops(tree), effects, inputs)
 
 
 def _tagged_inertia(store: Store, index: int, link: Link, parameters: Parameters) -> tuple[Inertia, Vector3]:
@@ -227,15 +162,18 @@ def _less(wrench: Wrench, applied: Wrench | None) -> Wrench:
     return add(wrench[0], minus[0]), add(wrench[1], minus[1])
 
 
-def _solutions(problem: Problem, count: int) -> tuple[dict[str, Sequence[Scalar]], dict[str, int]]:
-    """Both ways to u̇ where both can be cheapest, with their operation counts."""
+def _solved(problem: Problem, closure: Closure | None, parameters: Parameters) -> Solved:
+    """u̇ by the cheaper of both ways where both can be that."""
+    if closure is not None:
+        return Solved(problem, closure, CONSTRAINED)
     tree, store = problem.kinematics.tree, problem.kinematics.store
     ways = ["elimination"]
-    if sum(len(way_to_world(tree, i)) for i in range(count)) <= MAX_PAIRS_FOR_MASS_MATRIX:
+    if sum(len(way_to_world(tree, i)) for i in range(len(tree.links))) <= MAX_PAIRS_FOR_MASS_MATRIX:
         ways.append("mass matrix")
     solutions: dict[str, Sequence[Scalar]] = {way: problem.solve(way) for way in ways}
     flops = {way: count_operations(store, values, Level.PARAMETER).flops for way, values in solutions.items()}
-    return solutions, flops
+    solver = _cheapest(store, solutions, flops, parameters)
+    return Solved(problem, None, solver, tuple(solutions[solver]), flops)
 
 
 def _cheapest(
@@ -252,46 +190,3 @@ def _cheapest(
             without = {way: substitute(values, outside) for way, values in solutions.items()}
             flops = {way: count_operations(store, v, Level.PARAMETER).flops for way, v in without.items()}
     return min(solutions, key=lambda way: flops.get(way, 0))
-
-
-def _energies(
-    placement: Placement, inertias: list[Inertia], coms: list[Vector3], u: Sequence[Scalar], loads: Loads
-) -> dict[str, Scalar]:
-    kinematics = placement.kinematics
-    store = kinematics.store
-    energies: dict[str, Scalar] = {"kinetic": 0}
-    motions = kinematics.motions(u)
-    with store.section("Kinetic energy", source="½ m v² + v·(ω × h) + ½ ω·I ω"):
-        for i, (inertia, motion) in enumerate(zip(inertias, motions, strict=True)):
-            w, v = motion.omega, motion.velocity
-            store.link = i
-            second = kinematics.symmetric_in_carrier(i, inertia.second)
-            turned = replace(inertia, second=second).rotational()
-            spinning = dot(w, _apply(turned, w))
-            first = kinematics.in_carrier(i, inertia.first)
-            energies["kinetic"] = energies["kinetic"] + (
-                0.5 * (inertia.mass * dot(v, v)) + dot(v, cross(w, first)) + 0.5 * spinning
-            )
-    energies |= loads.energies
-    masses = [inertia.mass for inertia in inertias]
-    for effect, acceleration in loads.field_effects:
-        with store.section("Potential energy", effect=effect, source="-Σ m a·r"):
-            potential = potential_of_field(placement, masses, coms, acceleration)
-            energies[effect] = energies.get(effect, 0) + potential
-    return energies
-
-
-def _apply(a: Symmetric, v: Vector3) -> Vector3:
-    x, y, z = (dot(row, v) for row in a.rows())
-    return (x, y, z)
-
-
-def _poses(placement: Placement, coms: list[Vector3]) -> list[Scalar]:
-    values: list[Scalar] = []
-    with placement.kinematics.store.section("Positions and rotations of the links", source="eq. 1-4"):
-        for i, com in enumerate(coms):
-            placement.kinematics.store.link = i
-            values.extend(placement.point(i, com))
-            for row in placement.body_rotation(i):
-                values.extend(row)
-    return values

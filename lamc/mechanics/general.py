@@ -14,27 +14,22 @@ import numpy as np
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics import compliance
 from lamc.mechanics.arrangement import Arrangement, FloatingBase, PrescribedBase
+from lamc.mechanics.assembly import Solved, Symbols, assemble, collect
 from lamc.mechanics.chain_kinematics import ChainKinematics
 from lamc.mechanics.closure import Closure, CutHinge, close, cut_hinges
 from lamc.mechanics.equations import Equations
-from lamc.mechanics.general_outputs import energies_of, poses_of
-from lamc.mechanics.guards import Guard, GuardTerms
 from lamc.mechanics.inertia import link_inertia, regrouped
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.modal import modal_inertia
-from lamc.mechanics.moving_base import MovingBase, StagedFloat, float_base, prescribe_base
+from lamc.mechanics.moving_base import MovingBase, float_base, prescribe_base
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement
-from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.mechanism.tree import WORLD
-from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Array
-from lamc.symbolic.algebra import ZERO, add, dot, scale
 from lamc.symbolic.derivative import derivative
 from lamc.symbolic.evaluate import evaluate
-from lamc.symbolic.program import Space
 from lamc.symbolic.staging import Scalar, Store, Value
 
 if TYPE_CHECKING:
@@ -51,75 +46,39 @@ DEPENDENT = (
 
 
 def derive_general(
+    symbols: Symbols,
     arrangement: Arrangement,
     effects: "Sequence[Effect]",
     loops: LoopCount | None,
     inputs: Mapping[str, Input],
 ) -> Equations:
     """Equations of motion of `arrangement` under `effects`; see `derive`."""
-    store, tree = Store(), arrangement.tree
-    parameters = Parameters(store)
-    time = store.symbol("t", Space.TIME, 0)
-    q = [store.symbol(f"q_{c.name}", Space.ANGLE, i) for i, c in enumerate(arrangement.coordinates)]
-    u = [store.symbol(f"u_{c.name}", Space.RATE, i) for i, c in enumerate(arrangement.rates)]
-    given = parameters.declare(inputs, [c.name for c in (*arrangement.coordinates, *arrangement.rates)])
-    base = _staged_base(store, arrangement, parameters, given, time, q, u)
+    store, q, u = symbols.store, symbols.q, symbols.u
+    base = _staged_base(symbols, arrangement)
     kinematics = ChainKinematics(store, arrangement, q, base)
-    masses = _masses(kinematics, parameters)
-    placement = Placement(kinematics, base)
+    masses = _masses(kinematics, symbols.parameters)
     plain = len(arrangement.plain_coordinates)
-    still = kinematics.on_still_base()
-    seen = Placement(still)
+    seen = Placement(kinematics.on_still_base())
     hinges = _general_hinges(seen, q[:plain], u[:plain])
     held = [compliance.bushing_amounts(seen, b, q[:plain], u[:plain]) for b in arrangement.bushings]
-    loads = Loads(placement, parameters, time, q, u, (*hinges, *(hinge for _, hinge in held)), given)
-    loads.claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
-    for effect in effects:
-        with loads.effect(effect.name, effect.summary, hooked(effect).source):
-            _hold(loads, arrangement, kinematics, [h for h, _ in held], q, u)
-            effect.contribute(loads)
+    hold = partial(_hold, arrangement=arrangement, bushings=[amounts for amounts, _ in held], q=q, u=u)
+    every = (*hinges, *(hinge for _, hinge in held))
+    loads = collect(symbols, Placement(kinematics, base), every, effects, hold)
     problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)
     closure = _widened(close(hinges, q[:plain], u[:plain]), len(u)) if hinges else None
-    count = loops or count_loops(tree)
-    if closure is not None and plain > len(tree.links):
+    count = loops or count_loops(arrangement.tree)
+    if closure is not None and plain > len(arrangement.tree.links):
         count = _yielding(count, closure, store, q[:plain], arrangement)
-    rates = base.coordinate_rates if isinstance(base, StagedFloat) else ()
-    speeds: dict[Value, Scalar] = dict(zip(q, [*u[:plain], *rates], strict=True)) | {time: 1}
-    return Equations(
-        tree=tree,
-        effects=tuple(effects),
-        store=store,
-        parameters=tuple(parameters.records),
-        acceleration=(),
-        problem=problem,
-        closure=closure,
-        energies=energies_of(placement, masses, u, loads),
-        poses=tuple(poses_of(placement, masses.coms, arrangement)),
-        loops=count,
-        guards=tuple(_guard_terms(guard, speeds, u) for guard in loads.guards),
-        solver=INVERSE_DYNAMICS,
-        solver_flops={},
-        arrangement=arrangement,
-        inputs=inputs,
-        coordinate_rates=(*u[:plain], *rates) if rates else None,
-        account_for_powers=partial(_powers, problem, placement, masses, loads, speeds),
-    )
+    solved = Solved(problem, closure, INVERSE_DYNAMICS)
+    return assemble(symbols, arrangement, loads, masses, solved, count, effects, inputs)
 
 
-def _staged_base(
-    store: Store,
-    arrangement: Arrangement,
-    parameters: Parameters,
-    inputs: Mapping[str, Scalar],
-    time: Value,
-    q: Sequence[Scalar],
-    u: Sequence[Scalar],
-) -> MovingBase | None:
+def _staged_base(symbols: Symbols, arrangement: Arrangement) -> MovingBase | None:
     match arrangement.base:
         case FloatingBase() as base:
-            return float_base(store, base, parameters.add, q, u)
+            return float_base(symbols.store, base, symbols.parameters.add, symbols.q, symbols.u)
         case PrescribedBase() as base:
-            return prescribe_base(store, base, time, inputs)
+            return prescribe_base(symbols.store, base, symbols.time, symbols.inputs)
         case _:
             return None
 
@@ -168,12 +127,13 @@ def _general_hinges(placement: Placement, q: Sequence[Value], u: Sequence[Value]
 def _hold(
     loads: Loads,
     arrangement: Arrangement,
-    kinematics: ChainKinematics,
     bushings: Sequence[compliance.Held],
     q: Sequence[Scalar],
     u: Sequence[Scalar],
 ) -> None:
     """Stiffness and damping that the effect whose turn it is asked for."""
+    kinematics = loads.kinematics
+    assert isinstance(kinematics, ChainKinematics)
     joints = {link.joint.name: i for i, link in enumerate(kinematics.tree.links)}
     for hinge in arrangement.compliant:
         if hinge.effect == loads.effect_name:
@@ -222,43 +182,3 @@ def _yielding(
             rank = max(rank, int((np.linalg.svd(jacobian * units)[1] > DEPENDENT).sum()))
     rank = rank or min(m, len(q))
     return replace(count, rank=rank + count.loops, freedoms=len(q) - rank, misfit=None)
-
-
-def _guard_terms(guard: Guard, speeds: Mapping[Value, Scalar], u: Sequence[Value]) -> GuardTerms:
-    """As `guards.guard_terms`; impulses act along the guard's derivatives by the rates."""
-    with u[0].store.section(f"Guard {guard.name}", source="event where it passes zero"):
-        rate = derivative(guard.value, speeds)
-        impact = guard.restitution is not None
-        gradient = tuple(derivative(rate, {x: 1}) for x in u) if impact else ()
-    return GuardTerms(guard, rate, gradient)
-
-
-def _powers(
-    problem: InverseDynamics,
-    placement: Placement,
-    masses: Masses,
-    loads: Loads,
-    speeds: Mapping[Value, Scalar],
-) -> dict[str, Scalar]:
-    """Of the effects' loads, and of what moves a base as told."""
-    arrangement, base = placement.kinematics.arrangement, placement.base
-    assert arrangement is not None
-    store, rates = placement.kinematics.store, arrangement.rates
-    u = [store.symbol(f"u_{c.name}", Space.RATE, i) for i, c in enumerate(rates)]
-    udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(rates)]
-    pulled = []
-    for i, (inertia, com) in enumerate(zip(masses.inertias, masses.coms, strict=True)):
-        store.link, modal = i, masses.modal.get(i)
-        first, change = scale(inertia.mass, com), ZERO
-        if modal is not None:
-            first = add(first, modal.rise())
-            change = scale(dot(modal.moment, modal.modes.rates(u)), modal.normal)
-        pulled.append(Mass(inertia.mass, first, change))
-    weight = base.mass if isinstance(base, StagedFloat) else 0
-    moving = Moving(placement, pulled, weight, u, {**speeds, **dict(zip(u, udot, strict=True))})
-    powers = powers_of(loads, moving)
-    if isinstance(arrangement.base, PrescribedBase):
-        effect = arrangement.base.effect
-        with store.section("Power of the base", effect=effect, source="its wrench on the links · its twist"):
-            powers[effect] = powers.get(effect, 0) + problem.base_power(udot)
-    return powers

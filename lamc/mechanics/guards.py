@@ -8,7 +8,7 @@ force is written with a mode, a number that is 1 beyond the guard and 0 before, 
 equations are smooth. At an impact the guard's rate is reversed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lamc.symbolic.derivative import derivative
@@ -31,14 +31,14 @@ class GuardTerms:
 
     guard: Guard
     rate: Scalar  # of the guard, per s
-    gradient: tuple[Scalar, ...]  # (n,), of an impact, by the angles; empty for a switch
+    gradient: tuple[Scalar, ...]  # (nu,), of an impact, of the rate by u; empty for a switch
 
 
-def guard_terms(guard: Guard, q: Sequence[Value], u: Sequence[Value]) -> GuardTerms:
-    """The guard with its derivatives; it may depend on the angles only."""
-    store = q[0].store
-    with store.section(f"Guard {guard.name}", source="event where it passes zero"):
-        rate = derivative(guard.value, dict(zip(q, u, strict=True)))
+def guard_terms(guard: Guard, speeds: Mapping[Value, Scalar], u: Sequence[Value]) -> GuardTerms:
+    """The guard with its derivatives; it may depend on q only. speeds: dq/dt. Impulses act along the guard's
+    derivatives by the rates."""
+    with u[0].store.section(f"Guard {guard.name}", source="event where it passes zero"):
+        rate = derivative(guard.value, speeds)
         impact = guard.restitution is not None
-        gradient = tuple(derivative(guard.value, {angle: 1}) for angle in q) if impact else ()
+        gradient = tuple(derivative(rate, {x: 1}) for x in u) if impact else ()
     return GuardTerms(guard, rate, gradient)

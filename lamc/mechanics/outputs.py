@@ -1,14 +1,15 @@
-"""What people see of a motion in the general form, staged: energies and poses.
+"""What people see of a motion, staged: energies and poses.
 
 Goes in: placement, masses, loads. Comes out: energies by effect, in the world's frame, and poses of all bodies that
 move, the base's among them. Nothing here takes part in the motion.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.inverse_dynamics import Masses
-from lamc.mechanics.kinematics import Motion
+from lamc.mechanics.kinematics import Kinematics, Motion
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import Placement, potential_of_field, rotate
@@ -26,7 +27,7 @@ def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads
     with store.section("Kinetic energy", source="½ m v² + v·(ω × h) + ½ ω·I ω"):
         for i, motion in enumerate(motions):
             store.link = i
-            energies["kinetic"] = energies["kinetic"] + _kinetic(masses, i, motion, u)
+            energies["kinetic"] = energies["kinetic"] + _kinetic(kinematics, masses, i, motion, u)
         if isinstance(base, StagedFloat):
             rows, w, v = base.inertia.rows(), base.velocity.angular, base.velocity.linear
             spin = dot(w, [dot(row, w) for row in rows])
@@ -49,7 +50,8 @@ def poses_of(placement: Placement, coms: Sequence[Vector3], arrangement: Arrange
     """Per body of `Arrangement.moving_bodies`: centre of mass (3), m, and rotation (9, by rows); of a flexible body: of
     its frame, and of the point that is its centre of mass undeformed."""
     store = placement.kinematics.store
-    with store.section("Positions and rotations of the bodies", source="eq. 1-4"):
+    what = "links" if arrangement.is_plain else "bodies"
+    with store.section(f"Positions and rotations of the {what}", source="eq. 1-4"):
         for i, com in enumerate(coms):
             store.link = i
             yield from placement.point(i, com)
@@ -63,12 +65,14 @@ def poses_of(placement: Placement, coms: Sequence[Vector3], arrangement: Arrange
                     yield from row
 
 
-def _kinetic(masses: Masses, i: int, motion: Motion, u: Sequence[Scalar]) -> Scalar:
+def _kinetic(kinematics: Kinematics, masses: Masses, i: int, motion: Motion, u: Sequence[Scalar]) -> Scalar:
     inertia, modal, w, v = masses.inertias[i], masses.modal.get(i), motion.omega, motion.velocity
     if modal is not None:
         inertia = modal.of(inertia)
-    spin = dot(w, [dot(row, w) for row in inertia.rotational().rows()])
-    rigid = 0.5 * (inertia.mass * dot(v, v)) + dot(v, cross(w, inertia.first)) + 0.5 * spin
+    second = kinematics.symmetric_in_carrier(i, inertia.second)
+    spin = dot(w, [dot(row, w) for row in replace(inertia, second=second).rotational().rows()])
+    first = kinematics.in_carrier(i, inertia.first)
+    rigid = 0.5 * (inertia.mass * dot(v, v)) + dot(v, cross(w, first)) + 0.5 * spin
     return rigid + modal.kinetic(motion, modal.modes.rates(u)) if modal is not None else rigid
 
 

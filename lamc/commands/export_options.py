@@ -7,6 +7,7 @@ import click
 from lamc.commands.options import design, speaking, staged
 from lamc.commands.terminal import Terminal
 from lamc.export import TARGETS
+from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
@@ -64,7 +65,7 @@ Examples:
     "--integrator",
     default="auto",
     metavar="NAME",
-    help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported. With "
+    help=f"What steps are taken with: {SHOWN}; only what is needed is exported. With "
     "--real-time, rodas5p takes steps that are stable with stiff hinges.",
 )
 @click.option(

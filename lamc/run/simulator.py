@@ -178,8 +178,8 @@ class Simulator(Evaluations):
                     None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
                     every step
-        integrator  in C: "rk45", "dop853" (explicit), "rodas5p", "radau5" (implicit, for stiff hinges), or "auto":
-                    explicit, and implicit where that goes faster; or "scipy:LSODA", "scipy:Radau", …
+        integrator  in C: one of `lamc.run.methods`, such as "dop853" (explicit) or "radau5" (implicit, for stiff
+                    hinges), or "auto": explicit, and implicit where that goes faster; or "scipy:LSODA", …
         parameters  values by name, in the units of `parameter_units`; the others keep their defaults
         max_steps   steps tried before the run gives up
         max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only

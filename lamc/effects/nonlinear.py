@@ -79,7 +79,7 @@ class NonlinearStiffness(RegisteredEffect):
 
     shorthand: ClassVar[str] = "laws"
 
-    data_schema: ClassVar[Mapping[str, Any]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
+    data_schema: ClassVar[Mapping[str, object]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
     absent: ClassVar[str] = "no law of a hinge's torque is given"
 
     def __post_init__(self) -> None:

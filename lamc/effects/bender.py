@@ -17,7 +17,7 @@ from lamc.mechanics.loads import Hinge, Loads
 from lamc.records.mechanism import Joint
 from lamc.symbolic.algebra import cross, dot
 from lamc.symbolic.expression import stage
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 if TYPE_CHECKING:
     from lamc.plates.laminates.laminate import Laminate

@@ -13,7 +13,7 @@ from lamc.effects.registered import RegisteredEffect
 from lamc.effects.table_file import MAX_ROWS
 from lamc.effects.torque_laws import BETWEEN, MAX_DEGREE, LawData, law_of
 from lamc.mechanics.loads import Loads
-from lamc.symbolic.staging import Value
+from lamc.symbolic.scalars import Value
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads

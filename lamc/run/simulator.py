@@ -23,7 +23,7 @@ from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
 from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint, Scene

@@ -7,7 +7,7 @@ from shapely.geometry import LineString, box
 import lamc
 from lamc import Body, FlexibleLinks, Joint, Mechanism, Scene, Slab, plate
 from lamc.effects import HingeStiffness
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.plates.answers.reduction import reduce_plate
 from lamc.plates.answers.straight_edges import straight_modes
 from tests.support.ctools import needs_cc

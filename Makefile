@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
 
-.PHONY: demo test test-all lint types format docs map bench ledgers pictures clean check-tools
+.PHONY: demo test test-all lint types format docs map methods bench ledgers pictures clean check-tools
 
 demo: $(STAMP)
 	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
@@ -49,6 +49,9 @@ docs: $(STAMP) # the pages as a site, in out/site; a link that leads nowhere is 
 
 map: $(STAMP) # docs/map.md: every module in a line
 	$(BIN)/python docs/make_map.py
+
+methods: $(STAMP) # what C and the guide say of the integrators, from lamc/run/methods.py
+	$(BIN)/python docs/make_methods.py
 
 bench: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

@@ -13,7 +13,7 @@ import time
 from benchmarks.devices import CROSSED, OBLIQUE, PARALLEL, SCENE, plates
 from benchmarks.measure import table
 from lamc.mechanics import derive as derivation
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 
 KINDS = {"parallel": PARALLEL, "right-angled": CROSSED, "oblique": OBLIQUE}
 EFFECTS = SCENE.effects or ()

@@ -27,7 +27,7 @@ from benchmarks.peers import hand, kane_lambdify
 from lamc.codegen.emit import emit
 from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.sympy_kane import KaneModel, kane
 

@@ -10,6 +10,8 @@
 Everything public is listed in `__all__`; everything else may change.
 """
 
+from typing import TYPE_CHECKING
+
 from lamc.basics._version import __version__
 from lamc.basics.errors import (
     BuildError,
@@ -23,6 +25,7 @@ from lamc.basics.errors import (
     TopologyError,
     UnsupportedError,
 )
+from lamc.basics.moved import renamed
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.effects import (
@@ -56,7 +59,7 @@ from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
 from lamc.records.design import Design, Material
 from lamc.records.inputs import Input
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -92,13 +95,13 @@ __all__ = [
     "NonlinearStiffness",
     "OutputPoint",
     "PiezoBender",
-    "Plate",
     "RequestError",
     "RestAngle",
     "Result",
     "Scene",
     "SimulationError",
     "Simulator",
+    "Slab",
     "Spring",
     "Times",
     "TopologyError",
@@ -116,3 +119,7 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+if not TYPE_CHECKING:  # a type checker shall miss the old name
+    __getattr__ = renamed("lamc", {"Plate": "lamc.Slab"})

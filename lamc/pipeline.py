@@ -24,7 +24,7 @@ from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.starts import loops_of
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.design import Design
 from lamc.records.effect import Effect
 from lamc.records.inputs import NO_INPUTS, Input

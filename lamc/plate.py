@@ -15,52 +15,50 @@ laminate, deflections, strains and stresses. Never: motion; what is a plate here
     plate.solve(problem).deflection(10e-3, 1e-3)
 """
 
-from lamc.plates.answers.buckling import Buckling, buckling
-from lamc.plates.answers.choice import Choice, choose_element
-from lamc.plates.answers.convergence import Convergence, ConvergenceRow, QuantityError, converge, error_of
-from lamc.plates.answers.estimate import ErrorEstimate
-from lamc.plates.answers.failure import PlateFailure, first_failure
+from typing import TYPE_CHECKING
+
+from lamc.basics.moved import renamed
+from lamc.plates import records
+from lamc.plates.answers.buckling import buckling
+from lamc.plates.answers.choice import choose_element
+from lamc.plates.answers.convergence import converge, error_of
+from lamc.plates.answers.failure import first_failure
 from lamc.plates.answers.flexibility import flexibility
 from lamc.plates.answers.gradients import gradient
-from lamc.plates.answers.hinge_stiffness import HingeStiffness, hinge_stiffness
-from lamc.plates.answers.hinge_turns import HingeTurn
-from lamc.plates.answers.modes import Modes, modes
-from lamc.plates.answers.shape_pairs import ShapePair, halved_buckling, halved_modes
-from lamc.plates.designs.from_design import DesignPlate, plate_of
-from lamc.plates.designs.hinge_edges import HingeEdge
+from lamc.plates.answers.hinge_stiffness import hinge_stiffness
+from lamc.plates.answers.modes import modes
+from lamc.plates.answers.shape_pairs import halved_buckling, halved_modes
+from lamc.plates.designs.from_design import plate_of
 from lamc.plates.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
-from lamc.plates.elements.assembly import Assembly
-from lamc.plates.elements.kernels import ElementKernels, kernels
+from lamc.plates.elements.kernels import kernels
 from lamc.plates.foundations import ElasticFoundation
 from lamc.plates.hinge_lines import HingeLine
-from lamc.plates.laminates.failure import FirstPlyFailure, PlyFailure, first_ply_failure, ply_failures
+from lamc.plates.laminates.failure import first_ply_failure, ply_failures
 from lamc.plates.laminates.graded import Graded
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.library import LIBRARY, material
 from lamc.plates.laminates.materials import Material
-from lamc.plates.laminates.plies import Deformation, EngineeringConstants, Ply, PlyState, Resultants
+from lamc.plates.laminates.plies import Ply
 from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
     ElectricField,
-    Gravity,
     Moisture,
     PointLoad,
     Pressure,
+    SelfWeight,
     Temperature,
 )
-from lamc.plates.memory import Memory, estimate_memory
+from lamc.plates.memory import estimate_memory
 from lamc.plates.meshing.changes import jittered, refined
 from lamc.plates.meshing.files import read_mesh, write_mesh
 from lamc.plates.meshing.grid import grid, grid_of_lines, lines
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.mesher import mesh
-from lamc.plates.meshing.report import MeshReport, bciz_bias, mesh_report
+from lamc.plates.meshing.report import bciz_bias, mesh_report
 from lamc.plates.problem import Problem
 from lamc.plates.solving.model import Model, solve
-from lamc.plates.solving.reactions import Reaction
-from lamc.plates.solving.refine import Accuracy
-from lamc.plates.solving.solution import Solution, SolveReport
+from lamc.plates.solving.solution import Solution
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, Symmetry
 from lamc.readers.plates.problem_file import load_plate
 from lamc.readers.plates.problem_make import problem_of
@@ -69,55 +67,29 @@ from lamc.readers.plates.problem_records import PlateFile
 __all__ = [
     "ELEMENTS",
     "LIBRARY",
-    "Accuracy",
-    "Assembly",
-    "Buckling",
-    "Choice",
     "Clamped",
-    "Convergence",
-    "ConvergenceRow",
-    "Deformation",
-    "DesignPlate",
     "EdgeLoad",
     "EdgeMoment",
     "ElasticFoundation",
     "ElectricField",
     "Element",
-    "ElementKernels",
-    "EngineeringConstants",
-    "ErrorEstimate",
-    "FirstPlyFailure",
     "Graded",
-    "Gravity",
-    "HingeEdge",
     "HingeLine",
-    "HingeStiffness",
-    "HingeTurn",
     "Hinged",
     "Laminate",
     "Material",
-    "Memory",
     "Mesh",
-    "MeshReport",
     "Model",
-    "Modes",
     "Moisture",
     "Node",
-    "PlateFailure",
     "PlateFile",
     "Ply",
-    "PlyFailure",
-    "PlyState",
     "PointLoad",
     "Pressure",
     "Problem",
-    "QuantityError",
-    "Reaction",
-    "Resultants",
-    "ShapePair",
+    "SelfWeight",
     "SimplySupported",
     "Solution",
-    "SolveReport",
     "Support",
     "Symmetry",
     "Temperature",
@@ -157,3 +129,15 @@ __all__ = [
     "solve",
     "write_mesh",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
+if not TYPE_CHECKING:  # a type checker shall miss the old names
+    __getattr__ = renamed(
+        "lamc.plate",
+        {"Gravity": "lamc.plate.SelfWeight"}
+        | {name: f"lamc.plates.records.{name}" for name in records.__all__},
+    )

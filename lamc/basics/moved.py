@@ -1,10 +1,11 @@
-"""Old names of modules: they still give what they held, and warn with the new name.
+"""Old names: they still give what they held, and warn with the new name.
 
-In: the old and the new name of a module. Out: a module's `__getattr__`. It warns once for each place of use.
+In: old and new names, of a module or of what is in one. Out: a module's `__getattr__`. It warns once for each place of
+use.
 """
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -14,10 +15,31 @@ def moved(old: str, new: str) -> Callable[[str], Any]:
 
     def get(name: str) -> Any:
         if name.startswith("__"):
-            raise AttributeError(f"module {old!r} has no attribute {name!r}")
+            raise _unknown(old, name)
         there = "lamc" if name in import_module("lamc").__all__ else new
-        value = getattr(import_module(there), name)
-        warnings.warn(f"{old}.{name} is {there}.{name} now", DeprecationWarning, stacklevel=2)
-        return value
+        return _found(f"{old}.{name}", there, name)
 
     return get
+
+
+def renamed(module: str, names: Mapping[str, str]) -> Callable[[str], Any]:
+    """`__getattr__` of `module`: old name → new one with its module, as in "lamc.plate.SelfWeight"."""
+
+    def get(name: str) -> Any:
+        if name not in names:
+            raise _unknown(module, name)
+        return _found(f"{module}.{name}", *names[name].rsplit(".", 1))
+
+    return get
+
+
+def _found(old: str, there: str, name: str) -> Any:
+    value = getattr(import_module(there), name)
+    warnings.warn(f"{old} is {there}.{name} now", DeprecationWarning, stacklevel=3)
+    return value
+
+
+def _unknown(module: str, name: str) -> AttributeError:
+    return AttributeError(
+        f"module {module!r} has no attribute {name!r}", name=name, obj=import_module(module)
+    )

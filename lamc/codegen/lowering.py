@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 from lamc.symbolic.program import Function, Operand, Section, Shape, Space, Statement
-from lamc.symbolic.staging import Level, Number, Scalar, Store, Symbol, Value
+from lamc.symbolic.scalars import Number, Scalar, Value
+from lamc.symbolic.staging import Level, Store, Symbol
 from lamc.symbolic.statements import count_operations, group
 
 MAX_EXACT = 2**53  # doubles hold all integers up to here

@@ -15,7 +15,7 @@ from lamc.commands.terminal import Terminal
 from lamc.design.split import split
 from lamc.examples import Example
 from lamc.loops.rank import count_loops
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.readers.load import load, load_text
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism

@@ -60,7 +60,7 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     if effects is not None:
         left_out = "; README.md lists what of them is left out" if order.options.lossy else ""
         lines += [f"effects   {', '.join(effects) or 'none'}{left_out}"]
-    step = TARGETS[order.target].step(str(folder), files, order.options)
+    step = TARGETS[order.target].making.next_step(str(folder), files, order.options)
     lines += [f"next      {step}"]
     terminal.say("\n".join(lines))
     data = {

@@ -6,19 +6,40 @@ import click
 
 from lamc.commands.options import design, speaking, staged
 from lamc.commands.terminal import Terminal
+from lamc.export import TARGETS
+from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
 
 
-@click.command(short_help="Write a simulator, or a plate, for other programs.")
+_HELP = f"""Write a design's simulator, or a plate's elements, for other programs. Targets:
+{", ".join(f"{name} ({target.users})" for name, target in TARGETS.items())}. A plate's file, with --to c only,
+gives the matrix of its elements, its loads and a solver.
+
+The folder of --to c needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a README
+with the mechanism's picture. Files that lamc did not write, or that were edited, are not replaced; options that
+the target has no use for are refused.
+
+\b
+Examples:
+  lamc export pendulum.cad --out pendulum_c
+  lamc export flaps.yaml --integrator rk45 --single-header
+  lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
+  lamc export flaps.yaml --to fmu --fmi 3
+  lamc export four_bar.yaml --to mjcf --step 5e-4
+  lamc export strip.yaml --size '1 mm'
+"""
+
+
+@click.command(help=_HELP, short_help="Write a simulator, or a plate, for other programs.")
 @design
 @click.option(
     "--to",
     "target",
     default="c",
     metavar="TARGET",
-    help="c, fmu, wasm, mjcf, urdf or wheel; `lamc export --to list` tells what each is.",
+    help=f"{', '.join(TARGETS)}; `lamc export --to list` tells what each is.",
     show_default=True,
 )
 @staged()
@@ -44,7 +65,7 @@ if TYPE_CHECKING:
     "--integrator",
     default="auto",
     metavar="NAME",
-    help="What steps are taken with: auto, rk45, dop853, rodas5p or radau5; only what is needed is exported. With "
+    help=f"What steps are taken with: {SHOWN}; only what is needed is exported. With "
     "--real-time, rodas5p takes steps that are stable with stiff hinges.",
 )
 @click.option(
@@ -99,23 +120,6 @@ def export(
     out: str | None,
     terminal: Terminal,
 ) -> int:
-    """Write a design's simulator, or a plate's elements, for other programs. Targets: c (C and C++), fmu
-    (co-simulation), wasm (browsers, node), mjcf (MuJoCo), urdf (ROS), wheel (Python). A plate's file, with --to c only,
-    gives the matrix of its elements, its loads and a solver.
-
-    The folder of --to c needs neither lamc nor Python: sources, CMake and pkg-config files, an example, and a README
-    with the mechanism's picture. Files that lamc did not write, or that were edited, are not replaced; options that
-    the target has no use for are refused.
-
-    \b
-    Examples:
-      lamc export pendulum.cad --out pendulum_c
-      lamc export flaps.yaml --integrator rk45 --single-header
-      lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
-      lamc export flaps.yaml --to fmu --fmi 3
-      lamc export four_bar.yaml --to mjcf --step 5e-4
-      lamc export strip.yaml --size '1 mm'
-    """
     from lamc.commands.export import ExportOrder, inputs_of
     from lamc.commands.export import export as work
     from lamc.commands.export_plate import edge_length

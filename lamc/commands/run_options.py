@@ -6,6 +6,7 @@ import click
 
 from lamc.commands.options import compiler, design, folder, precision, seconds, speaking, staged
 from lamc.commands.terminal import Terminal
+from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     "--integrator",
     default="auto",
     metavar="NAME",
-    help="auto, rk45, dop853, rodas5p, radau5, or scipy:LSODA, ...",
+    help=f"{SHOWN}, or scipy:LSODA, ...",
 )
 @click.option(
     "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."

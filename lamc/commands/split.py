@@ -16,7 +16,7 @@ from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import split_steps
 from lamc.loops.starts import drawn_loops
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.pipeline import Times
 from lamc.readers.joint_definition import drawn_layers, drawn_lines
 from lamc.readers.joints_layers import layers_of

@@ -17,7 +17,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from lamc.basics.errors import DesignError
-from lamc.records.mechanism import Array, Plate
+from lamc.records.mechanism import Array, Slab
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def polygon_moments(polygon: Polygon) -> PolygonMoments:
     return PolygonMoments(area, float(centroid[0]), float(centroid[1]), xx, yy, xy)
 
 
-def body_properties(plates: Sequence[tuple[Plate, float]]) -> tuple[float, Array, Array]:
+def body_properties(plates: Sequence[tuple[Slab, float]]) -> tuple[float, Array, Array]:
     """Mass (kg), centre of mass (3,) m and inertia about it (3, 3) kg·m², world axes, of a body.
 
     plates  (plate, density in kg/m³), at least one
@@ -119,7 +119,7 @@ def _signs(count: int) -> tuple[float, ...]:
     return (1.0, *([-1.0] * (count - 1)))
 
 
-def _thickness(plate: Plate) -> float:
+def _thickness(plate: Slab) -> float:
     thickness = plate.z_top - plate.z_bottom
     if not (thickness > 0.0 and math.isfinite(thickness)):
         raise DesignError(

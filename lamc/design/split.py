@@ -24,7 +24,7 @@ from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, nam
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
 from lamc.design.work import check_strips
 from lamc.records.design import BodyName, Design
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 
 Progress = Callable[[str, float], None]
 
@@ -159,10 +159,10 @@ def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, 
     return tuple(bodies), tuple(parts)
 
 
-def _plates(design: Design, group: Group) -> list[tuple[Plate, float]]:
+def _plates(design: Design, group: Group) -> list[tuple[Slab, float]]:
     z = design.z
     return [
-        (Plate(polygon, z[i], z[i + 1]), layer.material.density)
+        (Slab(polygon, z[i], z[i + 1]), layer.material.density)
         for i, layer in enumerate(design.layers)
         for polygon in group.polygons[i]
     ]

@@ -15,7 +15,7 @@ from lamc.mechanics.arrangement import Arranging, PrescribedBase
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import checked_array, checked_number
 from lamc.symbolic.expression import stage
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 Told = float | str
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -17,7 +17,12 @@ from lamc.mechanics.loads import Hinge, Loads
 from lamc.records.mechanism import Joint
 from lamc.symbolic.algebra import cross, dot
 from lamc.symbolic.expression import stage
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
+
+if TYPE_CHECKING:
+    from lamc.plates.laminates.laminate import Laminate
+else:
+    Laminate = Any  # whose import takes a while; `lamc schema` asks for type hints at run time
 
 _SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
 _VOLTAGE = "the voltage of a piezo bender"
@@ -71,7 +76,7 @@ class PiezoBender(RegisteredEffect):
     tip: tuple[float, float, float]
     normal: tuple[float, float, float]
     width: float
-    laminate: Any  # lamc.plate.Laminate, which takes a while to import
+    laminate: "Laminate"
     polarity: tuple[float, ...]
     voltage: float | str
     extension: float = 0.0

@@ -21,7 +21,7 @@ from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import Mechanism, checked_array
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, dot, scale
-from lamc.symbolic.staging import Scalar, call
+from lamc.symbolic.scalars import Scalar, call
 
 AIR = 1.2  # kg/m³, at 20 °C at sea level
 MOST_STRIPS = 64

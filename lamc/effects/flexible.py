@@ -21,6 +21,9 @@ from lamc.mechanism.tree import Tree
 
 if TYPE_CHECKING:
     from lamc.plates.answers.reduction import Reduction
+    from lamc.plates.laminates.laminate import Laminate
+else:
+    Laminate = Any  # whose import takes a while; `lamc schema` asks for type hints at run time
 
 _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
@@ -66,7 +69,7 @@ class FlexibleLinks(RegisteredEffect):
     refinement: float = 1.0
     element: str = "dkt"
     static: bool = True
-    laminate: Any = None  # lamc.plate.Laminate, which takes a while to import
+    laminate: "Laminate | None" = None
 
     name: ClassVar[str] = "flexible_links"
     summary: ClassVar[str] = "Bodies that bend"

@@ -19,7 +19,7 @@ from lamc.mechanics.loads import Loads
 from lamc.records.effect import PlaneMark
 from lamc.records.mechanism import Array, Mechanism, checked_array, checked_name
 from lamc.symbolic.algebra import Vector3, add, dot, scale
-from lamc.symbolic.staging import Scalar, call, power
+from lamc.symbolic.scalars import Scalar, call, power
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads

@@ -10,7 +10,7 @@ from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.records.effect import Effect
 from lamc.records.mechanism import Joint, Mechanism
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads

@@ -12,7 +12,7 @@ from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanism.limits import outside_limits
 from lamc.records.effect import Effect
 from lamc.records.mechanism import FREE_LIMITS, Joint, Mechanism
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads

@@ -7,7 +7,8 @@ from lamc.effects.drives import Drive
 from lamc.symbolic.derivative import derivative
 from lamc.symbolic.expression import stage
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
 from lamc.symbolic.substitution import substitute
 
 

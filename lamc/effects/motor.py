@@ -15,7 +15,7 @@ from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.records.mechanism import Joint
 from lamc.symbolic.expression import stage
-from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
 
 if TYPE_CHECKING:
     from lamc.run.result import Result

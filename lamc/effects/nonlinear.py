@@ -13,7 +13,7 @@ from lamc.effects.registered import RegisteredEffect
 from lamc.effects.table_file import MAX_ROWS
 from lamc.effects.torque_laws import BETWEEN, MAX_DEGREE, LawData, law_of
 from lamc.mechanics.loads import Loads
-from lamc.symbolic.staging import Value
+from lamc.symbolic.scalars import Value
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
@@ -79,7 +79,7 @@ class NonlinearStiffness(RegisteredEffect):
 
     shorthand: ClassVar[str] = "laws"
 
-    data_schema: ClassVar[Mapping[str, Any]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
+    data_schema: ClassVar[Mapping[str, object]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
     absent: ClassVar[str] = "no law of a hinge's torque is given"
 
     def __post_init__(self) -> None:

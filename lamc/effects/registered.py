@@ -4,7 +4,7 @@ To add one: its module with a class of `RegisteredEffect`, and a line in `regist
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 from lamc.effects.data import record
 from lamc.records.effect import Effect
@@ -24,7 +24,7 @@ class RegisteredEffect(Effect):
     absent: ClassVar[str] = "the scene does not call for it"
     units: ClassVar[Mapping[str, str]] = {}
     shorthand: ClassVar[str | None] = None
-    data_schema: ClassVar[Mapping[str, Any] | None] = None
+    data_schema: ClassVar[Mapping[str, object] | None] = None
 
     @classmethod
     def default_for(cls, mechanism: Mechanism) -> tuple[Effect | None, str]:

@@ -8,7 +8,7 @@ from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import checked_array, checked_name, checked_number
 from lamc.symbolic.algebra import Vector3, dot
-from lamc.symbolic.staging import Scalar, call
+from lamc.symbolic.scalars import Scalar, call
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads

@@ -23,7 +23,8 @@ from lamc.symbolic.derivative import derivative
 from lamc.symbolic.expression import stage
 from lamc.symbolic.piecewise import Piecewise, monotone, spline
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
 from lamc.symbolic.substitution import substitute
 
 TORQUE = Quantity("torque", "N*m", "2 N*mm")

@@ -4,24 +4,17 @@ In: a design or a plate, what to make of it, options. Out: files, as a mapping f
 design gives the same bytes. Never: writes over what it did not write.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeAlias, Union
+from typing import TYPE_CHECKING, Protocol, TypeAlias, Union, cast
 
 from lamc.basics.errors import ExportError
 from lamc.codegen.names import identifier
 from lamc.design.split import split
 from lamc.export.folder import Origin, write_folder
-from lamc.export.next_step import (
-    build_urdf,
-    compile_c,
-    install_wheel,
-    open_page,
-    simulate_fmu,
-    view_mjcf,
-)
 from lamc.export.options import ExportOptions, check_used, options_from
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
@@ -35,25 +28,40 @@ Files = Mapping[str, bytes]  # relative path, parts joined by / → content
 Exported: TypeAlias = Union[Design, Mechanism, "PlateFile", "Problem"]
 
 
+class Making(Protocol):
+    """What the module of a target has to have."""
+
+    def files(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
+        """The export itself: pure but for temporary files of a compiler."""
+
+    def next_step(self, folder: str, files: Files, options: ExportOptions) -> str:
+        """One line of a shell, or a sentence, that comes next: of the folder as it was written to."""
+
+
 @dataclass(frozen=True)
 class Target:
     """Something that a mechanism can be exported to.
 
-    uses  fields of `ExportOptions` that it reads; others are refused where they differ from their defaults
-    make  the export itself: pure but for temporary files of a compiler
-    step  one line of a shell, or a sentence, that comes next: of the folder, its files and the options
+    users   who takes it, in a word or two
+    uses    fields of `ExportOptions` that it reads; others are refused where they differ from their defaults
+    module  of `lamc.export`, imported when it is asked for: see `Making`
     """
 
     name: str
+    users: str
     summary: str
     uses: tuple[str, ...]
-    make: Callable[[Mechanism, Scene, ExportOptions], Files]
-    step: Callable[[str, Files, ExportOptions], str]
+    module: str
+
+    @property
+    def making(self) -> Making:
+        """The module, imported."""
+        return cast(Making, import_module(f"{__name__}.{self.module}"))
 
     def files(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-        """Raises ExportError for options that it does not read, and as `make` does."""
+        """Raises ExportError for options that it does not read, and as its module does."""
         check_used(options, self.name, self.uses, _uses())
-        return self.make(mechanism, scene, options)
+        return self.making.files(mechanism, scene, options)
 
     def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str]:
         """Names of what acts in the export, torques from outside among them."""
@@ -64,99 +72,53 @@ class Target:
         return [effect.name for effect in effects_of(mechanism, acting)]
 
 
-def _c(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-    from lamc.export.c import c_source
-    from lamc.export.driven import simulator_of
-    from lamc.export.package import package_files
-
-    simulator = simulator_of(mechanism, scene, options)
-    return package_files(c_source(simulator, options), simulator, options)
-
-
-def _mjcf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-    from lamc.export.mjcf import files
-
-    return files(mechanism, scene, options)
-
-
-def _urdf(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-    from lamc.export.urdf import files
-
-    return files(mechanism, scene, options)
-
-
-def _fmu(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-    from lamc.export.driven import simulator_of
-    from lamc.export.fmu import fmu_files
-
-    return fmu_files(simulator_of(mechanism, scene, options), options)
-
-
-def _wasm(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-    from lamc.export.driven import simulator_of
-    from lamc.export.wasm import wasm_files
-
-    return wasm_files(simulator_of(mechanism, scene, options), options)
-
-
-def _wheel(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
-    from lamc.export.driven import simulator_of
-    from lamc.export.wheel import wheel_files
-
-    return wheel_files(simulator_of(mechanism, scene, options), options)
-
-
 # wasm calls no mathematical library, so that `libm` leaves it as it is.
 _SIMULATOR = ("prefix", "integrator", "inputs")
-TARGETS: Mapping[str, Target] = MappingProxyType(
-    {
-        target.name: target
-        for target in (
-            Target(
-                "c",
-                "sources in C99, valid C++ too, with build files, an example and a README",
-                (*_SIMULATOR, "libm", "precision", "real_time", "jacobian", "single_header"),
-                _c,
-                compile_c,
-            ),
-            Target(
-                "mjcf",
-                "a model for MuJoCo, loops included, with meshes",
-                ("prefix", "lossy", "step"),
-                _mjcf,
-                view_mjcf,
-            ),
-            Target(
-                "urdf",
-                "links, hinges and inertias of a mechanism without loops, as a ROS package",
-                ("prefix", "lossy"),
-                _urdf,
-                build_urdf,
-            ),
-            Target(
-                "fmu",
-                "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0",
-                (*_SIMULATOR, "libm", "fmi"),
-                _fmu,
-                simulate_fmu,
-            ),
-            Target(
-                "wasm",
-                "WebAssembly for node and browsers, with a page that shows it move",
-                (*_SIMULATOR, "jacobian"),
-                _wasm,
-                open_page,
-            ),
-            Target(
-                "wheel",
-                "a Python package of its own, without lamc and NumPy",
-                (*_SIMULATOR, "libm", "real_time", "jacobian"),
-                _wheel,
-                install_wheel,
-            ),
-        )
-    }
+_TARGETS = (
+    Target(
+        "c",
+        "C and C++",
+        "sources in C99, valid C++ too, with build files, an example and a README",
+        (*_SIMULATOR, "libm", "precision", "real_time", "jacobian", "single_header"),
+        "package",
+    ),
+    Target(
+        "mjcf",
+        "MuJoCo",
+        "a model for MuJoCo, loops included, with meshes",
+        ("prefix", "lossy", "step"),
+        "mjcf",
+    ),
+    Target(
+        "urdf",
+        "ROS",
+        "links, hinges and inertias of a mechanism without loops, as a ROS package",
+        ("prefix", "lossy"),
+        "urdf",
+    ),
+    Target(
+        "fmu",
+        "co-simulation",
+        "a functional mock-up unit for co-simulation, FMI 2.0 or 3.0",
+        (*_SIMULATOR, "libm", "fmi"),
+        "fmu",
+    ),
+    Target(
+        "wasm",
+        "browsers, node",
+        "WebAssembly for node and browsers, with a page that shows it move",
+        (*_SIMULATOR, "jacobian"),
+        "wasm",
+    ),
+    Target(
+        "wheel",
+        "Python",
+        "a Python package of its own, without lamc and NumPy",
+        (*_SIMULATOR, "libm", "real_time", "jacobian"),
+        "wheel",
+    ),
 )
+TARGETS: Mapping[str, Target] = MappingProxyType({target.name: target for target in _TARGETS})
 PLATE_USES = ("prefix", "libm", "single_header", "lossy", "edge_length")  # of a plate to c
 
 

@@ -10,10 +10,11 @@ from collections import Counter
 from dataclasses import dataclass
 
 from lamc.export.options import ExportOptions
+from lamc.run.methods import METHODS
 from lamc.symbolic.program import Program
 
 ITERATIONS = 8  # at most, of bringing a state back to closure: MAX_ITERATIONS of loops.c
-RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, 8
+RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, int(METHODS["rodas5p"].least_evaluations)
 
 
 @dataclass(frozen=True)

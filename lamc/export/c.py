@@ -23,6 +23,7 @@ from lamc.export.runtime import BARE, lean, runtime_files, table_of_methods, uni
 from lamc.export.single import REPLACED, TOLERANCES, check_range, single_precision
 from lamc.export.sizes import sizes_of
 from lamc.export.statuses import STATUSES
+from lamc.run.methods import constant
 from lamc.run.simulator import Simulator
 from lamc.symbolic.program import Coordinate, Program
 
@@ -151,7 +152,7 @@ def _context(
         "single": options.precision == "float",
         "tolerances": TOLERANCES[options.precision],
         "method": "an integrator that suits" if options.integrator == "auto" else options.integrator,
-        "method_number": f"LAMC_{options.integrator.upper()}",
+        "method_number": constant(options.integrator),
         "bound": _bound(program, options),
     }
 

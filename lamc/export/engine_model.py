@@ -25,7 +25,8 @@ from lamc.export.engine_inertia import drawn_jacobian, drawn_mass_matrix, freedo
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_start import joint_start
 from lamc.mechanics.arrangement import FloatingBase, arrange
-from lamc.mechanism.tree import WORLD, Cut, Tree, plan
+from lamc.mechanism.plan import plan
+from lamc.mechanism.tree import WORLD, Cut, Tree
 from lamc.records.effect import Effect, overrides
 from lamc.records.mechanism import Array, Body, Joint, Mechanism
 from lamc.records.scene import Scene

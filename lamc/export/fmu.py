@@ -21,6 +21,7 @@ from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.toolchain import find_compiler, make_library
 from lamc.export.c import CSource, c_source
+from lamc.export.driven import simulator_of
 from lamc.export.fmu_description import (
     FmuFacts,
     build_description,
@@ -29,9 +30,12 @@ from lamc.export.fmu_description import (
     unit_name,
 )
 from lamc.export.fmu_variables import Variable, variables
+from lamc.export.folder import quoted
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
 from lamc.export.zips import zipped
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.simulator import RTOL, Simulator
 
 _FOLDER = "export/fmu"
@@ -46,6 +50,16 @@ _FLAGS = (
 _DURATION = 10.0  # s, where the scene does not say
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
 _SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
+
+
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
+    """As `fmu_files`, of a mechanism in its scene."""
+    return fmu_files(simulator_of(mechanism, scene, options), options)
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Simulates it with FMPy."""
+    return f"fmpy simulate {quoted(folder, files, '.fmu')} --show-plot"
 
 
 def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:

@@ -9,6 +9,7 @@ folder, or removes a file whose content is not in the manifest.
 import hashlib
 import json
 import os
+import shlex
 import shutil
 from collections.abc import Mapping
 from contextlib import suppress
@@ -46,6 +47,11 @@ class _Kept:
 
 
 _NOTHING_KEPT = _Kept(None, {})
+
+
+def quoted(folder: str, files: Mapping[str, bytes], ending: str) -> str:
+    """The first of `files` with this ending, in the folder, for a shell."""
+    return shlex.quote(f"{folder}/{next(path for path in files if path.endswith(ending))}")
 
 
 def write_folder(

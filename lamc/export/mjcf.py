@@ -20,6 +20,7 @@ from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_text import filled, names_json, number, rgba, row, xml_text
+from lamc.export.folder import quoted
 from lamc.export.markdown import markdown
 from lamc.export.meshes import body_meshes
 from lamc.export.mjcf_scene import add_ground, add_springs, add_start, add_torques, add_welds
@@ -33,6 +34,11 @@ from lamc.symbolic.expression import in_python
 LEAST = 1e-15  # kg and kg·m²: MuJoCo refuses moving bodies that have no more (mjMINVAL)
 SOFTEST = 1e-4  # MuJoCo's smallest impedance (mjMINIMP): a constraint is then a spring and a damper
 DRIVEN_BY = ("t", "angle", "rate")  # what a torque's expression may hold besides inputs
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Shows it in MuJoCo's viewer."""
+    return f"python -m mujoco.viewer --mjcf={quoted(folder, files, '.xml')}"
 
 
 def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:

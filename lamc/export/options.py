@@ -12,9 +12,10 @@ from typing import Any, cast
 from lamc.basics.checks import checked_number, shown
 from lamc.basics.errors import DesignError, ExportError
 from lamc.export.prefixes import check_prefix
+from lamc.run.methods import AUTO, METHODS, NUMBERS
 
 PRECISIONS = ("double", "float")
-INTEGRATORS = ("auto", "rk45", "dop853", "rodas5p", "radau5")
+FIXED = tuple(method.name for method in METHODS.values() if method.has_fixed_steps)
 FMI = 2  # most tools read it
 
 # Fields as the command line calls them; the others cannot be chosen there.
@@ -47,8 +48,8 @@ class ExportOptions:
     prefix      of all public names and of the files; None: from the name of the design
     precision   of all numbers: "double", or "float" for processors without doubles: with lamc's own functions, and for
                 real_time
-    integrator  of the adaptive step: "auto" links all four methods; "rk45", "dop853" (explicit), "rodas5p", "radau5"
-                (implicit) that one only. With "rodas5p" steps of fixed length are its steps, too, and stable however
+    integrator  of the adaptive step: "auto" links all methods; the name of one, such as "rk45" (explicit) or "radau5"
+                (implicit), that one only. With "rodas5p" steps of fixed length are its steps, too, and stable however
                 stiff the hinges; else they are those of the classical Runge-Kutta method
     real_time   no adaptive step: steps of fixed length and bounded cost only
     jacobian    with a function for the derivatives of the accelerations
@@ -80,7 +81,7 @@ class ExportOptions:
     def __post_init__(self) -> None:
         if self.prefix is not None:
             check_prefix(self.prefix)
-        for name, allowed in (("precision", PRECISIONS), ("integrator", INTEGRATORS)):
+        for name, allowed in (("precision", PRECISIONS), ("integrator", tuple(NUMBERS))):
             if getattr(self, name) not in allowed:
                 told = ", ".join(map(repr, allowed))
                 raise ExportError(f"{named(name)} is {shown(getattr(self, name))}; it must be one of {told}")
@@ -113,7 +114,7 @@ class ExportOptions:
     @property
     def is_stiff(self) -> bool:
         """Whether steps of fixed length are those of an implicit method."""
-        return self.integrator == "rodas5p"
+        return self.integrator in FIXED
 
     @property
     def fixed_method(self) -> str:
@@ -170,11 +171,11 @@ def _check_together(options: ExportOptions) -> None:
             f"{named('precision')} is 'float', whose round-off no control of errors copes with; choose steps of "
             "fixed length too: --real-time (real_time=True)"
         )
-    if options.real_time and options.integrator not in ("auto", "rodas5p"):
+    if options.real_time and options.integrator not in (AUTO, *FIXED):
         raise ExportError(
             f"{named('integrator')} is {options.integrator!r}, which takes adaptive steps alone, and "
-            f"{named('real_time')} leaves those out; leave out one of the two, or give rodas5p, which has steps of "
-            "fixed length too"
+            f"{named('real_time')} leaves those out; leave out one of the two, or give {' or '.join(FIXED)}, which has "
+            "steps of fixed length too"
         )
     if options.precision == "float" and not options.libm:
         raise ExportError(

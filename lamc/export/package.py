@@ -6,6 +6,7 @@ is the business of `lamc/export/c.py`.
 
 import math
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 
 from lamc.basics._version import __version__
@@ -13,12 +14,14 @@ from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
 from lamc.export.bound import step_bound
-from lamc.export.c import CSource
+from lamc.export.c import CSource, c_source
+from lamc.export.driven import simulator_of
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
 from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.files import titles
 from lamc.run.simulator import Simulator
@@ -32,6 +35,18 @@ _TEMPLATES = {
 }
 # Of decimals: as many as any decimal keeps, and as tell all numbers apart
 DIGITS = {"double": {"few_digits": 15, "most_digits": 17}, "float": {"few_digits": 6, "most_digits": 9}}
+
+
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
+    """The folder of a mechanism in its scene."""
+    simulator = simulator_of(mechanism, scene, options)
+    return package_files(c_source(simulator, options), simulator, options)
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Makes the example and runs it; the README has the same line, for who stands in the folder."""
+    (prefix,) = (path.removesuffix(".h") for path in files if path.endswith(".h"))
+    return f"cd {shlex.quote(folder)} && {compile_line(prefix, options)} && ./example"
 
 
 def package_files(source: CSource, simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:

@@ -16,7 +16,7 @@ from lamc.basics.errors import ExportError, about
 from lamc.export.plate_climate import ClimateTables, climate_tables
 from lamc.export.plate_points import PointTables, point_tables
 from lamc.export.plate_profile import check_cells, check_profile, profile_of
-from lamc.plates.loads import CLIMATES, Gravity, LoadRecord
+from lamc.plates.loads import CLIMATES, LoadRecord, SelfWeight
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
 from lamc.plates.solving.load_vectors import load_vector
@@ -215,8 +215,8 @@ def _loads(made: System, free: sp.csr_array, cases: Iterable[Sequence[LoadRecord
     constant, gravity = [], []
     for acting in cases:
         kept = [load for load in acting if not isinstance(load, CLIMATES)]
-        weights = [load for load in kept if isinstance(load, Gravity)]
-        others = [load for load in kept if not isinstance(load, Gravity)]
+        weights = [load for load in kept if isinstance(load, SelfWeight)]
+        others = [load for load in kept if not isinstance(load, SelfWeight)]
         constant.append(free.T @ load_vector(made.problem, made.kernels, others))
         gravity.append([free.T @ vector for vector in _gravity(made, weights)])
     return np.array(constant), np.array(gravity)
@@ -226,7 +226,9 @@ def _gravity(made: System, loads: Sequence[LoadRecord]) -> list[Array]:
     """Forces on the unknowns (N,) of each region, per kg/m² of its laminate."""
     problem = made.problem
     mesh, element = problem.mesh, problem.dofs.element
-    total = np.sum([load.acceleration for load in loads if isinstance(load, Gravity)] or [(0.0,) * 3], axis=0)
+    total = np.sum(
+        [load.acceleration for load in loads if isinstance(load, SelfWeight)] or [(0.0,) * 3], axis=0
+    )
     components = [*total[:2]] * element.stretches + [total[2]] * element.bends
     found = []
     for region in range(len(mesh.region_names)):

@@ -7,6 +7,7 @@ Never: knows a member by its name, but for those that every call sets anew, and 
 from dataclasses import dataclass
 
 from lamc.export.ctokens import QUIET, Token, items, tokens
+from lamc.run.methods import numbers_of_c
 
 _SET_ANEW = ("ode", "options", "status")  # and pointers
 _LOGS = ("switch_t", "switch_method")  # told to people, and of no consequence
@@ -38,8 +39,8 @@ def integer_ranges(fields: RunFields, n: int, guard_count: int) -> tuple[Integer
     """
     stride = f"({n} + LANES - 1) / LANES * LANES" if n else "LANES"
     known = {
-        "method": ("LAMC_RK45", "LAMC_RADAU5"),
-        "watch.next_method": ("0", "LAMC_RADAU5"),
+        "method": numbers_of_c(),
+        "watch.next_method": ("0", numbers_of_c()[1]),
         "side": ("0", "1"),
         "dense": ("0", "LAMC_DENSE_READY"),
         "stride": (stride, stride),

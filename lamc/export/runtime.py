@@ -11,10 +11,9 @@ from pathlib import Path
 
 from lamc.basics.resources import data_dir
 from lamc.export.options import ExportOptions
-from lamc.run.native import METHODS
+from lamc.run.methods import AUTO, METHODS, NUMBERS
 from lamc.symbolic.program import Program
 
-IMPLICIT = ("rodas5p", "radau5")
 # What stands for <math.h> in programs without it, where the text says the name at the left.
 _FUNCTIONS = """
 sqrt fabs fmin fmax copysign exp log pow sin cos tan asin acos atan atan2 sinh cosh tanh
@@ -22,9 +21,14 @@ sqrt fabs fmin fmax copysign exp log pow sin cos tan asin acos atan atan2 sinh c
 BARE = {"HUGE_VAL": "LAMC_INFINITY", **{name: f"lamc_{name}" for name in _FUNCTIONS.split()}}
 
 
+def _linked(options: ExportOptions) -> list[str]:
+    """The methods that adaptive steps may be taken with."""
+    return [name for name in METHODS if options.integrator in (AUTO, name)]
+
+
 def _needs_jacobian(options: ExportOptions) -> bool:
     """Whether anything asks for derivatives of the accelerations."""
-    is_implicit = not options.real_time and options.integrator in ("auto", *IMPLICIT)
+    is_implicit = not options.real_time and any(METHODS[name].is_implicit for name in _linked(options))
     return options.jacobian or is_implicit or options.is_stiff
 
 
@@ -40,9 +44,10 @@ def units(options: ExportOptions) -> list[str]:
     """Sources of the runtime, in an order in which objects stand before their use."""
     first = ["system.c", "guards.c", "impacts.c", "loops.c", "linearise.c", "powers.c", "motion.c", "fixed.c"]
     if options.real_time:
-        return [*first, "integrals.c", "implicit.c", "rodas5p.c", "stiff.c"] if options.is_stiff else first
-    methods = [name for name in METHODS if name != "auto" and options.integrator in ("auto", name)]
-    implicit = ["implicit.c"] if any(name in IMPLICIT for name in methods) else []
+        own = ("integrals.c", "implicit.c", f"{options.integrator}.c", "stiff.c")
+        return [*first, *own] if options.is_stiff else first
+    methods = _linked(options)
+    implicit = ["implicit.c"] if any(METHODS[name].is_implicit for name in methods) else []
     return [
         *("integrals.c", *first, *implicit, *(f"{name}.c" for name in methods)),
         *(["stiff.c"] if options.is_stiff else []),
@@ -93,8 +98,5 @@ def mathematics(options: ExportOptions) -> dict[str, Path]:
 
 def table_of_methods(options: ExportOptions) -> str:
     """The table of methods, with those that are linked."""
-    entries = [
-        f"&lamc_method_{name}" if name != "auto" and options.integrator in ("auto", name) else "NULL"
-        for name in METHODS
-    ]
+    entries = [f"&lamc_method_{name}" if name in _linked(options) else "NULL" for name in NUMBERS]
     return f"static const method *const METHODS[] = {{{', '.join(entries)}}};"

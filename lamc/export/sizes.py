@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from lamc.export.options import ExportOptions
+from lamc.run.methods import NUMBERS
 from lamc.run.model import Model
-from lamc.run.native import METHODS
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def _sizes(model: Model, ode: Any, options: ExportOptions) -> Sizes:
         "constants": model.constant_count,
         "modes": len(model.guards),
         "motion": lib.lamc_motion_work_size(model.handle),
-        "work": lib.lamc_run_work_size(ode, METHODS[options.integrator]),
+        "work": lib.lamc_run_work_size(ode, NUMBERS[options.integrator]),
         "fixed": lib.lamc_stiff_scratch(ode) if options.is_stiff else lib.lamc_fixed_scratch(ode),
         "scratch": lib.lamc_motion_jacobian_scratch(model.handle),
     }

@@ -6,6 +6,7 @@ leaves out a force without being asked.
 URDF knows bodies, hinges, viscous damping and limits. It has no springs, torques, gravity, ground or start.
 """
 
+import shlex
 from collections.abc import Mapping
 from xml.etree.ElementTree import Comment, Element, SubElement
 
@@ -27,6 +28,11 @@ from lamc.records.scene import Scene
 from lamc.report.palette import body_colours
 
 EFFORT, VELOCITY = 1e6, 1e6  # N·m and rad/s: URDF asks for a bound of either, and a mechanism has none
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Builds the ROS package."""
+    return f"colcon build --paths {shlex.quote(folder)}"
 
 
 def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:

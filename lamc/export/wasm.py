@@ -12,6 +12,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,13 +25,16 @@ from lamc.codegen.names import comment
 from lamc.codegen.toolchain import Compiler, run_compiler
 from lamc.codegen.zig import environment as zig_environment
 from lamc.export.c import CSource, c_source
+from lamc.export.driven import simulator_of
+from lamc.export.folder import quoted
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
 from lamc.export.package import state_bytes
 from lamc.export.picture import towards_child
 from lamc.export.statuses import of_bindings
-from lamc.records.mechanism import Array
+from lamc.records.mechanism import Array, Mechanism
+from lamc.records.scene import Scene
 from lamc.report.solid import Lines, Solid, solid_of
 from lamc.report.stage import Stage, as_drawn
 from lamc.report.style import body_colours
@@ -56,6 +60,16 @@ class WasmTools:
 
     compiler: Compiler
     linker: Compiler
+
+
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
+    """As `wasm_files`, of a mechanism in its scene."""
+    return wasm_files(simulator_of(mechanism, scene, options), options)
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Opens its page."""
+    return f"open {quoted(folder, files, 'index.html')} in a browser"
 
 
 def wasm_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:

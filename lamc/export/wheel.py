@@ -27,11 +27,15 @@ from lamc.codegen.emit import declarations_of, environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import find_compiler, make_library
 from lamc.export.c import CSource, c_source
+from lamc.export.driven import simulator_of
+from lamc.export.folder import quoted
 from lamc.export.markdown import markdown
 from lamc.export.members import CMember
 from lamc.export.options import ExportOptions
 from lamc.export.statuses import of_bindings
 from lamc.export.zips import zipped
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.run.simulator import Simulator
 
 _ENDINGS = {"darwin": ".dylib", "win32": ".dll"}
@@ -54,6 +58,16 @@ _OWN = (
     *("BODIES", "COORDINATES", "COORDINATE_UNITS", "ENERGIES", "JOINTS", "RATES", "RATE_UNITS"),
     *("DIGEST", "LAMC_VERSION"),
 )
+
+
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
+    """As `wheel_files`, of a mechanism in its scene."""
+    return wheel_files(simulator_of(mechanism, scene, options), options)
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Installs it."""
+    return f"pip install {quoted(folder, files, '.whl')}"
 
 
 def wheel_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:

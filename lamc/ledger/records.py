@@ -6,6 +6,8 @@ of an output (`Output.scale`), or of the rates (`Ledger.rate_scales`). Times are
 
 from dataclasses import dataclass
 
+from lamc.run.methods import NAMES
+
 DECADES = tuple(float(f"1e-{k}") for k in range(3, 13))
 TARGETS = (1e-2, 1e-3, 1e-6)  # relative errors that the verdict is about
 
@@ -25,7 +27,7 @@ class Sweep:
     accuracy: float = 1e-2
     tolerances: tuple[float, ...] = DECADES
     integrators: tuple[str, ...] = (
-        *("rk45", "dop853", "rodas5p", "radau5", "auto"),
+        *NAMES,
         *("scipy:DOP853", "scipy:LSODA", "cvode", "mujoco"),
     )
     rows: int = 201

@@ -23,6 +23,7 @@ from lamc.ledger.records import DECADES, Reference, Sweep
 from lamc.ledger.runners import ATOL, MOST_STEPS, Own, grid
 from lamc.records.effect import conserves
 from lamc.run import integrators
+from lamc.run.methods import EXPLICIT, IMPLICIT
 from lamc.run.request import MIN_RTOL, Array, Progress, Status, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event
@@ -31,9 +32,8 @@ from lamc.run.simulator import Simulator
 TIGHTER = 1e-3  # than the tightest tolerance of the sweep
 SENSITIVE = 1e3  # growth of a small change of the start that is worth a word
 _NUDGE = 1e-8  # rad: far above the integrator's errors, far below what is not linear
-_FIRST = ("dop853", "rk45")
 _OTHER = "scipy:DOP853"  # shares no code with lamc's, and follows neither loops nor events
-_FURTHER = ("radau5", "rodas5p")  # tried where the first two do not both arrive, or do not agree
+_FURTHER = IMPLICIT[::-1]  # tried where the first two do not both arrive, or do not agree
 _FINE = 1e-11  # rtol of the runs that show the growth
 _AGREED = 1e-10  # relative: no need to try more
 LOOSEST = max(DECADES)  # rtol
@@ -146,7 +146,7 @@ class _Search:
 
     def _first_round(self) -> None:
         """All methods, until two agree."""
-        for name in (*_FIRST, _OTHER, *_FURTHER):
+        for name in (*EXPLICIT, _OTHER, *_FURTHER):
             model = next((run.result.motion.model for run in self._found.values()), None)
             if name == _OTHER and (model is None or model.cuts or model.guards):
                 continue

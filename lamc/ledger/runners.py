@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from lamc.ledger.clock import Clock, OutOfTime
+from lamc.run.methods import METHODS
 from lamc.run.request import Array, Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -21,10 +22,7 @@ MOST_STEPS = 20_000_000
 # Orders of the methods: of the solution that is carried on, and of the largest error at times between steps, where the
 # continuous extension may be of a lower order: 4, 7, 4 and 3, whose errors within one step are of one order more.
 ORDERS = {
-    "rk45": (5.0, 5.0),
-    "dop853": (8.0, 8.0),
-    "rodas5p": (5.0, 5.0),
-    "radau5": (5.0, 4.0),
+    **{method.name: (method.order, method.order_between) for method in METHODS.values()},
     "scipy:DOP853": (8.0, 8.0),
     "mujoco": (4.0, 4.0),
 }

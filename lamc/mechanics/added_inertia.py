@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from lamc.basics.checks import Array
 from lamc.symbolic.algebra import Vector3, add, cross, dot
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 Six = tuple[Scalar, ...]
 

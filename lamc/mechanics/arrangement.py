@@ -29,7 +29,7 @@ from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
     from lamc.records.effect import Effect
-    from lamc.symbolic.staging import Scalar
+    from lamc.symbolic.scalars import Scalar
 
 BASE_COORDINATES = (
     *((f"base.{axis}", "m") for axis in "xyz"),

@@ -26,7 +26,8 @@ from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import Input
 from lamc.symbolic.algebra import ZERO, add, dot, scale
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
 
 if TYPE_CHECKING:
     from lamc.mechanics.derive import Problem

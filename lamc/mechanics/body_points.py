@@ -13,7 +13,7 @@ from lamc.mechanics.placement import Placement, local_point, rotate
 from lamc.mechanism.tree import WORLD
 from lamc.records.mechanism import Mechanism
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 
 class BodyPoints:

@@ -21,7 +21,8 @@ from lamc.mechanics.placement import numeric, rotate, rotate_back
 from lamc.mechanism.tree import WORLD, Link
 from lamc.mechanism.turns import snap
 from lamc.symbolic.algebra import ZERO, Matrix3, Turn, Vector3, add, cross, dot, inward, outward, scale
-from lamc.symbolic.staging import Scalar, Store, cos, sin
+from lamc.symbolic.scalars import Scalar, cos, sin
+from lamc.symbolic.staging import Store
 
 UNITS: tuple[Vector3, Vector3, Vector3] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

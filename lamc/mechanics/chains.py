@@ -14,7 +14,8 @@ from lamc.basics.checks import Array
 from lamc.mechanics.kinematics import acceleration_gradient
 from lamc.mechanism.turns import constant_turns, snap
 from lamc.symbolic.algebra import ZERO, Turn, Vector3, add, cross, dot, inward, outward, scale
-from lamc.symbolic.staging import Scalar, Store, cos, sin
+from lamc.symbolic.scalars import Scalar, cos, sin
+from lamc.symbolic.staging import Store
 
 Wrench = tuple[Vector3, Vector3]  # force N, moment about the frame's origin N·m
 

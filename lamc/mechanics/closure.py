@@ -16,7 +16,8 @@ from lamc.mechanism.tree import WORLD, Cut, Side
 from lamc.records.mechanism import Array
 from lamc.symbolic.algebra import Vector3, add, dot
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.staging import Scalar, Store, Value, call
+from lamc.symbolic.scalars import Scalar, Value, call
+from lamc.symbolic.staging import Store
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from lamc.mechanism.tree import WORLD, Side
 from lamc.mechanism.turns import snap
 from lamc.symbolic.algebra import Vector3, add, dot, total
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.staging import Scalar, Value, call
+from lamc.symbolic.scalars import Scalar, Value, call
 
 _PER = {("rad", "rad"): "N·m/rad", ("m", "rad"): "N/rad", ("m", "m"): "N/m"}
 _UNITS = {"twist": "rad", "angle": "rad", "slide": "m"}

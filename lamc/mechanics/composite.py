@@ -26,7 +26,7 @@ from lamc.symbolic.algebra import (
     inward_symmetric,
     scale,
 )
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 Entries = dict[tuple[int, int], Scalar]
 

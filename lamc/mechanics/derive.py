@@ -26,7 +26,8 @@ from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.symbolic.algebra import Vector3, add
 from lamc.symbolic.allocation import collector_paused
-from lamc.symbolic.staging import Level, Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.statements import count_operations
 from lamc.symbolic.substitution import substitute
 

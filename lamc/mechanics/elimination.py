@@ -14,7 +14,7 @@ from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Bias, Kinematics
 from lamc.mechanism.tree import WORLD
 from lamc.symbolic.algebra import ZERO, Matrix3, Symmetric, Vector3, add, cross, dot, skew, total
-from lamc.symbolic.staging import Scalar, Value, reciprocal
+from lamc.symbolic.scalars import Scalar, Value, reciprocal
 
 Wrench = tuple[Vector3, Vector3]  # force N, moment about the origin N·m; carrier components
 

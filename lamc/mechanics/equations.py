@@ -14,7 +14,8 @@ from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanism.tree import Tree
 from lamc.records.inputs import Input
 from lamc.symbolic.program import Coordinate, Operations, Parameter
-from lamc.symbolic.staging import Level, Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.statements import count_operations, group
 
 if TYPE_CHECKING:

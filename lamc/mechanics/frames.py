@@ -18,7 +18,8 @@ from lamc.mechanics.placement import rotate, rotate_back
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross, dot, scale
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, Value, cos, sin
+from lamc.symbolic.scalars import Scalar, Value, cos, sin
+from lamc.symbolic.staging import Store
 
 if TYPE_CHECKING:
     import sympy as sp

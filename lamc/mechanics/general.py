@@ -30,7 +30,8 @@ from lamc.records.inputs import Input
 from lamc.records.mechanism import Array
 from lamc.symbolic.derivative import derivative
 from lamc.symbolic.evaluate import evaluate
-from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
 
 if TYPE_CHECKING:
     from lamc.records.effect import Effect

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from lamc.symbolic.derivative import derivative
-from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
 
 
 @dataclass(frozen=True)

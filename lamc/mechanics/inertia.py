@@ -15,7 +15,8 @@ from dataclasses import dataclass
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.mechanism.turns import ROUND_OFF
 from lamc.symbolic.algebra import Symmetric, Vector3
-from lamc.symbolic.staging import Scalar, Store
+from lamc.symbolic.scalars import Scalar
+from lamc.symbolic.staging import Store
 
 ParameterMaker = Callable[[str, float, str, str], Scalar]  # name, default, unit, meaning
 AXES = "xyz"

@@ -22,7 +22,7 @@ from lamc.mechanics.powers import point_motion
 from lamc.mechanism.tree import WORLD
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross, dot
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
 
 _DRAWN: Matrix3 = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

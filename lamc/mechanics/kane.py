@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from lamc.mechanics.frames import Frame, System, Vector
 from lamc.symbolic.algebra import Matrix3, Vector3, dot
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.substitution import substitute
 
 

@@ -29,7 +29,8 @@ from lamc.symbolic.algebra import (
     inward_symmetric,
     outward,
 )
-from lamc.symbolic.staging import Scalar, Store, cos, sin
+from lamc.symbolic.scalars import Scalar, cos, sin
+from lamc.symbolic.staging import Store
 
 if TYPE_CHECKING:
     from lamc.mechanics.arrangement import Arrangement

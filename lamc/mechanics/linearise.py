@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from lamc.mechanics.equations import Equations
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Level, Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.statements import count_operations
 
 # Beyond these the runtime takes differences, 2n + 2 evaluations: the code grows with the square of the rates, and the C

@@ -24,7 +24,8 @@ from lamc.mechanism.tree import WORLD
 from lamc.records.mechanism import Array, Joint, checked_number
 from lamc.symbolic.algebra import ZERO, Vector3, add, cross, scale
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import NO_LINK, Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import NO_LINK
 
 if TYPE_CHECKING:
     import sympy as sp

@@ -14,7 +14,8 @@ from lamc.mechanics.linearise import linearise
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
 from lamc.symbolic.program import Function, Guard, Program, Space
-from lamc.symbolic.staging import TABLE, Level, Scalar, Store, Value, table_place
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import TABLE, Level, Store, table_place
 
 INPUT = "from outside"
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)

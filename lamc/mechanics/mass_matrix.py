@@ -10,7 +10,7 @@ from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanism.tree import WORLD, Tree
 from lamc.symbolic.algebra import Symmetric, Vector3, add, cross
-from lamc.symbolic.staging import Scalar, reciprocal
+from lamc.symbolic.scalars import Scalar, reciprocal
 
 Entries = dict[tuple[int, int], Scalar]  # lower triangle, entries on a common way to the world only
 

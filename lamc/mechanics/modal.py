@@ -14,7 +14,8 @@ from lamc.mechanics.kinematics import Motion
 from lamc.mechanism.tree import Link
 from lamc.mechanism.turns import snap
 from lamc.symbolic.algebra import Matrix3, Symmetric, Vector3, add, cross, dot, scale, total
-from lamc.symbolic.staging import Scalar, Store
+from lamc.symbolic.scalars import Scalar
+from lamc.symbolic.staging import Store
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 

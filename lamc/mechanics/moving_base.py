@@ -14,7 +14,8 @@ from lamc.mechanics.inertia import ParameterMaker
 from lamc.mechanics.placement import rotate, rotate_back
 from lamc.symbolic.algebra import ZERO, Matrix3, Symmetric, Vector3, add, total
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.staging import Scalar, Store, Value, cos, reciprocal, sin
+from lamc.symbolic.scalars import Scalar, Value, cos, reciprocal, sin
+from lamc.symbolic.staging import Store
 
 
 @dataclass(frozen=True)

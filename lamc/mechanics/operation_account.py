@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from lamc.mechanics.derive import derive
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.effect import overrides
 from lamc.symbolic.program import Operations
 

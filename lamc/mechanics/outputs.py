@@ -15,7 +15,7 @@ from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import Placement, potential_of_field, rotate
 from lamc.mechanics.powers import point_motion
 from lamc.symbolic.algebra import Vector3, cross, dot
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 
 def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads: Loads) -> dict[str, Scalar]:

@@ -11,7 +11,8 @@ from lamc.basics.checks import checked_number
 from lamc.basics.errors import DesignError, about
 from lamc.records.inputs import Input
 from lamc.symbolic.program import Parameter, Space
-from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
 
 
 @dataclass

@@ -13,7 +13,7 @@ from lamc.mechanism.tree import WORLD, Link
 from lamc.mechanism.turns import ROUND_OFF
 from lamc.records.mechanism import Array
 from lamc.symbolic.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 if TYPE_CHECKING:
     from lamc.mechanics.moving_base import MovingBase

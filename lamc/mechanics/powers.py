@@ -17,7 +17,7 @@ from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
 from lamc.mechanism.tree import WORLD
 from lamc.symbolic.algebra import ZERO, Vector3, add, cross, dot, scale
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
 
 if TYPE_CHECKING:
     from lamc.mechanics.kinematics import Motion

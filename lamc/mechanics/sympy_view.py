@@ -16,18 +16,8 @@ from lamc.basics.errors import ExpressionError
 from lamc.basics.once import remembered
 from lamc.symbolic.functions import FUNCTIONS
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.staging import (
-    LEAVES,
-    STAGED,
-    TABLE,
-    Scalar,
-    Store,
-    Symbol,
-    Value,
-    call,
-    power,
-    table_place,
-)
+from lamc.symbolic.scalars import STAGED, Scalar, Value, call, power
+from lamc.symbolic.staging import LEAVES, TABLE, Store, Symbol, table_place
 
 # sympy class → name here; sqrt is no class of its own, and powers have a rule of their own.
 _CALLS = {getattr(sp, f.sympy_name): name for name, f in FUNCTIONS.items() if name not in ("sqrt", "pow")}

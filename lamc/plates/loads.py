@@ -92,13 +92,13 @@ class Pressure:
 
 
 @dataclass(frozen=True, eq=False)
-class Gravity:
+class SelfWeight:
     """Weight of the laminate's own mass: (gx, gy, gz), m/s². Raises DesignError."""
 
     acceleration: Sequence[float] = (0.0, 0.0, -9.81)
 
     def __post_init__(self) -> None:
-        value = checked_array(self.acceleration, (3,), "the acceleration of Gravity")
+        value = checked_array(self.acceleration, (3,), "the acceleration of SelfWeight")
         object.__setattr__(self, "acceleration", tuple(value.tolist()))
 
 
@@ -179,9 +179,9 @@ class ElectricField:
 
 
 LoadRecord: TypeAlias = (
-    PointLoad | EdgeLoad | EdgeMoment | Pressure | Gravity | Temperature | Moisture | ElectricField
+    PointLoad | EdgeLoad | EdgeMoment | Pressure | SelfWeight | Temperature | Moisture | ElectricField
 )
-LOADS = (PointLoad, EdgeLoad, EdgeMoment, Pressure, Gravity, Temperature, Moisture, ElectricField)
+LOADS = (PointLoad, EdgeLoad, EdgeMoment, Pressure, SelfWeight, Temperature, Moisture, ElectricField)
 CLIMATES = (Temperature, Moisture, ElectricField)  # what makes a free laminate stretch and bend
 
 

@@ -19,7 +19,7 @@ from lamc.plates.followed import check_followed
 from lamc.plates.foundations import ElasticFoundation
 from lamc.plates.hinge_lines import HingeLine, hinge_edges
 from lamc.plates.laminates.laminate import Laminate
-from lamc.plates.loads import LOADS, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
+from lamc.plates.loads import LOADS, EdgeLoad, EdgeMoment, LoadRecord, PointLoad, Pressure, SelfWeight
 from lamc.plates.meshing.mesh import Integers, Mesh
 from lamc.plates.mirrors import check_mirror
 from lamc.plates.pinches import check_pinches
@@ -156,7 +156,7 @@ class Problem:
     def _pulls_plane(self, load: LoadRecord) -> bool:
         if isinstance(load, PointLoad | EdgeLoad):
             return any(_vector(load.force)[:2])
-        if isinstance(load, Gravity):
+        if isinstance(load, SelfWeight):
             return any(load.acceleration[:2])
         if isinstance(load, Pressure | EdgeMoment):
             return False

@@ -125,7 +125,9 @@ def _field_schema(hint: Any, unit: str | None) -> dict[str, Any]:
         return {"type": "array", "items": _field_schema(parts[0], unit) if parts else {}, **length}
     if inner:  # a union
         known = [_field_schema(part, unit) for part in inner]
-        return {"anyOf": [part for k, part in enumerate(known) if part not in known[:k]]}
+        return (
+            {"anyOf": [part for k, part in enumerate(known) if part not in known[:k]]} if all(known) else {}
+        )
     return {}
 
 

@@ -17,7 +17,7 @@ from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.readers.popupcad_layers import LayerSpec
 from lamc.records.design import Layer, Line
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.network import faults, loose_ends, some
 
 
@@ -130,10 +130,10 @@ def _check_ids(definition: JointDefinition) -> None:
 def _bodies(definition: JointDefinition) -> tuple[Body, ...]:
     """Bodies in the order of the file, with masses from their plates."""
     z = np.concatenate([[0.0], np.cumsum([layer.thickness for layer in definition.layers])])
-    made: list[tuple[tuple[Plate, ...], BodyMark]] = []
+    made: list[tuple[tuple[Slab, ...], BodyMark]] = []
     for item in definition.bodies:
         plates = [
-            (Plate(polygon, float(z[i]), float(z[i + 1])), definition.layers[i].material.density)
+            (Slab(polygon, float(z[i]), float(z[i + 1])), definition.layers[i].material.density)
             for i, polygons in enumerate(item.polygons)
             for polygon in polygons
         ]

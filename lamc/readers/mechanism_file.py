@@ -20,7 +20,7 @@ from lamc.readers.native import length_unit_of
 from lamc.readers.scene_file import check_joints, read_scenes
 from lamc.readers.scene_writer import scenes_data
 from lamc.readers.schema import BodyModel, JointModel, MechanismModel, PlateModel
-from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism, Slab
 from lamc.records.network import faults, loose_ends
 
 
@@ -86,13 +86,13 @@ def _body(model: BodyModel) -> Body:
     )
 
 
-def _plate(model: PlateModel) -> Plate:
+def _plate(model: PlateModel) -> Slab:
     bottom, top = model.z
     if not bottom < top:
         raise DesignError(
             f"a plate runs from z = {bottom:g} m to {top:g} m; its top must lie above its bottom"
         )
-    return Plate(shapes.polygon(model.polygon, model.holes), bottom, top)
+    return Slab(shapes.polygon(model.polygon, model.holes), bottom, top)
 
 
 def _joint(model: JointModel) -> Joint:
@@ -118,7 +118,7 @@ def _body_data(body: Body) -> dict[str, Any]:
     return data
 
 
-def _plate_data(plate: Plate) -> dict[str, Any]:
+def _plate_data(plate: Slab) -> dict[str, Any]:
     data: dict[str, Any] = {"z": [plate.z_bottom, plate.z_top]}
     data["polygon"] = [[x, y] for x, y, *_ in plate.polygon.exterior.coords[:-1]]
     if plate.polygon.interiors:

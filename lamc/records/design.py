@@ -19,7 +19,10 @@ Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
 
 @dataclass(frozen=True)
 class Material:
-    """A sheet material. Moduli may be None where the file has none, or a placeholder that means none."""
+    """A sheet material of a layer; plies of a plate have `lamc.plate.Material`, of which more has to be known.
+
+    Moduli may be None where the file has none, or a placeholder that means none.
+    """
 
     name: str
     density: float  # kg/m³

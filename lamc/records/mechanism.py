@@ -30,7 +30,7 @@ FREE_LIMITS = (-math.pi, math.pi)
 
 
 @dataclass(frozen=True)
-class Plate:
+class Slab:
     """One flat piece of a body: a polygon (m, world x and y) between two heights (m)."""
 
     polygon: Polygon
@@ -63,7 +63,7 @@ class Body:
     com: Array = field(default_factory=lambda: np.zeros(3))  # m
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))  # kg·m²
     fixed: bool = False
-    outline: tuple[Plate, ...] = ()
+    outline: tuple[Slab, ...] = ()
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -72,7 +72,7 @@ class Body:
         put("mass", checked_number(self.mass, f"the mass of {what}", minimum=0.0))
         put("com", checked_array(self.com, (3,), f"the centre of mass of {what}"))
         put("inertia", checked_array(self.inertia, (3, 3), f"the inertia of {what}"))
-        put("outline", checked_records(self.outline, Plate, "outline", what))
+        put("outline", checked_records(self.outline, Slab, "outline", what))
         put("fixed", checked_flag(self.fixed, f"fixed of {what}"))
         if not self.fixed:
             self._check_inertia(what)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.check_general import check_general
 from lamc.reference.check_loops import closures, cut_hinges, unchecked_turns

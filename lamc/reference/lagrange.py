@@ -16,7 +16,7 @@ import numpy as np
 
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Body, Mechanism
 from lamc.reference.chain_poses import Chain, Placed
 from lamc.reference.closure import perpendicular

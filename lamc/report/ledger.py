@@ -6,6 +6,7 @@ In: a `Ledger`. Out: a PNG file. It measures nothing.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +21,13 @@ from lamc.report.ledger_effects import GRID, draw_effects, effect_rows
 from lamc.report.ledger_text import shown_name
 from lamc.report.plan_view import shortened
 from lamc.report.style import save
+from lamc.run.methods import AUTO, METHODS
 
 # Okabe and Ito's palette: lamc's own in colour and filled, peers in greys and open, each with a mark of its own.
+_COLOURS = cycle(("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#F0E442"))
 _OWN = {
-    "rk45": ("#0072B2", "o"),
-    "dop853": ("#D55E00", "s"),
-    "rodas5p": ("#009E73", "^"),
-    "radau5": ("#CC79A7", "D"),
-    "auto": ("#000000", "*"),
+    **dict(zip(METHODS, zip(_COLOURS, cycle("os^DvP"), strict=False), strict=False)),
+    AUTO: ("#000000", "*"),
 }
 _OTHER = ("#E69F00", "#56B4E9")
 _PEER_MARKS = ("o", "s", "^", "D", "v", "P")

@@ -21,12 +21,12 @@ from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
     ElectricField,
-    Gravity,
     Intensity,
     LoadRecord,
     Moisture,
     PointLoad,
     Pressure,
+    SelfWeight,
     Temperature,
 )
 from lamc.plates.meshing.mesh import Mesh
@@ -209,7 +209,7 @@ def load_text(load: LoadRecord) -> str:
             told = f"moment {shown_number(moment, 'N·m/m')}"
         case Pressure(intensity=intensity):
             told = f"pressure {_amount(intensity, lambda value: shown_number(value, 'Pa'))}"
-        case Gravity(acceleration=acceleration):
+        case SelfWeight(acceleration=acceleration):
             told = f"gravity {vector_text(acceleration, 'm/s²')}"
         case Temperature(rise=rise):
             told = (

@@ -14,7 +14,7 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from lamc.records.mechanism import Array, Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Array, Body, Joint, Mechanism, Slab
 
 _FINEST = 1 / 2500  # of the device's size: detail and gaps below it are not drawn
 _SHARP = np.cos(np.radians(25.0))  # corners turned by less carry no upright edge
@@ -87,18 +87,18 @@ def _size(mechanism: Mechanism) -> float:
     return float(np.linalg.norm(np.ptp(np.array(points), axis=0))) or 1.0 if points else 1.0
 
 
-def _merged(outline: Sequence[Plate], finest: float) -> list[Plate]:
+def _merged(outline: Sequence[Slab], finest: float) -> list[Slab]:
     """Plates on one another with the same outline as one; outlines without invisible detail."""
-    merged: list[Plate] = []
+    merged: list[Slab] = []
     for plate in sorted(outline, key=lambda p: (p.z_bottom, p.polygon.bounds)):
         polygon = _thinned(plate.polygon, finest)
         for k, below in enumerate(merged):
             touches = abs(below.z_top - plate.z_bottom) < finest
             if touches and _nothing(below.polygon.symmetric_difference(polygon), finest):
-                merged[k] = Plate(below.polygon, below.z_bottom, plate.z_top)
+                merged[k] = Slab(below.polygon, below.z_bottom, plate.z_top)
                 break
         else:
-            merged.append(Plate(polygon, plate.z_bottom, plate.z_top))
+            merged.append(Slab(polygon, plate.z_bottom, plate.z_top))
     return merged
 
 
@@ -112,7 +112,7 @@ def _nothing(geometry: BaseGeometry, finest: float) -> bool:
     return bool(geometry.buffer(-finest).is_empty)
 
 
-def _lids(index: int, plate: Plate, plates: Sequence[Plate], finest: float) -> Iterator[Face]:
+def _lids(index: int, plate: Slab, plates: Sequence[Slab], finest: float) -> Iterator[Face]:
     """The top and bottom of a plate, without what other plates of the body cover."""
     for z, up in ((plate.z_top, True), (plate.z_bottom, False)):
         covers = [p.polygon for p in plates if p is not plate and _covers(p, z, up, finest)]
@@ -124,14 +124,14 @@ def _lids(index: int, plate: Plate, plates: Sequence[Plate], finest: float) -> I
                 yield Face(index, tuple(_raised(ring.coords, z)[:-1] for ring in rings), normal, part.area)
 
 
-def _covers(plate: Plate, z: float, up: bool, finest: float) -> bool:
+def _covers(plate: Slab, z: float, up: bool, finest: float) -> bool:
     slack = min(finest, (plate.z_top - plate.z_bottom) / 4)
     if up:
         return plate.z_bottom - slack <= z < plate.z_top - slack
     return plate.z_bottom + slack < z <= plate.z_top + slack
 
 
-def _sides(index: int, plate: Plate) -> Iterator[Face]:
+def _sides(index: int, plate: Slab) -> Iterator[Face]:
     """The upright faces; they look to the right of their ring's direction."""
     turned = orient(plate.polygon)
     for ring in (turned.exterior, *turned.interiors):
@@ -145,7 +145,7 @@ def _sides(index: int, plate: Plate) -> Iterator[Face]:
                 yield Face(index, (corners,), np.array([dy, -dx, 0.0]) / length, area)
 
 
-def _edges(plate: Plate) -> Iterator[Array]:
+def _edges(plate: Slab) -> Iterator[Array]:
     """The outlines of top and bottom, and the upright edges at sharp corners."""
     for ring in (plate.polygon.exterior, *plate.polygon.interiors):
         bottom, top = _raised(ring.coords, plate.z_bottom), _raised(ring.coords, plate.z_top)

@@ -3,11 +3,12 @@
 
 from lamc.basics.errors import RequestError
 from lamc.run import native
+from lamc.run.methods import NUMBERS
 from lamc.run.model import Motion
 from lamc.run.request import Request, Trajectory, did_you_mean
 
 SCIPY_METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-NAMES = (*native.METHODS, *(f"scipy:{method}" for method in SCIPY_METHODS))
+NAMES = (*NUMBERS, *(f"scipy:{method}" for method in SCIPY_METHODS))
 
 
 def integrate(name: str, motion: Motion, request: Request) -> tuple[str, Trajectory]:
@@ -15,7 +16,7 @@ def integrate(name: str, motion: Motion, request: Request) -> tuple[str, Traject
     what the scene calls for."""
     if name not in NAMES:
         raise RequestError(f"no integrator is named {name!r}; {did_you_mean(name, NAMES)}")
-    if name in native.METHODS:
+    if name in NUMBERS:
         return native.integrate(motion, request, name)
     if request.books:
         raise RequestError(f"integrator {name!r} keeps no books; use one of lamc's own, such as 'auto'")

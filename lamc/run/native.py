@@ -14,15 +14,14 @@ from typing import Any
 import numpy as np
 
 from lamc.basics.errors import SimulationError
+from lamc.run.methods import LINEAR_ALGEBRA, NUMBERS
 from lamc.run.model import Model, Motion
 from lamc.run.request import Array, Request, Status, Trajectory
 
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
 EVENTS = 4096  # room for events in a chunk
-LINEAR_ALGEBRA = 3.0  # of an implicit step, in evaluations, as in runtime_c/src/watch.c
-METHODS = {"auto": 0, "rk45": 1, "dop853": 2, "rodas5p": 3, "radau5": 4}  # as in lamc_method
-NAMES = {number: name for name, number in METHODS.items()}
+NAMES = {number: name for name, number in NUMBERS.items()}
 CHUNK = 2**18  # numbers in a chunk of rows, 2 MiB; C needs longer to fill one than a slice lasts
 
 
@@ -107,7 +106,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion))
     if not request.books:
         ode.integral_count = 0
-    size = lib.lamc_run_work_size(ode, METHODS[method])
+    size = lib.lamc_run_work_size(ode, NUMBERS[method])
     work = np.empty(max(size, 1))
     max_step = request.max_step if math.isfinite(request.max_step) else 0.0
     options = ffi.new("lamc_options *", [request.rtol, request.atol, 0.0, max_step, request.max_steps])
@@ -117,7 +116,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     status = lib.lamc_run_start(
         run,
         ode,
-        METHODS[method],
+        NUMBERS[method],
         options,
         request.t_start,
         model.read(request.y0),

@@ -14,12 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.run import native
+from lamc.run.methods import EXPLICIT, IMPLICIT, METHODS, TIGHT, TIGHT_FOR_RADAU
 from lamc.run.model import Motion
 from lamc.run.request import Array, Request, Status, Trajectory
 from lamc.run.result import Result
 
-EXPLICIT = ("dop853", "rk45")
-IMPLICIT = ("rodas5p", "radau5")
 _PART = 0.02  # of the run is a window, and
 _LEAST_STEPS = 8  # of the rough run: a run so short that windows have fewer costs less than probes would save
 _FINER = 10.0  # ratio of the two tolerances of a probe
@@ -27,16 +26,8 @@ _ROWS = 9  # of a window, where errors are taken
 _PATIENCE = 20.0  # times the steps of the rough run there
 _HELD_BACK = 0.08  # s below this: steps are as short as stability asks; of order 8 it is 1/8
 _RIVAL = 2.0  # times the effort of the best so far is given to another
-_STEP_COST = {
-    "rk45": 6.0,
-    "dop853": 11.0,
-    "rodas5p": 8.0,
-    "radau5": 12.0,
-}  # evaluations at least, without Jacobian
-_TIGHT_FOR_RADAU = 1e-7  # rtol below which it takes too many steps, as there
 _WORTH_CHANGING = 0.7  # of the effort of one method for all is left where each window has the best for it
 _FEWEST = 2.0  # steps that tell anything
-_TIGHT = 3e-6  # rtol below which the higher order is faster, as in runtime_c/src/watch.c
 _STEEPEST = 0.5  # s of a method of order 2: steeper is chance
 
 
@@ -145,8 +136,8 @@ def _unprobed(motion: Motion, rough: Result, rtol: float) -> str:
         if name in used:
             used[name] += end - start
     if any(used.values()):
-        return "rodas5p" if rtol < _TIGHT_FOR_RADAU else max(used, key=lambda name: used[name])
-    return "dop853" if rtol < _TIGHT and not motion.is_rough else "rk45"
+        return "rodas5p" if rtol < TIGHT_FOR_RADAU else max(used, key=lambda name: used[name])
+    return "dop853" if rtol < TIGHT and not motion.is_rough else "rk45"
 
 
 class _Probe:
@@ -175,7 +166,7 @@ class _Probe:
             runs: list[Trajectory] = []
             for k, rtol in enumerate(self._tolerances):
                 best = min((each.efforts[k] for each in self.found.values()), default=math.inf)
-                cost = _STEP_COST[name] + (self._jacobian_cost if name in IMPLICIT else 0.0)
+                cost = METHODS[name].least_evaluations + (self._jacobian_cost if name in IMPLICIT else 0.0)
                 steps = min(_PATIENCE * self._window.steps, _RIVAL * best / cost)
                 if steps >= _FEWEST:
                     runs.append(self._run(name, rtol, math.ceil(steps)))

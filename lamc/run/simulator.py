@@ -5,10 +5,10 @@ It never changes; runs share nothing but the compiled code.
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +23,8 @@ from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter, loops_of
 from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
-from lamc.mechanism.tree import plan
-from lamc.records.effect import PlaneMark, marks_of, notes_of, overrides
+from lamc.mechanism.plan import plan
+from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run import integrators
@@ -40,6 +40,12 @@ from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.start_checks import check_driven, check_poses, check_start, refuse_branch
+
+if TYPE_CHECKING:  # what a compiled module from the cache does without
+    from lamc.mechanics.equations import Equations
+    from lamc.symbolic.program import Program
+
+_T = TypeVar("_T")
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
@@ -63,9 +69,9 @@ class Simulator(Evaluations):
         self,
         mechanism: Mechanism,
         scene: Scene,
-        effects: tuple[Any, ...],
-        equations: Any,
-        program: Any,
+        effects: Sequence[Effect],
+        equations: "Equations | Callable[[], Equations]",
+        program: "Program | Callable[[], Program]",
         module: CompiledModule,
         loops: LoopCount | None = None,
         books: Callable[[], CompiledModule] | None = None,
@@ -149,11 +155,11 @@ class Simulator(Evaluations):
         return tuple(parameter.name for parameter in self.program.parameters if parameter.is_input)
 
     @lazy
-    def equations(self) -> Any:
+    def equations(self) -> "Equations":
         return _settled(self._equations)
 
     @lazy
-    def program(self) -> Any:
+    def program(self) -> "Program":
         return _settled(self._program)
 
     def run(
@@ -178,8 +184,8 @@ class Simulator(Evaluations):
                     None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
                     every step
-        integrator  in C: "rk45", "dop853" (explicit), "rodas5p", "radau5" (implicit, for stiff hinges), or "auto":
-                    explicit, and implicit where that goes faster; or "scipy:LSODA", "scipy:Radau", …
+        integrator  in C: one of `lamc.run.methods`, such as "dop853" (explicit) or "radau5" (implicit, for stiff
+                    hinges), or "auto": explicit, and implicit where that goes faster; or "scipy:LSODA", …
         parameters  values by name, in the units of `parameter_units`; the others keep their defaults
         max_steps   steps tried before the run gives up
         max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only
@@ -310,7 +316,6 @@ class Simulator(Evaluations):
         )
 
 
-def _settled(value: Any) -> Any:
+def _settled(value: _T | Callable[[], _T]) -> _T:
     """The value, or what it gives when it is a function without arguments."""
-    make: Callable[[], Any] | None = value if callable(value) else None
-    return make() if make else value
+    return value() if callable(value) else value

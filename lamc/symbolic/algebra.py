@@ -6,7 +6,7 @@ Rotations are elementary (about x or z) and cost what their zeros leave. No nump
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 Vector3 = tuple[Scalar, Scalar, Scalar]
 Matrix3 = tuple[Vector3, Vector3, Vector3]

@@ -6,7 +6,8 @@ None: the rules below cover sums of polynomials and of elementary functions of a
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from lamc.symbolic.staging import Scalar, Store, Value, call, cos, power, sin
+from lamc.symbolic.scalars import Scalar, Value, call, cos, power, sin
+from lamc.symbolic.staging import Store
 
 MAX_DEGREE = 32
 

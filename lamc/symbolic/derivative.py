@@ -6,7 +6,8 @@ time derivative has q̇ = u; a partial derivative moves one input at speed 1.
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lamc.symbolic.staging import LEAVES, Scalar, Store, Value, call, cos, power, reciprocal, sin
+from lamc.symbolic.scalars import Scalar, Value, call, cos, power, reciprocal, sin
+from lamc.symbolic.staging import LEAVES, Store
 
 Rule = Callable[[Sequence[Scalar], Value, Sequence[Scalar]], Scalar]
 

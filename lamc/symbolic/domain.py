@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from lamc.symbolic.expression import stage
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Store, Symbol, Value
+from lamc.symbolic.scalars import Value
+from lamc.symbolic.staging import Store, Symbol
 
 Array = npt.NDArray[np.float64]
 Interval = tuple[Array, Array]  # lower and upper bounds, each (m,)

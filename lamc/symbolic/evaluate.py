@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 from lamc.symbolic.functions import ARITHMETIC, FUNCTIONS
-from lamc.symbolic.staging import LEAVES, Scalar, Store, Symbol, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import LEAVES, Store, Symbol
 
 
 def evaluate(store: Store, values: Sequence[Scalar], inputs: Mapping[Value, float]) -> list[float]:

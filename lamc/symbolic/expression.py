@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from lamc.basics.errors import ExpressionError
 from lamc.symbolic.functions import FUNCTIONS
-from lamc.symbolic.staging import Scalar, Value, call, cos, power, sin
+from lamc.symbolic.scalars import Scalar, Value, call, cos, power, sin
 
 MAX_LENGTH = 1000
 MAX_DEPTH = 40

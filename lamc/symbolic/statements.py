@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lamc.symbolic.program import Operations
-from lamc.symbolic.staging import BINARY, LEAVES, Level, Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import BINARY, LEAVES, Level, Store
 
 # Longer right-hand sides gain nothing at run time and are hard to read; shorter ones make many temporaries.
 MAX_OPERANDS = 6

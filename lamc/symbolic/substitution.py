@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from lamc.symbolic.functions import ARITHMETIC
-from lamc.symbolic.staging import LEAVES, Scalar, Store, Value, call, cos, reciprocal, sin
+from lamc.symbolic.scalars import Scalar, Value, call, cos, reciprocal, sin
+from lamc.symbolic.staging import LEAVES, Store
 
 _FOLDED: Mapping[str, Callable[[Scalar], Scalar]] = {"reciprocal": reciprocal, "sin": sin, "cos": cos}
 

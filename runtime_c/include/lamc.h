@@ -232,10 +232,10 @@ typedef struct lamc_rows {
 
 typedef enum lamc_method {
   LAMC_AUTO = 0,    /* explicit, and implicit where that goes faster */
-  LAMC_RK45 = 1,    /* Dormand-Prince 5(4), explicit */
-  LAMC_DOP853 = 2,  /* Dormand-Prince 8(5, 3), explicit, for tight tolerances */
-  LAMC_RODAS5P = 3, /* Rosenbrock 5(4), for stiff hinges */
-  LAMC_RADAU5 = 4   /* Radau IIA of order 5, fully implicit, for the stiffest */
+  LAMC_RK45 = 1,    /* Dormand-Prince 5(4), explicit, for loose tolerances */
+  LAMC_DOP853 = 2,  /* Dormand-Prince 8(5,3), explicit, for tight tolerances */
+  LAMC_RODAS5P = 3, /* Rosenbrock 5(4), no iteration, for stiff hinges */
+  LAMC_RADAU5 = 4   /* Radau IIA of order 5, fully implicit, for the stiffest hinges */
 } lamc_method;
 
 enum { LAMC_SWITCHES_KEPT = 16 };

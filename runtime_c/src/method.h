@@ -65,7 +65,7 @@ typedef struct method {
 /* Of run.c: the method by its number */
 const method *lamc_method_of(int which);
 
-extern const method lamc_method_rk45, lamc_method_dop853, lamc_method_rodas5p, lamc_method_radau5;
+#include "methods.h"
 
 /* 1 unless x is NaN or infinite; reads the bits, since -ffast-math makes isfinite() always true */
 static inline int is_finite(double x) {

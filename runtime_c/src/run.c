@@ -26,8 +26,9 @@ static const double TOO_LONG = 1e12; /* error norm, squared, of a step that is n
 static const double LOG_LEAST_ERROR =
     -13.287712379549449; /* log2(1e-4): a lucky step is not trusted further */
 
-static const method *const METHODS[] = {NULL, &lamc_method_rk45, &lamc_method_dop853, &lamc_method_rodas5p,
-                                        &lamc_method_radau5};
+static const method *const METHODS[] = {NULL, LAMC_METHODS};
+
+enum { METHOD_COUNT = sizeof METHODS / sizeof METHODS[0] }; /* LAMC_AUTO among them */
 
 const method *lamc_method_of(int which) {
   return METHODS[which];
@@ -44,7 +45,7 @@ static long long size_for(const lamc_ode *ode, const method *m) {
 static long long size_of_methods(const lamc_ode *ode, lamc_method which) {
   if (which != LAMC_AUTO) return size_for(ode, METHODS[which]);
   long long most = 0;
-  for (int i = LAMC_RK45; i <= LAMC_RADAU5; i++) {
+  for (int i = 1; i < METHOD_COUNT; i++) {
     const long long size = size_for(ode, METHODS[i]);
     if (size > most) most = size;
   }
@@ -52,7 +53,7 @@ static long long size_of_methods(const lamc_ode *ode, lamc_method which) {
 }
 
 long long lamc_run_work_size(const lamc_ode *ode, lamc_method which) {
-  if (ode == NULL || (int)which < LAMC_AUTO || (int)which > LAMC_RADAU5) return 0;
+  if (ode == NULL || (int)which < LAMC_AUTO || (int)which >= METHOD_COUNT) return 0;
   if (ode->n < 0 || ode->n > INT_MAX / 64 - LANES || ode->guard_count < 0 || ode->scratch_size < 0) return 0;
   if (ode->coordinate_count < 0 || ode->coordinate_count > ode->n || ode->integral_count < 0) return 0;
   const long long size = size_of_methods(ode, which);

@@ -11,7 +11,7 @@ import pytest
 
 from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.check import Report, check
 from lamc.reference.integrate import simulate

@@ -16,7 +16,7 @@ from lamc.cli import main
 from lamc.commands.examples import mechanism_of_example
 from lamc.examples.miura import ACUTE
 from lamc.loops.rank import count_loops
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 

@@ -4,7 +4,7 @@ import numpy as np
 from shapely.geometry import Polygon, box
 
 from lamc.export.meshes import body_meshes
-from lamc.records.mechanism import Array, Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Array, Body, Joint, Mechanism, Slab
 
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -31,9 +31,9 @@ def test_a_sheet_with_a_hole_has_its_volume_and_lies_in_its_frame() -> None:
         [(0, 0), (0.2, 0), (0.2, 0.1), (0.1, 0.05), (0, 0.1)], [[(0.04, 0.02), (0.08, 0.02), (0.06, 0.04)]]
     )
     stack = (
-        Plate(outline, 0.0, 0.001),
-        Plate(outline, 0.001, 0.004),
-        Plate(box(0, 0, 0.02, 0.01), 0.004, 0.006),
+        Slab(outline, 0.0, 0.001),
+        Slab(outline, 0.001, 0.004),
+        Slab(box(0, 0, 0.02, 0.01), 0.004, 0.006),
     )
     bodies = (Body("ground", fixed=True), Body("sheet", 1.0, (0.1, 0.05, 0), np.eye(3), outline=stack))
     mechanism = Mechanism(bodies, (Joint("h", "ground", "sheet", (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),))

@@ -12,7 +12,7 @@ from lamc.basics.errors import UnsupportedError
 from lamc.examples import path
 from lamc.export import mjcf
 from lamc.export.options import ExportOptions
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from tests.support.engines import InMujoco, end_errors, mujoco
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
@@ -90,7 +90,7 @@ def test_inputs_of_the_scene_are_those_of_the_callback(tmp_path: Path) -> None:
 
 
 def test_a_body_rests_on_the_ground_at_its_height(tmp_path: Path) -> None:
-    sheet = Plate(box(-0.05, -0.03, 0.05, 0.03), 0.0, 0.002)
+    sheet = Slab(box(-0.05, -0.03, 0.05, 0.03), 0.0, 0.002)
     inertia = 0.01 * np.diag([3e-4, 8.3e-4, 1.13e-3])
     bodies = (
         Body("block", 0.01, (0.0, 0.0, 0.001), inertia, fixed=True, outline=(sheet,)),
@@ -108,7 +108,7 @@ def test_a_body_rests_on_the_ground_at_its_height(tmp_path: Path) -> None:
 
 
 def test_a_block_slides_as_far_as_friction_lets_it(tmp_path: Path) -> None:
-    sheet = Plate(box(-0.05, -0.05, 0.05, 0.05), 0.0, 0.01)
+    sheet = Slab(box(-0.05, -0.05, 0.05, 0.05), 0.0, 0.01)
     inertia = np.diag([9.2e-4, 9.2e-4, 1.7e-3])
     bodies = (
         Body("block", 1.0, (0.0, 0.0, 0.005), inertia, fixed=True, outline=(sheet,)),

@@ -15,7 +15,7 @@ from lamc.basics.errors import DesignError
 from lamc.effects.strips import wing
 from lamc.pipeline import equations_of
 from lamc.records.effect import Effect
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.support.floating import lone_body, quaternion_matrix
@@ -353,7 +353,7 @@ def test_mass_of_the_air_slows_a_swing() -> None:
 
 
 def drawn(*plates: Polygon, axis: tuple[float, float, float] = (-1.0, 0.0, 0.0)) -> Mechanism:
-    outline = tuple(Plate(polygon, 0.001, 0.003) for polygon in plates)
+    outline = tuple(Slab(polygon, 0.001, 0.003) for polygon in plates)
     body = Body("wing", 0.1, np.array([0.5, 0.0, 0.0]), np.diag([0.01, 0.02, 0.03]), outline=outline)
     joint = Joint("h", "ground", "wing", point=np.array([0.3, 0.2, 0.0]), axis=np.array(axis))
     return Mechanism((Body("ground", fixed=True), body), (joint,))

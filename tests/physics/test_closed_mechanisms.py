@@ -14,7 +14,7 @@ import lamc
 from lamc import Scene
 from lamc.effects import Gravity, HingeDamping, HingeStiffness, RestAngle, Torque
 from lamc.loops.rank import count_loops
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.reference import Interpreter, MaximalCoordinates, NewtonEuler, check
 from lamc.reference.closing import State, random_states
 from lamc.run.request import Status

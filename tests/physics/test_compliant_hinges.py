@@ -16,7 +16,7 @@ from lamc.effects import Gravity, HingeStiffness
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.free_base import FreeBase
 from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.pipeline import equations_of
 from lamc.records.mechanism import Body, Joint, Mechanism
 from lamc.records.scene import Scene

@@ -5,7 +5,7 @@ import pytest
 from shapely.geometry import box
 
 import lamc
-from lamc import Body, Joint, Mechanism, Plate, plate
+from lamc import Body, Joint, Mechanism, Slab, plate
 
 THICK, DENSITY, MODULUS = 1e-3, 2700.0, 70e9  # m, kg/m³, Pa
 REACH, SPECK, WIDE = 0.1, 1e-4, 0.01  # m: half the beam, half of what floats, the width
@@ -19,7 +19,7 @@ def slab(
     mass = density * a * b * THICK
     inertia = mass / 12.0 * np.diag([b * b + THICK**2, a * a + THICK**2, a * a + b * b])
     centre = (0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 0.5 * THICK)
-    outline = (Plate(box(x[0], y[0], x[1], y[1]), 0.0, THICK),)
+    outline = (Slab(box(x[0], y[0], x[1], y[1]), 0.0, THICK),)
     return Body(name, mass, centre, inertia, fixed=fixed, outline=outline)
 
 

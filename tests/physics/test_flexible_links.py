@@ -17,15 +17,15 @@ from lamc import (
     GroundContact,
     Joint,
     Mechanism,
-    Plate,
     Scene,
+    Slab,
     TwistCompliance,
     plate,
 )
 from lamc.basics.errors import DesignError
 from lamc.effects import Gravity, HingeStiffness
 from lamc.mechanics.arrangement import arrange
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.pipeline import Times
 from lamc.readers.load_scene import scene_of_text
 from tests.support.ctools import needs_cc
@@ -48,7 +48,7 @@ def flag(stiffness: float = 0.05, count: int = 1, z: float = 0.0) -> Mechanism:
     bodies, joints = [Body("ground", fixed=True)], []
     inertia = MASS / 12 * np.diag([B**2, A**2, A**2 + B**2])
     for k in range(count):
-        outline = Plate(box(k * A, -B / 2, (k + 1) * A, B / 2), z - T / 2, z + T / 2)
+        outline = Slab(box(k * A, -B / 2, (k + 1) * A, B / 2), z - T / 2, z + T / 2)
         bodies.append(Body(f"b{k}", MASS, ((k + 0.5) * A, 0.0, z), inertia, outline=(outline,)))
         joints.append(
             Joint(f"h{k}", bodies[-2].name, f"b{k}", (k * A, 0.0, z), (0.0, 1.0, 0.0), stiffness=stiffness)
@@ -144,7 +144,7 @@ def test_statics_is_the_deflection_of_the_plate() -> None:
     q = np.linalg.solve(sim.jacobian(still, still)[0], -sim.acceleration(still, still))
     bent = arrange(plan(sim.mechanism), sim.effects).flexible[0]
     phi, slopes = bent.shapes(np.array([A, 0.3 * B, 0.0]))
-    solution = plate.solve(elements(6e-3, (plate.Gravity(g),)))
+    solution = plate.solve(elements(6e-3, (plate.SelfWeight(g),)))
     assert phi @ q[1:] == pytest.approx(solution.deflection(A, 0.3 * B), rel=1e-6)
     assert (slopes.T @ q[1:])[:2] == pytest.approx(solution.slope(A, 0.3 * B), rel=1e-6)
 

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from shapely.geometry import Point, box
 
 import lamc
-from lamc import Body, Gravity, GroundContact, Mechanism, Plate, Scene
+from lamc import Body, Gravity, GroundContact, Mechanism, Scene, Slab
 from lamc.effects.free_base import FreeBase
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
@@ -28,7 +28,7 @@ SLIP = 1e-3 * math.sqrt(G * SIZE)  # m/s
 def plate(length: float = LENGTH, width: float = WIDTH, thickness: float = THICKNESS) -> Mechanism:
     """One plate that nothing holds; its lower face is drawn at z = 0."""
     moments = [width**2 + thickness**2, length**2 + thickness**2, length**2 + width**2]
-    outline = (Plate(box(-length / 2, -width / 2, length / 2, width / 2), 0.0, thickness),)
+    outline = (Slab(box(-length / 2, -width / 2, length / 2, width / 2), 0.0, thickness),)
     centre = (0.0, 0.0, thickness / 2)
     return Mechanism(
         (Body("plate", MASS, centre, MASS / 12 * np.diag(moments), fixed=True, outline=outline),), ()
@@ -210,7 +210,7 @@ def test_a_ball_of_one_point_bounces_as_high_as_its_restitution_says() -> None:
 def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
     """A wheel on its rim, 64 corners, on a slope of 5°: 2/3 g sin, less what the corners' blows take."""
     radius, slope = 0.05, math.radians(5.0)
-    outline = (Plate(Point(0, 0).buffer(radius, quad_segs=16), -0.005, 0.005),)
+    outline = (Slab(Point(0, 0).buffer(radius, quad_segs=16), -0.005, 0.005),)
     inertia = 0.1 * np.diag([radius**2 / 4, radius**2 / 4, radius**2 / 2])
     wheel = Body("wheel", 0.1, (0.0, 0.0, 0.0), inertia, fixed=True, outline=outline)
     field = Gravity((G * math.sin(slope), 0.0, -G * math.cos(slope)))

@@ -19,7 +19,7 @@ from lamc.effects import Gravity
 from lamc.loops.branches import find_branches, rank_at, tangents
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import check_freedom, count_loops
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.readers.mechanism_file import write_mechanism
 from lamc.records.mechanism import Body, Joint, Mechanism
 from lamc.records.scene import Scene

@@ -5,9 +5,9 @@ import pytest
 from shapely.geometry import LineString, box
 
 import lamc
-from lamc import Body, FlexibleLinks, Joint, Mechanism, Plate, Scene, plate
+from lamc import Body, FlexibleLinks, Joint, Mechanism, Scene, Slab, plate
 from lamc.effects import HingeStiffness
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.plates.answers.reduction import reduce_plate
 from lamc.plates.answers.straight_edges import straight_modes
 from tests.support.ctools import needs_cc
@@ -22,7 +22,7 @@ def flag(a: float, b: float, stiffness: float) -> Mechanism:
     """One plate, a long and b wide, on a hinge along y."""
     mass = RHO * T * a * b
     inertia = mass / 12 * np.diag([b**2, a**2, a**2 + b**2])
-    outline = Plate(box(0, -b / 2, a, b / 2), -T / 2, T / 2)
+    outline = Slab(box(0, -b / 2, a, b / 2), -T / 2, T / 2)
     bodies = (
         Body("ground", fixed=True),
         Body("flag", mass, (a / 2, 0.0, 0.0), inertia, outline=(outline,)),

@@ -24,7 +24,7 @@ from lamc.records.scene import Scene
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.reference.sympy_kane import kane as sympy_kane
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 from tests.support.ctools import needs_cc, program_of
 from tests.support.mechanisms import ALL_PASSIVE, Array, chain, random_state, random_tree
 from tests.support.symbolic import evaluator

@@ -16,7 +16,7 @@ from lamc import Body, Joint, Mechanism, Scene, TwistCompliance
 from lamc.basics.errors import DesignError
 from lamc.effects import Gravity, HingeDamping, HingeStiffness
 from lamc.mechanics.arrangement import Arrangement, arrange
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.readers.load_scene import scene_of_text
 from tests.support.ctools import needs_cc
 from tests.support.general_motion import General

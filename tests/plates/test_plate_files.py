@@ -22,10 +22,10 @@ from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
     ElectricField,
-    Gravity,
     Moisture,
     PointLoad,
     Pressure,
+    SelfWeight,
     Temperature,
 )
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Symmetry
@@ -154,7 +154,7 @@ def test_each_kind_of_load_becomes_its_record() -> None:
     assert moment.moment == 3.0
     assert isinstance(pressure, Pressure)
     assert pressure.intensity == 2000.0
-    assert isinstance(weight, Gravity)
+    assert isinstance(weight, SelfWeight)
     assert tuple(weight.acceleration) == (0.0, 0.0, -9.81)
     assert isinstance(cold, Temperature)
     assert cold.rise == -150.0
@@ -212,7 +212,7 @@ def test_what_expands_may_be_an_expression_in_the_files_units() -> None:
 
 def test_common_loads_act_in_every_case() -> None:
     file = read("loads: [gravity: [0, 0, -9.81]]\ncases: {up: [{pressure: 1}], down: [{pressure: -1}]}\n")
-    assert [list(map(type, loads)) for loads in file.cases.values()] == [[Gravity, Pressure]] * 2
+    assert [list(map(type, loads)) for loads in file.cases.values()] == [[SelfWeight, Pressure]] * 2
 
 
 def test_what_is_expected_may_be_said_in_the_laminates_numbers() -> None:

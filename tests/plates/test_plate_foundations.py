@@ -58,7 +58,7 @@ def test_square_on_ground_buckles_at_more() -> None:
 
 def test_free_plate_on_ground_sinks_by_its_weight_alone() -> None:
     """Ground alone holds a plate against rise and turns: w = -g ρ / k everywhere, and no moment."""
-    found = plate.solve(square(4, plate.ElasticFoundation(K), supports=[], loads=[plate.Gravity()]))
+    found = plate.solve(square(4, plate.ElasticFoundation(K), supports=[], loads=[plate.SelfWeight()]))
     np.testing.assert_allclose(found.at_nodes("w"), -9.81 / K, rtol=1e-9)
     assert not found.report.free
     np.testing.assert_allclose(found.moments(0.4, 0.3), 0.0, atol=1e-9 * 9.81)

@@ -16,6 +16,7 @@ from lamc.basics.errors import DesignError
 from lamc.design.split import split_steps
 from lamc.design.steps import SplitSteps
 from lamc.plates.designs.overlay import is_sliver, overlay, stack_name
+from lamc.plates.records import DesignPlate
 from lamc.readers.load import load_text
 from lamc.records.design import Design
 
@@ -57,7 +58,7 @@ def two_links() -> Design:
     return design
 
 
-def areas(found: plate.DesignPlate) -> dict[str, float]:
+def areas(found: DesignPlate) -> dict[str, float]:
     return {name: region.area / MM2 for name, region in found.regions.items()}
 
 
@@ -141,7 +142,7 @@ def test_strip_ends_where_the_neighbour_is_stiff() -> None:
     assert found.hinges["h"].line.bounds[0] == pytest.approx(0.2e-3)
 
 
-def deflection_at_the_end(found: plate.DesignPlate, held: plate.Clamped | plate.Hinged, load: float) -> float:
+def deflection_at_the_end(found: DesignPlate, held: plate.Clamped | plate.Hinged, load: float) -> float:
     """Of the right link, m, where a load pulls its end up."""
     sizes = {name: 0.25e-3 for name in found.regions if name.startswith("hinge")}
     cells = plate.mesh(found.outline, 2e-3, regions=found.regions, sizes=sizes)

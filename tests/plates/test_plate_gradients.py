@@ -207,7 +207,7 @@ def test_deflection_at_a_point_changes_as_differences_say() -> None:
 
 def test_weight_and_heat_change_with_the_plies_too() -> None:
     """Thicker plies weigh more and expand more strongly; a field works on what is piezoelectric."""
-    loads = [plate.Gravity((0, 0, -9.81)), plate.Temperature(20.0), plate.ElectricField((1e4, 0.0, 2e4))]
+    loads = [plate.SelfWeight((0, 0, -9.81)), plate.Temperature(20.0), plate.ElectricField((1e4, 0.0, 2e4))]
     problem = cantilever(THICK, loads)
     solution = plate.solve(problem)
     found = plate.gradient(solution, ("deflection", (2.0, 0.5)))

@@ -110,7 +110,7 @@ def test_a_load_on_a_plate_that_floats_is_not_taken_for_one_on_supports() -> Non
             "the Temperature does nothing: no ply of the plate expands with temperature",
         ),
         (plate.Moisture(0.01), "the Moisture does nothing: no ply of the plate expands with moisture"),
-        (plate.Gravity(), "the Gravity does nothing: no ply of the plate has a mass"),
+        (plate.SelfWeight(), "the SelfWeight does nothing: no ply of the plate has a mass"),
     ],
 )
 def test_a_load_for_another_material_is_told_so(load: LoadRecord, words: str) -> None:

@@ -352,7 +352,7 @@ def test_a_bimetal_curls_as_timoshenko_found() -> None:
 def test_weight_is_the_pressure_of_its_own_mass() -> None:
     laminate, edges = stack(CFRP, 1e-3, 0.0, 90.0, 0.0), held("CSFS", 0.3, 0.2)
     mesh = rectangle_mesh("delaunay", 8, 0.3, 0.2)
-    weight = solved(mesh, laminate, edges, [plate.Gravity()])
+    weight = solved(mesh, laminate, edges, [plate.SelfWeight()])
     pressure = solved(mesh, laminate, edges, [plate.Pressure(-9.81 * 1600 * 3e-3)])
     np.testing.assert_allclose(
         weight.values, pressure.values, rtol=0, atol=1e-12 * np.abs(weight.values).max()

@@ -56,7 +56,7 @@ def deflected(found: Reduction, generalised: np.ndarray) -> np.ndarray:
 def test_statics_under_a_field_is_that_of_the_elements() -> None:
     found = reduce_plate(problem(CURLED), 1)
     eta = deflected(found, -9.81 * found.moment)
-    solution = plate.solve(problem(CURLED, (plate.Gravity((0.0, 0.0, -9.81)),)))
+    solution = plate.solve(problem(CURLED, (plate.SelfWeight((0.0, 0.0, -9.81)),)))
     for x, y in ((A, 0.0), (0.6 * A, B), (0.33 * A, 0.4 * B)):
         phi, slopes = found.shape_at(x, y)
         assert phi @ eta == pytest.approx(solution.deflection(x, y), rel=1e-8)

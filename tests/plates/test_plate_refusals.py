@@ -114,7 +114,7 @@ RECORDS = [
     ),
     (lambda: plate.EdgeMoment(LEFT, np.inf), "the moment of an EdgeMoment is inf"),
     (lambda: plate.Pressure("q"), "the intensity of a Pressure is 'q'; it must be a number"),
-    (lambda: plate.Gravity(-9.81), "the acceleration of Gravity has shape"),
+    (lambda: plate.SelfWeight(-9.81), "the acceleration of SelfWeight has shape"),
     (lambda: plate.Temperature(1.0, region=3), "the region of a Temperature has the name 3"),
 ]
 
@@ -190,11 +190,11 @@ def test_membranes_are_added_where_they_are_needed() -> None:
         return problem(**given).dofs.element.name
 
     pulled = plate.EdgeLoad(RIGHT, (1.0, 0.0, 0.0))
-    assert chosen(loads=[plate.Pressure(1.0), plate.Gravity()]) == "dkt"
+    assert chosen(loads=[plate.Pressure(1.0), plate.SelfWeight()]) == "dkt"
     assert chosen(laminate=cross_ply((0.0, 90.0))) == "dkt+cst"
     assert chosen(laminate=cross_ply((0.0, 90.0, 90.0, 0.0))) == "dkt"
     assert chosen(loads=[pulled]) == chosen(cases={"pulled": [pulled]}) == "dkt+cst"
-    assert chosen(loads=[plate.Gravity((1.0, 0.0, 0.0))], element="specht") == "specht+cst"
+    assert chosen(loads=[plate.SelfWeight((1.0, 0.0, 0.0))], element="specht") == "specht+cst"
     assert chosen(loads=[plate.Temperature(1.0)]) == "dkt"  # no expansion
     assert chosen(loads=[plate.Temperature(1.0)], laminate=isotropic(alpha=1e-6)) == "dkt+cst"
     assert chosen(supports=[plate.Support(LEFT, ("u",))]) == "dkt+cst"

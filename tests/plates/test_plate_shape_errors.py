@@ -8,6 +8,7 @@ from shapely.geometry import LineString, Point, box
 
 from lamc import examples, plate
 from lamc.plates.answers.convergence import halved
+from lamc.plates.records import DesignPlate
 from lamc.readers.load import load_text
 from tests.support.plates import assert_refused
 
@@ -90,7 +91,7 @@ def test_plate_that_is_free_to_expand_is_refused() -> None:
 # --- strips ----------------------------------------------------------------------------------------------------------
 
 
-def flap() -> tuple[plate.DesignPlate, plate.Clamped]:
+def flap() -> tuple[DesignPlate, plate.Clamped]:
     example = examples.find("flaps")
     found = plate.plate_of(load_text(example.text, "flaps"), "link_1", hinges="strips")  # type: ignore[arg-type]
     return found, plate.Clamped(found.hinges["left"].line)

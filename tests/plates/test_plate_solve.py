@@ -229,7 +229,7 @@ def everything(mesh: Mesh, laminate: plate.Laminate) -> plate.Problem:
             plate.EdgeLoad(TOP, (0.5, 0.25, -1.0)),
             plate.EdgeMoment(RIGHT, 0.7),
             plate.Pressure(lambda x, y: x - 2.0 * y),
-            plate.Gravity((1.0, 2.0, -9.81)),
+            plate.SelfWeight((1.0, 2.0, -9.81)),
             plate.Temperature(3.0),
         ],
     )
@@ -291,7 +291,7 @@ def test_work_of_one_load_along_the_deflection_of_another_is_the_same_the_other_
 
 def test_cases_share_a_model_and_add_up() -> None:
     first, second = [plate.Pressure(1.0)], [plate.PointLoad((0.3, 0.4), 5.0)]
-    weight = plate.Gravity()
+    weight = plate.SelfWeight()
     mesh, laminate = square(8), isotropic(density=1000.0)
     support = plate.SimplySupported(BOUNDARY)
     problem = plate.Problem(

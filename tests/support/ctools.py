@@ -16,9 +16,10 @@ from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.lower import lower
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.symbolic.program import Program
-from lamc.symbolic.staging import Scalar, Store
+from lamc.symbolic.scalars import Scalar
+from lamc.symbolic.staging import Store
 from tests.support.mechanisms import Array, chain
 
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")

@@ -12,7 +12,7 @@ from shapely.geometry import box
 import lamc
 from lamc import plate
 from lamc.records.effect import Effect
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 
 PIEZO = plate.Material(62e9, 62e9, 0.31, 24e9, 7800.0, d31=-190e-12, d32=-190e-12, name="piezo")
 BIMORPH = plate.Laminate([plate.Ply(PIEZO, 127e-6), plate.Ply(PIEZO, 127e-6, 30.0)])
@@ -78,7 +78,7 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
 
 def mechanism() -> Mechanism:
     """Two links in a row from x = 0 to 2 m, with everything that effects ask of joints."""
-    sheet = Plate(box(0.0, -0.15, 1.0, 0.15), -5e-4, 5e-4)
+    sheet = Slab(box(0.0, -0.15, 1.0, 0.15), -5e-4, 5e-4)
     bodies = (
         Body("ground", 2.0, (-0.5, 0.0, 0.0), np.diag([0.1, 0.2, 0.2]), fixed=True),
         Body("a", 1.0, (0.5, 0.0, 0.0), np.diag([0.01, 0.09, 0.1]), outline=(sheet,)),

@@ -52,7 +52,7 @@ def _coupled() -> Problem:
         plate.grid(0.3, 0.1, 12, 4, "union-jack"),
         plate.Laminate([plate.Ply(CFRP, 1e-3, 30.0), plate.Ply(CFRP, 5e-4, 90.0, gap=2e-4)], "bottom"),
         supports=[plate.Clamped(left)],
-        loads=[plate.Gravity()],
+        loads=[plate.SelfWeight()],
         cases={
             "tip": [plate.PointLoad((0.3, 0.1), 2.0)],
             "pull": [plate.PointLoad((0.3, 0.05), (50.0, 0, 0))],
@@ -79,7 +79,7 @@ def _oblique() -> Problem:
             plate.Hinged(edges[1], stiffness=3.0),
             plate.Support(shapely.Point(-0.01, 0.09), ("w",), 1e-4),
         ],
-        loads=[plate.Gravity(), plate.Pressure(50.0)],
+        loads=[plate.SelfWeight(), plate.Pressure(50.0)],
         hinges=[plate.HingeLine(fold, 0.7, name="fold")],
     )
 

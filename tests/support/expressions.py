@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 from hypothesis import strategies as st
 
-from lamc.symbolic.staging import Scalar, call, cos, power, sin
+from lamc.symbolic.scalars import Scalar, call, cos, power, sin
 
 EPS = 2.0**-52
 VARIABLES = ("a", "b", "c")

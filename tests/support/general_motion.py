@@ -17,7 +17,8 @@ from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from lamc.reference.constrained import constrained
 from lamc.symbolic.functions import FUNCTIONS
-from lamc.symbolic.staging import NUMBER, SYMBOL, Scalar, Symbol, Value
+from lamc.symbolic.scalars import NUMBER, Scalar, Value
+from lamc.symbolic.staging import SYMBOL, Symbol
 
 Array = npt.NDArray[np.float64]
 _INFIX = {"+": "+", "-": "-", "*": "*"}

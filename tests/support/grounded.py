@@ -7,7 +7,7 @@ so that the block moves as a free one does; poses say where it is.
 import numpy as np
 from shapely.geometry import Polygon
 
-from lamc import Body, Joint, Mechanism, Plate
+from lamc import Body, Joint, Mechanism, Slab
 from lamc.records.mechanism import Array
 from lamc.run.result import Result
 
@@ -37,7 +37,7 @@ def block(
         Body("world", fixed=True),
         Body("boom", BOOM * mass, centre, light),
         Body("arm", BOOM * mass, centre, light),
-        Body("block", mass, centre, inertia, outline=(Plate(Polygon(box), bottom, bottom + height),)),
+        Body("block", mass, centre, inertia, outline=(Slab(Polygon(box), bottom, bottom + height),)),
     )
     joints = (
         Joint("x", "world", "boom", centre - REACH * UP, (0.0, 1.0, 0.0)),

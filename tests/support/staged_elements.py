@@ -12,7 +12,8 @@ from lamc.plates.elements import Element, derive, element
 from lamc.plates.elements.definition import CORNERS
 from lamc.symbolic.operations import BATCHED
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Store, Symbol, Value
+from lamc.symbolic.scalars import Value
+from lamc.symbolic.staging import Store, Symbol
 
 Numbers = NDArray[np.floating[Any]]
 Motion = dict[str, Callable[[Any, Any], Any]]  # by name of the unknown, functions of x and y

@@ -45,8 +45,8 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: joint(limits="12"), "are '12'; they must be two angles"),
     (lambda: joint(stiffness=HUGE), "the stiffness of joint 'h1' is <int>, which no float holds"),
     (lambda: joint(name=HUGE), "a joint has the name <int>"),
-    (lambda: link(outline=None), "outline of body 'link' is None; it must be a tuple of Plate records"),
-    (lambda: link(outline=(1, 2)), "outline of body 'link' holds 1; each must be a Plate"),
+    (lambda: link(outline=None), "outline of body 'link' is None; it must be a tuple of Slab records"),
+    (lambda: link(outline=(1, 2)), "outline of body 'link' holds 1; each must be a Slab"),
     (lambda: link(mass=10**400), "the mass of body 'link' is 1000"),
     (lambda: link(mass=HUGE), "the mass of body 'link' is <int>, which no float holds; it must be finite"),
     (

@@ -9,7 +9,7 @@ from shapely.geometry import MultiPoint, Point, Polygon, box
 
 import lamc
 import lamc.readers.mechanism_file
-from lamc import Body, DesignError, GroundContact, Joint, Mechanism, Plate, Scene
+from lamc import Body, DesignError, GroundContact, Joint, Mechanism, Scene, Slab
 from lamc.effects.contact_points import contact_points, corners_of, hull_corners
 from lamc.readers.effects_schema import effect_schema
 
@@ -18,7 +18,7 @@ WALL = Body("wall", fixed=True)
 DIAGONAL = [[1e-5, 0, 0], [0, 1e-5, 0], [0, 0, 1e-5]]
 
 
-def plated(*plates: Plate, name: str = "leaf") -> Body:
+def plated(*plates: Slab, name: str = "leaf") -> Body:
     return Body(name, 0.01, (0.0, 0.0, 0.0), DIAGONAL, outline=plates)
 
 
@@ -32,18 +32,18 @@ def moving(mechanism: Mechanism) -> list[str]:
 
 
 def test_corners_are_those_of_both_faces() -> None:
-    found = corners_of(plated(Plate(box(0, 0, 2, 1), 0.1, 0.3)), 8)
+    found = corners_of(plated(Slab(box(0, 0, 2, 1), 0.1, 0.3)), 8)
     assert sorted(found) == sorted((x, y, z) for x in (0.0, 2.0) for y in (0.0, 1.0) for z in (0.1, 0.3))
 
 
 def test_corners_of_a_sheet_without_thickness_are_there_once() -> None:
-    assert len(corners_of(plated(Plate(box(0, 0, 2, 1), 0.1, 0.1)), 8)) == 4
+    assert len(corners_of(plated(Slab(box(0, 0, 2, 1), 0.1, 0.1)), 8)) == 4
 
 
 def test_each_face_has_the_corners_of_its_own_layer() -> None:
     """A wide film between narrower sheets: the sheets are what touches."""
-    sheets = [Plate(box(0, 0, 1, 1), z, z + 0.1) for z in (0.0, 0.2)]
-    film = Plate(box(-1, 0, 2, 1), 0.1, 0.2)
+    sheets = [Slab(box(0, 0, 1, 1), z, z + 0.1) for z in (0.0, 0.2)]
+    film = Slab(box(-1, 0, 2, 1), 0.1, 0.2)
     found = corners_of(plated(sheets[0], film, sheets[1]), 8)
     assert sorted({x for x, _, _ in found}) == [0.0, 1.0]
     assert sorted({z for _, _, z in found}) == [0.0, pytest.approx(0.3)]
@@ -69,7 +69,7 @@ def test_a_round_outline_keeps_as_many_corners_as_asked(most: int) -> None:
 
 
 def test_all_bodies_with_an_outline_touch_unless_some_are_named() -> None:
-    leaf, twig = (plated(Plate(box(0, 0, 1, 1), 0, 0), name=name) for name in ("leaf", "twig"))
+    leaf, twig = (plated(Slab(box(0, 0, 1, 1), 0, 0), name=name) for name in ("leaf", "twig"))
     stone = Body("stone", 0.01, (0.0, 0.0, 0.0), DIAGONAL)
     three = mechanism(leaf, twig, stone)
     assert [p.body for p in contact_points(three, moving(three), None, None, 8)] == ["leaf"] * 4 + [
@@ -82,7 +82,7 @@ def test_all_bodies_with_an_outline_touch_unless_some_are_named() -> None:
 
 
 def test_a_point_that_is_a_corner_too_is_one_point() -> None:
-    leaf = mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0)))
+    leaf = mechanism(plated(Slab(box(0, 0, 1, 1), 0, 0)))
     assert (
         len(contact_points(leaf, moving(leaf), ["leaf"], {"leaf": [(1.0, 1.0, 0.0), (0.5, 0.0, 0.0)]}, 8))
         == 5
@@ -99,7 +99,7 @@ def test_a_point_that_is_a_corner_too_is_one_point() -> None:
     ],
 )
 def test_bodies_that_cannot_touch_are_refused(ground: GroundContact, message: str) -> None:
-    both = mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0)), Body("stone", 0.01, (0.0, 0.0, 0.0), DIAGONAL))
+    both = mechanism(plated(Slab(box(0, 0, 1, 1), 0, 0)), Body("stone", 0.01, (0.0, 0.0, 0.0), DIAGONAL))
     with pytest.raises(DesignError, match=message):
         lamc.compile(both, Scene((ground,)))
 
@@ -140,9 +140,7 @@ def test_popupcad_contact_sketch_is_read_and_taken_where_a_scene_asks_for_it() -
 
 
 def test_contact_points_of_a_mechanism_file_come_back(tmp_path: Path) -> None:
-    leaf = replace(
-        mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0.1))), contact_points=((0.25, 0.5), (1.0, 1.0))
-    )
+    leaf = replace(mechanism(plated(Slab(box(0, 0, 1, 1), 0, 0.1))), contact_points=((0.25, 0.5), (1.0, 1.0)))
     file = tmp_path / "leaf.yaml"
     lamc.readers.mechanism_file.write_mechanism(leaf, file)
     assert lamc.load(file).contact_points == leaf.contact_points
@@ -157,7 +155,7 @@ def test_contact_points_of_a_design_are_in_its_units(tmp_path: Path) -> None:
 
 
 def test_drawn_points_that_are_none_or_lie_beside_are_refused() -> None:
-    leaf = mechanism(plated(Plate(box(0, 0, 1, 1), 0, 0.1)))
+    leaf = mechanism(plated(Slab(box(0, 0, 1, 1), 0, 0.1)))
     with pytest.raises(DesignError, match="the drawing of 'mechanism' has no contact points: draw some"):
         contact_points(leaf, moving(leaf), None, "drawn", 8)
     beside = replace(leaf, contact_points=((1.5, 0.5),))

@@ -13,7 +13,8 @@ from lamc.records.scene import Scene
 from lamc.symbolic.expression import MAX_DEPTH, MAX_LENGTH, in_python, stage
 from lamc.symbolic.functions import FUNCTIONS
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
 from lamc.symbolic.substitution import substitute
 from tests.support import expressions
 

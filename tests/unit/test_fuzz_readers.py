@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from lamc import examples
 from lamc.basics.errors import LamcError
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.mechanism_file import write_mechanism

@@ -13,7 +13,7 @@ from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
 from lamc.mechanics.loads import Loads
 from lamc.records.effect import Effect
-from lamc.records.mechanism import Mechanism, Plate
+from lamc.records.mechanism import Mechanism, Slab
 from lamc.run import input_digest as module
 from lamc.run.input_digest import input_digest
 from tests.support.every_effect import mechanism
@@ -38,7 +38,7 @@ def digest(made: Mechanism, *effects: Effect, books: bool = False, fast: bool = 
 
 
 def outlined(width: float) -> Mechanism:
-    plate = Plate(box(0.0, 0.0, 1.0, width), 0.0, 0.01)
+    plate = Slab(box(0.0, 0.0, 1.0, width), 0.0, 0.01)
     bodies = tuple(b if b.fixed else replace(b, outline=(plate,)) for b in mechanism().bodies)
     return replace(mechanism(), bodies=bodies)
 

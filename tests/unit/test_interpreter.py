@@ -11,7 +11,7 @@ from lamc.basics.errors import DesignError, EmitError
 from lamc.effects import Torque
 from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.newton_euler import NewtonEuler

@@ -13,14 +13,14 @@ from shapely.geometry import Point, Polygon, box
 
 from lamc.basics.errors import DesignError
 from lamc.design.mass import body_properties, polygon_moments
-from lamc.records.mechanism import Plate
+from lamc.records.mechanism import Slab
 
 # Sums of a few terms of like size, each rounded once: some ulp.
 ROUND_OFF = 1e-13
 
 
-def plate(polygon: Polygon, bottom: float = 0.0, top: float = 0.002) -> Plate:
-    return Plate(polygon, bottom, top)
+def plate(polygon: Polygon, bottom: float = 0.0, top: float = 0.002) -> Slab:
+    return Slab(polygon, bottom, top)
 
 
 def close(actual: object, expected: object, tolerance: float, scale: float) -> None:
@@ -114,8 +114,8 @@ def test_inertia_turns_and_shifts_with_the_body(
 ) -> None:
     polygons = [star_polygon(low), affinity.translate(star_polygon(high), 0.4, 0.1)]
 
-    def build(shapes: Sequence[Polygon]) -> list[tuple[Plate, float]]:
-        return [(Plate(shapes[0], 0.0, 0.1), 700.0), (Plate(shapes[1], 0.1, 0.4), 300.0)]
+    def build(shapes: Sequence[Polygon]) -> list[tuple[Slab, float]]:
+        return [(Slab(shapes[0], 0.0, 0.1), 700.0), (Slab(shapes[1], 0.1, 0.4), 300.0)]
 
     mass, com, inertia = body_properties(build(polygons))
     moved = [affinity.translate(affinity.rotate(p, turn, (0, 0), use_radians=True), x, y) for p in polygons]
@@ -133,11 +133,11 @@ def test_inertia_turns_and_shifts_with_the_body(
 def test_parts_add_up_to_the_whole(radii: list[float], cut: float, random: object) -> None:
     """Cutting a plate in two, sideways and through its thickness, leaves mass, centre and inertia alone."""
     shape = star_polygon(radii)
-    whole = body_properties([(Plate(shape, 0.0, 0.3), 5.0)])
+    whole = body_properties([(Slab(shape, 0.0, 0.3), 5.0)])
     left = shape.intersection(box(-2, -2, cut - 0.5, 2))
     right = shape.intersection(box(cut - 0.5, -2, 2, 2))
     pieces = [p for half in (left, right) for p in getattr(half, "geoms", [half]) if p.area > 0]
-    plates = [(Plate(p, a, b), 5.0) for p in pieces for a, b in ((0.0, 0.3 * cut), (0.3 * cut, 0.3))]
+    plates = [(Slab(p, a, b), 5.0) for p in pieces for a, b in ((0.0, 0.3 * cut), (0.3 * cut, 0.3))]
     random.shuffle(plates)  # type: ignore[attr-defined]
     parts = body_properties(plates)
     assert parts[0] == pytest.approx(whole[0], rel=1e-12)
@@ -175,8 +175,8 @@ def test_a_body_without_density_has_a_centre_of_volume() -> None:
     ("plates", "fragment"),
     [
         ([], "no plates"),
-        ([(Plate(box(0, 0, 1, 1), 1.0, 1.0), 1.0)], "top must lie above"),
-        ([(Plate(box(0, 0, 1, 1), 0.0, math.nan), 1.0)], "top must lie above"),
+        ([(Slab(box(0, 0, 1, 1), 1.0, 1.0), 1.0)], "top must lie above"),
+        ([(Slab(box(0, 0, 1, 1), 0.0, math.nan), 1.0)], "top must lie above"),
         ([(plate(box(0, 0, 1, 1)), -1.0)], "density -1.0"),
         ([(plate(box(0, 0, 1, 1)), math.nan)], "density nan"),
         ([(plate(Polygon()), 1.0)], "empty polygon"),
@@ -184,7 +184,7 @@ def test_a_body_without_density_has_a_centre_of_volume() -> None:
         ([(plate(Polygon([(0, 0), (1, 0), (math.inf, 2)])), 1.0)], "not finite"),
     ],
 )
-def test_impossible_plates_are_refused(plates: list[tuple[Plate, float]], fragment: str) -> None:
+def test_impossible_plates_are_refused(plates: list[tuple[Slab, float]], fragment: str) -> None:
     with pytest.raises(DesignError, match=fragment):
         body_properties(plates)
 

@@ -4,14 +4,19 @@ import subprocess
 import sys
 import typing
 import warnings
+from collections.abc import Callable
 from importlib import import_module
 from inspect import isclass, isfunction, signature
 from pathlib import Path
 
+import numpy as np
+import numpy.typing as npt
 import pytest
 
 import lamc
 from lamc import plate
+from lamc.plates import records
+from tests.support.public_names import DOORS, exposed, has_any, signatures
 
 
 def test_the_front_door_shows_what_users_need_and_nothing_else() -> None:
@@ -38,9 +43,41 @@ def test_an_old_name_gives_the_same_object_and_the_new_name(module: str, name: s
     assert value is getattr(import_module(home), leaf)
 
 
+@pytest.mark.parametrize(
+    ("old", "there"),
+    [
+        ("lamc.Plate", "lamc.Slab"),
+        ("lamc.plate.Gravity", "lamc.plate.SelfWeight"),
+        *((f"lamc.plate.{name}", f"lamc.plates.records.{name}") for name in records.__all__),
+    ],
+)
+def test_an_old_public_name_gives_the_same_object_and_the_new_name(old: str, there: str) -> None:
+    homes = [(import_module(path.rsplit(".", 1)[0]), path.rsplit(".", 1)[1]) for path in (old, there)]
+    with pytest.warns(DeprecationWarning, match=f"^{old} is {there} now$"):
+        value = getattr(*homes[0])
+    assert value is getattr(*homes[1])
+
+
+def test_a_name_that_never_was_is_an_error_as_of_any_module() -> None:
+    with pytest.raises(AttributeError, match="has no attribute 'Plates'"):
+        lamc.Plates  # noqa: B018  # type: ignore[attr-defined]
+
+
 def test_an_old_module_knows_no_other_names() -> None:
     with pytest.raises(AttributeError):
         import_module("lamc.errors").nothing  # noqa: B018
+
+
+def test_the_door_to_plates_shows_what_users_call_and_make_and_no_records_of_results() -> None:
+    assert dir(plate) == sorted(plate.__all__)
+    assert not set(plate.__all__) & set(records.__all__)
+    assert sorted(records.__all__) == records.__all__
+
+
+def test_no_name_means_two_things() -> None:
+    """But `Material`, of a design's layer and of a ply: each is the field's word, and both names are fixed."""
+    assert set(lamc.__all__) & set(plate.__all__) == {"Material"}
+    assert not {name.lower() for name in lamc.__all__} & {"plate", "plates"}
 
 
 def test_lamc_itself_uses_no_old_name() -> None:
@@ -48,13 +85,8 @@ def test_lamc_itself_uses_no_old_name() -> None:
     assert subprocess.run(run, capture_output=True).returncode == 0
 
 
-def _exposed() -> list[tuple[str, object]]:
-    homes = ((lamc, "lamc"), (plate, "lamc.plate"))
-    return [(f"{where}.{name}", getattr(home, name)) for home, where in homes for name in home.__all__]
-
-
-FUNCTIONS = [pytest.param(name, thing, id=name) for name, thing in _exposed() if isfunction(thing)]
-CLASSES = [pytest.param(name, thing, id=name) for name, thing in _exposed() if isclass(thing)]
+FUNCTIONS = [pytest.param(name, thing, id=name) for name, thing in exposed(*DOORS) if isfunction(thing)]
+CLASSES = [pytest.param(name, thing, id=name) for name, thing in exposed(*DOORS) if isclass(thing)]
 
 
 @pytest.mark.parametrize(("name", "thing"), FUNCTIONS)
@@ -64,6 +96,29 @@ def test_public_functions_say_what_they_take_and_give(name: str, thing: typing.A
         parameters = signature(thing).parameters.values()
     assert all(p.annotation is not p.empty for p in parameters), name
     assert signature(thing).return_annotation is not signature(thing).empty, name
+
+
+def test_public_signatures_hold_no_any() -> None:
+    """What may be anything is `object`: a type checker then still looks at what is done with it."""
+    found = [(name, key) for name, hints in signatures() for key, hint in hints.items() if has_any(hint)]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    ("hint", "expected"),
+    [
+        (typing.Any, True),
+        (dict[str, typing.Any], True),
+        (Callable[[typing.Any], float], True),
+        (npt.NDArray[typing.Any], True),
+        (npt.NDArray[np.float64], False),
+        (npt.NDArray[np.floating[typing.Any]], False),
+        (npt.ArrayLike | None, False),
+        (object, False),
+    ],
+)
+def test_any_is_found_wherever_it_stands(hint: object, expected: bool) -> None:
+    assert has_any(hint) == expected
 
 
 @pytest.mark.parametrize(("name", "thing"), CLASSES)

@@ -11,7 +11,7 @@ from shapely.geometry import Point, Polygon, box
 
 import lamc
 from lamc.basics.numbers import duration
-from lamc.records.mechanism import Body, Joint, Mechanism, Plate
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.report.animation import FRAMES_PER_SECOND, draw_animation, frame_times
 from lamc.report.equations_text import equations_tex, equations_txt, escaped, listing, symbol_tex
 from lamc.report.folded import draw_folded, instants, round_length
@@ -26,10 +26,10 @@ from lamc.run.simulator import Simulator
 NASTY = "_h$1^{\\x}%&"
 
 
-def plate(x0: float, x1: float, thickness: float = 0.1) -> tuple[Plate, ...]:
+def plate(x0: float, x1: float, thickness: float = 0.1) -> tuple[Slab, ...]:
     """Two sheets on one another, 1 m wide, around z = 0."""
     half = thickness / 2
-    return (Plate(box(x0, 0, x1, 1), -half, 0.0), Plate(box(x0, 0, x1, 1), 0.0, half))
+    return (Slab(box(x0, 0, x1, 1), -half, 0.0), Slab(box(x0, 0, x1, 1), 0.0, half))
 
 
 def strip(count: int, names: tuple[str, ...] = ()) -> Mechanism:
@@ -106,7 +106,7 @@ def test_sheets_of_one_outline_are_one_block() -> None:
 
 def test_normals_point_outwards_also_in_a_hole() -> None:
     ring = Polygon(box(-1, -1, 1, 1).exterior, [Point(0, 0).buffer(0.3).exterior])
-    body = Body("ring", fixed=True, outline=(Plate(ring, 0.0, 0.1),))
+    body = Body("ring", fixed=True, outline=(Slab(ring, 0.0, 0.1),))
     for face in solid_of(Mechanism((body,), ())).faces:
         middle = face.rings[0].mean(axis=0)
         outside = middle + 1e-3 * face.normal

@@ -16,7 +16,8 @@ from lamc.reference.interpreter import Interpreter
 from lamc.symbolic.derivative import derivative, derivatives
 from lamc.symbolic.functions import FUNCTIONS
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Level, Scalar, Store, Value, call, cos, power, reciprocal, sin
+from lamc.symbolic.scalars import Scalar, Value, call, cos, power, reciprocal, sin
+from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.substitution import substitute
 from tests.support import expressions
 from tests.support.ctools import needs_cc, program_of, values_in_c

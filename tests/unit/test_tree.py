@@ -9,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lamc.basics.errors import TopologyError
-from lamc.mechanism.tree import WORLD, Link, Tree, _cross, plan
+from lamc.mechanism.hinge_frames import cross
+from lamc.mechanism.plan import plan
+from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.records.mechanism import Body, Joint, Mechanism
 from tests.support.mechanisms import Array, chain, random_tree, trees
 
@@ -258,4 +260,4 @@ def test_a_random_tree_has_every_body_once() -> None:
 def test_cross_products_are_numpys_to_the_bit() -> None:
     pairs = np.random.default_rng(5).normal(size=(200, 2, 3)) * 10.0 ** np.arange(-9, 11, 0.1)[:, None, None]
     for a, b in pairs:
-        assert _cross(a, b).tobytes() == np.cross(a, b).tobytes()
+        assert cross(a, b).tobytes() == np.cross(a, b).tobytes()

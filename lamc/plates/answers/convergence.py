@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import TypeVar, overload
 
 import numpy as np
 from scipy.optimize import brentq
@@ -23,6 +23,9 @@ from lamc.plates.meshing.changes import refined
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
 from lamc.plates.solving.model import solve
+from lamc.plates.solving.solution import Solution
+
+Answer = TypeVar("Answer")
 
 # What every element here has at least, in deflections, where the solution is smooth.
 ORDER = 2.0
@@ -66,12 +69,29 @@ class Convergence:
         )
 
 
+@overload
 def converge(
     problem: Problem | Callable[[float], Problem],
-    quantity: Callable[[Any], float],
+    quantity: Callable[[Solution], float],
     sizes: Sequence[float] = (),
     *,
-    answer: Callable[[Problem], Any] = solve,
+    meshes: int = 3,
+) -> Convergence: ...
+@overload
+def converge(
+    problem: Problem | Callable[[float], Problem],
+    quantity: Callable[[Answer], float],
+    sizes: Sequence[float] = (),
+    *,
+    answer: Callable[[Problem], Answer],
+    meshes: int = 3,
+) -> Convergence: ...
+def converge(
+    problem: Problem | Callable[[float], Problem],
+    quantity: Callable[[Answer], float],
+    sizes: Sequence[float] = (),
+    *,
+    answer: Callable[[Problem], Answer] = solve,  # type: ignore[assignment]  # Answer is Solution without it
     meshes: int = 3,
 ) -> Convergence:
     """`quantity(answer(problem))` on several meshes, such as quantity=lambda solution: solution.deflection(x, y), or
@@ -118,8 +138,17 @@ class QuantityError:
         return abs(self.extrapolated - self.value)
 
 
+@overload
+def error_of(problem: Problem, quantity: Callable[[Solution], float]) -> QuantityError: ...
+@overload
 def error_of(
-    problem: Problem, quantity: Callable[[Any], float], *, answer: Callable[[Problem], Any] = solve
+    problem: Problem, quantity: Callable[[Answer], float], *, answer: Callable[[Problem], Answer]
+) -> QuantityError: ...
+def error_of(
+    problem: Problem,
+    quantity: Callable[[Answer], float],
+    *,
+    answer: Callable[[Problem], Answer] = solve,  # type: ignore[assignment]  # Answer is Solution without it
 ) -> QuantityError:
     """How far off `quantity(answer(problem))` is, by one more answer on halved cells: four times the unknowns.
 

@@ -29,7 +29,7 @@ from lamc.plates.elements.kernels import kernels
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.ply_terms import EXPANSION, MASS, STIFFNESS
 from lamc.plates.laminates.slopes import VARIABLES, laminate_terms
-from lamc.plates.loads import CLIMATES, Gravity, Moisture, PointLoad, Temperature
+from lamc.plates.loads import CLIMATES, Moisture, PointLoad, SelfWeight, Temperature
 from lamc.plates.problem import Problem
 from lamc.plates.solving.climate import Climate
 from lamc.plates.solving.load_vectors import load_vector
@@ -150,7 +150,7 @@ def _of_solution(solution: Solution, of: Of) -> _Slopes:
             for part in climate.varying:
                 acting = by_varying(own, corners, regions == region, loaded[cells], part.factor)
                 varying.append((region, part.unit, acting))
-    weights = [load.acceleration for load in solution.loads if isinstance(load, Gravity)]
+    weights = [load.acceleration for load in solution.loads if isinstance(load, SelfWeight)]
     if weights:
         mass = by_weight(own, corners, regions, loaded[cells], np.sum(weights, axis=0), count)
     return _Slopes(-stiff, resultants, mass, varying)

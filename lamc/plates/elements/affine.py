@@ -14,7 +14,7 @@ from lamc.plates.elements.frame import Frame, constant
 from lamc.plates.elements.polynomials import inner, monomial_integral
 from lamc.plates.elements.strains import Strain
 from lamc.plates.elements.sums import weighted_sum
-from lamc.symbolic.staging import Scalar, reciprocal
+from lamc.symbolic.scalars import Scalar, reciprocal
 
 Powers: TypeAlias = tuple[int, int]  # of ξ and η
 

@@ -16,7 +16,7 @@ import scipy.sparse as sps
 from lamc.basics.checks import Array, shown
 from lamc.basics.errors import DesignError
 from lamc.plates.elements.definition import Element
-from lamc.plates.elements.kernels import ElementKernels, Evaluator, numbers
+from lamc.plates.elements.kernels import ElementKernels, Evaluator, Numbers, numbers
 from lamc.plates.elements.native import CompiledAssembly, CompiledElement
 from lamc.plates.meshing.mesh import Integers, Mesh
 
@@ -104,7 +104,7 @@ class Assembly:
         table = numbers("forces", forces, (3,), len(self.mesh.cells), float)
         return self._matrix("geometric", table, self._order)
 
-    def force(self, sections: npt.ArrayLike, d: npt.ArrayLike) -> npt.NDArray[Any]:
+    def force(self, sections: npt.ArrayLike, d: npt.ArrayLike) -> Numbers:
         """∫ Bᵀ (S (B d)) dA, shape (N,), of unknowns d (N,): the stiffness times d by way of the strains.
 
         Computed in the precision of d, float or numpy.longdouble. Sections as for `stiffness`.

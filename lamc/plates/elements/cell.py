@@ -14,7 +14,8 @@ from lamc.plates.elements.sheared import sheared
 from lamc.plates.elements.strains import Chain, Strain, bending, joined, membrane
 from lamc.plates.elements.sums import weighted_sum
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, reciprocal
+from lamc.symbolic.scalars import Scalar, reciprocal
+from lamc.symbolic.staging import Store
 
 _INDICES = ("11", "12", "16", "22", "26", "66")
 _ENTRIES = ((0, 1, 2), (1, 3, 4), (2, 4, 5))  # where a symmetric 3 × 3 finds its unique entries

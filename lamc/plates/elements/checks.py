@@ -14,7 +14,8 @@ from lamc.plates.elements.definition import SQUARE, TRIANGLE, Element
 from lamc.plates.elements.factor import Geometry
 from lamc.plates.elements.frame import Frame, constant, frame
 from lamc.plates.elements.polynomials import Polynomial, derivative, hats
-from lamc.symbolic.staging import Scalar, Store
+from lamc.symbolic.scalars import Scalar
+from lamc.symbolic.staging import Store
 
 Place: TypeAlias = tuple[Fraction, Fraction]
 Motion: TypeAlias = Mapping[str, Callable[[Fraction, Fraction], Fraction | int]]  # unknowns that are not zero

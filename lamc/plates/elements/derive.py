@@ -29,7 +29,8 @@ from lamc.plates.elements.quadrature import Point
 from lamc.plates.elements.stiffness import force, prestress, shear, stiffness, strain
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store
+from lamc.symbolic.scalars import Scalar
+from lamc.symbolic.staging import Store
 
 Staged: TypeAlias = list[Scalar] | tuple[list[Scalar], tuple[Point, ...]]
 _AT_A_POINT = (Space.CORNER, Space.NATURAL, Space.UNKNOWN)

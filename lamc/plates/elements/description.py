@@ -16,7 +16,8 @@ from lamc.plates.elements.derive import ElementEquations, derive
 from lamc.plates.elements.library import checked_element
 from lamc.plates.elements.polynomials import Polynomial
 from lamc.symbolic.program import Operations
-from lamc.symbolic.staging import Level, Value
+from lamc.symbolic.scalars import Value
+from lamc.symbolic.staging import Level
 from lamc.symbolic.statements import count_operations
 
 _STRETCHING_ROWS = ("u_ξ", "u_η", "v_ξ", "v_η")

@@ -20,7 +20,8 @@ from lamc.basics.errors import DesignError, ExpressionError
 from lamc.mechanics.sympy_view import from_sympy
 from lamc.plates.elements.definition import Element, eta, side, xi
 from lamc.plates.elements.polynomials import Polynomial, derivative
-from lamc.symbolic.staging import Scalar, Store
+from lamc.symbolic.scalars import Scalar
+from lamc.symbolic.staging import Store
 
 Rows: TypeAlias = tuple[Polynomial, ...]  # of one function: its values, gradient or strains
 Weights: TypeAlias = Mapping[int, Scalar]  # unknown → factor, in ascending order

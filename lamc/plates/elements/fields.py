@@ -15,7 +15,7 @@ from lamc.plates.elements.polynomials import Polynomial, hats, inner, product
 from lamc.plates.elements.strains import Chain, Part, slopes_part
 from lamc.plates.elements.sums import lower_triangle, weighted_sum
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, reciprocal
+from lamc.symbolic.scalars import Scalar, reciprocal
 
 
 def mass(cell: Cell) -> list[Scalar]:

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from lamc.plates.elements.definition import SQUARE, Element
 from lamc.plates.elements.polynomials import Polynomial, product
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 ONE: Polynomial = {(0, 0): Fraction(1)}
 Varying: TypeAlias = tuple[tuple[Polynomial, Scalar], ...]  # Σ polynomial · factor

@@ -8,7 +8,7 @@ a cell without area gives infinities. The work is done without the GIL.
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from lamc.plates.elements.library import checked_element
 from lamc.symbolic.program import ElementProgram
 
 Backend = Literal["c", "interpreted"]
+Numbers: TypeAlias = npt.NDArray[np.floating[Any]]  # float or long double
 
 
 class Evaluator(Protocol):
@@ -142,8 +143,12 @@ class ElementKernels:
         )
 
     def force(
-        self, corners: npt.ArrayLike, sections: npt.ArrayLike, d: npt.ArrayLike, dtype: Any = float
-    ) -> npt.NDArray[Any]:
+        self,
+        corners: npt.ArrayLike,
+        sections: npt.ArrayLike,
+        d: npt.ArrayLike,
+        dtype: type[float] | type[np.longdouble] = float,
+    ) -> Numbers:
         """∫ Bᵀ (S (B d)) dA, shape (m, d): stiffness times unknowns by way of the strains.
 
         Rigid motions cancel in B d, before stiffness multiplies their round-off. dtype: float or numpy.longdouble, in

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 from lamc.plates.elements.frame import ONE
 from lamc.plates.elements.polynomials import Polynomial
 from lamc.plates.elements.strains import Chain, Part, Strain, bending
-from lamc.symbolic.staging import Scalar, reciprocal
+from lamc.symbolic.scalars import Scalar, reciprocal
 
 if TYPE_CHECKING:
     from lamc.plates.elements.cell import Cell

@@ -14,7 +14,7 @@ from lamc.plates.elements.polynomials import inner
 from lamc.plates.elements.quadrature import Point, square_points
 from lamc.plates.elements.sums import lower_triangle, weighted_sum
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, reciprocal
+from lamc.symbolic.scalars import Scalar, reciprocal
 
 # Sums over points of more operations than this are left to a loop: compilers take long over long straight code.
 _MAX_STRAIGHT = 3000

@@ -14,7 +14,7 @@ from lamc.plates.elements.definition import Element
 from lamc.plates.elements.factor import Geometry, Rows, factored, gradient, hessian, value
 from lamc.plates.elements.frame import Frame, Varying, bending_rows, stretching_rows
 from lamc.plates.elements.sums import Sparse, applied, applied_transposed, congruence
-from lamc.symbolic.staging import Scalar
+from lamc.symbolic.scalars import Scalar
 
 
 @dataclass(frozen=True)

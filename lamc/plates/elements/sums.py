@@ -6,7 +6,7 @@ In: scalars of a store. Out: scalars of the same store. Never: knows what they a
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeAlias
 
-from lamc.symbolic.staging import Scalar, Value
+from lamc.symbolic.scalars import Scalar, Value
 
 Sparse: TypeAlias = Sequence[Mapping[int, Scalar]]  # row by row: column → entry
 

@@ -15,7 +15,8 @@ from functools import cache
 
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import Scalar, Store, Value, cos, sin
+from lamc.symbolic.scalars import Scalar, Value, cos, sin
+from lamc.symbolic.staging import Store
 
 # Pa, Pa, -, Pa; degrees; m; m, of the ply's middle above the reference surface; free strains along and across; kg/m³
 PLY_NUMBERS = ("E1", "E2", "nu12", "G12", "angle", "thickness", "height", "free1", "free2", "density")

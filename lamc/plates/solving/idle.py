@@ -17,10 +17,10 @@ from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
     ElectricField,
-    Gravity,
     LoadRecord,
     Moisture,
     PointLoad,
+    SelfWeight,
     Temperature,
 )
 from lamc.plates.problem import Problem
@@ -122,7 +122,7 @@ def _without_material(problem: Problem, load: LoadRecord) -> str:
 
 _NEEDS: dict[type, tuple[tuple[str, ...], str]] = {
     ElectricField: (("d31", "d32"), "is piezoelectric"),
-    Gravity: (("density",), "has a mass"),
+    SelfWeight: (("density",), "has a mass"),
     Moisture: (("beta1", "beta2"), "expands with moisture"),
     Temperature: (("alpha1", "alpha2"), "expands with temperature"),
 }

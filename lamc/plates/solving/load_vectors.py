@@ -13,7 +13,7 @@ from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
 from lamc.plates.elements.definition import CORNERS
 from lamc.plates.elements.kernels import ElementKernels
-from lamc.plates.loads import CLIMATES, EdgeLoad, EdgeMoment, Gravity, LoadRecord, PointLoad, Pressure
+from lamc.plates.loads import CLIMATES, EdgeLoad, EdgeMoment, LoadRecord, PointLoad, Pressure, SelfWeight
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
 from lamc.plates.solving.cell_points import cell_points
@@ -37,7 +37,7 @@ def load_vector(problem: Problem, kernels: ElementKernels, loads: Sequence[LoadR
         with about(load):
             if isinstance(load, Pressure) and callable(load.intensity):
                 _add_varying(total, problem, kernels, load)
-            elif isinstance(load, Pressure | Gravity):
+            elif isinstance(load, Pressure | SelfWeight):
                 intensities.append(_intensity(problem, load))
             elif isinstance(load, PointLoad):
                 _add_point(total, problem, kernels, load)
@@ -60,11 +60,11 @@ def _fields(problem: Problem, force: Any) -> list[Any]:
     return [*force[:2]] * chosen.stretches + [force[2]] * chosen.bends
 
 
-def _intensity(problem: Problem, load: Pressure | Gravity) -> Array:
+def _intensity(problem: Problem, load: Pressure | SelfWeight) -> Array:
     """Force per area of what does not vary, at the corners of the cells, shape (m, fields, c), Pa."""
     mesh = problem.mesh
     shape = mesh.cells.shape
-    if isinstance(load, Gravity):
+    if isinstance(load, SelfWeight):
         mass = np.array([laminate.areal_mass for laminate in problem.laminates])[mesh.regions][:, None]
         parts = [np.broadcast_to(mass * g, shape) for g in _fields(problem, load.acceleration)]
         return np.stack(parts, axis=1)

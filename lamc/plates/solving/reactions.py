@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.basics.checks import Array
+from lamc.plates.elements.kernels import Numbers
 from lamc.plates.foundations import ElasticFoundation
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.solving.rigid import resultant
-from lamc.plates.solving.system import Numbers, System
+from lamc.plates.solving.system import System
 from lamc.plates.supports import SupportRecord, Where
 
 

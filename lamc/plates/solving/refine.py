@@ -15,7 +15,8 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import SimulationError
-from lamc.plates.solving.system import Numbers, System
+from lamc.plates.elements.kernels import Numbers
+from lamc.plates.solving.system import System
 
 _MOST_STEPS = 30
 _ENOUGH = 1e-14  # forward error at which it stops: below double round-off of a result of a few operations

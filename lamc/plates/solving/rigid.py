@@ -17,6 +17,7 @@ from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
 from lamc.plates.dofs import Dofs
 from lamc.plates.elements.definition import DOFS
+from lamc.plates.elements.kernels import Numbers
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
 from lamc.plates.solving.blocks import groups
@@ -150,7 +151,7 @@ def pins(piece: Piece, dofs: Dofs) -> Equations:
     )
 
 
-def without_rigid(d: Array, piece: Piece, dofs: Dofs) -> Array:
+def without_rigid(d: Numbers, piece: Piece, dofs: Dofs) -> Numbers:
     """`d` (N,) with the free motions of `piece` taken out: its nodes' displacements have the least sum of squares."""
     table = dofs.table[piece.nodes]
     moves = np.isin(piece.dofs, table[:, :3])

@@ -20,6 +20,7 @@ from lamc.plates.answers.estimate import ErrorEstimate, error_estimate, recovere
 from lamc.plates.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
 from lamc.plates.answers.recovery import RecoveredStrains
 from lamc.plates.answers.shear_share import shear_share
+from lamc.plates.elements.kernels import Numbers
 from lamc.plates.laminates.graded import number_of
 from lamc.plates.laminates.plies import PlyState
 from lamc.plates.loads import LoadRecord
@@ -33,7 +34,7 @@ from lamc.plates.solving.refine import Accuracy
 from lamc.plates.solving.refine import solve as refined
 from lamc.plates.solving.rigid import check_balance
 from lamc.plates.solving.sections import in_cells, matrices
-from lamc.plates.solving.system import Numbers, System
+from lamc.plates.solving.system import System
 
 
 @dataclass(frozen=True)

@@ -9,17 +9,15 @@ nothing.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
 from lamc.basics.checks import Array
 from lamc.basics.once import lazy
 from lamc.plates.dofs import Dofs
 from lamc.plates.elements.assembly import Assembly
-from lamc.plates.elements.kernels import ElementKernels, kernels
+from lamc.plates.elements.kernels import ElementKernels, Numbers, kernels
 from lamc.plates.memory import check_memory
 from lamc.plates.problem import Problem
 from lamc.plates.solving.constraints import Constraints, constraints
@@ -32,7 +30,6 @@ from lamc.plates.solving.solvers import Factor, SingularError, checked_solver, f
 from lamc.plates.solving.springs import Springs, hinge_springs, springs, with_added
 
 _INVERSE_STEPS = 3  # of inverse iteration: enough for the order of magnitude
-Numbers = npt.NDArray[Any]  # float or long double
 
 
 class Pattern:

@@ -18,7 +18,8 @@ from lamc.basics.errors import ExpressionError
 from lamc.symbolic.expression import stage
 from lamc.symbolic.operations import BATCHED
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import CONSTANT, NUMBER, SYMBOL, Scalar, Store, Symbol, Value
+from lamc.symbolic.scalars import NUMBER, Scalar, Value
+from lamc.symbolic.staging import CONSTANT, SYMBOL, Store, Symbol
 
 _PLACE = re.compile(r"(?<![A-Za-z0-9_.])[xy](?![A-Za-z0-9_(])", re.ASCII)
 

@@ -16,11 +16,11 @@ from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
     ElectricField,
-    Gravity,
     LoadRecord,
     Moisture,
     PointLoad,
     Pressure,
+    SelfWeight,
     Temperature,
 )
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry, Value
@@ -157,7 +157,7 @@ class Actions:
         if model.pressure is not None:
             return Pressure(self._amount(model.pressure), region)
         if model.gravity is not None:
-            return Gravity(model.gravity)
+            return SelfWeight(model.gravity)
         if model.temperature is not None:
             slope = self._gradient(model, units.WARMING_GRADIENT, path)
             return Temperature(self._amount(model.temperature), region, slope)

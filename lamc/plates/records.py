@@ -1,0 +1,54 @@
+"""Records that plates are answered with, for annotations and `isinstance`: functions of `lamc.plate` make them.
+
+In: what the rooms beside it define. Out: the same names in one place. Never: what users construct, such as loads.
+"""
+
+from lamc.plates.answers.buckling import Buckling
+from lamc.plates.answers.choice import Choice
+from lamc.plates.answers.convergence import Convergence, ConvergenceRow, QuantityError
+from lamc.plates.answers.estimate import ErrorEstimate
+from lamc.plates.answers.failure import PlateFailure
+from lamc.plates.answers.hinge_stiffness import HingeStiffness
+from lamc.plates.answers.hinge_turns import HingeTurn
+from lamc.plates.answers.modes import Modes
+from lamc.plates.answers.shape_pairs import ShapePair
+from lamc.plates.designs.from_design import DesignPlate
+from lamc.plates.designs.hinge_edges import HingeEdge
+from lamc.plates.elements.assembly import Assembly
+from lamc.plates.elements.kernels import ElementKernels
+from lamc.plates.laminates.failure import FirstPlyFailure, PlyFailure
+from lamc.plates.laminates.plies import Deformation, EngineeringConstants, PlyState, Resultants
+from lamc.plates.memory import Memory
+from lamc.plates.meshing.report import MeshReport
+from lamc.plates.solving.reactions import Reaction
+from lamc.plates.solving.refine import Accuracy
+from lamc.plates.solving.solution import SolveReport
+
+__all__ = [
+    "Accuracy",
+    "Assembly",
+    "Buckling",
+    "Choice",
+    "Convergence",
+    "ConvergenceRow",
+    "Deformation",
+    "DesignPlate",
+    "ElementKernels",
+    "EngineeringConstants",
+    "ErrorEstimate",
+    "FirstPlyFailure",
+    "HingeEdge",
+    "HingeStiffness",
+    "HingeTurn",
+    "Memory",
+    "MeshReport",
+    "Modes",
+    "PlateFailure",
+    "PlyFailure",
+    "PlyState",
+    "QuantityError",
+    "Reaction",
+    "Resultants",
+    "ShapePair",
+    "SolveReport",
+]

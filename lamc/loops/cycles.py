@@ -16,7 +16,8 @@ from enum import Enum
 
 import numpy as np
 
-from lamc.mechanism.tree import WORLD, Tree, geometric_key
+from lamc.mechanism.spanning import geometric_key
+from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.mechanism import Array, Joint
 from lamc.records.network import SAME
 
@@ -69,7 +70,9 @@ def short_cycles(tree: Tree) -> tuple[Cycle, ...]:
     place = {link.body.name: index for index, link in enumerate(tree.links)}
     edges = [Edge(place.get(j.parent, WORLD), place.get(j.child, WORLD)) for j in joints]
     keys = [geometric_key(joint, tree.mechanism.size) for joint in joints]
-    rank = {index: position for position, index in enumerate(sorted(range(len(joints)), key=keys.__getitem__))}
+    rank = {
+        index: position for position, index in enumerate(sorted(range(len(joints)), key=keys.__getitem__))
+    }
     ways = shortest_basis(edges, [rank[index] for index in range(len(joints))])
     return tuple(_cycle(way, edges, joints, tree.mechanism.size) for way in ways)
 
@@ -124,7 +127,9 @@ def _rings(
     root: int, edges: Sequence[Edge], at: dict[int, list[tuple[int, int]]], reach: int
 ) -> Iterator[tuple[int, ...]]:
     """Rings of an edge and the ways from its ends to `root`, where these share nothing but the root."""
-    before: dict[int, tuple[int, int]] = {root: (-1, root)}  # node → the edge that reached it, the node before
+    before: dict[int, tuple[int, int]] = {
+        root: (-1, root)
+    }  # node → the edge that reached it, the node before
     depth = {root: 0}
     limb = {root: -1}  # the first edge of the way from the root
     queue = deque([root])

@@ -20,7 +20,8 @@ from lamc.loops.cycles import Cycle
 from lamc.mechanism.turns import snap
 from lamc.records.mechanism import Array, Joint
 from lamc.symbolic.algebra import ZERO, Vector3, add, cross, scale
-from lamc.symbolic.staging import Scalar, Store, Value, cos, reciprocal, sin
+from lamc.symbolic.scalars import Scalar, Value, cos, reciprocal, sin
+from lamc.symbolic.staging import Store
 
 Quaternion = tuple[Scalar, Scalar, Scalar, Scalar]
 Rows = tuple[Vector3, Vector3, Vector3]

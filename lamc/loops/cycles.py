@@ -45,8 +45,8 @@ class Cycle:
     signs   (k,): +1 where the way goes from the joint's parent to its child, -1 the other way
     kind    what their lines have in common
     centre  (3,), m, world: where they meet; on the first line otherwise
-    frame   (3, 3), world from the cycle's frame: columns are its axes. z is normal to all lines where they are coplanar,
-            and along them where they are parallel
+    frame   (3, 3), world from the cycle's frame: columns are its axes. z is normal to all lines where they are
+            coplanar, and along them where they are parallel
     """
 
     joints: tuple[int, ...]

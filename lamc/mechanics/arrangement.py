@@ -3,8 +3,8 @@
 Goes in: a tree and the effects of the scene; those with an attribute `arrange` are asked for what they add. Comes out:
 an `Arrangement`. It is cheap, holds no symbol, and is made for every simulator, whether its code is new or cached.
 
-Coordinates, in this order: the tree's hinges; what compliant hinges add; modes of flexible bodies; a floating base.
-All but the base's have q̇ = u. The base has seven coordinates, the world position of its centre of mass and a
+Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies; a
+floating base. All but the base's have q̇ = u. The base has seven coordinates, the world position of its centre of mass and a
 quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world axes and the angular
 velocity in axes of the body.
 """
@@ -131,7 +131,7 @@ class Arrangement:
     @property
     def plain_coordinates(self) -> tuple[Coordinate, ...]:
         """Those with q̇ = u: all but the floating base's."""
-        hinges = (Coordinate(name, "rad") for name in self.tree.joint_names)
+        hinges = (Coordinate(joint.name, "rad") for joint in self.tree.hinges)
         across = (
             Coordinate(f"{hinge.joint}.{freedom}", "rad" if freedom.startswith("twist") else "m")
             for hinge in self.compliant
@@ -159,12 +159,12 @@ class Arrangement:
             still = np.zeros(3)
             identity = np.array([1.0, 0.0, 0.0, 0.0])
             placed = replace(base, position=base.com, rotation=identity, velocity=still, spin=still)
-            still_joints = [0.0] * len(self.tree.links)
+            still_joints = [0.0] * len(self.tree.hinges)
             return np.concatenate(replace(self, base=placed).start(still_joints, still_joints))
         return np.zeros(len(self.coordinates) + len(self.rates))
 
     def start(self, q_joints: Sequence[float], u_joints: Sequence[float]) -> tuple[Array, Array]:
-        """q (nq,) and u (nu,) from the tree's angles, rad, and rates, rad/s; hinges and bodies start undeformed."""
+        """q (nq,) and u (nu,) from the joints' angles, rad, and rates, rad/s; hinges and bodies start undeformed."""
         rest = len(self.plain_coordinates) - len(q_joints)
         q, u = np.append(q_joints, np.zeros(rest)), np.append(u_joints, np.zeros(rest))
         base = self.base

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 from lamc.basics.errors import about
 from lamc.loops.rank import LoopCount
 from lamc.mechanics.arrangement import Arrangement, PrescribedBase
-from lamc.mechanics.closure import Closure, CutHinge
+from lamc.mechanics.closure import Closure
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.guards import guard_terms
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
-from lamc.mechanics.loads import Loads
+from lamc.mechanics.loads import Loads, SeenHinge
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.outputs import energies_of, poses_of
 from lamc.mechanics.parameters import Parameters
@@ -75,7 +75,7 @@ def symbols_of(arrangement: Arrangement, inputs: Mapping[str, Input]) -> Symbols
 def collect(
     symbols: Symbols,
     placement: Placement,
-    hinges: Sequence[CutHinge],
+    bushings: Sequence[SeenHinge],
     effects: "Sequence[Effect]",
     hold: Callable[[Loads], None] = lambda loads: None,
 ) -> Loads:
@@ -84,7 +84,7 @@ def collect(
     hold: adds what belongs to the effect whose turn it is beside its own loads, before them. What an effect raises is
     about that effect, so that whoever read it from a file can tell its place.
     """
-    loads = Loads(placement, symbols.parameters, symbols.time, symbols.q, symbols.u, hinges, symbols.inputs)
+    loads = Loads(placement, symbols.parameters, symbols.time, symbols.q, symbols.u, bushings, symbols.inputs)
     loads.claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
     for effect in effects:
         with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):

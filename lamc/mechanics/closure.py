@@ -1,71 +1,66 @@
-"""Closure of loops: what holds the two sides of each cut hinge together, staged.
+"""Closure of loops, staged: equations between the angles of all hinges, cut ones too.
 
-Goes in: kinematics and the cuts of a tree. Comes out: per cut five residuals (three of distance, two of direction),
-their Jacobian and their acceleration bias, and the cut hinge's own angle and rate. Both sides are expressed in the
-carrier of the last link that they have in common, so that hinges before it drop out by themselves.
+Goes in: a tree with cuts, coordinates, rates. Comes out: residuals, Jacobian and acceleration bias. Where bodies and
+hinges are rigid they are those of short cycles, each of which knows its own few hinges (`cycle_closure`). Where
+something yields, both sides of each cut hinge are followed through the tree, and meet at the hinge's angle.
 
-Residuals are in metres: those of direction are the sine of the angle between the axes times the mechanism's size.
+Residuals are rad, or displacements in parts of the mechanism's size.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.kinematics import Kinematics, Motion
+from lamc.loops.cycles import short_cycles
+from lamc.mechanics.cycle_closure import close_cycle
+from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.placement import Placement, rotate
-from lamc.mechanism.tree import WORLD, Cut, Side
+from lamc.mechanism.tree import WORLD, Cut, Side, Tree
 from lamc.records.mechanism import Array
-from lamc.symbolic.algebra import Vector3, add, dot
+from lamc.symbolic.algebra import Vector3, add, dot, scale
 from lamc.symbolic.derivative import derivatives
-from lamc.symbolic.scalars import Scalar, Value, call
+from lamc.symbolic.scalars import Scalar, Value, cos, sin
 from lamc.symbolic.staging import Store
 
 
 @dataclass(frozen=True)
-class CutHinge:
-    """One cut hinge. angle rad, within ±π; rate rad/s; both child relative to parent.
-
-    gradient  ∂angle/∂q, by which its torque does work in the general form; None: it acts on the two sides
-    """
-
-    cut: Cut
-    residual: tuple[Scalar, ...]  # m, five for each cut; none where a bushing holds it
-    angle: Scalar
-    rate: Scalar
-    gradient: tuple[Scalar, ...] | None = None
-
-
-@dataclass(frozen=True)
 class Closure:
-    """Residuals φ (m,) of all cuts with dφ/dt = J u and d²φ/dt² = J u̇ + γ.
+    """Residuals φ (m,) of all loops with dφ/dt = J u and d²φ/dt² = J u̇ + γ where they close.
 
     jacobian[i][j] is a plain zero where hinge j is not in the loop of equation i.
     """
 
-    hinges: tuple[CutHinge, ...]
-    residual: tuple[Scalar, ...]  # φ, m
-    jacobian: tuple[tuple[Scalar, ...], ...]  # J, (m, n), m/rad
-    bias: tuple[Scalar, ...]  # γ, (m,), m/s²
+    residual: tuple[Scalar, ...]  # φ
+    jacobian: tuple[tuple[Scalar, ...], ...]  # J, (m, n)
+    bias: tuple[Scalar, ...]  # γ, (m,), 1/s²
 
 
-def cut_hinges(placement: Placement, u: Sequence[Scalar]) -> tuple[CutHinge, ...]:
-    """Residuals, angles and rates of all cuts of the tree."""
+def close_cycles(tree: Tree, q: Sequence[Value], u: Sequence[Value]) -> Closure:
+    """Of rigid bodies on hinges. q, u: of the joints in the order of `tree.hinges`, and others that close no loop."""
+    store = q[0].store
+    residual: list[Scalar] = []
+    rows: list[tuple[Scalar, ...]] = []
+    bias: list[Scalar] = []
+    with store.section("Closure of the loops", source="products of exponentials along short cycles"):
+        for cycle in short_cycles(tree):
+            closed = close_cycle(store, cycle, tree.hinges, tree.mechanism.size, q, u)
+            residual += closed.residual
+            bias += closed.bias
+            for row in closed.jacobian:
+                entries = dict(row)
+                rows.append(tuple(entries.get(j, 0) for j in range(len(q))))
+    return Closure(tuple(residual), tuple(rows), tuple(bias))
+
+
+def close_cuts(placement: Placement, q: Sequence[Value], u: Sequence[Value]) -> Closure:
+    """Of what yields. placement: seen from the base. Equations that depend on q only."""
     kinematics = placement.kinematics
     store, tree = kinematics.store, kinematics.tree
-    if not tree.cuts:
-        return ()
-    motions = kinematics.motions(u)
-    with store.section("Closure of the loops", source="both sides of a cut hinge meet"):
-        size = store.constant(tree.mechanism.size)
-        return tuple(_cut_hinge(placement, cut, motions, size) for cut in tree.cuts)
-
-
-def close(hinges: Sequence[CutHinge], q: Sequence[Value], u: Sequence[Value]) -> Closure:
-    """Residuals that depend on q, with Jacobian and bias; in a plane loop only two of five per cut do."""
-    store = q[0].store
     speeds: dict[Value, Scalar] = dict(zip(q, u, strict=True))
-    every = [r for hinge in hinges for r in hinge.residual]
+    first = len(tree.links)
+    with store.section("Closure of the loops", source="both sides of a cut hinge meet"):
+        every = [r for k, cut in enumerate(tree.cuts) for r in _meeting(placement, cut, q[first + k])]
     with store.section("Jacobian of the closure", source="dφ/dq"):
-        columns = [derivatives(every, {angle: 1}) for angle in q]
+        columns = [derivatives(every, {x: 1}) for x in q]
     rows = [
         i for i in range(len(every)) if any(isinstance(column[i], Value) or column[i] for column in columns)
     ]
@@ -73,19 +68,19 @@ def close(hinges: Sequence[CutHinge], q: Sequence[Value], u: Sequence[Value]) ->
     with store.section("Acceleration bias of the closure", source="d²φ/dt² for u̇ = 0"):
         bias = derivatives(derivatives(residual, speeds), speeds)
     jacobian = tuple(tuple(column[i] for column in columns) for i in rows)
-    return Closure(tuple(hinges), tuple(residual), jacobian, tuple(bias))
+    return Closure(tuple(residual), jacobian, tuple(bias))
 
 
-def _cut_hinge(placement: Placement, cut: Cut, motions: list[Motion], size: Scalar) -> CutHinge:
+def _meeting(placement: Placement, cut: Cut, angle: Value) -> tuple[Scalar, ...]:
+    """Where the child's side is away from the parent's, turned by the hinge's angle."""
     kinematics = placement.kinematics
     common = _last_common(kinematics, cut.parent.link, cut.child.link)
     point_a, (xa, ya, _) = _seen(placement, cut.parent, common)
     point_b, (xb, _, zb) = _seen(placement, cut.child, common)
-    distance = (point_b[0] - point_a[0], point_b[1] - point_a[1], point_b[2] - point_a[2])
-    residual = (*distance, size * dot(xa, zb), size * dot(ya, zb))
-    angle = call("atan2", dot(ya, xb), dot(xa, xb))
-    rate = _spin(kinematics, cut.child, motions) - _spin(kinematics, cut.parent, motions)
-    return CutHinge(cut, residual, angle, rate)
+    per_size = kinematics.store.constant(1.0 / kinematics.tree.mechanism.size)
+    apart = tuple(per_size * (b - a) for a, b in zip(point_a, point_b, strict=True))
+    across = add(scale(cos(angle), ya), scale(-sin(angle), xa))
+    return (*apart, dot(xa, zb), dot(ya, zb), dot(across, xb))
 
 
 def _last_common(kinematics: Kinematics, a: int, b: int) -> int:
@@ -121,14 +116,6 @@ def _seen(placement: Placement, side: Side, common: int) -> tuple[Vector3, tuple
         index = link.parent
     x, y, z = axes
     return point, (x, y, z)
-
-
-def _spin(kinematics: Kinematics, side: Side, motions: list[Motion]) -> Scalar:
-    """Angular velocity of a side about the hinge, rad/s."""
-    if side.link == WORLD:
-        return 0
-    axis = kinematics.in_carrier(side.link, constants(kinematics.store, side.axes[:, 2]))
-    return dot(axis, motions[side.link].omega)
 
 
 def constants(store: Store, values: Array) -> Vector3:

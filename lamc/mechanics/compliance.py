@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from lamc.basics.checks import Array
 from lamc.mechanics.arrangement import FREEDOMS, Bushing, CompliantHinge
-from lamc.mechanics.closure import CutHinge, constants
+from lamc.mechanics.closure import constants
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanics.loads import Loads
+from lamc.mechanics.loads import Loads, SeenHinge
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanism.tree import WORLD, Side
 from lamc.mechanism.turns import snap
@@ -49,7 +49,7 @@ def hinge_amounts(
 
 def bushing_amounts(
     placement: Placement, bushing: Bushing, q: Sequence[Value], u: Sequence[Value]
-) -> tuple[Held, CutHinge]:
+) -> tuple[Held, SeenHinge]:
     """p of a compliant hinge that closes a loop, from where its two sides are; and the hinge as effects see it.
 
     placement: seen from the base. q, u: those with q̇ = u.
@@ -74,7 +74,7 @@ def bushing_amounts(
         for row in range(6)
     ]
     gradient = tuple(column[2] for column in columns)
-    seen = CutHinge(bushing.cut, (), angle, rates[2], gradient)
+    seen = SeenHinge(bushing.cut.joint, angle, rates[2], gradient)
     return Held(tuple(amounts), tuple(rates), tuple(partials)), seen
 
 

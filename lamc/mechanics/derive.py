@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanics.assembly import Solved, Symbols, assemble, collect, symbols_of
-from lamc.mechanics.closure import Closure, close, cut_hinges
+from lamc.mechanics.closure import Closure, close_cycles
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.general import derive_general
@@ -78,10 +78,9 @@ def _derive_plain(
         inertias, coms = zip(*pairs, strict=True) if pairs else ((), ())
         base = regrouped(store, tree, inertias)
     placement = Placement(Kinematics(store, tree, q))
-    hinges = cut_hinges(placement, u)
-    loads = collect(symbols, placement, hinges, effects)
+    loads = collect(symbols, placement, (), effects)
     problem = Problem(placement.kinematics, base, u, loads)
-    solved = _solved(problem, close(hinges, q, u) if hinges else None, symbols.parameters)
+    solved = _solved(problem, close_cycles(tree, q, u) if tree.cuts else None, symbols.parameters)
     masses = Masses(inertias, coms, {})
     return assemble(symbols, arrangement, loads, masses, solved, loops or count_loops(tree), effects, inputs)
 
@@ -103,7 +102,9 @@ class Problem:
         with kinematics.store.section("Inertia in carrier frames", source="eq. 7-11"):
             self.inertias = [self._in_carrier(i, inertia) for i, inertia in enumerate(base)]
         self.wrenches = self._wrenches(None)
-        self.torques = [s * torque for s, torque in zip(self.signs, loads.hinge_torques, strict=True)]
+        count = len(self.signs)
+        self.torques = [s * t for s, t in zip(self.signs, loads.hinge_torques[:count], strict=True)]
+        self._at_cuts = loads.hinge_torques[count:]
 
     def _wrenches(self, accelerations: Sequence[Scalar] | None) -> list[Wrench]:
         """Inertia forces less applied ones, for hinge accelerations given or zero."""
@@ -144,12 +145,13 @@ class Problem:
 
     def forces(self) -> list[Scalar]:
         values = generalised_forces(self.kinematics, self.wrenches, self.torques)
-        return [s * value for s, value in zip(self.signs, values, strict=True)]
+        return [*(s * value for s, value in zip(self.signs, values, strict=True)), *self._at_cuts]
 
     def residual(self, accelerations: Sequence[Scalar]) -> list[Scalar]:
         """M u̇ - f, N·m, by inverse dynamics: no mass matrix is formed."""
         values = generalised_forces(self.kinematics, self._wrenches(accelerations), self.torques)
-        return [-(s * value) for s, value in zip(self.signs, values, strict=True)]
+        at_cuts = (-torque for torque in self._at_cuts)
+        return [*(-(s * value) for s, value in zip(self.signs, values, strict=True)), *at_cuts]
 
     def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
         entries = mass_matrix(self.kinematics, self.inertias)

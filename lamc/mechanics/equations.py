@@ -122,7 +122,8 @@ class Equations:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        return self.tree.joint_names
+        """Names in the order of q and u: the tree's, then those that close loops."""
+        return tuple(joint.name for joint in self.tree.hinges)
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -154,20 +155,6 @@ class Equations:
     def cut_joints(self) -> tuple[str, ...]:
         """Names of the joints that close loops."""
         return tuple(cut.joint.name for cut in self.tree.cuts)
-
-    @lazy
-    def watched_cuts(self) -> tuple[str, ...]:
-        """Those of `cut_joints` whose angle a force, an energy or a guard depends on. It jumps at ±180°."""
-        if self.closure is None:
-            return ()
-        guards = [terms.guard.value for terms in self.guards]
-        read = [*self.forces, *self.energies.values(), *guards]
-        live = set(_store_of(read, self.store).live(read))
-        return tuple(
-            hinge.cut.joint.name
-            for hinge in self.closure.hinges
-            if isinstance(hinge.angle, Value) and hinge.angle.index in live
-        )
 
     @lazy
     def operations(self) -> Operations:

@@ -16,7 +16,7 @@ from lamc.mechanics import compliance
 from lamc.mechanics.arrangement import Arrangement, FloatingBase, PrescribedBase
 from lamc.mechanics.assembly import Solved, Symbols, assemble, collect
 from lamc.mechanics.chain_kinematics import ChainKinematics
-from lamc.mechanics.closure import Closure, CutHinge, close, cut_hinges
+from lamc.mechanics.closure import Closure, close_cuts, close_cycles
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.inertia import link_inertia, regrouped
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
@@ -28,7 +28,6 @@ from lamc.mechanics.placement import Placement
 from lamc.mechanism.tree import WORLD
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Array
-from lamc.symbolic.derivative import derivative
 from lamc.symbolic.evaluate import evaluate
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Store
@@ -60,15 +59,18 @@ def derive_general(
     masses = _masses(kinematics, symbols.parameters)
     plain = len(arrangement.plain_coordinates)
     seen = Placement(kinematics.on_still_base())
-    hinges = _general_hinges(seen, q[:plain], u[:plain])
     held = [compliance.bushing_amounts(seen, b, q[:plain], u[:plain]) for b in arrangement.bushings]
     hold = partial(_hold, arrangement=arrangement, bushings=[amounts for amounts, _ in held], q=q, u=u)
-    every = (*hinges, *(hinge for _, hinge in held))
-    loads = collect(symbols, Placement(kinematics, base), every, effects, hold)
+    bushings = [hinge for _, hinge in held]
+    loads = collect(symbols, Placement(kinematics, base), bushings, effects, hold)
     problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)
-    closure = _widened(close(hinges, q[:plain], u[:plain]), len(u)) if hinges else None
-    count = loops or count_loops(arrangement.tree)
-    if closure is not None and plain > len(arrangement.tree.links):
+    tree, closure = arrangement.tree, None
+    yields = plain > len(tree.hinges)
+    if tree.cuts:
+        close = partial(close_cuts, seen) if yields else partial(close_cycles, tree)
+        closure = _widened(close(q[:plain], u[:plain]), len(u))
+    count = loops or count_loops(tree)
+    if closure is not None and yields:
         count = _yielding(count, closure, store, q[:plain], arrangement)
     solved = Solved(problem, closure, INVERSE_DYNAMICS)
     return assemble(symbols, arrangement, loads, masses, solved, count, effects, inputs)
@@ -111,18 +113,6 @@ def _regrouped(kinematics: ChainKinematics, masses: Masses) -> Masses:
     with kinematics.store.section("Base parameters", source="Gautier & Khalil 1990"):
         inertias = regrouped(kinematics.store, kinematics.tree, masses.inertias, kept)
     return replace(masses, inertias=tuple(inertias))
-
-
-def _general_hinges(placement: Placement, q: Sequence[Value], u: Sequence[Value]) -> tuple[CutHinge, ...]:
-    """Cut hinges with rates and partials of their angles by all coordinates; placement: seen from the base."""
-    store = placement.kinematics.store
-    result: list[CutHinge] = []
-    for hinge in cut_hinges(placement, u):
-        with store.section("Closure of the loops", source="both sides of a cut hinge meet"):
-            rate = derivative(hinge.angle, dict(zip(q, u, strict=True)))
-            gradient = tuple(derivative(hinge.angle, {x: 1}) for x in q)
-        result.append(replace(hinge, rate=rate, gradient=gradient))
-    return tuple(result)
 
 
 def _hold(
@@ -170,7 +160,7 @@ def _yielding(
     m, rank = len(closure.residual), 0
 
     def at(x: Array) -> tuple[Array, Array]:
-        values = np.array(evaluate(store, flat, dict(zip(q, x.tolist(), strict=True)))) / size
+        values = np.array(evaluate(store, flat, dict(zip(q, x.tolist(), strict=True))))
         return values[:m], values[m:].reshape(m, len(q))
 
     units = 1.0 / np.maximum(np.abs(at(np.zeros(len(q)))[1]).max(axis=0, initial=0.0), least)
@@ -182,4 +172,4 @@ def _yielding(
         if np.abs(residual).max() < CLOSED:
             rank = max(rank, int((np.linalg.svd(jacobian * units)[1] > DEPENDENT).sum()))
     rank = rank or min(m, len(q))
-    return replace(count, rank=rank + count.loops, freedoms=len(q) - rank, misfit=None)
+    return replace(count, rank=rank, freedoms=len(q) - rank, misfit=None)

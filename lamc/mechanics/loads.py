@@ -12,17 +12,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 from lamc.basics.errors import DesignError
-from lamc.mechanics import closure
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.body_points import BodyPoints, drawn_point
-from lamc.mechanics.closure import CutHinge
 from lamc.mechanics.guards import Guard
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, local_point, rotate_back
 from lamc.mechanics.powers import Account
 from lamc.mechanism.tree import WORLD
 from lamc.records.mechanism import Array, Joint, checked_number
-from lamc.symbolic.algebra import ZERO, Vector3, add, cross, scale
+from lamc.symbolic.algebra import ZERO, Vector3, add, cross
 from lamc.symbolic.program import Space
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import NO_LINK
@@ -42,6 +40,19 @@ class Hinge:
     rate: Scalar  # rad/s
 
 
+@dataclass(frozen=True)
+class SeenHinge:
+    """A hinge whose angle is no coordinate. angle rad, within ±π; rate rad/s; both child relative to parent.
+
+    gradient  ∂angle/∂q, by which its torque does work
+    """
+
+    joint: Joint
+    angle: Scalar
+    rate: Scalar
+    gradient: tuple[Scalar, ...]
+
+
 class Loads(BodyPoints):
     """Collects the loads of one scene on one tree.
 
@@ -58,14 +69,14 @@ class Loads(BodyPoints):
         time: Scalar,
         q: Sequence[Scalar],
         u: Sequence[Scalar],
-        cut_hinges: Sequence[CutHinge] = (),
+        bushings: Sequence[SeenHinge] = (),
         inputs: Mapping[str, Scalar] | None = None,
     ) -> None:
         super().__init__(placement, u)
         tree = self.tree
         self.time = time
         self.inputs: Mapping[str, Scalar] = inputs or {}  # of the scene, by name; constant within a run
-        self.hinge_torques: list[Scalar] = [0] * len(tree.links)
+        self.hinge_torques: list[Scalar] = [0] * len(tree.hinges)
         self.field: Vector3 = ZERO
         self.wrenches: dict[
             int, tuple[Vector3, Vector3]
@@ -84,14 +95,14 @@ class Loads(BodyPoints):
         self._q = list(q)
         self._parameters = parameters
         self._store = parameters.store
-        self._index = {link.joint.name: i for i, link in enumerate(tree.links)}
-        self._cuts = {hinge.cut.joint.name: hinge for hinge in cut_hinges}
+        self._index = {joint.name: i for i, joint in enumerate(tree.hinges)}
+        self._bushings = {hinge.joint.name: hinge for hinge in bushings}
         self._effect = ""
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the joints: those of q in their order, then those that close loops."""
-        return (*self.tree.joint_names, *self._cuts)
+        """Names of the joints: those of q in their order, then those that bushings hold."""
+        return (*self._index, *self._bushings)
 
     @contextmanager
     def effect(self, name: str, title: str, source: str) -> Iterator[None]:
@@ -140,22 +151,23 @@ class Loads(BodyPoints):
 
     def hinge(self, joint: str) -> Hinge:
         """The hinge of that name. Raises DesignError with the names there are."""
-        if joint in self._cuts:
-            closing = self._cuts[joint]
-            return Hinge(closing.cut.joint, closing.angle, closing.rate)
+        if joint in self._bushings:
+            seen = self._bushings[joint]
+            return Hinge(seen.joint, seen.angle, seen.rate)
         index = self._index.get(joint)
         if index is None:
             raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
-        return Hinge(self.tree.links[index].joint, self._q[index], self._u[index])
+        return Hinge(self.tree.hinges[index], self._q[index], self._u[index])
 
-    def is_cut(self, joint: str) -> bool:
-        """True for a joint that closes a loop: its angle is within ±180° and jumps there."""
-        return joint in self._cuts
+    def wraps(self, joint: str) -> bool:
+        """True for a joint that a bushing holds: its angle is within ±180° and jumps there."""
+        return joint in self._bushings
 
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
         for name in self.joints:
-            self._store.link = self._index.get(name, NO_LINK)
+            index = self._index.get(name, NO_LINK)
+            self._store.link = index if index < len(self.tree.links) else NO_LINK
             yield self.hinge(name)
 
     def each(self, items: Iterable[Item]) -> Iterator[Item]:
@@ -172,17 +184,8 @@ class Loads(BodyPoints):
             self.hinge_torques[index] = self.hinge_torques[index] + value
             self._account.turn(index, value)
             return
-        closing = self._cuts[name]
-        if closing.gradient is not None:
-            for k, partial in enumerate(closing.gradient):
-                self.generalised_force(k, value * partial)
-            return
-        cut = closing.cut
-        for side, sign in ((cut.child, 1), (cut.parent, -1)):
-            if side.link != WORLD:
-                axis = closure.constants(self._store, side.axes[:, 2])
-                moment = scale(sign * value, self.kinematics.in_carrier(side.link, axis))
-                self._book(side.link, ZERO, moment)
+        for k, partial in enumerate(self._bushings[name].gradient):
+            self.generalised_force(k, value * partial)
 
     def generalised_force(self, coordinate: int, force: Scalar) -> None:
         """Adds a force that does work on a coordinate, by its place in q: N·m per rad, N per m."""

@@ -34,12 +34,12 @@ POSES = (
 SYSTEM = ("system", "mass matrix, lower triangle by rows, then forces", _STATE)
 CLOSURE = (
     "closure",
-    "residuals of the loops (m), m, then their Jacobian by rates (m, nu)",
+    "residuals of the loops (m), rad or parts of the size, then their Jacobian by rates (m, nu)",
     (Space.CONSTANT, Space.ANGLE),
 )
 DYNAMICS = (
     "dynamics",
-    "mass matrix and forces as system gives them, then Jacobian of the loops (m, nu) and their bias (m), m/s^2",
+    "mass matrix and forces as system gives them, then Jacobian of the loops (m, nu) and their bias (m), 1/s^2",
     _STATE,
 )
 INERTIA = ("inertia", "mass matrix, lower triangle by rows", (Space.CONSTANT, Space.ANGLE))
@@ -55,11 +55,6 @@ IMPACTS = (
     (Space.CONSTANT, Space.TIME, Space.ANGLE),
 )
 POWER = ("power", "power of the loads of each effect, W", (*_STATE, Space.ACCELERATION))
-CUTS = (
-    "cuts",
-    "angles of the cut joints, rad, then their rates, rad/s",
-    (Space.CONSTANT, Space.ANGLE, Space.RATE),
-)
 
 
 @collector_paused
@@ -98,7 +93,6 @@ def lower(equations: Equations, *, books: bool = False) -> Program:
         constant_count=len(constants),
         energies=tuple(equations.energies),
         cuts=equations.cut_joints,
-        watched=equations.watched_cuts,
         closure_count=len(equations.closure.residual) if equations.closure else 0,
         guards=tuple(
             Guard(g.name, constants[g.mode.index] if g.mode is not None else -1)
@@ -107,7 +101,7 @@ def lower(equations: Equations, *, books: bool = False) -> Program:
         drawn=_drawn(equations),
         powers=tuple(equations.powers) if books else (),
         jacobian_cost=_jacobian_cost(functions),
-        rank=equations.loops.closure_rank,
+        rank=equations.loops.rank,
         tolerance=equations.loops.accepted_gap,
         size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
@@ -128,12 +122,10 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
     if closure is None:
         return [*rates, system]
     jacobian = [value for row in closure.jacobian for value in row]
-    cuts = [hinge.angle for hinge in closure.hinges] + [hinge.rate for hinge in closure.hinges]
     return [
         *rates,
         system,
         (CLOSURE, [*closure.residual, *jacobian]),
-        (CUTS, cuts),
         (DYNAMICS, [*lower_triangle, *equations.forces, *jacobian, *closure.bias]),
     ]
 
@@ -214,7 +206,6 @@ def _canonical(program: Program) -> Iterable[str]:
             program.constant_count,
             program.notes,
             program.cuts,
-            program.watched,
             program.closure_count,
             program.rank,
             program.guards,

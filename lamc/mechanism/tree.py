@@ -65,6 +65,11 @@ class Tree:
         return tuple(link.joint.name for link in self.links)
 
     @property
+    def hinges(self) -> tuple[Joint, ...]:
+        """All joints: the tree's in its order, then those that close loops. Angles q and rates u are in this order."""
+        return (*(link.joint for link in self.links), *(cut.joint for cut in self.cuts))
+
+    @property
     def depth(self) -> int:
         """Number of hinges on the longest way to the world."""
         depths: list[int] = []

@@ -155,7 +155,6 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
             # C has no empty arrays: where there is nothing to name, one empty name stands.
             "joint_names": [string_literal(j) for j in program.joints] or ['""'],
             **_coordinate_strings(program),
-            "cut_names": [string_literal(j) for j in program.cuts] or ['""'],
             "body_names": [string_literal(b) for b in program.bodies] or ['""'],
             "parameter_names": [p.literal for p in parameters] or ['""'],
             "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
@@ -164,7 +163,6 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
             "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
         "counts": _counts(program),
-        "watched": [int(name in program.watched) for name in program.cuts] if program.watched else [],
         "guard_modes": [g.mode for g in program.guards],
         "jacobian_cost": literal(program.jacobian_cost),
         "present": sorted(program.functions),

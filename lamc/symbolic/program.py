@@ -164,8 +164,7 @@ class Program:
     energies: tuple[str, ...]
     functions: Mapping[str, Function]
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
-    cuts: tuple[str, ...] = ()  # names of the joints that close loops
-    watched: tuple[str, ...] = ()  # those of them whose angle forces, energies or guards depend on
+    cuts: tuple[str, ...] = ()  # names of the last joints, which close loops
     closure_count: int = 0  # m, equations that hold the loops
     rank: int = 0  # of the closure at a generic position; the other equations are redundant
     guards: "tuple[Guard, ...]" = ()

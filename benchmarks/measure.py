@@ -24,6 +24,9 @@ PACKAGES = (
     "scikit-sundae",
     "scikit-fem",
     "scikit-sparse",
+    "triangle",
+    "meshpy",
+    "gmsh",
 )
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -5,7 +5,7 @@ cffi reads, taken from those same headers. The same program gives the same bytes
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -21,7 +21,7 @@ from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.turns import CALLS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.program import Program
+from lamc.symbolic.program import Coordinate, Program
 
 _DECLARATIONS = re.compile(
     r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL
@@ -140,8 +140,8 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
         "digest": program.digest,
         "notes": [comment(n) for n in program.notes],
         "joints": [comment(j) for j in program.joints],
-        "coordinates": [(comment(c.name), comment(c.unit)) for c in program.coordinates],
-        "rates": [(comment(c.name), comment(c.unit)) for c in program.rates],
+        "other_coordinates": other_entries(program, program.coordinates),
+        "other_rates": other_entries(program, program.rates),
         "powers": [comment(p) for p in program.powers],
         "cuts": [comment(j) for j in program.cuts],
         "size": literal(program.size),
@@ -178,6 +178,12 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
     }
 
 
+def other_entries(program: Program, entries: Sequence[Coordinate]) -> list[tuple[int, str]]:
+    """Number, and name with unit, of the coordinates or rates beyond those of joints."""
+    texts = [f"{comment(entry.name)}, {comment(entry.unit)}" for entry in entries]
+    return list(enumerate(texts))[len(program.joints) :]
+
+
 def _look_up(number: int, table: Piecewise) -> CLookUp:
     rows = tuple(", ".join(map(repr, row)) for row in table.pieces)
     return CLookUp(number, len(table.breaks), table.degree + 1, tuple(map(repr, table.breaks)), rows)
@@ -199,6 +205,7 @@ def _counts(program: Program) -> dict[str, int]:
         "joints": len(program.joints),
         "coordinates": len(program.coordinates),
         "rates": len(program.rates),
+        "jacobian_columns": len(program.coordinates) + len(program.rates) + 1,
         "powers": len(program.powers),
         "cuts": len(program.cuts),
         "closure": program.closure_count,

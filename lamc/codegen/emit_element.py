@@ -120,6 +120,12 @@ def _context(program: ElementProgram, prefix: str) -> dict[str, object]:
             if any(space in program.inputs(name) for name in functions)
         ],
         "counts": counts,
+        "sizes": {
+            "lanes": 8 * LANES,  # bytes
+            "xy": 2 * counts["corner"],
+            "node_pairs": counts["node"] ** 2,
+            "matrix": counts["unknown"] ** 2,
+        },
         "lanes": LANES,
         "has_calls": any(f.operations.calls for f in functions.values()),
         "has_matrix": any(name in functions for name in MATRICES),

@@ -23,6 +23,11 @@ class CRoutine:
     lines: tuple[str, ...]
     unused: tuple[str, ...]  # arguments it does not read
 
+    @property
+    def reads_numbers(self) -> bool:
+        """Whether it looks up a number that differs from link to link, `CFunction.literals`."""
+        return self.is_kernel and any("number[i[" in line for line in self.lines)
+
 
 @dataclass(frozen=True)
 class CTable:

@@ -9,7 +9,7 @@ import hashlib
 from dataclasses import dataclass
 
 from lamc.basics._version import __version__
-from lamc.codegen.emit import emit, environment
+from lamc.codegen.emit import emit, environment, other_entries
 from lamc.codegen.names import comment
 from lamc.codegen.printer import literal
 from lamc.export.amalgam import amalgamate, public_functions
@@ -25,7 +25,7 @@ from lamc.export.sizes import sizes_of
 from lamc.export.statuses import STATUSES
 from lamc.run.methods import constant
 from lamc.run.simulator import Simulator
-from lamc.symbolic.program import Coordinate, Program
+from lamc.symbolic.program import Program
 
 MODEL = "this"  # what names of the model's own C begin with; they are its alone, whatever the prefix of the export is
 
@@ -117,8 +117,9 @@ def _context(
         "mark": list(mark.digest()[:16]),
         "joints": [comment(j) for j in program.joints],
         "cuts": [comment(j) for j in program.cuts],
-        "coordinates": [_entry(c) for c in program.coordinates],
-        "rates": [_entry(c) for c in program.rates],
+        "numbered_cuts": list(enumerate(map(comment, program.cuts), len(program.joints))),
+        "other_coordinates": other_entries(program, program.coordinates),
+        "other_rates": other_entries(program, program.rates),
         "bodies": [comment(b) for b in program.bodies],
         "energies": [comment(e) for e in program.energies],
         "parameters": parameters,
@@ -134,11 +135,20 @@ def _context(
             "energies": len(program.energies),
             "guards": len(program.guards),
             "closure": program.closure_count,
+            "state": len(program.coordinates) + len(program.rates),
+            "cut_numbers": 2 * len(program.cuts),
+            "closure_numbers": program.closure_count * (len(program.rates) + 1),
         },
         "sizes": sizes_of(simulator.model, options),
         "start": [literal(float(x)) for x in simulator.start] or ["0.0"],
         "reals": run.reals,
         "integers": run.integers,
+        "place_of": {
+            "t": run.reals.index("t"),
+            "t_old": run.reals.index("t_old"),
+            "method": run.integers.index("method"),
+            "next_method": run.integers.index("watch.next_method"),
+        },
         "integer_ranges": integer_ranges(
             run, len(program.coordinates) + len(program.rates), len(program.guards)
         ),
@@ -155,10 +165,6 @@ def _context(
         "method_number": constant(options.integrator),
         "bound": _bound(program, options),
     }
-
-
-def _entry(coordinate: Coordinate) -> str:
-    return f"{comment(coordinate.name)}, {comment(coordinate.unit)}"
 
 
 def _bound(program: Program, options: ExportOptions) -> str:

@@ -84,6 +84,8 @@ def plate_context(
     operations = {name: function.operations.flops for name, function in functions.items()}
     ply = _ply_function(expands=bool(kinds))
     named = {"xy": "corners", "s": "section", "xi": "element_points[point]"}
+    motions = ["u", "v"] * element.stretches + ["w", "w_x", "w_y"] * element.bends
+    counts = _counts(problem, tables, laminates, program)
     return {
         **facts,
         "P": prefix,
@@ -100,7 +102,7 @@ def plate_context(
             f"{k}  {', '.join(own)} at xi = {float(node.at[0]):g}, eta = {float(node.at[1]):g}"
             for k, (node, own) in enumerate(zip(element.nodes, program.nodes, strict=True))
         ],
-        "counts": _counts(problem, tables, laminates, program),
+        "counts": counts,
         "statuses": STATUSES,
         "materials": [
             f"{material}: "
@@ -128,7 +130,12 @@ def plate_context(
         "climates": _climate_rows(problem, tables),
         "strain_first": 18 + 1 + (3 if element.bends and not both else 0),
         "only_bends": element.bends and not element.stretches,
-        "motions": ["u", "v"] * element.stretches + ["w", "w_x", "w_y"] * element.bends,
+        "motions": motions,
+        "motion_values": [
+            (name, f"fields[{motions.index(name)}]" if name in motions else "0.0")
+            for name in ("u", "v", "w", "w_x", "w_y", "w_xy")
+        ],
+        "work_megabytes": f"{counts['work'] * 8e-6:.1f}",
         "told": "w" if element.bends else "u",
         "told_climates": _told(kinds),
         "near": tables.near,

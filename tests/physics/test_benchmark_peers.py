@@ -11,6 +11,7 @@ import pytest
 import lamc
 from benchmarks.devices import CROSSED, SCENE, plates
 from benchmarks.hard_cases import undamped
+from benchmarks.meshers import ANGLE, Case, cases, measured
 from benchmarks.peers import ccx_peer, closed_triple, hand, kane_lambdify
 from lamc import plate
 from lamc.reference.newton_euler import NewtonEuler
@@ -123,3 +124,12 @@ def test_calculix_bends_the_clamped_square(tmp_path: Path) -> None:
     errors = [abs(ccx_peer.run(case, squares, tmp_path)[1] / case.expected - 1) for squares in (10, 20)]
     assert errors[1] < 0.03
     assert errors[1] < errors[0]
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
+def test_meshers_are_asked_to_fill_the_same_outlines(case: Case) -> None:
+    """Whatever meshers are installed fill the outline with triangles, and lamc's keep their angle."""
+    rows = measured(case, 0.1, 1)
+    assert rows[0].mesher == "lamc"
+    assert rows[0].least_angle >= ANGLE - 1e-9  # round-off of the angle
+    assert all(abs(row.covered) < 1e-9 for row in rows)  # borders are straight: round-off of sums of areas

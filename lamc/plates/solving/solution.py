@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 from lamc.basics.checks import Array, shown
 from lamc.basics.errors import DesignError, UnsupportedError
@@ -157,6 +158,16 @@ class Solution:
     def hinge_energy(self, index: int) -> float:
         """In the spring of the hinge line of that number, J."""
         return self._system.hinge_springs.energy(self._exact, index)
+
+    @property
+    def spring_energy(self) -> float:
+        """In all hinge lines, elastic hinges at supports and elastic ground, J."""
+        return sum(each.energy(self._exact) for each in (self._system.springs, self._system.hinge_springs))
+
+    @property
+    def free_unknowns(self) -> sp.csr_array:
+        """Orthonormal columns that span what the supports leave free, (N, f)."""
+        return self._system.constraints.free
 
     @property
     def exact(self) -> Numbers:

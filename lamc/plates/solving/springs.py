@@ -48,10 +48,11 @@ class Springs:
         """`matrix` with the springs on its own pattern, which holds all unknowns of a cell with each other."""
         return with_added(matrix, sp.csc_array(self.turns.T @ sp.diags_array(self.stiffness) @ self.turns))
 
-    def energy(self, d: NDArray[np.floating], owner: int) -> float:
-        """Of the springs of one owner, J."""
+    def energy(self, d: NDArray[np.floating], owner: int | None = None) -> float:
+        """Of all springs or of those of one owner, J."""
+        stiffness = self.stiffness if owner is None else np.where(self.owners == owner, self.stiffness, 0.0)
         turns = self.turns @ d
-        return 0.5 * float(np.sum(np.where(self.owners == owner, self.stiffness, 0.0) * turns * turns))
+        return 0.5 * float(np.sum(stiffness * turns * turns))
 
     def over(self, free: sp.csr_array) -> sp.csc_array:
         """The stiffness of what is `free` (N, f), (f, f): formed from turns of these, so that motions that turn no

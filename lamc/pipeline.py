@@ -181,8 +181,7 @@ def _loops_of(
 ) -> LoopCount:
     """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
     arrangement = arrange(plan(mechanism), effects)
-    cuts = tuple(cut.joint.name for cut in arrangement.tree.cuts)
-    known = (*arrangement.tree.joint_names, *cuts, *(joint.name for joint in mechanism.joints))
+    known = (*arrangement.tree.joint_names, *(joint.name for joint in mechanism.joints))
     check_names(scene, tuple(dict.fromkeys(known)))
 
     def count() -> LoopCount:

@@ -49,11 +49,6 @@ class LoopCount:
         return self.equations - self.rank
 
     @property
-    def closure_rank(self) -> int:
-        """Rank of the equations without the angles of the cut joints, which are no coordinates of the motion."""
-        return self.rank - self.loops
-
-    @property
     def accepted_gap(self) -> float:
         """The gap, m, up to which loops count as closed; 0 where they close to round-off."""
         return self.tolerance if self.misfit is not None and self.misfit.rank == self.rank else 0.0

@@ -68,7 +68,7 @@ class Starter:
         self.size = len(geometry.names)
 
     def state(self, start: Scene) -> Array:
-        """The state (2 k,) of the k tree joints, rad and rad/s.
+        """The state (2 n,) of all joints, rad and rad/s.
 
         Raises DesignError where no position has the angles, no motion the rates, and at a singular position where
         neither rates nor a branch say which way the mechanism goes on.
@@ -85,8 +85,7 @@ class Starter:
             angles, rates = self._on_branch(angles, start.branch, moving)
         else:
             rates = self._at_branching(angles, moving)
-        count = self.geometry.tree_count
-        return np.concatenate([angles[:count], rates[:count]])
+        return np.concatenate([angles, rates])
 
     def known_position(self, start: Scene) -> Array | None:
         """The closed position (n,) of a start, out of a singular one by its branch; None where there is none."""

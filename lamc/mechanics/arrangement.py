@@ -3,10 +3,10 @@
 Goes in: a tree and the effects of the scene; those with an attribute `arrange` are asked for what they add. Comes out:
 an `Arrangement`. It is cheap, holds no symbol, and is made for every simulator, whether its code is new or cached.
 
-Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies; a
-floating base. All but the base's have q̇ = u. The base has seven coordinates, the world position of its centre of mass and a
-quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world axes and the angular
-velocity in axes of the body.
+Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies;
+a floating base. All but the base's have q̇ = u. The base has seven coordinates, the world position of its centre of
+mass and a quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world axes and
+the angular velocity in axes of the body.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

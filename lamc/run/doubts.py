@@ -1,4 +1,4 @@
-"""In what a result of loops may not be what it seems: angles that jump, equations let go, a rank from elsewhere.
+"""In what a result of loops may not be what it seems: equations let go, a rank from elsewhere.
 
 In: a `Result`. Out: lines for people. Never: changes a number, or looks at more rows than it says.
 """
@@ -21,21 +21,7 @@ def notes(result: "Result") -> tuple[str, ...]:
     """The lines, none for a tree."""
     if not result.motion.model.cuts or not len(result.t):
         return ()
-    return (*_jumps(result), *_let_go(result), *_rank_from_elsewhere(result))
-
-
-def _jumps(result: "Result") -> list[str]:
-    """Angles of cut joints that pass ±180° between two rows. Nothing reads them, or the run would have ended there."""
-    jumping = [
-        name for name in result.motion.model.cuts if bool((np.abs(np.diff(result.angle(name))) > np.pi).any())
-    ]
-    if not jumping:
-        return []
-    names = ", ".join(repr(name) for name in jumping)
-    return [
-        f"{names}, where a loop is closed, passes ±180°: the angle is told within ±180° and jumps there, it counts no "
-        "turns; the motion does not read it"
-    ]
+    return (*_let_go(result), *_rank_from_elsewhere(result))
 
 
 def _let_go(result: "Result") -> list[str]:
@@ -63,11 +49,8 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
         met = max(met, int((values > _INDEPENDENT * values[0]).sum()) if len(values) else 0)
     if met >= model.rank:
         return []
-    own = len(
-        model.cuts
-    )  # the angle of a cut joint follows by an equation of its own, which the closure leaves out
     return [
-        f"the loops have {model.rank + own} independent equations in other postures, and {met + own} "
+        f"the loops have {model.rank} independent equations in other postures, and {met} "
         f"at the {len(rows)} rows that were looked at: the rank was taken from elsewhere; "
         "compare with a run from another start"
     ]

@@ -27,9 +27,6 @@ def message(trajectory: Trajectory, request: Request, motion: Motion) -> str:
         "which branch it takes; start on a branch (Scene(branch=…)) or change what holds it there",
         Status.EVENTS_PILE_UP: f"stopped {at}: impacts follow each other ever faster (Zeno); let the limit give way "
         "with JointLimits(stiffness=…, damping=…) where a joint comes to rest on it",
-        Status.ANGLE_WRAPPED: f"stopped {at}: a joint that closes a loop passes ±180°, where its angle jumps, and what "
-        "reads the angle (spring, stop or torque) would act as if it were folded back; move that to another joint of "
-        "the loop, or give it limits",
         Status.CANCELLED: f"cancelled {at} of {request.t_end:g} s; what was computed is kept",
         Status.FAILED: f"stopped {at}: the integrator failed",
     }[status]
@@ -52,10 +49,6 @@ def _concerned(trajectory: Trajectory, motion: Motion) -> str:
             loops = ", ".join(repr(name) for name in model.cuts[:4])
             more = f" and {len(model.cuts) - 4} more" if len(model.cuts) > 4 else ""
             return f"loop closed by {loops}{more}"
-        case Status.ANGLE_WRAPPED if len(trajectory.q) and model.watched:
-            angles = motion.cut_states(np.hstack([trajectory.q[-1:], trajectory.u[-1:]]))[0]
-            nearest = max(model.watched, key=lambda name: abs(float(angles[model.cuts.index(name)])))
-            return f"joint {nearest!r}"
         case Status.EVENTS_PILE_UP if trajectory.events:
             return f"at {model.guards[trajectory.events[-1][1]]}"
     return ""

@@ -76,13 +76,6 @@ class Motion(Unchanging):
         self._on_own(model.lib.lamc_motion_closures, len(y), model.read(y), model.write(out))
         return out
 
-    def cut_states(self, y: Array) -> Array:
-        """Rows of angles (rad, within ±π) and then rates (rad/s) of the cut joints at states y (k, nq + nu)."""
-        model = self.model
-        out = np.zeros((len(y), 2 * len(model.cuts)))
-        self._on_own(model.lib.lamc_motion_cuts, len(y), model.read(y), model.write(out))
-        return out
-
     def accelerations(self, t: Array, y: Array) -> Array:
         """Derivatives of the rates, shape (m, nu), at times t (m,) s and states y (m, nq + nu)."""
         out = np.zeros((len(y), len(self.model.rates)))
@@ -180,10 +173,7 @@ class Model(Unchanging):
         )
         self.rates = self._named(handle.rate_names, handle.rate_units, handle.rate_count, "rad/s")
         self.powers = self._names(handle.power_names, handle.power_count)
-        self.cuts = self._names(handle.cut_names, handle.cut_count)
-        self.watched = tuple(
-            name for i, name in enumerate(self.cuts) if handle.cut_watched and handle.cut_watched[i]
-        )  # those whose angle something reads
+        self.cuts = self.joints[len(self.joints) - int(handle.cut_count) :]
         self.closure_count = int(handle.closure_count)
         self.size = float(handle.size)
         self.rank = int(handle.rank)

@@ -68,8 +68,9 @@ def _check_point(
 
 def outputs_of(result: Result, scene: Scene) -> tuple[Output, ...]:
     """The outputs of the scene over the run; all joints where it names none. The scene has passed `check_outputs`."""
-    joints = (*result.joints, *result.motion.model.cuts)
-    return tuple(found for each in scene.outputs or joints for found in _of(result, each, joints))
+    return tuple(
+        found for each in scene.outputs or result.joints for found in _of(result, each, result.joints)
+    )
 
 
 def shared_ranges(outputs: Sequence[Output], ranges: Sequence[float], *, chosen: bool) -> list[float]:

@@ -41,8 +41,6 @@ def output_errors(result: Result, truth: Result, scene: Scene) -> dict[str, floa
     found = {}
     for mine, other in zip(compared_outputs(result, scene), exact, strict=True):
         gap: Array = mine.values[:rows] - other.values[:rows]
-        if mine.name in result.motion.model.cuts:
-            gap = np.remainder(gap + np.pi, 2.0 * np.pi) - np.pi
         found[mine.name] = float(np.abs(gap).max(initial=0.0)) / scale[mine.name]
     return found
 

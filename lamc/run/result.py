@@ -136,16 +136,15 @@ class Result(Unchanging):
 
     def angle(self, joint: str) -> Array:
         """Angle of a joint, shape (m,), rad; zero as drawn, positive by the right-hand rule about its axis,
-        child relative to parent; within ±π for a joint that closes a loop. Raises KeyError with the names
-        there are."""
-        return self._of(joint, self.q, 0)
+        child relative to parent; it counts turns. Raises KeyError with the names there are."""
+        return self._of(joint, self.q)
 
     def rate(self, joint: str) -> Array:
         """Rate of a joint, shape (m,), rad/s, or another of `rates`, as "base.vz", in the unit told there. Raises
         KeyError with the names there are."""
         if any(rate.name == joint for rate in self.rates[len(self.joints) :]):
             return self.u[:, _place(joint, self.rates, "rate")]
-        return self._of(joint, self.u, len(self.motion.model.cuts))
+        return self._of(joint, self.u)
 
     @lazy
     def energies(self) -> Mapping[str, Array]:
@@ -272,18 +271,10 @@ class Result(Unchanging):
         poses.flags.writeable = False
         return poses
 
-    @lazy
-    def _cut_states(self) -> Array:
-        return self.motion.cut_states(self._rows)
-
-    def _of(self, joint: str, values: Array, offset: int) -> Array:
-        """The column of a joint, in q or u, or among the states of the joints that close loops."""
-        cuts = self.motion.model.cuts
-        if joint in cuts:
-            return self._cut_states[:, offset + cuts.index(joint)]
+    def _of(self, joint: str, values: Array) -> Array:
+        """The column of a joint in q or u."""
         if joint not in self.joints:
-            names = ", ".join((*self.joints, *cuts)) or "none"
-            raise KeyError(f"no joint is named {joint!r}; there are {names}")
+            raise KeyError(f"no joint is named {joint!r}; there are {', '.join(self.joints) or 'none'}")
         return values[:, self.joints.index(joint)]
 
 

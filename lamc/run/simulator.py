@@ -91,9 +91,9 @@ class Simulator(Evaluations):
         self._module = module
         self._loops = loops
         self._books = books
-        known = (*self.joints, *self.cut_joints, *(joint.name for joint in mechanism.joints))
+        known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
-        names = [*(c.name for c in self.coordinates), *self.cut_joints]
+        names = [c.name for c in self.coordinates]
         check_outputs(scene, names, self.bodies, self._bending)
 
     def __repr__(self) -> str:
@@ -122,7 +122,7 @@ class Simulator(Evaluations):
         else:
             with told_at(self.scene.places):
                 refuse_branch(self.scene)
-            yields = len(self.joints) + len(self._model.cuts) < len(self.mechanism.joints)
+            yields = len(self.joints) < len(self.mechanism.joints)
             start = (
                 yielding_start(plan(self.mechanism), self.scene)
                 if yields

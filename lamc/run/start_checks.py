@@ -72,8 +72,4 @@ def _by_joint(motion: Motion, start: Array) -> tuple[dict[str, float], dict[str,
     joints, count, nq = model.joints, len(model.joints), len(model.coordinates)
     angles = dict(zip(joints, start[:count].tolist(), strict=True))
     rates = dict(zip(joints, start[nq : nq + count].tolist(), strict=True))
-    if model.cuts:
-        state = motion.cut_states(start.reshape(1, -1))[0]
-        angles |= dict(zip(model.cuts, state[: len(model.cuts)].tolist(), strict=True))
-        rates |= dict(zip(model.cuts, state[len(model.cuts) :].tolist(), strict=True))
     return angles, rates

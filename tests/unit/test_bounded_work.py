@@ -11,13 +11,14 @@ from pathlib import Path
 
 import pytest
 import shapely
-from shapely.geometry import LineString
+from shapely.geometry import LineString, Polygon
 
 from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
 from lamc.design import split, work
 from lamc.design.split import split as split_design
 from lamc.plates import followed
+from lamc.plates.designs import overlay
 from lamc.readers import native
 from lamc.readers.load import load
 from lamc.readers.plates import follow, problem_make
@@ -369,6 +370,14 @@ def test_a_folded_hinge_line_of_a_plate_is_refused_before_it_is_cut_at_the_outli
         DesignError, match=r"x.yaml:7:\d+: hinges\[0\].along: .*cross each other .*20000 crossings"
     ):
         plate_of_text(text, "x.yaml")
+
+
+def test_layers_of_a_plate_that_cross_each_other_too_often_are_refused_before_they_are_overlaid() -> None:
+    """No layer crosses itself, so that splitting is little work."""
+    combs = [shapely.MultiPolygon([Polygon(comb_points(200, lying=lying))]) for lying in (False, True)]
+    with pytest.raises(DesignError, match=r"outlines of the plate's layers cross each other"):
+        overlay.overlay(combs, 1e-3)
+    assert len(overlay.overlay([combs[0]] * 40, 1e-3).regions) == 1
 
 
 def test_the_number_of_places_of_a_plate_is_bounded() -> None:

@@ -8,28 +8,17 @@ import math
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationInfo, WithJsonSchema
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import LENGTH_UNIT as LENGTH_UNIT
+from lamc.basics.fields import Model as Model
+from lamc.basics.fields import custom as custom
 from lamc.basics.units import Quantity, length_unit
-
-LENGTH_UNIT = "length_unit"  # the context's key
 
 ALL_LAYERS = "all"
 _WIDEST_ANGLE = 4.0 * math.pi
-
-
-class Model(BaseModel):
-    """Base of all models: unknown keys are errors, and nothing changes after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-def custom(error: DesignError) -> PydanticCustomError:
-    """A DesignError in pydantic's own clothing; its text is the whole message."""
-    return PydanticCustomError("lamc", "{text}", {"text": error.message})
 
 
 def reader(quantity: Quantity, rule: Callable[[float], str | None] | None = None) -> BeforeValidator:

@@ -117,7 +117,7 @@ def is_measured(text: str) -> bool:
 class Unit:
     """Says of a field that its numbers have a unit: as they are, in tuples, or in maps by name, as its type has it.
 
-    unit         SI, as in "N*m/rad"; "1" for a plain number
+    unit         SI, as in "N*m/rad"; "1" for a plain number; or a Quantity, which has a name of its own for messages
     description  what the field is, for people
     gt, ge, lt, le  bounds of each number
 
@@ -125,7 +125,7 @@ class Unit:
     text that is no number with a unit passes as it is: an expression.
     """
 
-    unit: str
+    unit: str | Quantity
     description: str = ""
     gt: float | None = None
     ge: float | None = None
@@ -140,12 +140,14 @@ class Unit:
 
     def number(self, value: object, name: str, context: Mapping[str, Any] | None = None) -> float:
         """`value` in SI. Raises DesignError for what is no finite number, out of bounds, or of another dimension."""
-        if isinstance(value, np.generic):
-            value = value.item()
-        if isinstance(value, numbers.Real) and not isinstance(value, int | float):
-            value = float(value)
-        plain = "" if self.unit == "1" else self.unit
-        kind = Quantity(name.replace("_", " "), plain, _EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
+        if not isinstance(value, int | float | str):
+            value = value.item() if isinstance(value, np.generic) else value
+            value = (
+                float(value) if isinstance(value, numbers.Rational) and not isinstance(value, int) else value
+            )
+        kind, plain = self.unit, self.si
+        if isinstance(kind, str):
+            kind = Quantity(name.replace("_", " "), plain, _EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
         number = to_si(value, kind, (context or {}).get(LENGTH_UNIT) if plain == "m" else None) + 0.0
         for rule, words in _RULES.items():
             bound = getattr(self, rule)
@@ -154,8 +156,20 @@ class Unit:
                 raise DesignError(f"{told}; it must be {words} {bound:g}")
         return number
 
+    @property
+    def si(self) -> str:
+        """The unit, empty for a plain number."""
+        unit = self.unit.unit if isinstance(self.unit, Quantity) else self.unit
+        return "" if unit == "1" else unit
+
     def _validated(self, kind: Any, value: Any, info: ValidationInfo) -> Any:
-        return self._read(kind, value, (info.field_name or "value",), info.context or {})
+        name, context = info.field_name or "value", info.context or {}
+        if kind is not float:
+            return self._read(kind, value, (name,), context)
+        try:  # as `_read`, sooner: designs have thousands of coordinates
+            return self.number(value, name, context)
+        except DesignError as error:
+            raise custom(error) from error
 
     def _read(self, kind: Any, value: Any, path: Path, context: Mapping[str, Any]) -> Any:
         """`value` as the type `kind` has it; path: the field's name, and where in it the value stands."""
@@ -204,16 +218,15 @@ class Unit:
     def _asked(self, form: Any) -> str:
         """What a type asks people for."""
         origin, inner = _origin(form), get_args(form)
+        many = f"numbers ({self.si or 'plain'})"
         if origin is Literal:
             return " or ".join(map(repr, inner))
-        if origin not in (tuple, Mapping):
-            return "text" if form is str else f"a number ({self.unit})"
         if origin is Mapping:
-            return (
-                f"a map from names to {'lists' if _origin(inner[1]) is tuple else f'numbers ({self.unit})'}"
-            )
-        many = "" if Ellipsis in inner else f"{len(inner)} "
-        return f"a list of {many}{'lists' if _origin(inner[0]) is tuple else f'numbers ({self.unit})'}"
+            return f"a map from names to {'lists' if _origin(inner[1]) is tuple else many}"
+        if origin is tuple:
+            count = "" if Ellipsis in inner else f"{len(inner)} "
+            return f"a list of {count}{'lists' if _origin(inner[0]) is tuple else many}"
+        return "text" if form is str else f"a number ({self.si or 'plain'})"
 
     def _described(self, kind: Any) -> dict[str, Any]:
         """JSON Schema of the type `kind`, with the unit in words."""
@@ -228,8 +241,10 @@ class Unit:
         (form,) = forms
         origin, inner = _origin(form), get_args(form)
         if form is float:
-            bare = "the file's units" if self.unit == "m" else "plain" if self.unit == "1" else self.unit
+            bare = "the file's units" if self.si == "m" else self.si or "plain"
             words = f"a number ({bare}), or text with a unit"
+            if isinstance(self.unit, Quantity):
+                words = f"{self.unit.name}, {words} such as {self.unit.example!r}"
             words += ", or an expression" if str in _forms(kind) else ""
             bounds = {
                 "exclusiveMinimum": self.gt,

@@ -136,7 +136,7 @@ REFUSED = [
         "scenes:\n  a: {angels: {h: 1}}",
         "2:7: scenes.a.angels: the key 'angels' is unknown; did you mean 'angles'?",
     ),
-    ("scenes:\n  a: {duration: 0}", "2:17: scenes.a.duration: 0 is not above 0"),
+    ("scenes:\n  a: {duration: 0}", "2:17: scenes.a.duration: the duration is 0 s; it must be above 0"),
     ("scenes:\n  a: {duration: 3 m}", "2:17: scenes.a.duration: 'm' is not a unit of duration"),
     (
         "scenes:\n  a: {effects: {gravty: }}",

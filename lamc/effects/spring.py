@@ -1,12 +1,12 @@
 """A spring, with damper if wished, between a point of one body and a point of another."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
+from lamc.basics.fields import Name, Unit, Vector
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import checked_array, checked_name, checked_number
 from lamc.symbolic.algebra import Vector3, dot
 from lamc.symbolic.scalars import Scalar, call
 
@@ -16,44 +16,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Spring(RegisteredEffect):
-    """Pulls its two points together when it is longer than its rest length; several may act in one scene.
+    """Pulls its two points together when it is longer than its rest length; several may act in one scene."""
 
-    point_a, point_b  where the points are in the drawn configuration, m, world axes
-    stiffness         N/m
-    rest_length       m; a spring of no length has no direction, so with a rest length the points must stay apart
-    damping           N·s/m, of the rate of change of the length
-    """
-
-    body_a: str
-    point_a: tuple[float, float, float]
-    body_b: str
-    point_b: tuple[float, float, float]
-    stiffness: float
-    rest_length: float = 0.0
-    damping: float = 0.0
+    body_a: Name
+    point_a: Annotated[Vector, Unit("m", "where the point is in the drawn configuration, world axes")]
+    body_b: Name
+    point_b: Annotated[Vector, Unit("m", "where the point is in the drawn configuration, world axes")]
+    stiffness: Annotated[float, Unit("N/m", ge=0.0)]
+    rest_length: Annotated[
+        float,
+        Unit(
+            "m",
+            "a spring of no length has no direction: with a rest length the points must stay apart",
+            ge=0.0,
+        ),
+    ] = 0.0
+    damping: Annotated[float, Unit("N*s/m", "of the rate of change of the length", ge=0.0)] = 0.0
 
     name: ClassVar[str] = "spring"
     summary: ClassVar[str] = "Springs between points"
     source: ClassVar[str] = "F = -(k (l - l0) + c dl/dt) along the line, eq. 18"
     repeatable: ClassVar[bool] = True
-    units: ClassVar[Mapping[str, str]] = {
-        "point_a": "m",
-        "point_b": "m",
-        "stiffness": "N/m",
-        "rest_length": "m",
-        "damping": "N*s/m",
-    }
     absent: ClassVar[str] = "no spring is called for"
-
-    def __post_init__(self) -> None:
-        for field in ("body_a", "body_b"):
-            checked_name(getattr(self, field), "the body of a spring")
-        for field in ("point_a", "point_b"):
-            x, y, z = (float(v) for v in checked_array(getattr(self, field), (3,), f"{field} of a spring"))
-            object.__setattr__(self, field, (x, y, z))
-        for field in ("stiffness", "rest_length", "damping"):
-            value = checked_number(getattr(self, field), f"the {field} of a spring", minimum=0.0)
-            object.__setattr__(self, field, value)
 
     @property
     def conservative(self) -> bool:

@@ -18,12 +18,12 @@ demo: $(STAMP)
 	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, bench.png, the animation, results.csv; plate/deflection.png"
 
 test: $(STAMP)
-	$(MAKE) -C runtime_c test sanitize tsan cxx
+	$(MAKE) -C runtime_c test sanitize tsan cxx single
 	$(BIN)/python -m pytest -q -n 2 -m "not slow"
 
 test-all: $(STAMP) # with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench,fmi,cc]'
-	$(MAKE) -C runtime_c test sanitize tsan cxx
+	$(MAKE) -C runtime_c test sanitize tsan cxx single
 	$(BIN)/python -m pytest -q -n 2
 
 lint: $(STAMP)

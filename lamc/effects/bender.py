@@ -19,11 +19,6 @@ from lamc.symbolic.algebra import cross, dot
 from lamc.symbolic.expression import stage
 from lamc.symbolic.scalars import Scalar
 
-if TYPE_CHECKING:
-    from lamc.plates.laminates.laminate import Laminate
-else:
-    Laminate = Any  # whose import takes a while; `lamc schema` asks for type hints at run time
-
 _SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
 _VOLTAGE = "the voltage of a piezo bender"
 _ROUND_OFF = 1e-9  # of the free strains, below which a bending strain is none

@@ -21,9 +21,6 @@ from lamc.mechanism.tree import Tree
 
 if TYPE_CHECKING:
     from lamc.plates.answers.reduction import Reduction
-    from lamc.plates.laminates.laminate import Laminate
-else:
-    Laminate = Any  # whose import takes a while; `lamc schema` asks for type hints at run time
 
 _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given

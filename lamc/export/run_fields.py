@@ -11,7 +11,7 @@ from lamc.run.methods import numbers_of_c
 
 _SET_ANEW = ("ode", "options", "status")  # and pointers
 _LOGS = ("switch_t", "switch_method")  # told to people, and of no consequence
-_REAL, _WHOLE = ("double",), (("int",), ("long", "long"))
+_REAL, _WHOLE = ("lamc_real",), (("int",), ("long", "long"))
 
 
 @dataclass(frozen=True)

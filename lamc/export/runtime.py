@@ -78,7 +78,7 @@ def runtime_files(program: Program, options: ExportOptions) -> Mapping[str, str]
     files = {path.name: path for path in paths}
     for unit in sorted(_absent(program, options)):
         files[f"{unit}.c"] = root / "absent" / f"{unit}.c"
-    files["string.h"] = root / "absent" / "bytes.h"
+    files |= {"lamc_real.h": root / "absent" / "real.h", "string.h": root / "absent" / "bytes.h"}
     files |= mathematics(options)
     return {name: path.read_text(encoding="utf-8") for name, path in files.items()}
 
@@ -94,6 +94,18 @@ def mathematics(options: ExportOptions) -> dict[str, Path]:
         return {"math.h": bare / "elementary.h", "bits.h": bare / "bits.h", **shared}
     own = {name: single / name for name in ("trig.h", "bits.h")}
     return {"math.h": single / "elementary.h", **own, **shared}
+
+
+def macros(options: ExportOptions) -> tuple[str, ...]:
+    """What counts as defined while files become one."""
+    return tuple(
+        name
+        for name, is_defined in (
+            ("LAMC_BARE", not options.calls_libm),
+            ("LAMC_REAL_FLOAT", options.precision == "float"),
+        )
+        if is_defined
+    )
 
 
 def table_of_methods(options: ExportOptions) -> str:

@@ -11,12 +11,11 @@ import pytest
 
 import lamc
 from lamc.basics.errors import ExportError
-from lamc.basics.resources import data_dir
 from lamc.effects.gravity import Gravity
 from lamc.export import files_of
 from lamc.export.ctokens import tokens
 from lamc.export.package import state_bytes
-from lamc.export.single import REPLACED, single_precision
+from lamc.export.precision import in_precision
 from tests.support.ctools import needs_cc
 from tests.support.exported import C99, Exported
 from tests.support.exported_folders import (
@@ -242,16 +241,9 @@ def test_parameters_that_no_float_holds_are_refused(value: float) -> None:
 
 
 def test_constants_become_the_nearest_floats() -> None:
-    assert single_precision("double a = 0.1, b = 3; /* 0.1 */", "it.c") == "float a = 0.1f, b = 3; /* 0.1 */"
-    assert single_precision("#define EDGE (2.5 * DBL_MIN)", "it.c") == "#define EDGE (2.5f * FLT_MIN)"
-    assert single_precision("x = 0x1fu + 1e3;", "it.c") == "x = 0x1fu + 1000.0f;"
+    text = "lamc_real a = LAMC_R(0.1), b = 3; /* 0.1 */"
+    assert in_precision(text, "float", "it.c") == "float a = 0.1f, b = 3; /* 0.1 */"
+    assert in_precision(text, "double", "it.c") == "double a = 0.1, b = 3; /* 0.1 */"
+    assert in_precision("(LAMC_R(-1e3))", "float", "it.c") == "(-1000.0f)"
     with pytest.raises(ExportError, match=r"it\.c"):
-        single_precision("x = 1e-300;", "it.c")
-
-
-def test_what_is_replaced_is_there() -> None:
-    """A name that changed would leave a tolerance of doubles in a text of floats."""
-    for key in REPLACED:
-        unit, name = key.split(".")
-        texts = [path.read_text() for path in (data_dir("runtime_c") / "src").glob(f"{unit}.[ch]")]
-        assert any(re.search(rf"\b{name}\b", text) for text in texts)
+        in_precision("x = LAMC_R(1e-300);", "float", "it.c")

@@ -37,6 +37,10 @@ def test_runtime_passes_its_own_tests(target: str, tmp_path: Path) -> None:
     assert all(int(passed) > 0 and failed == "0" for passed, failed in counts)
 
 
+def test_steps_of_fixed_length_compile_in_single_precision(tmp_path: Path) -> None:
+    make("single", tmp_path)
+
+
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
 def test_runtime_compiles_as_cxx(tmp_path: Path) -> None:
     make("cxx", tmp_path)

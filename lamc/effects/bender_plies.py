@@ -124,4 +124,7 @@ def _laminate(data: Any, info: ValidationInfo) -> "Laminate":
     return _made(lambda: Laminate(plies, reference))
 
 
-LaminateField = Annotated[Any, PlainValidator(_laminate), WithJsonSchema(dict(_SCHEMA))]
+if TYPE_CHECKING:
+    LaminateField = Annotated[Laminate, PlainValidator(_laminate)]
+else:
+    LaminateField = Annotated[object, PlainValidator(_laminate), WithJsonSchema(dict(_SCHEMA))]

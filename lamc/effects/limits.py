@@ -50,8 +50,8 @@ class JointLimits(RegisteredEffect):
         float | None,
         Unit(
             "1",
-            "at most 1. A joint that comes to rest on its limit bounces without end: use a stiffness",
-            gt=0.0,
+            "above 0, at most 1. A joint that comes to rest on its limit bounces without end: use a stiffness",
+            ge=0.0,
             le=1.0,
         ),
     ] = None
@@ -69,6 +69,12 @@ class JointLimits(RegisteredEffect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        with about(("restitution",)):
+            if self.restitution == 0.0:
+                raise DesignError(
+                    "the restitution of joint limits is 0; it must be above 0: for a stop without bounce give a "
+                    "stiffness and a damping"
+                )
         if self.restitution is not None and (self.stiffness is not None or self.damping is not None):
             with about(("restitution",)):
                 raise DesignError(

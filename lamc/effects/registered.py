@@ -51,7 +51,7 @@ class RegisteredEffect(Effect):
         return None, cls.absent
 
     @classmethod
-    def from_data(cls, value: object, where: str, context: Mapping[str, Any] | None = None) -> Self:
+    def from_data(cls, value: object, where: str, context: Mapping[str, object] | None = None) -> Self:
         """The effect from a scene file's plain data: a map of its fields, nothing for all defaults, or the field that
         `shorthand` names.
 

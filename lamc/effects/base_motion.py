@@ -29,9 +29,9 @@ class BaseMotion(RegisteredEffect):
     angle         rad: a number, or such an expression
     axis, point   the axis of that turn, world, as drawn; made a unit vector; m
 
-    Velocities and accelerations follow by differentiation, so an expression must be smooth: one with a kink, such as
-    abs(sin(t)), has an acceleration there that no integrator sees. The fixed bodies' own mass takes no part; the
-    power of what moves them is that of the wrench on the rest.
+    Velocities and accelerations follow by differentiation, so an expression must be smooth: a run is refused where one
+    has a kink on the way, such as abs(sin(t)), for no integrator sees the acceleration there. The fixed bodies' own
+    mass takes no part; the power of what moves them is that of the wrench on the rest.
     """
 
     displacement: tuple[Told, Told, Told] = (0.0, 0.0, 0.0)  # m
@@ -92,7 +92,11 @@ class BaseMotion(RegisteredEffect):
     def drives(self) -> tuple[Drive, ...]:
         """The displacements and the angle that are expressions."""
         told = (*zip("xyz", self.displacement, strict=True), ("angle", self.angle))
-        return tuple(Drive(f"{name} of base_motion", value) for name, value in told if isinstance(value, str))
+        return tuple(
+            Drive(f"{name} of base_motion", value, smooth=True)
+            for name, value in told
+            if isinstance(value, str)
+        )
 
 
 def _told(value: object, what: str) -> Told:

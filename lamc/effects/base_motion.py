@@ -23,9 +23,9 @@ Told = float | str
 class BaseMotion(RegisteredEffect):
     """A drawn point d of the fixed bodies is at point + Rot(axis, angle) (d - point) + displacement.
 
-    Velocities and accelerations follow by differentiation, so an expression must be smooth: one with a kink, such as
-    abs(sin(t)), has an acceleration there that no integrator sees. The fixed bodies' own mass takes no part; the
-    power of what moves them is that of the wrench on the rest.
+    Velocities and accelerations follow by differentiation, so an expression must be smooth: a run is refused where one
+    has a kink on the way, such as abs(sin(t)), for no integrator sees the acceleration there. The fixed bodies' own
+    mass takes no part; the power of what moves them is that of the wrench on the rest.
     """
 
     displacement: Annotated[
@@ -83,6 +83,7 @@ class BaseMotion(RegisteredEffect):
 
     def drives(self) -> tuple[Drive, ...]:
         """The displacements and the angle that are expressions."""
+<<<<<<< .merge_file_q0SGG7
         told = {
             f"the {axis} displacement": value for axis, value in zip("xyz", self.displacement, strict=True)
         }
@@ -90,3 +91,15 @@ class BaseMotion(RegisteredEffect):
         return tuple(
             Drive(f"{name} of base_motion", value) for name, value in told.items() if isinstance(value, str)
         )
+=======
+        told = (*zip("xyz", self.displacement, strict=True), ("angle", self.angle))
+        return tuple(
+            Drive(f"{name} of base_motion", value, smooth=True)
+            for name, value in told
+            if isinstance(value, str)
+        )
+
+
+def _told(value: object, what: str) -> Told:
+    return checked_drive(Drive(what, value)).text if isinstance(value, str) else checked_number(value, what)
+>>>>>>> .merge_file_o4TFYe

@@ -83,23 +83,12 @@ class BaseMotion(RegisteredEffect):
 
     def drives(self) -> tuple[Drive, ...]:
         """The displacements and the angle that are expressions."""
-<<<<<<< .merge_file_q0SGG7
         told = {
             f"the {axis} displacement": value for axis, value in zip("xyz", self.displacement, strict=True)
         }
         told |= {"the angle": self.angle}
         return tuple(
-            Drive(f"{name} of base_motion", value) for name, value in told.items() if isinstance(value, str)
-        )
-=======
-        told = (*zip("xyz", self.displacement, strict=True), ("angle", self.angle))
-        return tuple(
             Drive(f"{name} of base_motion", value, smooth=True)
-            for name, value in told
+            for name, value in told.items()
             if isinstance(value, str)
         )
-
-
-def _told(value: object, what: str) -> Told:
-    return checked_drive(Drive(what, value)).text if isinstance(value, str) else checked_number(value, what)
->>>>>>> .merge_file_o4TFYe

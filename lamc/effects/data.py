@@ -83,7 +83,11 @@ def described(kind: type) -> str:
 
 
 def validated(
-    kind: type, data: Mapping[Any, Any], where: str, context: Mapping[str, object] | None = None, skip: int = 0
+    kind: type,
+    data: Mapping[Any, Any],
+    where: str,
+    context: Mapping[str, object] | None = None,
+    skip: int = 0,
 ) -> dict[str, Any]:
     """The checked values of the fields of `kind`.
 

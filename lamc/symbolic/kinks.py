@@ -16,7 +16,8 @@ from lamc.symbolic.derivative import derivative
 from lamc.symbolic.expression import stage
 from lamc.symbolic.operations import BATCHED
 from lamc.symbolic.program import Space
-from lamc.symbolic.staging import LEAVES, Scalar, Store, Symbol, Value
+from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import LEAVES, Store, Symbol
 
 Array = npt.NDArray[np.float64]
 

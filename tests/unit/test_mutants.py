@@ -18,7 +18,7 @@ from lamc.basics.errors import LamcError
 from lamc.design.split import split_steps
 from lamc.effects.registry import choose
 from lamc.examples import plates as plate_examples
-from lamc.mechanism.tree import plan
+from lamc.mechanism.plan import plan
 from lamc.plates.designs.from_design import plate_of
 from lamc.readers.inert import compose
 from lamc.readers.load import load_text

@@ -5,6 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
+PARALLEL ?= -n 2 --dist worksteal # neighbours stay with one worker, which has what a module's tests share
 
 .PHONY: demo test test-all lint types format docs map methods bench ledgers pictures clean check-tools
 
@@ -18,13 +19,11 @@ demo: $(STAMP)
 	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, bench.png, the animation, results.csv; plate/deflection.png"
 
 test: $(STAMP)
-	$(MAKE) -C runtime_c test sanitize tsan cxx single
-	$(BIN)/python -m pytest -q -n 2 -m "not slow"
+	$(BIN)/python -m pytest -q $(PARALLEL) -m "not slow"
 
 test-all: $(STAMP) # with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench,fmi,cc]'
-	$(MAKE) -C runtime_c test sanitize tsan cxx single
-	$(BIN)/python -m pytest -q -n 2
+	$(BIN)/python -m pytest -q $(PARALLEL) --as-shipped
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

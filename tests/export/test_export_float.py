@@ -20,6 +20,7 @@ from tests.support.ctools import needs_cc
 from tests.support.exported import C99, Exported
 from tests.support.exported_folders import (
     STRICT,
+    builds,
     cc,
     compilers,
     does,
@@ -61,8 +62,7 @@ def test_no_double_is_in_the_text(name: str) -> None:
 
 
 @needs_cc
-@pytest.mark.parametrize("compiler", compilers())
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(("name", "compiler"), builds(MODELS))
 def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], tmp_path: Path) -> None:
     folder = put(exported(name, real_time=True, precision="float"), tmp_path)
     flags = ("-std=c99", *STRICT, "-Wdouble-promotion", "-O2", "-c", f"{name}.c", "-o", "it.o")
@@ -72,7 +72,7 @@ def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], t
 @needs("g++")
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", real_time=True, precision="float"), tmp_path)
-    cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-O2", "-c", "crawler.c", "-o", "it.o", command=["g++"])
+    cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])
 
 
 @needs_cc
@@ -209,7 +209,8 @@ def test_bytes_of_an_instance_are_those_told(name: str, tmp_path: Path) -> None:
 
 
 @needs_cc
-def test_compilers_agree_to_the_last_bit(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["pendulum", pytest.param("four_bar", marks=pytest.mark.slow)])
+def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits."""
     printed = []
     for parameter in compilers():
@@ -217,10 +218,8 @@ def test_compilers_agree_to_the_last_bit(tmp_path: Path) -> None:
             continue
         (command,) = parameter.values  # type: ignore[attr-defined]
         for level in ("-O0", "-O2", "-O3"):
-            folder = put(
-                exported("four_bar", real_time=True, precision="float"), tmp_path / f"{len(printed)}"
-            )
-            flags = ("-std=c99", level, "-ffp-contract=off", "example_main.c", "four_bar.c", "-o", "example")
+            folder = put(exported(name, real_time=True, precision="float"), tmp_path / f"{len(printed)}")
+            flags = ("-std=c99", level, "-ffp-contract=off", "example_main.c", f"{name}.c", "-o", "example")
             cc(folder, *flags, command=command)
             printed.append(does([folder / "example"], folder))
     assert len(printed) >= 3

@@ -46,10 +46,10 @@ def built(mechanism: lamc.Mechanism, folder: Path, **options: object) -> tuple[s
     (prefix,) = (name.removesuffix(".h") for name in files if name.endswith(".h"))
     put(files, folder)
     (folder / "all.c").write_text(ALL_HEADERS + f'#include "{prefix}.h"\n' + STEP.replace("@", prefix))
-    flags = ("-std=gnu99", "-I.", *STRICT)
-    cc(folder, *flags, "all.c", f"{prefix}.c", "-lm", "-o", "all")
+    cc(folder, "-std=c99", *STRICT, "-c", f"{prefix}.c", "-o", "model.o")
+    cc(folder, "-std=gnu99", "-I.", *STRICT, "all.c", "model.o", "-lm", "-o", "all")
     does([folder / "all"], folder)
-    cc(folder, "-std=c99", *STRICT, "example_main.c", f"{prefix}.c", "-lm", "-o", "example")
+    cc(folder, "-std=c99", *STRICT, "example_main.c", "model.o", "-lm", "-o", "example")
     return prefix, does([folder / "example"], folder)
 
 
@@ -89,7 +89,7 @@ def test_names_that_are_no_names_or_equal_ones_stay_apart(
         f'#include "{prefix}.h"\n#include <stdio.h>\n'
         f"int main(void) {{ fputs({prefix}_joint_name(0), stdout); return {prefix}_joint_name(2) != NULL; }}\n"
     )
-    cc(tmp_path, "-std=c99", *STRICT, "names.c", f"{prefix}.c", "-lm", "-o", "names")
+    cc(tmp_path, "-std=c99", *STRICT, "names.c", "model.o", "-lm", "-o", "names")
     assert does([tmp_path / "names"], tmp_path) == joints[0]
 
 

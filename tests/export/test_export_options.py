@@ -14,6 +14,8 @@ from lamc.export import TARGETS, Files, files_of
 from lamc.export.options import ExportOptions, options_from
 from tests.support.ctools import needs_cc
 
+pytestmark = pytest.mark.usefixtures("unpainted")
+
 # A value of each that is not its default. `lossy` is missing: it permits, and permission may go unused.
 CHOSEN: Mapping[str, object] = {
     "prefix": "other",

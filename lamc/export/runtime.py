@@ -84,16 +84,11 @@ def runtime_files(program: Program, options: ExportOptions) -> Mapping[str, str]
 
 
 def mathematics(options: ExportOptions) -> dict[str, Path]:
-    """Files by the names of those whose place they take: of <math.h> where it is not called, and of sine and cosine in
-    single precision."""
-    bare, single = data_dir("runtime_c") / "bare", data_dir("runtime_c") / "single"
+    """What stands in the place of <math.h> where it is not called, by the names under which it is included."""
     if options.calls_libm:
         return {}
-    shared = {"two.h": bare / "two.h"}
-    if options.precision == "double":
-        return {"math.h": bare / "elementary.h", "bits.h": bare / "bits.h", **shared}
-    own = {name: single / name for name in ("trig.h", "bits.h")}
-    return {"math.h": single / "elementary.h", **own, **shared}
+    bare = {path.name: path for path in sorted((data_dir("runtime_c") / "bare").glob("*.h"))}
+    return {**bare, "math.h": bare["elementary.h"]}
 
 
 def macros(options: ExportOptions) -> tuple[str, ...]:

@@ -72,7 +72,7 @@ CASES = {
 @pytest.fixture(scope="module", params=["c", "c++"])
 def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     folder, root = tmp_path_factory.mktemp("elementary"), data_dir("runtime_c")
-    folders = (f"-I{root / name}" for name in ("single", "bare", "include"))
+    folders = (f"-I{root / name}" for name in ("src", "bare", "include"))
     flags = ("-Wdouble-promotion", "-DLAMC_REAL_FLOAT", *folders)
     return compiled(folder, [*EXACT, *CASES], "float", request.param, *flags)
 

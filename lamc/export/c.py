@@ -12,7 +12,7 @@ from lamc.basics._version import __version__
 from lamc.codegen.emit import emit, environment, other_entries
 from lamc.codegen.names import comment
 from lamc.codegen.printer import REAL, literal
-from lamc.export.amalgam import amalgamate, public_functions
+from lamc.export.amalgam.files import amalgamate, public_functions
 from lamc.export.bound import spins, step_bound
 from lamc.export.fixed_step import suitable_step
 from lamc.export.members import CMember, members_of

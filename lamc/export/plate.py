@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from lamc.basics.errors import ExportError
 from lamc.basics.resources import data_dir
 from lamc.codegen.emit import environment
-from lamc.export.amalgam import amalgamate, public_functions
+from lamc.export.amalgam.files import amalgamate, public_functions
 from lamc.export.options import ExportOptions
 from lamc.export.plate_context import expansions_of, plate_context
 from lamc.export.plate_laminates import MODULI, LaminateTables, laminate_tables

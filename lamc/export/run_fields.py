@@ -6,7 +6,7 @@ Never: knows a member by its name, but for those that every call sets anew, and 
 
 from dataclasses import dataclass
 
-from lamc.export.ctokens import QUIET, Token, items, tokens
+from lamc.export.amalgam.tokens import QUIET, Token, items, tokens
 from lamc.run.methods import numbers_of_c
 
 _SET_ANEW = ("ode", "options", "status")  # and pointers

@@ -10,8 +10,8 @@ import pytest
 from lamc import Body, ExportError, Joint, Mechanism
 from lamc.basics.resources import data_dir
 from lamc.export import files_of
-from lamc.export.amalgam import amalgamate
-from lamc.export.ctokens import items, tokens
+from lamc.export.amalgam.files import amalgamate
+from lamc.export.amalgam.tokens import items, tokens
 from lamc.export.options import ExportOptions, options_from
 from lamc.export.run_fields import run_fields
 from tests.support.ctools import needs_cc

@@ -13,7 +13,7 @@ import lamc
 from lamc.basics.errors import ExportError
 from lamc.effects.gravity import Gravity
 from lamc.export import files_of
-from lamc.export.ctokens import tokens
+from lamc.export.amalgam.tokens import tokens
 from lamc.export.package import state_bytes
 from lamc.export.precision import in_precision
 from tests.support.ctools import needs_cc

@@ -1,17 +1,25 @@
 """A spring, with damper if wished, between a point of one body and a point of another."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
+import numpy as np
+
+from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError
 from lamc.basics.fields import Name, Unit, Vector
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
+from lamc.records.mechanism import Mechanism
 from lamc.symbolic.algebra import Vector3, dot
-from lamc.symbolic.scalars import Scalar, call
+from lamc.symbolic.scalars import Scalar, Value, call
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
+
+_ROUND_OFF = 1e-12  # of the points' coordinates
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,7 @@ class Spring(RegisteredEffect):
         label = f"{label}.{taken + 1}" if taken else label
         k = loads.parameter(f"{label}.stiffness", self.stiffness, "N/m", "stiffness of the spring")
         square = dot(between, between)
+        self._check_apart(square)
         length = call("sqrt", square) if self.rest_length or self.damping else 0
         pull: Scalar = k  # force over length
         if self.rest_length:
@@ -75,6 +84,31 @@ class Spring(RegisteredEffect):
         force = [pull * x for x in between]
         loads.force(self.body_a, self.point_a, force)
         loads.force(self.body_b, self.point_b, [-f for f in force])
+
+    def _check_apart(self, square: Scalar) -> None:
+        """Raises DesignError where points that stay in one place are known as such; others meet `check_poses`."""
+        if not isinstance(square, Value):
+            self._check_length(math.sqrt(square))
+
+    def check_poses(
+        self, mechanism: Mechanism, poses: Mapping[str, tuple[Array, Array]], parameters: Mapping[str, float]
+    ) -> None:
+        """Raises DesignError where the ends are in one place at the start, and the spring needs a direction."""
+        coms = {body.name: body.com for body in mechanism.bodies}
+        ends = []
+        for name, point in ((self.body_a, self.point_a), (self.body_b, self.point_b)):
+            com, rotation = poses.get(name, (coms[name], np.eye(3)))  # fixed bodies are as drawn
+            ends.append(com + rotation @ (np.array(point) - coms[name]))
+        self._check_length(float(np.linalg.norm(ends[1] - ends[0])))
+
+    def _check_length(self, length: float) -> None:
+        size = max(map(abs, (*self.point_a, *self.point_b)))
+        if (self.rest_length or self.damping) and length <= _ROUND_OFF * size:
+            raise DesignError(
+                f"the spring between {self.body_a!r} and {self.body_b!r} has both ends in one place at the start, and "
+                "no direction to act along; move an end (on a hinge they never part), or leave out rest_length and "
+                "damping"
+            )
 
     def carry_over(self, engine: "EngineLoads") -> None:
         """The same spring."""

@@ -85,15 +85,12 @@ def _new(
             ends += [points[0], points[-1]]
         elif len(points) == 1:
             ends.append(points[0])
-    taken = [
-        *shapely.get_parts(corners),
-        *(Point(xy) for line in made for xy in shapely.get_coordinates(line)),
-    ]
+    taken = shapely.get_coordinates([corners, *made])
     for end in ends:
         at = _joined(end, there, corners, near)
-        if min(other.distance(Point(at)) for other in taken) > _ALONG * near:
+        if np.hypot(*(taken - at).T).min() > _ALONG * near:
             made.append(Point(at))
-            taken.append(Point(at))
+            taken = np.concatenate([taken, at[None]])
     return made
 
 

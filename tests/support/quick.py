@@ -6,17 +6,23 @@ cache, the elements of plates and the mesher are compiled once per run and do mo
 `pytest --as-shipped` compiles everything as users get it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from _pytest.mark.structures import ParameterSet
 
 from lamc.codegen import build, toolchain
 from lamc.export import fmu, wheel
 
 KEPT = frozenset({"_this_element.c", "_this_ply.c"})  # entries of plates' modules (`lamc.codegen.build`)
 LEVEL = "-O0"  # gcc 12, the C of four hinges: 0.13 s; 0.34 s with -O1, 0.52 s with -O2
+
+
+def slow_but(quick: Collection[object], values: Iterable[object]) -> list[ParameterSet]:
+    """Parameters of a test of one argument: all but `quick` are among the slow ones."""
+    return [pytest.param(value, marks=[] if value in quick else [pytest.mark.slow]) for value in values]
 
 
 def quickly(flags: Sequence[str]) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from tests.physics.test_integrators import WEIGHT, triple
+from tests.support.quick import slow_but
 
 HONEST = 10.0  # the factor within which an estimate is promised to lie
 REFERENCE = 3e-12  # relative: what runs at 1e-13 differ by among themselves on the gallery, over 10 s
@@ -59,9 +60,7 @@ def check_honest(sim: Simulator, result: Result, wanted: float) -> None:
 # ---- honesty -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] if n in LONG else []) for n in examples.names()]
-)
+@pytest.mark.parametrize("name", slow_but(set(examples.names()) - LONG, examples.names()))
 def test_errors_of_the_gallery_are_what_is_estimated(name: str) -> None:
     sim = simulator(name)
     for wanted in (1e-2, 1e-3, 1e-6):

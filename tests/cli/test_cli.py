@@ -269,7 +269,7 @@ def test_default_rows_grow_with_the_run_up_to_a_limit() -> None:
         (("p.yaml", "--angle", "h2=1"), "no joint is named 'h2'"),
         (("p.yaml", "--angle", "h1=3 kg"), "not a unit of angle"),
         (("p.yaml", "--without", "grvity"), "did you mean 'gravity'"),
-        (("p.yaml", "--with", "torque"), "give a mapping"),
+        (("p.yaml", "--with", "torque"), "give a map"),
         (("p.yaml", "--with", "torque={h1: __import__('os')}"), "error: --with"),
         (("p.yaml", "--with", "gravity", "--without", "gravity"), "keep one of them"),
         (("p.yaml", "--t-end", "nan"), "t_end is nan"),

@@ -5,6 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
+PARALLEL ?= -n 2 --dist worksteal # neighbours stay with one worker, which has what a module's tests share
 
 .PHONY: demo test test-all lint types format docs map methods bench ledgers pictures clean check-tools
 
@@ -18,19 +19,17 @@ demo: $(STAMP)
 	@echo "Look into $(OUT): folded.png, angles_energy.png, split.png, bench.png, the animation, results.csv; plate/deflection.png"
 
 test: $(STAMP)
-	$(MAKE) -C runtime_c test sanitize tsan cxx
-	$(BIN)/python -m pytest -q -n 2 -m "not slow"
+	$(BIN)/python -m pytest -q $(PARALLEL) -m "not slow"
 
 test-all: $(STAMP) # with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench,fmi,cc]'
-	$(MAKE) -C runtime_c test sanitize tsan cxx
-	$(BIN)/python -m pytest -q -n 2
+	$(BIN)/python -m pytest -q $(PARALLEL) --as-shipped
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-cache
-	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/single/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format --dry-run -Werror templates/export/fmu/*.[ch]
 
 types: $(STAMP)
@@ -40,7 +39,7 @@ format: $(STAMP)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format -i templates/export/fmu/*.[ch]
-	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/single/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 
 docs: $(STAMP) # the pages as a site, in out/site; a link that leads nowhere is an error
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'

@@ -44,7 +44,7 @@ def _list() -> str:
             "#ifndef LAMC_METHODS_H",
             "#define LAMC_METHODS_H",
             "",
-            *(f"extern const method lamc_method_{name};" for name in METHODS),
+            *(f"extern const struct method lamc_method_{name};" for name in METHODS),
             "",
             "/* clang-format off */",
             "#define LAMC_METHODS " + ", ".join(f"&lamc_method_{name}" for name in METHODS),

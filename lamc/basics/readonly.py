@@ -19,5 +19,8 @@ class ReadOnlyDict(dict[K, V]):
     __setitem__ = __delitem__ = __ior__ = _refuse
     clear = pop = popitem = setdefault = update = _refuse
 
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
     def __reduce__(self) -> "tuple[type[ReadOnlyDict[K, V]], tuple[dict[K, V]]]":
         return type(self), (dict(self),)

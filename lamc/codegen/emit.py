@@ -17,7 +17,7 @@ from lamc.basics._version import __version__
 from lamc.basics.resources import data_dir
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
-from lamc.codegen.printer import ShapePrinter, literal
+from lamc.codegen.printer import REAL, ShapePrinter, literal
 from lamc.codegen.turns import CALLS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
@@ -66,14 +66,15 @@ class CParameter:
 
 
 @collector_paused
-def emit(program: Program, precision: str = "double", prefix: str = "") -> SourceTree:
+def emit(program: Program, precision: str = "double", prefix: str = "", number: str = "double") -> SourceTree:
     """C of `program`, accelerations in "double" or "float". Raises EmitError where an operation has no C form.
 
     prefix: of the model's names and of its files; empty: from the name of the program
+    number: type of all numbers; REAL where they may become float
     """
     runtime = _runtime()
     prefix = prefix or identifier(program.name, taken=[Path(name).stem for name in runtime])
-    context = _context(program, prefix, precision)
+    context = _context(program, prefix, precision, number)
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),
         f"{prefix}.c": environment().get_template("model.c.j2").render(context),
@@ -81,7 +82,9 @@ def emit(program: Program, precision: str = "double", prefix: str = "") -> Sourc
         **runtime,
     }
     compiled = (f"{prefix}.c", *(name for name in sorted(runtime) if name.endswith(".c")))
-    declarations = declarations_of(runtime["lamc.h"]) + declarations_of(files[f"{prefix}.h"])
+    declarations = declarations_of(runtime["lamc_real.h"] + runtime["lamc.h"]) + declarations_of(
+        files[f"{prefix}.h"]
+    )
     return SourceTree(prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)))
 
 
@@ -111,7 +114,7 @@ def environment() -> jinja2.Environment:
     )
 
 
-def _context(program: Program, prefix: str, precision: str) -> dict[str, object]:
+def _context(program: Program, prefix: str, precision: str, number: str) -> dict[str, object]:
     fields = identifiers(p.name for p in program.parameters)
     parameters = [
         CParameter(
@@ -120,15 +123,15 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
             comment(p.name),
             comment(p.unit),
             comment(p.meaning),
-            literal(p.default),
+            literal(p.default, number),
         )
         for f, p in zip(fields, program.parameters, strict=True)
     ]
-    printer, single = ShapePrinter(own_trig=True), ShapePrinter(single=True)
+    printer, single = ShapePrinter(own_trig=True, number=number), ShapePrinter(single=True)
     functions = [
         arrange(f, single, fields, "float")
         if precision == "float" and f.name in _AT_PRECISION
-        else arrange(f, printer, fields)
+        else arrange(f, printer, fields, number)
         for f in program.functions.values()
     ]
     return {
@@ -136,6 +139,7 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
         "title": comment(program.name),
         "name": string_literal(program.name),
         "prefix": prefix,
+        "real": number,
         "guard": f"{prefix.upper()}_H",
         "digest": program.digest,
         "notes": [comment(n) for n in program.notes],
@@ -144,9 +148,9 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
         "other_rates": other_entries(program, program.rates),
         "powers": [comment(p) for p in program.powers],
         "cuts": [comment(j) for j in program.cuts],
-        "size": literal(program.size),
+        "size": literal(program.size, number),
         "start": [literal(x) for x in program.drawn],
-        "tolerance": literal(program.tolerance),
+        "tolerance": literal(program.tolerance, number),
         "bodies": [comment(b) for b in program.bodies],
         "energies": [comment(e) for e in program.energies],
         "parameters": parameters,
@@ -164,9 +168,9 @@ def _context(program: Program, prefix: str, precision: str) -> dict[str, object]
         },
         "counts": _counts(program),
         "guard_modes": [g.mode for g in program.guards],
-        "jacobian_cost": literal(program.jacobian_cost),
+        "jacobian_cost": literal(program.jacobian_cost, number),
         "present": sorted(program.functions),
-        "tables": [_look_up(number, table) for number, table in program.tables.items()],
+        "tables": [_look_up(k, table, number) for k, table in program.tables.items()],
         "functions": functions,
         "has_trig": any(
             text in line
@@ -184,9 +188,12 @@ def other_entries(program: Program, entries: Sequence[Coordinate]) -> list[tuple
     return list(enumerate(texts))[len(program.joints) :]
 
 
-def _look_up(number: int, table: Piecewise) -> CLookUp:
-    rows = tuple(", ".join(map(repr, row)) for row in table.pieces)
-    return CLookUp(number, len(table.breaks), table.degree + 1, tuple(map(repr, table.breaks)), rows)
+def _look_up(k: int, table: Piecewise, number: str) -> CLookUp:
+    def text(value: float) -> str:
+        return f"LAMC_R({value!r})" if number == REAL else repr(value)
+
+    rows = tuple(", ".join(map(text, row)) for row in table.pieces)
+    return CLookUp(k, len(table.breaks), table.degree + 1, tuple(map(text, table.breaks)), rows)
 
 
 def _coordinate_strings(program: Program) -> dict[str, list[str]]:

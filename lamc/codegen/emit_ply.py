@@ -41,9 +41,10 @@ def emit_ply(function: Function, numbers: Sequence[str], terms: Sequence[str]) -
         f"{PREFIX}.{end}": environment().get_template(f"laminate.{end}.j2").render(context) for end in "hc"
     }
     declarations = declarations_of(files[f"{PREFIX}.h"])
+    root = data_dir("runtime_c")
     shared = {
         path.name: path.read_text(encoding="utf-8")
-        for path in sorted((data_dir("runtime_c") / "src").glob("trig*.h"))
+        for path in (root / "include" / "lamc_real.h", *sorted((root / "src").glob("trig*.h")))
     }
     every = MappingProxyType({**files, **shared})
     return SourceTree(PREFIX, every, (f"{PREFIX}.c",), declarations, tuple(sorted(shared)), "ply")

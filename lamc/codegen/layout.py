@@ -7,7 +7,7 @@ from lamc.codegen.layout_long import Long
 from lamc.codegen.names import comment
 from lamc.codegen.pieces import SHORT_INDEX, CFunction, heading, operand_name, output_lines, unused
 from lamc.codegen.printer import ShapePrinter
-from lamc.codegen.turns import batches, calls
+from lamc.codegen.turns import SHARING, batches, calls
 from lamc.symbolic.program import Function, Operand
 
 # Statements in one block. What runs at every step is straight code as long as that is quicker than kernels (40
@@ -36,13 +36,13 @@ def _block(function: Function, printer: ShapePrinter, fields: list[str], number:
 
     lines: list[str] = []
     section = -1
-    for statement in batches(function.statements) if number == "double" else function.statements:
+    for statement in batches(function.statements) if number in SHARING else function.statements:
         first = statement[0][0] if isinstance(statement, tuple) else statement
         if first.section != section:
             section = first.section
             lines += heading(function, section)
         if isinstance(statement, tuple):
-            lines += calls(statement, name)
+            lines += calls(statement, name, number)
             continue
         text = printer.text(statement.shape, statement.operands, name)
         lines.append(f"const {number} z{statement.target.index} = {text};")

@@ -23,7 +23,7 @@ from lamc.codegen.pieces import (
 )
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment, lay_out
-from lamc.codegen.turns import batches, call, calls, turns
+from lamc.codegen.turns import SHARING, batches, call, calls, turns
 from lamc.symbolic.program import Function, Operand, Space, Statement
 
 PART = 250  # statements in one part of what does not repeat in a long function
@@ -79,7 +79,7 @@ class Long:
                 *self.output_tables,
             ),
             index_type=SHORT_INDEX if self._largest_index() <= MAX_SHORT_INDEX else LONG_INDEX,
-            literals=tuple(literal(v) for v in self.literals),
+            literals=tuple(literal(v, self.number) for v in self.literals),
             crossing_count=self.layout.size,
             body=tuple(self.body),
             unused=(),  # every argument is handed on to the routines
@@ -102,17 +102,19 @@ class Long:
         for _, operands in kernel.pattern:
             for operand in operands:
                 if isinstance(operand, External) and operand.space is not Space.TIME:
-                    arrays[operand.slot] = array_name(operand.space)
+                    arrays[operand.slot] = array_name(operand.space, self.number)
         lines += [
             f"const {self.number} e{slot} = {array}[i[{slot + 1}]];" for slot, array in sorted(arrays.items())
         ]
 
-        found = turns(kernel.pattern) if self.number == "double" else {}
+        found = turns(kernel.pattern) if self.number in SHARING else {}
         for position, (shape, operands) in enumerate(kernel.pattern):
             turn = found.get(position)
             if turn is not None:
                 if position == turn.first:
-                    lines += call(_kernel_operand(operands[0]), f"z{turn.sine}", f"z{turn.cosine}")
+                    lines += call(
+                        _kernel_operand(operands[0]), f"z{turn.sine}", f"z{turn.cosine}", self.number
+                    )
                 continue
             stand_ins = tuple(Operand(Space.LOCAL, k) for k in range(len(operands)))
             names = [_kernel_operand(o) for o in operands]
@@ -164,7 +166,9 @@ class Long:
         for (space, sign), rows in sorted(groups.items(), key=lambda g: (g[0][0].value, -g[0][1])):
             name = f"{self.function.name}_outputs_{len(self.output_tables)}"
             self.output_tables.append(CTable(name, tuple(rows), 2))
-            array = f"{self.function.name}_number" if space is Space.NUMBER else array_name(space)
+            array = (
+                f"{self.function.name}_number" if space is Space.NUMBER else array_name(space, self.number)
+            )
             minus = "-" if sign < 0 else ""
             source = assigned(f"{array}[{name}[k][1]]", space, self.number)
             lines += [
@@ -214,13 +218,13 @@ class Long:
                 return f"z{operand.index}"
             return self._outside(operand)
 
-        for statement in batches(statements) if self.number == "double" else statements:
+        for statement in batches(statements) if self.number in SHARING else statements:
             first = statement[0][0] if isinstance(statement, tuple) else statement
             if first.section != section:
                 section = first.section
                 yield from heading(self.function, section)
             if isinstance(statement, tuple):
-                yield from calls(statement, name)
+                yield from calls(statement, name, self.number)
                 made = [half.target.index for turn in statement for half in turn]
             else:
                 text = self.printer.text(statement.shape, statement.operands, name)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lamc.codegen.names import comment
-from lamc.codegen.printer import literal
+from lamc.codegen.printer import REAL, literal
 from lamc.symbolic.program import Function, Operand, Operations, Space
 
 SHORT_INDEX, LONG_INDEX, MAX_SHORT_INDEX = "unsigned short", "unsigned int", 65535  # C promises no more
@@ -65,7 +65,7 @@ def output_lines(function: Function, name: Callable[[Operand], str], number: str
 
 def assigned(text: str, space: Space, number: str) -> str:
     """C for what is stored; where values are no doubles, EACH(…) makes one of a number."""
-    return f"EACH({text})" if space is Space.NUMBER and number not in ("double", "float") else text
+    return f"EACH({text})" if space is Space.NUMBER and number not in ("double", "float", REAL) else text
 
 
 def unused(function: Function, used: set[Space]) -> tuple[str, ...]:
@@ -89,7 +89,7 @@ def operand_name(operand: Operand, fields: list[str], number: str = "double") ->
         return f"(float){operand_name(operand, fields)}"
     match operand.space:
         case Space.NUMBER:
-            return literal(operand.value)
+            return literal(operand.value, number)
         case Space.PARAMETER:
             return f"p->{fields[operand.index]}"
         case Space.TIME:
@@ -102,13 +102,14 @@ def operand_name(operand: Operand, fields: list[str], number: str = "double") ->
             )
 
 
-def array_name(space: Space) -> str:
+def array_name(space: Space, number: str) -> str:
     """C for the array of a space."""
     match space:
         case Space.LOCAL:
             return "x"
         case Space.PARAMETER:
-            return "((const double *)(const void *)p)"
+            real = REAL if number == REAL else "double"
+            return f"((const {real} *)(const void *)p)"
         case Space.NUMBER:
             return "number"
         case _:

@@ -17,7 +17,9 @@ from lamc.symbolic.functions import FUNCTIONS
 from lamc.symbolic.program import Operand, Shape
 from lamc.symbolic.staging import TABLE, table_place
 
+REAL = "lamc_real"  # the type of numbers in C that may become float
 _PLACE = re.compile(r"P(\d+)Q")
+_CONSTANT = re.compile(r"\b\d+\.\d+(?:e[+-]?\d+)?\b")
 
 
 class _Product(sp.Function):  # type: ignore[misc]
@@ -43,9 +45,11 @@ class ShapePrinter:
 
     single: numbers and functions of single precision, 1.0F and sinf.
     own_trig: sine and cosine of `trig.h`.
+    number: type of constants, "double" or REAL.
     """
 
-    def __init__(self, *, single: bool = False, own_trig: bool = False) -> None:
+    def __init__(self, *, single: bool = False, own_trig: bool = False, number: str = "double") -> None:
+        self._number = number
         # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
         types = {"type_aliases": {real: float32}} if single else {}
         names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if own_trig else {}
@@ -65,6 +69,8 @@ class ShapePrinter:
         text = self._printer.doprint(_unevaluated(shape))
         if "Not supported" in text:
             raise EmitError(f"an operation of {shape} has no C form")
+        if self._number == REAL:
+            text = _CONSTANT.sub(r"LAMC_R(\g<0>)", text)
         pieces = _PLACE.split(text)
         self._pieces[shape] = (pieces[0::2], [int(p) for p in pieces[1::2]])
         return self._pieces[shape]
@@ -98,12 +104,12 @@ def _unevaluated(shape: Shape) -> sp.Expr:
             raise EmitError(f"operation {operation!r} has no C form")
 
 
-def literal(value: float | Fraction) -> str:
-    """A C double literal that reads back exactly; negative ones in brackets.
+def literal(value: float | Fraction, number: str = "double") -> str:
+    """A C literal that reads back exactly; negative ones in brackets. number: its type; where that is REAL, LAMC_R(…).
 
     A fraction is RATIO(numerator, denominator), which the compiler divides in the precision that is asked for.
     """
     if isinstance(value, Fraction):
         return f"RATIO({float(value.numerator)!r}, {float(value.denominator)!r})"
-    text = repr(value)
+    text = f"LAMC_R({value!r})" if number == REAL else repr(value)
     return f"({text})" if value < 0 else text

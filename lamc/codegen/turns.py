@@ -9,9 +9,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from lamc.codegen.printer import REAL
 from lamc.symbolic.program import Operand, Shape, Space, Statement
 
 CALLS = ("lamc_turn(", "lamc_turn_two(", "lamc_sin(", "lamc_cos(")  # in runtime_c/src/trig.h
+SHARING = ("double", REAL)  # types of numbers for which trig.h is called
 _SINE, _COSINE = ("sin", 0), ("cos", 0)
 _Operand = TypeVar("_Operand")
 
@@ -59,19 +61,21 @@ def batches(statements: Sequence[Statement]) -> Iterator[Statement | tuple[tuple
         yield tuple(waiting)
 
 
-def call(angle: str, sine: str, cosine: str) -> list[str]:
+def call(angle: str, sine: str, cosine: str, number: str) -> list[str]:
     """Lines of C that declare a sine and a cosine."""
-    return [f"double {sine}, {cosine};", f"lamc_turn({angle}, &{sine}, &{cosine});"]
+    return [f"{number} {sine}, {cosine};", f"lamc_turn({angle}, &{sine}, &{cosine});"]
 
 
-def calls(batch: Sequence[tuple[Statement, Statement]], name: Callable[[Operand], str]) -> Iterator[str]:
+def calls(
+    batch: Sequence[tuple[Statement, Statement]], name: Callable[[Operand], str], number: str
+) -> Iterator[str]:
     """Lines of C for a batch: two angles at a time, and the last of an odd number alone."""
     for (sine, cosine), (other_sine, other_cosine) in zip(batch[0::2], batch[1::2], strict=False):
         s, c = f"s{sine.target.index}", f"c{cosine.target.index}"
-        yield f"double {s}[2], {c}[2];"
+        yield f"{number} {s}[2], {c}[2];"
         yield f"lamc_turn_two({name(sine.operands[0])}, {name(other_sine.operands[0])}, {s}, {c});"
         for k, (one, other) in enumerate(((sine, cosine), (other_sine, other_cosine))):
-            yield f"const double z{one.target.index} = {s}[{k}], z{other.target.index} = {c}[{k}];"
+            yield f"const {number} z{one.target.index} = {s}[{k}], z{other.target.index} = {c}[{k}];"
     if len(batch) % 2:
         sine, cosine = batch[-1]
-        yield from call(name(sine.operands[0]), f"z{sine.target.index}", f"z{cosine.target.index}")
+        yield from call(name(sine.operands[0]), f"z{sine.target.index}", f"z{cosine.target.index}", number)

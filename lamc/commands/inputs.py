@@ -194,16 +194,14 @@ def _named_effect(text: str) -> Effect:
 def _quantities(texts: Sequence[str], option: str, kind: Quantity, joints: Sequence[str]) -> dict[str, float]:
     """JOINT=VALUE, each with an optional unit, in SI."""
     values = {}
-    for text in texts:
-        joint, value = split_pair(text, option, kind.example)
+    for joint, value in pairs_of(texts, option, kind.example).items():
+        what = f"{option} {f'{joint}={value}'!r}"
         if joint not in joints:
-            raise DesignError(
-                f"{option} {text!r}: no joint is named {joint!r}; {did_you_mean(joint, joints)}"
-            )
+            raise DesignError(f"{what}: no joint is named {joint!r}; {did_you_mean(joint, joints)}")
         try:
             values[joint] = to_si(value, kind)
         except DesignError as error:
-            raise DesignError(f"{option} {text!r}: {error.message}") from error
+            raise DesignError(f"{what}: {error.message}") from error
     return values
 
 
@@ -211,14 +209,14 @@ def parameters_of(texts: Sequence[str], known: Iterable[str]) -> Mapping[str, fl
     """NAME=NUMBER of --set, in the parameters' own units."""
     names = list(known)
     values = {}
-    for text in texts:
-        name, value = split_pair(text, "--set", "0.01")
+    for name, value in pairs_of(texts, "--set", "0.01").items():
+        what = f"--set {f'{name}={value}'!r}"
         if name not in names:
-            raise DesignError(f"--set {text!r}: no parameter is named {name!r}; {did_you_mean(name, names)}")
+            raise DesignError(f"{what}: no parameter is named {name!r}; {did_you_mean(name, names)}")
         try:
             values[name] = float(value)
         except ValueError as error:
-            raise DesignError(f"--set {text!r}: {value!r} is not a number") from error
+            raise DesignError(f"{what}: {value!r} is not a number") from error
     return values
 
 
@@ -233,6 +231,19 @@ def share_of(text: str, option: str) -> float:
         raise DesignError(
             f"{option} {text!r} is no number; it must be a share such as 1e-3 or '0.1 %'"
         ) from error
+
+
+def pairs_of(texts: Iterable[str], option: str, example: str) -> dict[str, str]:
+    """Values by name of an option that may stand several times, each as in `split_pair`; one name may stand once."""
+    values: dict[str, str] = {}
+    for text in texts:
+        name, value = split_pair(text, option, example)
+        if name in values:
+            raise DesignError(
+                f"{option} gives {name!r} twice, {values[name][:40]!r} and {value[:40]!r}; keep one of them"
+            )
+        values[name] = value
+    return values
 
 
 def split_pair(text: str, option: str, example: str) -> tuple[str, str]:

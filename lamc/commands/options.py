@@ -13,7 +13,7 @@ import click
 
 from lamc.basics.errors import DesignError
 from lamc.codegen.options import PRECISIONS
-from lamc.commands.terminal import INTERRUPTED, Terminal, open_streams, tell
+from lamc.commands.terminal import INTERRUPTED, Terminal, open_streams, tell, unprinted
 
 Function = Callable[..., Any]
 
@@ -49,6 +49,10 @@ class Cli(click.Group):
         except (click.Abort, KeyboardInterrupt):
             tell("error: interrupted")
             code = INTERRUPTED
+        except OSError as error:  # of help and version; commands guard what they do
+            refusal = unprinted(error)
+            tell(f"error: {refusal.message}")
+            code = refusal.exit_code
         if not standalone_mode:
             return code
         sys.exit(code if isinstance(code, int) else 0)

@@ -16,7 +16,7 @@ from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, DesignErrors, LamcError, about
 from lamc.pipeline import Times
 from lamc.plates.answers.buckling import Buckling, buckling
-from lamc.plates.answers.convergence import error_of_values
+from lamc.plates.answers.convergence import error_of_values, kept_corners_text
 from lamc.plates.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
 from lamc.plates.answers.estimate import error_estimate
 from lamc.plates.answers.failure import first_failure
@@ -73,10 +73,12 @@ def answers(
     failed = tuple(name for name in problem.cases if name not in solved)
     with times.stage("estimate"), origins.told():
         cases = [_case(name, solution, file) for name, solution in solved.items()]
+    finer = None
     if two_meshes:
         with times.stage("halved cells"), _kept(errors), origins.told():
-            fine = Model(halved_problem_of(file, problem, size, solver), solver)
-            cases = _with_halved(cases, fine)
+            finer = halved_problem_of(file, problem, size, solver)
+            note = kept_corners_text(problem) if file.drawn_for(size, 2) is file else ""
+            cases = _with_halved(cases, Model(finer, solver), note)
     found = None
     if file.modes:
         with times.stage("modes"), _kept(errors), origins.told("modes"):
@@ -86,9 +88,9 @@ def answers(
         with times.stage("buckling"), _kept(errors), origins.told("buckling"):
             buckled[name] = buckling(_of_case(problem, name), file.buckling)
     shapes = _shape_reports(found, buckled, {note for case in cases for note in case.notes})
-    if two_meshes and shapes:
+    if finer is not None and shapes:
         with times.stage("halved cells"), _kept(errors), origins.told():
-            shapes = _halved_shapes(shapes, found, buckled)
+            shapes = _halved_shapes(shapes, found, buckled, finer)
     return PlateReport(file, source, problem, cases, found, buckled, times, errors, failed, shapes)
 
 
@@ -105,10 +107,12 @@ def _shape_reports(
 
 
 def _halved_shapes(
-    shapes: dict[str, ShapeReport], found: Modes | None, buckled: Mapping[str, Buckling]
+    shapes: dict[str, ShapeReport], found: Modes | None, buckled: Mapping[str, Buckling], finer: Problem
 ) -> dict[str, ShapeReport]:
-    pairs = {} if found is None else {MODES: halved_modes(found)}
-    pairs |= {buckling_key(name): halved_buckling(each) for name, each in buckled.items()}
+    pairs = {} if found is None else {MODES: halved_modes(found, finer)}
+    pairs |= {
+        buckling_key(name): halved_buckling(each, _of_case(finer, name)) for name, each in buckled.items()
+    }
     return {name: replace(shape, halved=pairs[name]) for name, shape in shapes.items()}
 
 
@@ -147,8 +151,9 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
     )
 
 
-def _with_halved(cases: Sequence[CaseReport], fine: Model) -> list[CaseReport]:
-    """The cases with what halved cells say of their outputs; where there are none, of the largest displacement."""
+def _with_halved(cases: Sequence[CaseReport], fine: Model, note: str) -> list[CaseReport]:
+    """The cases with what halved cells say of their outputs; where there are none, of the largest displacement. `note`
+    tells what they do not."""
     result = []
     for case in cases:
         solution = fine.solve_case(case.name) if case.name else fine.solve()
@@ -157,7 +162,7 @@ def _with_halved(cases: Sequence[CaseReport], fine: Model) -> list[CaseReport]:
             Halved(p.output, p.unit, error_of_values(p.value, value_of(solution, _on(solution, p.output))))
             for p in printed
         ]
-        result.append(replace(case, halved=told))
+        result.append(replace(case, halved=told, notes=(*case.notes, *([note] if note else []))))
     return result
 
 

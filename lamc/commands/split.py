@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lamc.basics.errors import BuildError, DesignError
 from lamc.basics.renewal import renewed
-from lamc.commands.inputs import Source, folder_name, load_source, output_folder, split_pair
+from lamc.commands.inputs import Source, folder_name, load_source, output_folder, pairs_of
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import split_steps
 from lamc.loops.starts import drawn_loops
@@ -93,8 +93,8 @@ def _materials(choice: HingeChoice) -> "dict[str, Material]":
         return {}
     from lamc.plates.laminates.library import material
 
-    pairs = (split_pair(text, "--material", "film=Kapton HN") for text in choice.materials)
-    return {name: material(value) for name, value in pairs}
+    pairs = pairs_of(choice.materials, "--material", "film=Kapton HN")
+    return {name: material(value) for name, value in pairs.items()}
 
 
 def _from_material(

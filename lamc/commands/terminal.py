@@ -11,7 +11,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Protocol, Self
@@ -50,6 +50,22 @@ def tell(text: str) -> None:
         click.echo(printable(text), err=True)
     except OSError:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  (else Python complains as it ends)
+
+
+def print_out(text: str) -> None:
+    """A line or a document on stdout. Raises LamcError where it cannot be written, as on a full disk."""
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise unprinted(error) from error
+
+
+def unprinted(error: OSError) -> LamcError:
+    """What to tell of a failure to write on stdout; nothing more goes there, as what is left would fail once more."""
+    sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  (as long as the process)
+    return LamcError(f"standard output cannot be written: {error.strerror or error}; send it elsewhere")
 
 
 class Progress(Protocol):
@@ -137,7 +153,7 @@ class Terminal:
     def say(self, text: str) -> None:
         """The result for people."""
         if not self.as_json and not self.quiet:
-            click.echo(printable(text))
+            print_out(printable(text))
 
     def error(self, text: str) -> None:
         """A failure that comes with a result, on stderr; other failures are raised."""
@@ -146,7 +162,7 @@ class Terminal:
     def result(self, data: Mapping[str, Any]) -> None:
         """The result for programs: numbers that are not finite become null."""
         if self.as_json:
-            click.echo(json.dumps(plain(data), indent=2, ensure_ascii=True, allow_nan=False))
+            print_out(json.dumps(plain(data), indent=2, ensure_ascii=True, allow_nan=False))
 
     @contextmanager
     def progress(self) -> Iterator[Progress]:
@@ -196,7 +212,8 @@ class Terminal:
             tell(f"error: {line}")
         if self.as_json:
             told = [problem_data(p) for p in problems] or [{"message": line} for line in lines]
-            click.echo(json.dumps({"ok": False, "exit_code": code, "errors": told}, indent=2))
+            with suppress(LamcError):  # stderr has it
+                print_out(json.dumps({"ok": False, "exit_code": code, "errors": told}, indent=2))
 
 
 def problem_data(error: LamcError) -> dict[str, Any]:

@@ -75,7 +75,8 @@ def body_order(marks: Sequence[BodyMark]) -> tuple[int, ...]:
     com = np.array([m.com for m in marks])
     size = float(np.linalg.norm(np.ptp(com, axis=0)))
     mass = np.array([m.mass for m in marks])
-    inertia = np.array([np.asarray(m.inertia)[np.triu_indices(3)] for m in marks])
+    rows, columns = np.triu_indices(3)
+    inertia = np.array([m.inertia for m in marks])[:, rows, columns]
     keys = [np.array([0 if m.fixed else 1 for m in marks])]
     keys += [ranks(com[:, axis], size) for axis in range(3)]
     keys += [ranks(mass, float(mass.max()))]

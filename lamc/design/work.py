@@ -1,44 +1,95 @@
 """How much work a drawing is to overlay, counted before it is done.
 
-In: outlines and hinge lines. Out: nothing, or a DesignError that names the number, its limit and the way out. Never:
-overlays; clocks, so that a file is read or refused alike on every machine.
+In: outlines, lines and hinge lines. Out: nothing, or a DesignError that names the number, its limit and the way out.
+Never: overlays; clocks, so that a file is read or refused alike on every machine.
 
 Overlays of lines cost as many steps as these have crossings, and every crossing is a corner of what is overlaid next:
-n lines may cross n² times.
+n lines may cross n² times. What is overlaid again and again costs its corners each time.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
+from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, Place
 
 Geometries = NDArray[np.object_]
+Numbers = NDArray[np.integer]
 
-MOST_CROSSINGS = 20_000  # of outlines in one layer: a second or two to overlay
+MOST_CROSSINGS = 20_000  # of all that is overlaid for one file: a second or two
+MOST_CORNERS = (
+    1_000_000  # that overlays for one file go through, each as often as it is overlaid: some seconds
+)
 MOST_MEETINGS = 5_000  # of hinge strips: a Miura fold of n × n plates has 6 n²; some seconds to cut
 MOST_LAYERS = 200  # every hinge is looked for in every layer
-_AT_ONCE = 1_000_000  # pairs that one query may give: 16 MB
+# What else costs as much as a crossing, some 100 µs, measured: pairs of sides whose boxes meet, which are looked at;
+# pairs of sides of areas that grow into each other, 1 to 7 µs, as most of them end up hidden; half a pair of lines that
+# do, 60 µs and more.
+_LOOKS = 200
+_GROWN = 10
+_LINES_GROWN = 0.5
+_AT_ONCE = 200_000  # pairs that one query may give: some 30 MB with what is computed of them
+_ROUGH = 0.01  # of a distance: how far GEOS simplifies what is grown by it
 
 
-def check_outlines(outlines: Sequence[BaseGeometry], layer: str) -> None:
-    """Raises DesignError where outlines that are drawn in one layer cross or touch too often."""
-    edges = [_edges(outline) for outline in outlines]
-    owner = np.repeat(np.arange(len(edges)), [len(each) for each in edges])
-    count = _meetings(np.concatenate([np.zeros(0, dtype=object), *edges]), owner, MOST_CROSSINGS)
-    if count > MOST_CROSSINGS:
-        raise DesignError(
-            f"the outlines in layer {layer!r} cross or touch each other {count} times or more; at most "
-            f"{MOST_CROSSINGS} crossings are computed: draw them as fewer shapes, or leave out what others cover"
-        )
+@dataclass
+class Account:
+    """What the overlays for one file come to, added up as they are made.
+
+    crossings  pairs of sides of different shapes that cross, or share a part; those that end at one another, or are
+               alike, cost no more than their corners
+    corners    of all that was overlaid, each time that it was
+    """
+
+    crossings: int = 0
+    corners: int = 0
+
+    def overlay(self, shapes: Sequence[BaseGeometry], what: str) -> None:
+        """Counts an overlay of areas that do not cross themselves, lines and points. Raises DesignError, naming `what`
+        (in the plural), where the file's overlays are too much work."""
+        parts = [shapely.get_parts(shapely.get_parts(shape)) for shape in shapes]
+        self._add_corners(sum(int(shapely.get_num_coordinates(each).sum()) for each in parts), what)
+        found = _crossings(*_numbered_sides(parts), MOST_CROSSINGS - self.crossings)
+        self._add_crossings(found, "cross each other", what)
+
+    def growth(self, shape: BaseGeometry, distance: float, what: str) -> None:
+        """Counts what it takes to grow a shape by a distance, m, or to shrink it: bands along sides that are near cross
+        each other. Raises as `overlay` does."""
+        self._add_corners(int(shapely.get_num_coordinates(shape)), what)
+        is_line = shapely.get_dimensions(shape) == 1
+        plain = shapely.get_parts(shapely.simplify(shape, _ROUGH * abs(distance), preserve_topology=False))
+        sides = _sides(plain if is_line else shapely.get_rings(plain))
+        share, reach = _LINES_GROWN if is_line else _GROWN, 2.0 * abs(distance)
+        left = MOST_CROSSINGS - self.crossings
+        near = _meetings(sides, int(share * left), "dwithin", distance=reach)
+        self._add_crossings(int(near / share), f"come within {1e3 * reach:.3g} mm of each other", what)
+
+    def _add_crossings(self, count: int, how: str, what: str) -> None:
+        self.crossings += count
+        if self.crossings > MOST_CROSSINGS:
+            before = ", with those before" if self.crossings > count else ""
+            raise DesignError(
+                f"{what} {how} {self.crossings} times or more{before}; at most {MOST_CROSSINGS} crossings are "
+                "computed: draw them as fewer shapes, or leave out what others cover"
+            )
+
+    def _add_corners(self, count: int, what: str) -> None:
+        self.corners += count
+        if self.corners > MOST_CORNERS:
+            raise DesignError(
+                f"{what} bring the corners that are overlaid to {self.corners}, each counted as often as it is "
+                f"overlaid; at most {MOST_CORNERS} are for a file: draw with fewer corners, or in fewer operations"
+            )
 
 
 def check_strips(strips: Geometries, place: Place | None) -> None:
     """Raises DesignError where too many strips of hinge lines (the lines, grown by their widths) meet."""
-    count = _meetings(strips, np.arange(len(strips)), MOST_MEETINGS)
+    count = _meetings(strips, MOST_MEETINGS)
     if count > MOST_MEETINGS:
         raise DesignError(
             f"the strips of {len(strips)} hinge lines, each a width to both sides of its line, meet {count} times or "
@@ -48,25 +99,69 @@ def check_strips(strips: Geometries, place: Place | None) -> None:
         )
 
 
-def _edges(outline: BaseGeometry) -> Geometries:
-    """Every side of every ring, as lines."""
-    coordinates, ring = shapely.get_coordinates(
-        shapely.get_rings(shapely.get_parts(outline)), return_index=True
-    )
-    inside = ring[1:] == ring[:-1]
-    lines: Geometries = shapely.linestrings(np.stack([coordinates[:-1], coordinates[1:]], axis=1)[inside])
-    return lines
+def _numbered_sides(shapes: Sequence[Geometries]) -> tuple[Geometries, Numbers]:
+    """Every side of every ring and line, as lines, and for each an ascending number: one for all areas of a shape, but
+    one for each side of lines, which may cross themselves."""
+    sides, owners, last = [np.zeros(0, dtype=object)], [np.zeros(0, dtype=np.int64)], 0
+    for parts in shapes:
+        is_area = shapely.get_dimensions(parts) == 2
+        of_areas, of_lines = _sides(shapely.get_rings(parts[is_area])), _sides(parts[~is_area])
+        sides += [of_areas, of_lines]
+        owners += [np.full(len(of_areas), last + 1), np.arange(len(of_lines)) + last + 2]
+        last += 1 + len(of_lines)
+    return np.concatenate(sides), np.concatenate(owners)
 
 
-def _meetings(shapes: Geometries, owner: NDArray[np.integer], most: int) -> int:
-    """How many pairs of different owners have a point in common; counted until they are more than `most`."""
-    if len(np.unique(owner)) < 2:
-        return 0
+def _sides(lines: Geometries) -> Geometries:
+    """The sides of rings and lines, in order; points have none."""
+    coordinates, line = shapely.get_coordinates(lines, return_index=True)
+    inside = line[1:] == line[:-1]
+    sides: Geometries = shapely.linestrings(np.stack([coordinates[:-1], coordinates[1:]], axis=1)[inside])
+    return sides
+
+
+def _meetings(shapes: Geometries, most: int, predicate: str = "intersects", **distance: float) -> int:
+    """How many pairs of shapes meet as a predicate says; counted until they are more than `most`."""
     tree, count = shapely.STRtree(shapes), 0
-    step = max(1, _AT_ONCE // len(shapes))
+    step = max(1, _AT_ONCE // max(1, len(shapes)))
     for start in range(0, len(shapes), step):
-        first, second = tree.query(shapes[start : start + step], predicate="intersects")
-        count += int(np.count_nonzero(owner[first + start] < owner[second]))
+        first, second = tree.query(shapes[start : start + step], predicate=predicate, **distance)
+        count += int(np.count_nonzero(first + start < second))
         if count > most:
             break
     return count
+
+
+def _crossings(sides: Geometries, owner: Numbers, most: int) -> int:
+    """How many pairs of sides of different owners cross within both, or lie on one line and share a part of it; and the
+    pairs that were looked at, at their cost. Counted until they are more than `most`."""
+    if not len(owner) or owner[0] == owner[-1]:
+        return 0
+    ends = shapely.get_coordinates(sides).reshape(-1, 2, 2)
+    tree, found, seen = shapely.STRtree(sides), 0, 0
+    step = max(1, _AT_ONCE // len(sides))
+    for start in range(0, len(sides), step):
+        first, second = tree.query(sides[start : start + step])
+        others = owner[first + start] < owner[second]
+        a, b = ends[first[others] + start], ends[second[others]]
+        seen += len(first)
+        found += int(np.count_nonzero((_parted(a, b) & _parted(b, a)) | _share(a, b)))
+        if found + seen // _LOOKS > most:
+            break
+    return found + seen // _LOOKS
+
+
+def _parted(lines: Array, others: Array) -> NDArray[np.bool_]:
+    """Which of the segments `others` (k, 2, 2) have an end on either side of the lines through those of `lines`."""
+    along, offset = lines[:, 1] - lines[:, 0], others - lines[:, :1]
+    turn = along[:, None, 0] * offset[..., 1] - along[:, None, 1] * offset[..., 0]
+    return np.asarray(np.sign(turn[:, 0]) * np.sign(turn[:, 1]) < 0.0)
+
+
+def _share(a: Array, b: Array) -> NDArray[np.bool_]:
+    """Which segments (k, 2, 2) lie on one line and share a part of it, but are not alike."""
+    along, offset = a[:, 1] - a[:, 0], b - a[:, :1]
+    on_line = (along[:, None, 0] * offset[..., 1] == along[:, None, 1] * offset[..., 0]).all(axis=1)
+    low, high = np.sort((offset * along[:, None]).sum(axis=2), axis=1).T
+    length = (along * along).sum(axis=1)
+    return np.asarray(on_line & (low < length) & (high > 0.0) & ~((low == 0.0) & (high == length)))

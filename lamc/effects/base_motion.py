@@ -3,17 +3,16 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from lamc.basics.checks import is_list, shown
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Unit, Vector
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging, PrescribedBase
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import checked_array, checked_number
 from lamc.symbolic.expression import stage
 from lamc.symbolic.scalars import Scalar
 
@@ -24,45 +23,38 @@ Told = float | str
 class BaseMotion(RegisteredEffect):
     """A drawn point d of the fixed bodies is at point + Rot(axis, angle) (d - point) + displacement.
 
-    displacement  along world x, y and z, m: numbers, or expressions in t (s) and inputs of the scene, such as
-                  "0.01*sin(2*pi*50*t)"
-    angle         rad: a number, or such an expression
-    axis, point   the axis of that turn, world, as drawn; made a unit vector; m
-
-    Velocities and accelerations follow by differentiation, so an expression must be smooth: one with a kink, such as
-    abs(sin(t)), has an acceleration there that no integrator sees. The fixed bodies' own mass takes no part; the
-    power of what moves them is that of the wrench on the rest.
+    Velocities and accelerations follow by differentiation, so an expression must be smooth: a run is refused where one
+    has a kink on the way, such as abs(sin(t)), for no integrator sees the acceleration there. The fixed bodies' own
+    mass takes no part; the power of what moves them is that of the wrench on the rest.
     """
 
-    displacement: tuple[Told, Told, Told] = (0.0, 0.0, 0.0)  # m
-    angle: Told = 0.0  # rad
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m
+    displacement: Annotated[
+        tuple[Told, Told, Told],
+        Unit(
+            "m",
+            "along world x, y and z: numbers, or expressions in t (s) and inputs of the scene, such as "
+            "0.01*sin(2*pi*50*t)",
+        ),
+    ] = (0.0, 0.0, 0.0)
+    angle: Annotated[Told, Unit("rad", "of a turn about the axis: a number, or such an expression")] = 0.0
+    axis: Annotated[Vector, Unit("1", "of that turn, world, as drawn; made a unit vector")] = (0.0, 0.0, 1.0)
+    point: Annotated[Vector, Unit("m", "of the axis, world, as drawn")] = (0.0, 0.0, 0.0)
 
     name: ClassVar[str] = "base_motion"
     summary: ClassVar[str] = "Fixed bodies that move as told"
     source: ClassVar[str] = "x(t) and θ(t), differentiated"
-    units: ClassVar[Mapping[str, str]] = {"displacement": "m", "angle": "rad", "point": "m"}
     absent: ClassVar[str] = "the fixed bodies stay where they are"
 
     def __post_init__(self) -> None:
-        given = self.displacement
-        if not is_list(given) or len(given) != 3:
-            raise DesignError(
-                f"the displacement of base_motion is {shown(given)}; give three numbers or expressions in t: (x, y, z)"
-            )
-        x, y, z = (
-            _told(v, f"the {axis} displacement of base_motion") for axis, v in zip("xyz", given, strict=True)
-        )
-        object.__setattr__(self, "displacement", (x, y, z))
-        object.__setattr__(self, "angle", _told(self.angle, "the angle of base_motion"))
-        for field in ("axis", "point"):
-            values = checked_array(getattr(self, field), (3,), f"the {field} of base_motion")
-            object.__setattr__(self, field, tuple(float(v) for v in values))
+        super().__post_init__()
+        for drive in self.drives():
+            with about(("angle",) if drive.text == self.angle else ("displacement",)):
+                checked_drive(drive)
         if not 0.0 < math.hypot(*self.axis) < math.inf:
-            raise DesignError(
-                f"the axis of base_motion is {self.axis}; it must have a direction and a length"
-            )
+            with about(("axis",)):
+                raise DesignError(
+                    f"the axis of base_motion is {self.axis}; it must have a direction and a length"
+                )
         if not any(isinstance(v, str) for v in (*self.displacement, self.angle)):
             raise DesignError(
                 "base_motion moves nothing: displacement and angle are plain numbers; give expressions in t, or leave "
@@ -91,9 +83,12 @@ class BaseMotion(RegisteredEffect):
 
     def drives(self) -> tuple[Drive, ...]:
         """The displacements and the angle that are expressions."""
-        told = (*zip("xyz", self.displacement, strict=True), ("angle", self.angle))
-        return tuple(Drive(f"{name} of base_motion", value) for name, value in told if isinstance(value, str))
-
-
-def _told(value: object, what: str) -> Told:
-    return checked_drive(Drive(what, value)).text if isinstance(value, str) else checked_number(value, what)
+        told = {
+            f"the {axis} displacement": value for axis, value in zip("xyz", self.displacement, strict=True)
+        }
+        told |= {"the angle": self.angle}
+        return tuple(
+            Drive(f"{name} of base_motion", value, smooth=True)
+            for name, value in told.items()
+            if isinstance(value, str)
+        )

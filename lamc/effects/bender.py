@@ -1,16 +1,16 @@
 """A piezoelectric bender between two bodies: clamped to one, it pushes a point of the other."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from pydantic import Field
 
-from lamc.basics.checks import checked_array, checked_name, checked_number
-from lamc.basics.errors import DesignError
-from lamc.effects.bender_plies import laminate_of
-from lamc.effects.data import record
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Name, Unit, Vector
+from lamc.effects.bender_plies import LaminateField
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
@@ -18,11 +18,6 @@ from lamc.records.mechanism import Joint
 from lamc.symbolic.algebra import cross, dot
 from lamc.symbolic.expression import stage
 from lamc.symbolic.scalars import Scalar
-
-if TYPE_CHECKING:
-    from lamc.plates.laminates.laminate import Laminate
-else:
-    Laminate = Any  # whose import takes a while; `lamc schema` asks for type hints at run time
 
 _SQUARE = 1e-6  # rad, by which the normal may miss the right angle to the strip
 _VOLTAGE = "the voltage of a piezo bender"
@@ -42,18 +37,6 @@ class BenderLine:
 class PiezoBender(RegisteredEffect):
     """A straight strip of laminate, clamped on body_a at `root`, whose tip pushes body_b at `tip` along the normal.
 
-    root, tip  ends of the strip in the drawn configuration, m, world axes; the strip is straight there
-    normal     direction from the lowest ply to the highest, and of positive deflection; at right angles to the strip
-    width      m, the same from root to tip
-    laminate   a lamc.plate.Laminate with piezoelectric plies, bottom to top; fibres at 0° run along the strip
-    polarity   per ply: field along the normal times the ply's thickness, over the voltage. (1, -1) is a bimorph of two
-               plies, poled alike, with an electrode between them; 0 stands for plies without electrodes
-    voltage    V; a number is a parameter of the simulator, a string an expression in t (s) and
-               inputs of the scene
-    extension  m, the stiff end of the strip next to the tip, without laminate
-    hinge      the joint between the two bodies, for a strip that is laid across it and clamped on both: it bends the
-               hinge, by a torque; none for a strip whose tip pushes body_b and slides on it
-
     The strip is a slender beam, free to bend across: with the laminate's stiffness about its neutral surface
     D* = D - B A⁻¹ B, free curvature κ = D*⁻¹ (M_p - B A⁻¹ N_p) and EI = width / (D*⁻¹)_xx. Its tip bends by
     -κ_x L (L/2 + extension) along the normal, and gives way to a force by (L³/3 + L² e + L e²) / EI. Deflection is
@@ -70,58 +53,69 @@ class PiezoBender(RegisteredEffect):
     Raises DesignError for a normal along the strip, ends that meet, and polarities that move nothing.
     """
 
-    body_a: str
-    root: tuple[float, float, float]
-    body_b: str
-    tip: tuple[float, float, float]
-    normal: tuple[float, float, float]
-    width: float
-    laminate: "Laminate"
-    polarity: tuple[float, ...]
-    voltage: float | str
-    extension: float = 0.0
-    hinge: str | None = None
+    body_a: Name
+    root: Annotated[Vector, Unit("m", "end of the strip in the drawn configuration, world axes")]
+    body_b: Name
+    tip: Annotated[Vector, Unit("m", "other end of the strip, which is straight there")]
+    normal: Annotated[
+        Vector,
+        Unit(
+            "1",
+            "from the lowest ply to the highest, and of positive deflection; at right angles to the strip",
+        ),
+    ]
+    width: Annotated[float, Unit("m", "the same from root to tip", gt=0.0)]
+    laminate: Annotated[
+        LaminateField,
+        Field(description="with piezoelectric plies, bottom to top; fibres at 0° run along the strip"),
+    ]
+    polarity: Annotated[
+        tuple[float, ...],
+        Unit(
+            "1",
+            "per ply: field along the normal times the ply's thickness, over the voltage. (1, -1) is a bimorph of two "
+            "plies, poled alike, with an electrode between them; 0 stands for plies without electrodes",
+        ),
+    ]
+    voltage: Annotated[
+        float | str,
+        Unit(
+            "V",
+            "a number is a parameter of the simulator, text an expression in t (s) and inputs of the scene",
+        ),
+    ]
+    extension: Annotated[
+        float, Unit("m", "the stiff end of the strip next to the tip, without laminate", ge=0.0)
+    ] = 0.0
+    hinge: Annotated[
+        Name | None,
+        Field(
+            description="the joint between the two bodies, for a strip that is laid across it and clamped on both: it "
+            "bends the hinge, by a torque; none for a strip whose tip pushes body_b and slides on it"
+        ),
+    ] = None
 
     name: ClassVar[str] = "piezo_bender"
     summary: ClassVar[str] = "Piezoelectric benders"
     source: ClassVar[str] = "F = f V - k d, Smits & Choi 1991; Wood, Steltz & Fearing 2005"
     repeatable: ClassVar[bool] = True
-    units: ClassVar[Mapping[str, str]] = {
-        "root": "m",
-        "tip": "m",
-        "normal": "1",
-        "width": "m",
-        "polarity": "1",
-        "voltage": "V",
-        "extension": "m",
-    }
     absent: ClassVar[str] = "no bender is called for"
 
     def __post_init__(self) -> None:
-        for field in ("body_a", "body_b"):
-            checked_name(getattr(self, field), "the body of a piezo bender")
+        super().__post_init__()
         if self.body_a == self.body_b:
             raise DesignError(
                 f"a piezo bender has both ends on body {self.body_a!r}; it must join two bodies"
             )
-        for field in ("root", "tip", "normal"):
-            values = checked_array(getattr(self, field), (3,), f"{field} of a piezo bender")
-            object.__setattr__(self, field, tuple(float(v) + 0.0 for v in values))
-        for field in ("width", "extension"):
-            value = checked_number(getattr(self, field), f"the {field} of a piezo bender", minimum=0.0)
-            object.__setattr__(self, field, value)
-        if self.width == 0.0:
-            raise DesignError("the width of a piezo bender is 0 m; it must be above 0")
-        if isinstance(self.voltage, str):
-            checked_drive(Drive(_VOLTAGE, self.voltage))
-        else:
-            object.__setattr__(self, "voltage", checked_number(self.voltage, _VOLTAGE))
-        laminate = laminate_of(self.laminate, "the laminate of a piezo bender")
-        object.__setattr__(self, "laminate", laminate)
-        polarity = checked_array(
-            self.polarity, (len(laminate.plies),), "polarity of a piezo bender, per ply,"
-        )
-        object.__setattr__(self, "polarity", tuple(float(p) + 0.0 for p in polarity))
+        for drive in self.drives():
+            with about(("voltage",)):
+                checked_drive(drive)
+        plies = len(self.laminate.plies)
+        if len(self.polarity) != plies:
+            with about(("polarity",)):
+                raise DesignError(
+                    f"polarity of a piezo bender is {list(self.polarity)}; it must hold {plies} numbers, one per ply"
+                )
         self._check_shape()
 
     def _check_shape(self) -> None:
@@ -137,13 +131,11 @@ class PiezoBender(RegisteredEffect):
                 f"the normal {self.normal} of a piezo bender is not at right angles to the strip, which runs along "
                 f"{tuple((along / length).round(6).tolist())}; give the direction in which its tip deflects"
             )
-        if self.hinge is not None:
-            checked_name(self.hinge, "the hinge of a piezo bender")
-            if self.extension:
-                raise DesignError(
-                    f"a piezo bender across hinge {self.hinge!r} has an extension, and it is clamped where "
-                    "the laminate ends: set the extension to 0"
-                )
+        if self.hinge is not None and self.extension:
+            raise DesignError(
+                f"a piezo bender across hinge {self.hinge!r} has an extension, and it is clamped where "
+                "the laminate ends: set the extension to 0"
+            )
         try:
             line = self.line
         except (ArithmeticError, np.linalg.LinAlgError):
@@ -262,11 +254,3 @@ class PiezoBender(RegisteredEffect):
         label = f"piezo_bender.{self.body_a}.{self.body_b}"
         count = sum(name.startswith(f"{label}.") and name.endswith(".stiffness") for name in taken)
         return f"{label}.{count + 1}" if count else label
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "PiezoBender":
-        """From a scene file: a mapping of the fields above; the laminate is a list of plies, bottom to top, each with
-        material (a name of lamc's library, or a map), thickness, and angle if wished."""
-        if isinstance(value, Mapping) and "laminate" in value:
-            value = {**value, "laminate": laminate_of(value["laminate"], "the laminate", where)}
-        return record(cls, value, where)

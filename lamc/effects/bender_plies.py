@@ -1,34 +1,113 @@
-"""The laminate of a bender from plain data: plies from bottom to top, with materials by name or by their numbers.
+"""The laminate of an effect from plain data: plies from bottom to top, with materials by name or by their numbers.
 
 In: a `lamc.plate.Laminate`, or data of a scene file. Out: a `Laminate`. The plate half of lamc is imported when it is
 needed: it takes longer than all the rest.
 """
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+from pydantic import PlainValidator, TypeAdapter, ValidationInfo, WithJsonSchema, create_model
 
 from lamc.basics.checks import did_you_mean, shown
-from lamc.basics.errors import LamcError
-from lamc.effects.data import quantity, refusal
+from lamc.basics.errors import DesignError, LamcError
+from lamc.basics.fields import Model, Unit, inner, part
 
 if TYPE_CHECKING:
     from lamc.plates.laminates.laminate import Laminate
     from lamc.plates.laminates.materials import Material
     from lamc.plates.laminates.plies import Ply
 
-_PLY = {"material": "", "thickness": "m", "angle": "deg", "gap": "m"}
-_MATERIAL = {
+T = TypeVar("T")
+_TWO = ("E1", "E2", "nu12", "G12")
+_WAYS = "give E and nu, or E1, E2, nu12 and G12"
+_UNITS = {
     **dict.fromkeys(("E", "E1", "E2", "G12", "G13", "G23", "Xt", "Xc", "Yt", "Yc", "S"), "Pa"),
     **dict.fromkeys(("nu", "nu12", "beta1", "beta2"), "1"),
     **dict.fromkeys(("alpha1", "alpha2"), "K^-1"),
     **dict.fromkeys(("d31", "d32"), "m/V"),
     "density": "kg/m^3",
 }
-_TEXTS = ("name", "source")
 
 
-def laminate_of(data: object, what: str, where: str = "") -> "Laminate":
-    """`data` as a Laminate. Raises DesignError for what is none, with the part at fault where `where` is given."""
+@lru_cache(maxsize=1)
+def _numbers() -> type[Model]:
+    """The model of a material's numbers; made when it is needed, since it takes a while."""
+    texts = dict.fromkeys(("name", "source"), (str | None, None))
+    units = {name: (Annotated[float | None, Unit(unit)], None) for name, unit in _UNITS.items()}
+    fields: dict[str, Any] = {**texts, **units}
+    return create_model("MaterialNumbers", __base__=Model, **fields)
+
+
+def _made(make: Callable[[], T]) -> T:
+    """Errors are about the whole that is made."""
+    with part():
+        try:
+            return make()
+        except LamcError as error:
+            raise DesignError(error.message) from error
+
+
+def _material(data: Any, info: ValidationInfo) -> "Material":
+    from lamc.plates.laminates.library import LIBRARY
+    from lamc.plates.laminates.materials import Material
+
+    if isinstance(data, Material):
+        return data
+    if isinstance(data, str):
+        with part():
+            if data not in LIBRARY:
+                hint = did_you_mean(data, sorted(LIBRARY))
+                raise DesignError(f"no material of the library is named {data[:40]!r}; {hint}")
+        return LIBRARY[data]
+    said = inner(_numbers(), data, info)
+    values = {name: getattr(said, name) for name in sorted(said.model_fields_set)}
+    values = {"density": 0.0} | {name: value for name, value in values.items() if value is not None}
+    with part():
+        if "E" in values or "nu" in values:
+            if not {"E", "nu"} <= set(values) or set(_TWO) & set(values):
+                raise DesignError("a material has E and nu, or E1, E2, nu12 and G12")
+            modulus, ratio = values.pop("E"), values.pop("nu")
+            sheet = _made(lambda: Material.isotropic(modulus, ratio, values["density"]))
+            values |= {name: getattr(sheet, name) for name in _TWO}
+        missing = [name for name in _TWO if name not in values]
+        if missing:
+            raise DesignError(f"the material has no {', '.join(missing)}; {_WAYS}")
+    return _made(lambda: Material(**values))
+
+
+class _PlyData(Model):
+    """A ply of a file."""
+
+    material: Annotated[
+        Any,
+        PlainValidator(_material),
+        WithJsonSchema({"description": f"a name of lamc's library, or a map of its numbers: {_WAYS}"}),
+    ]
+    thickness: Annotated[float, Unit("m")]
+    angle: Annotated[float, Unit("deg")] = 0.0
+    gap: Annotated[float, Unit("m")] = 0.0
+
+
+def _ply(data: Any, info: ValidationInfo) -> "Ply":
+    from lamc.plates.laminates.plies import Ply
+
+    if isinstance(data, Ply):
+        return data
+    said = inner(_PlyData, data, info)
+    return _made(lambda: Ply(**{name: getattr(said, name) for name in sorted(said.model_fields_set)}))
+
+
+_PLIES: TypeAdapter[list[Any]] = TypeAdapter(list[Annotated[Any, PlainValidator(_ply)]])
+_SCHEMA: Mapping[str, Any] = {
+    "type": ["array", "object"],
+    "items": _PlyData.model_json_schema(),
+    "properties": {"plies": {"type": "array"}, "reference": {"enum": ["bottom", "middle", "top"]}},
+}
+
+
+def _laminate(data: Any, info: ValidationInfo) -> "Laminate":
     from lamc.plates.laminates.laminate import Laminate
 
     if isinstance(data, Laminate):
@@ -36,84 +115,16 @@ def laminate_of(data: object, what: str, where: str = "") -> "Laminate":
     reference = "middle"
     if isinstance(data, Mapping) and set(data) <= {"plies", "reference"}:
         reference, data = data.get("reference", reference), data.get("plies")
-    if not isinstance(data, list | tuple) or not data:
-        raise refusal(
-            where or what,
-            f"{what} is {shown(data)}; give its plies from bottom to top, or a lamc.plate.Laminate",
-            *_at(where),
-        )
-    plies = [_ply(ply, where or what, (*_at(where), index)) for index, ply in enumerate(data)]
-    return _made(lambda: Laminate(plies, reference), where or what, _at(where))  # type: ignore[no-any-return]
-
-
-def _at(where: str) -> tuple[str | int, ...]:
-    return ("laminate",) if where else ()
-
-
-def _made(make: Any, where: str, path: tuple[str | int, ...]) -> Any:
-    try:
-        return make()
-    except LamcError as error:
-        raise refusal(where, error.message, *path) from error
-
-
-def _ply(data: object, where: str, path: tuple[str | int, ...]) -> "Ply":
-    from lamc.plates.laminates.plies import Ply
-
-    if isinstance(data, Ply):
-        return data
-    known = _fields(data, _PLY, where, path, "a ply")
-    for name in ("material", "thickness"):
-        if name not in known:
-            raise refusal(where, f"the ply has no {name}; give material and thickness", *path)
-    numbers = {n: quantity(v, _PLY[n], where, *path, n) for n, v in known.items() if _PLY[n]}
-    material = _material(known["material"], where, (*path, "material"))
-    return _made(lambda: Ply(material, **numbers), where, path)  # type: ignore[no-any-return]
-
-
-def _material(data: object, where: str, path: tuple[str | int, ...]) -> "Material":
-    from lamc.plates.laminates.library import LIBRARY
-    from lamc.plates.laminates.materials import Material
-
-    if isinstance(data, Material):
-        return data
-    if isinstance(data, str):
-        if data not in LIBRARY:
-            hint = did_you_mean(data, sorted(LIBRARY))
-            raise refusal(where, f"no material of the library is named {data[:40]!r}; {hint}", *path)
-        return LIBRARY[data]
-    known = _fields(data, {**_MATERIAL, **dict.fromkeys(_TEXTS, "")}, where, path, "a material")
-    values: dict[str, Any] = {
-        name: value if name in _TEXTS else quantity(value, _MATERIAL[name], where, *path, name)
-        for name, value in known.items()
-        if value is not None
-    }
-    values.setdefault("density", 0.0)
-    if "E" in values or "nu" in values:
-        if not {"E", "nu"} <= set(values) or {"E1", "E2", "nu12", "G12"} & set(values):
-            raise refusal(where, "a material has E and nu, or E1, E2, nu12 and G12", *path)
-        modulus, ratio = values.pop("E"), values.pop("nu")
-        sheet = _made(lambda: Material.isotropic(modulus, ratio, values["density"]), where, path)
-        values |= {n: getattr(sheet, n) for n in ("E1", "E2", "nu12", "G12")}
-    missing = [name for name in ("E1", "E2", "nu12", "G12") if name not in values]
-    if missing:
-        raise refusal(
-            where, f"the material has no {', '.join(missing)}; give E and nu, or E1, E2, nu12 and G12", *path
-        )
-    return _made(lambda: Material(**values), where, path)  # type: ignore[no-any-return]
-
-
-def _fields(
-    data: object, known: Mapping[str, str], where: str, path: tuple[str | int, ...], what: str
-) -> dict[str, Any]:
-    """Raises DataError for what is no map of these fields."""
-    if not isinstance(data, Mapping):
-        raise refusal(where, f"{what} is {shown(data)}; give a map of {', '.join(known)}", *path)
-    for name in data:
-        if name not in known:
-            raise refusal(
-                where,
-                f"{what} has no field {str(name)[:40]!r}; {did_you_mean(str(name), list(known))}",
-                *path,
+    with part():
+        if not isinstance(data, list | tuple) or not data:
+            raise DesignError(
+                f"the laminate is {shown(data)}; give its plies from bottom to top, or a lamc.plate.Laminate"
             )
-    return {str(name): value for name, value in data.items()}
+    plies = _PLIES.validate_python(list(data), context=info.context)
+    return _made(lambda: Laminate(plies, reference))
+
+
+if TYPE_CHECKING:
+    LaminateField = Annotated[Laminate, PlainValidator(_laminate)]
+else:
+    LaminateField = Annotated[object, PlainValidator(_laminate), WithJsonSchema(dict(_SCHEMA))]

@@ -5,21 +5,23 @@ and added inertia. The air remembers nothing: no wake, no delay, and strips do n
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
+from pydantic import Field
 from shapely.geometry import Polygon
 
-from lamc.basics.checks import checked_flag, checked_name, checked_number, is_list, shown
-from lamc.basics.errors import DesignError
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Flag, Name, Unit, Vector, Whole
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.strips import Corners, Strip, Wing, gauss, wing
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import Mechanism, checked_array
+from lamc.records.mechanism import Mechanism
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, dot, scale
 from lamc.symbolic.scalars import Scalar, call
 
@@ -60,40 +62,55 @@ class BladeElementDrag(RegisteredEffect):
     the chord at 0, 45 and 90 degrees for the coefficients here; 0.05, 0.26 and 0.46 were measured (Dickson, Straw &
     Dickinson 2006). Without added mass, lift acts at 0.5 - π / (4 lift), for the same at small angles.
 
-    body            the wing: a rigid one that moves
-    air_density     ρ, kg/m³
-    strips          how many; at Gauss points of the span, see `lamc/effects/strips.py`
-    lift            A
-    drag_edge_on    C_0
-    drag_broadside  C_90
-    rotation        k; π in theory (Sane & Dickinson 2002: C_rot = π (0.75 - x0)). It stands across the velocity, with
-                    suction at the leading edge, which a sharp edge does not bear where a wing turns over: there it
-                    doubles the lift of a hovering wing. Whitney & Wood 2010 leave it out, and their wings agree
-    lift_point      where lift acts, as a fraction of the chord from the leading edge; None: as said above
-    added_mass      False leaves the mass of the air out
-    wind            velocity of the air, m/s, world; None: it rests
-    line            two points, m, x and y as drawn, of the line that the wing pitches about; None: its only hinge
-    leading         direction towards the leading edge, x and y as drawn; None: the side of the line with less area
-    outline         corners of the wing, m, x and y as drawn; None: the outline of the body
-    rest_speed      m/s: at speeds far below it, forces fade faster than U²; they lack 1/2 (rest_speed / U)² at U
+    The rotation k is π in theory (Sane & Dickinson 2002: C_rot = π (0.75 - x0)). It stands across the velocity, with
+    suction at the leading edge, which a sharp edge does not bear where a wing turns over: there it doubles the lift of
+    a hovering wing. Whitney & Wood 2010 leave it out, and their wings agree.
 
     Several wings may act in one scene.
     """
 
-    body: str
-    air_density: float = AIR  # kg/m³
-    strips: int = 8
-    lift: float = 1.8
-    drag_edge_on: float = 0.4
-    drag_broadside: float = 3.4
-    rotation: float = 0.0
-    lift_point: float | None = None
-    added_mass: bool = True
-    wind: tuple[float, float, float] | None = None  # m/s
-    line: Corners | None = None  # m
-    leading: tuple[float, float] | None = None
-    outline: Corners | None = None  # m
-    rest_speed: float = 1e-4  # m/s
+    body: Annotated[Name, Field(description="the wing: a rigid one that moves")]
+    air_density: Annotated[float, Unit("kg/m^3", "ρ", ge=0.0)] = AIR
+    strips: Annotated[
+        Whole, Field(ge=1, le=MOST_STRIPS, description="how many; at Gauss points of the span")
+    ] = 8
+    lift: Annotated[float, Unit("1", "A", ge=0.0)] = 1.8
+    drag_edge_on: Annotated[float, Unit("1", "C_0", ge=0.0)] = 0.4
+    drag_broadside: Annotated[float, Unit("1", "C_90", ge=0.0)] = 3.4
+    rotation: Annotated[float, Unit("1", "k")] = 0.0
+    lift_point: Annotated[
+        float | None,
+        Unit(
+            "1", "where lift acts, as a fraction of the chord from the leading edge; left out: as said above"
+        ),
+    ] = None
+    added_mass: Annotated[Flag, Field(description="false leaves the mass of the air out")] = True
+    wind: Annotated[Vector | None, Unit("m/s", "velocity of the air, world; left out: it rests")] = None
+    line: Annotated[
+        Corners | None,
+        Unit(
+            "m",
+            "two points, x and y as drawn, of the line that the wing pitches about; left out: its only hinge",
+        ),
+    ] = None
+    leading: Annotated[
+        tuple[float, float] | None,
+        Unit(
+            "1",
+            "direction towards the leading edge, x and y as drawn; left out: the side of the line with less area",
+        ),
+    ] = None
+    outline: Annotated[
+        Corners | None, Unit("m", "corners of the wing, x and y as drawn; left out: the outline of the body")
+    ] = None
+    rest_speed: Annotated[
+        float,
+        Unit(
+            "m/s",
+            "far below it forces fade faster than U²; they lack 1/2 (rest_speed / U)² at speed U",
+            gt=0.0,
+        ),
+    ] = 1e-4
 
     name: ClassVar[str] = "blade_element_drag"
     summary: ClassVar[str] = "Air around flat wings"
@@ -102,43 +119,19 @@ class BladeElementDrag(RegisteredEffect):
     )
     repeatable: ClassVar[bool] = True
     conservative: ClassVar[bool] = False
-    units: ClassVar[Mapping[str, str]] = {
-        "air_density": "kg/m^3",
-        "wind": "m/s",
-        "line": "m",
-        "outline": "m",
-        "rest_speed": "m/s",
-    }
     absent: ClassVar[str] = "no air is called for"
 
     def __post_init__(self) -> None:
-        put = _setter(self)
-        checked_name(self.body, "the body of a wing")
+        super().__post_init__()
         what = f"of the wing {self.body!r}"
-        for field in ("air_density", "lift", "drag_edge_on", "drag_broadside", "rest_speed"):
-            put(field, checked_number(getattr(self, field), f"the {field} {what}", minimum=0.0))
-        if self.rest_speed == 0.0:
-            raise DesignError(f"the rest_speed {what} is 0; give m/s above zero, such as 1e-4")
-        put("rotation", checked_number(self.rotation, f"the rotation {what}"))
-        if self.lift_point is not None:
-            put("lift_point", checked_number(self.lift_point, f"the lift_point {what}"))
-        put("added_mass", checked_flag(self.added_mass, f"added_mass {what}"))
-        whole = isinstance(self.strips, int) and not isinstance(self.strips, bool)
-        if not whole or not 1 <= self.strips <= MOST_STRIPS:
-            raise DesignError(f"strips {what} is {shown(self.strips)}; it must be 1 to {MOST_STRIPS}")
-        for field, size in (("wind", 3), ("leading", 2)):
-            if getattr(self, field) is not None:
-                values = checked_array(getattr(self, field), (size,), f"the {field} {what}")
-                put(field, tuple(float(v) for v in values))
-        if self.leading is not None and not 0.0 < math.hypot(*self.leading) < math.inf:
-            raise DesignError(f"leading {what} is {list(self.leading)}; it must have a direction")
-        if self.line is not None:
-            put("line", _corners(self.line, f"line {what}"))
-            if len(self.line) != 2 or self.line[0] == self.line[1]:
+        with about(("leading",)):
+            if self.leading is not None and not 0.0 < math.hypot(*self.leading) < math.inf:
+                raise DesignError(f"leading {what} is {list(self.leading)}; it must have a direction")
+        with about(("line",)):
+            if self.line is not None and (len(self.line) != 2 or self.line[0] == self.line[1]):
                 raise DesignError(f"line {what} is {shown(self.line)}; give two points that differ")
-        if self.outline is not None:
-            put("outline", _corners(self.outline, f"outline {what}"))
-            if len(self.outline) < 3 or not Polygon(self.outline).is_valid:
+        with about(("outline",)):
+            if self.outline is not None and (len(self.outline) < 3 or not Polygon(self.outline).is_valid):
                 raise DesignError(
                     f"outline {what} is no polygon: give three corners or more, in order, of sides that do not cross"
                 )
@@ -297,15 +290,3 @@ def _composed(axes: Sequence[Vector3], components: Vector3) -> Vector3:
     for axis, component in zip(axes, components, strict=True):
         result = add(result, scale(component, axis))
     return result
-
-
-def _corners(value: object, what: str) -> Corners:
-    """Points in the plane as tuples. Raises DesignError for anything else."""
-    if not is_list(value):
-        raise DesignError(f"{what} is {shown(value)}; give a list of points [x, y]")
-    points = [checked_array(each, (2,), f"a point of {what}") for each in value]
-    return tuple((float(x), float(y)) for x, y in points)
-
-
-def _setter(effect: object) -> Any:
-    return lambda name, value: object.__setattr__(effect, name, value)

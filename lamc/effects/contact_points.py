@@ -10,10 +10,8 @@ from typing import Literal
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import DesignError
-from lamc.basics.readonly import ReadOnlyDict
-from lamc.records.mechanism import Body, Mechanism, checked_array, checked_name
+from lamc.records.mechanism import Body, Mechanism
 
 Point = tuple[float, float, float]  # m, drawn configuration, world axes
 DRAWN: Literal["drawn"] = "drawn"
@@ -28,25 +26,20 @@ class ContactPoint:
     point: Point
 
 
-def checked_points(value: object, what: str) -> Mapping[str, tuple[Point, ...]] | Literal["drawn"]:
-    """Points by body, in the order of the bodies' names, or DRAWN. Raises DesignError for anything else."""
-    if isinstance(value, str) and value == DRAWN:
-        return DRAWN
-    if not isinstance(value, Mapping) or not value:
+def check_points(points: Mapping[str, tuple[Point, ...]] | Literal["drawn"] | None) -> None:
+    """Raises DesignError for maps and lists that are empty."""
+    if not isinstance(points, Mapping):
+        return
+    if not points:
         raise DesignError(
-            f"{what} is {shown(value)}; it must map bodies to lists of points, as in {{foot: [[0, 0, 0]]}}, or be "
+            "points of ground contact name no body; map bodies to lists of points, as in {foot: [[0, 0, 0]]}, or give "
             f"{DRAWN!r}"
         )
-    points: dict[str, tuple[Point, ...]] = {}
-    for body, given in sorted(value.items(), key=lambda item: str(item[0])):
-        checked_name(body, f"a body in {what}")
-        if not is_list(given) or len(given) == 0:
+    for body, given in points.items():
+        if not given:
             raise DesignError(
-                f"{what} of body {body!r} is {shown(given)}; give a list of points [x, y, z] in m"
+                f"points of ground contact of body {body!r} are none; give a list of points [x, y, z] in m"
             )
-        rows = [checked_array(each, (3,), f"a point in {what} of body {body!r}") for each in given]
-        points[body] = tuple((float(x), float(y), float(z)) for x, y, z in rows)
-    return ReadOnlyDict(points)
 
 
 def contact_points(

@@ -1,57 +1,28 @@
-"""From the plain data of a scene file to the values of an effect: numbers with units, records field by field.
+"""From values that people give to the fields of an effect: each effect's dataclass as a pydantic model.
 
-In: what a YAML file holds under an effect's name, and where it stands. Out: SI floats, or the effect itself. Every
-refusal is a `DataError` that knows which part of the data it is about, so that readers of files can point at it.
-Never: knows an effect by name.
+In: values by field, from Python or from a file, and what the file knows. Out: checked values, or errors that know
+which part they are about. Never: knows an effect by name.
 
-An effect says the units of its fields once, and has nothing else to do:
+An effect says what its fields are by annotations, and has nothing else to do:
 
-    units: ClassVar[Mapping[str, str]] = {"stiffness": "N*m/rad", "point": "m"}
+    stiffness: Annotated[float, Unit("N*m/rad", "of the stop", gt=0.0)]
 
-    @classmethod
-    def from_data(cls, value, where):
-        return record(cls, value, where)
-
-A field of `units` may then be a number (SI), text with a unit ("3 N*mm/deg"), or a list or map of such. `shorthand`, a
-class variable too, names the field that may be given alone, as in `gravity: [0, 0, -9.81]`. `lamc schema` tells both.
+`lamc.basics.fields` has what may stand there; anything else that pydantic knows may too.
 """
 
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, Field, fields
-from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from functools import lru_cache
+from pathlib import Path as FilePath
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from lamc.basics import units as kinds
+from pydantic import Field, ValidationError, create_model
+
 from lamc.basics.checks import did_you_mean, shown
-from lamc.basics.errors import DesignError
-from lamc.basics.units import Quantity, to_si
+from lamc.basics.errors import DesignError, DesignErrors, LamcError
+from lamc.basics.fields import FOLDER, LENGTH_UNIT, Model, Path, problem_text
 
-E = TypeVar("E")
-
-# No expression begins with a number and goes on with a unit: "3 N*mm" is a quantity, "3*sin(t)" is none.
-_MEASURED = re.compile(
-    r"\s*[-+]?(?:\.[0-9]++|[0-9]++(?:\.[0-9]*+)?+)(?:[eE][-+]?[0-9]++)?+\s*[A-Za-zµμ°(]", re.ASCII
-)
-_KNOWN = {
-    quantity.unit: quantity.example
-    for quantity in vars(kinds).values()
-    if isinstance(quantity, Quantity) and quantity.unit
-}
-
-
-class Where(str):
-    """The place of an effect's data in a file, for messages, the unit of lengths that are written bare there, and the
-    folder from which the names of files count (None: the current one)."""
-
-    length_unit: str | None
-    folder: Path | None
-
-    def __new__(cls, text: str, length_unit: str | None = None, folder: Path | None = None) -> "Where":
-        where = super().__new__(cls, text)
-        where.length_unit = length_unit
-        where.folder = folder
-        return where
+MOST_MODELS = 256  # that are remembered
 
 
 class DataError(DesignError):
@@ -59,108 +30,118 @@ class DataError(DesignError):
 
     problem  the message without the place
     path     of the part that does not fit, from the effect's data on
+    cause    the error that was found there, if it was one of lamc's
     """
 
     problem: str = ""
-    path: tuple[str | int, ...] = ()
+    path: Path = ()
+    cause: LamcError | None = None
 
 
-def refusal(where: str, problem: str, *path: str | int) -> DataError:
+def refusal(where: str, problem: str, path: Path = (), cause: LamcError | None = None) -> DataError:
     """The error to raise for data that does not fit, at `path` within it."""
     place = where + "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
-    error = DataError(f"{place}: {problem}")
-    error.problem, error.path = problem, path
+    other = cause.place if cause is not None else None  # in a file that the data names
+    error = DataError(problem if other is not None else f"{place}: {problem}", other)
+    error.problem, error.path, error.cause = problem, path, cause
     return error
 
 
-def quantity(value: object, unit: str, where: str, *path: str | int) -> float:
-    """`value` in SI: a number, or text such as "3 N*mm/deg".
+def file_context(length_unit: str | None = None, folder: FilePath | None = None) -> Mapping[str, Any]:
+    """What a file knows of its values: the unit of bare lengths (None: m), and from which folder it names others."""
+    return {LENGTH_UNIT: length_unit, FOLDER: folder}
 
-    unit   of the field, SI, as in "N*m/rad" or "N·m/rad"; "" or "1" for a plain number
-    where  the place, as `from_data` is given it
-    path   of the value within the effect's data, as in ("stiffness",), for the message
 
-    Raises DataError for what is no number, not finite, or of another dimension.
+@lru_cache(maxsize=MOST_MODELS)
+def model_of(kind: Any) -> type[Model]:
+    """The model of a dataclass's fields."""
+    hints = get_type_hints(kind, include_extras=True)
+    parts: dict[str, Any] = {}
+    for each in fields(kind):
+        made = each.default_factory
+        default = ... if each.default is MISSING else each.default
+        parts[each.name] = (hints[each.name], default if made is MISSING else Field(default_factory=made))
+    return create_model(kind.__name__, __base__=Model, **parts)
+
+
+def is_map(kind: type, field: str) -> bool:
+    """Whether the field holds values by name."""
+    origin = get_origin(_bare(model_of(kind).model_fields[field].annotation))
+    return isinstance(origin, type) and issubclass(origin, Mapping)
+
+
+def described(kind: type) -> str:
+    """The fields of a class that is to be a dataclass, one a line, with what their annotations say."""
+    lines = []
+    for name, hint in vars(kind).get("__annotations__", {}).items():
+        said = getattr(hint, "__metadata__", ())
+        unit = next((each.unit for each in said if hasattr(each, "unit")), None)
+        words = [each.description for each in said if getattr(each, "description", None)]
+        if unit or words:
+            lines.append(f"{name:<16} " + ", ".join([*([unit] if unit not in (None, "1") else []), *words]))
+    return "\n".join(lines)
+
+
+def validated(
+    kind: type,
+    data: Mapping[Any, Any],
+    where: str,
+    context: Mapping[str, object] | None = None,
+    skip: int = 0,
+) -> dict[str, Any]:
+    """The checked values of the fields of `kind`.
+
+    where  the place, for messages; skip: so many steps of each path stand in no file
+
+    Raises DataError, or DesignErrors with several.
     """
-    plain = unit.replace("·", "*").replace("²", "^2").replace("³", "^3")
-    plain = "" if plain == "1" else plain
-    words = [step for step in path if isinstance(step, str) and step.strip()]
-    name = words[-1].replace("_", " ") if words else "value"
-    kind = Quantity(name, plain, _KNOWN.get(plain) or f"0.5 {plain}".rstrip())
-    bare = getattr(where, "length_unit", None) if plain == "m" else None
+    if not data and not fields(kind):
+        return {}  # the usual effects of hinges, sooner: a model takes half a millisecond
+    model = model_of(kind)
     try:
-        return to_si(value, kind, bare)
-    except DesignError as error:
-        raise refusal(where, error.message, *path) from error
-
-
-def is_measured(text: str) -> bool:
-    """True for a number with a unit, which no expression looks like."""
-    return _MEASURED.match(text) is not None
-
-
-def record(kind: type[E], value: object, where: str) -> E:
-    """The effect of class `kind`, a frozen dataclass, from a map of its fields; nothing stands for all defaults, and a
-    value that is no map for the field `kind.shorthand`.
-
-    Fields named in `kind.units` are read by `quantity`, as they are or in lists and maps. In a field that also holds
-    text, an expression, text goes through as it is, unless it is a number with a unit; so do all other fields.
-
-    Raises DataError for an unknown field (with the nearest name), one that is missing, and a quantity that is none.
-    """
-    known: dict[str, Field[Any]] = {f.name: f for f in fields(kind)}  # type: ignore[arg-type]
-    label = getattr(kind, "name", kind.__name__)
-    if value is None or value is True:
-        value = {}
-    short: str | None = getattr(kind, "shorthand", None)
-    if short is not None and isinstance(value, str | int | float | list | tuple):
-        value = {short: value}
-    needed = [f.name for f in known.values() if f.default is MISSING and f.default_factory is MISSING]
-    if not isinstance(value, Mapping):
-        raise refusal(
-            where, f"{label} is {shown(value)}; give a map of its fields: {_listed(list(known), needed)}"
+        made = model.model_validate(
+            {str(name): value for name, value in data.items()}, context=dict(context or {})
         )
-    for name in value:
-        if name not in known:
-            raise refusal(
-                where,
-                f"{label} has no field {str(name)[:40]!r}; {did_you_mean(str(name), list(known))}",
-                str(name)[:40],
-            )
-    missing = [name for name in needed if name not in value]
+    except ValidationError as error:
+        items = error.errors(include_url=False)
+    else:
+        return {name: getattr(made, name) for name in model.model_fields}
+    missing = [item["loc"][0] for item in items if item["type"] == "missing" and len(item["loc"]) == 1]
+    found = [_told(kind, item, where, skip) for item in items if item["loc"][0] not in missing]
     if missing:
-        raise refusal(where, f"{label} needs {' and '.join(missing)}: give {_listed(list(known), needed)}")
-    units: Mapping[str, str] = getattr(kind, "units", {})
-    hints = get_type_hints(kind) if units else {}
-    data = {
-        name: _si(each, units[name], where, (name,), text=takes_text(hints[name])) if name in units else each
-        for name, each in value.items()
-    }
-    return kind(**data)
+        label = getattr(kind, "name", kind.__name__)
+        problem = f"{label} needs {' and '.join(map(str, missing))}: give {listed(kind)}"
+        found = [refusal(where, problem), *found]
+    raise found[0] if len(found) == 1 else DesignErrors(found)
 
 
-def takes_text(hint: Any) -> bool:
-    """True if a field of this annotation holds text, such as expressions, as it is or in a list or map."""
-    inner = get_args(hint)
-    if hint is str or (get_origin(hint) is Literal and any(isinstance(word, str) for word in inner)):
-        return True
-    if isinstance(get_origin(hint), type) and issubclass(get_origin(hint), Mapping):
-        inner = inner[1:]  # keys are names
-    return any(takes_text(part) for part in inner)
+def no_record(kind: type, value: object, where: str) -> DataError:
+    """The error for data that is no map of fields."""
+    label = getattr(kind, "name", kind.__name__)
+    if not fields(kind):
+        return refusal(where, f"{label} takes no value; it has {shown(value)}")
+    return refusal(where, f"{label} is {shown(value)}; give a map of its fields: {listed(kind)}")
 
 
-def _si(value: object, unit: str, where: str, path: tuple[str | int, ...], *, text: bool) -> object:
-    if value is None or (text and isinstance(value, str) and not is_measured(value)):
-        return value
-    if isinstance(value, Mapping):
-        return {str(k): _si(v, unit, where, (*path, str(k)), text=text) for k, v in value.items()}
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return tuple(_si(v, unit, where, (*path, k), text=text) for k, v in enumerate(value))
-    return quantity(value, unit, where, *path)
-
-
-def _listed(known: list[str], needed: list[str]) -> str:
-    optional = [name for name in known if name not in needed]
+def listed(kind: type) -> str:
+    """The names of the fields, first those that must be given."""
+    known = model_of(kind).model_fields
+    needed = [name for name, each in known.items() if each.is_required()]
+    others = [name for name in known if name not in needed]
     if not needed:
-        return f"{', '.join(optional)}, as many as wished" if optional else "it has none"
-    return ", ".join(needed) + (f", and {', '.join(optional)} if wished" if optional else "")
+        return f"{', '.join(others)}, as many as wished"
+    return ", ".join(needed) + (f", and {', '.join(others)} if wished" if others else "")
+
+
+def _told(kind: type, item: Any, where: str, skip: int) -> DataError:
+    path: Path = tuple(item["loc"])
+    if item["type"] == "extra_forbidden":
+        name, label = str(path[-1]), getattr(kind, "name", kind.__name__)
+        known = list(model_of(kind).model_fields)
+        problem = f"{label} has no field {name[:40]!r}; {did_you_mean(name, known)}"
+        return refusal(where, problem, (*path[:-1], name[:40]))
+    return refusal(where, problem_text(item), path[skip:], item.get("ctx", {}).get("error"))
+
+
+def _bare(hint: Any) -> Any:
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint

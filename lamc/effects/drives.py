@@ -1,8 +1,8 @@
 """Drives: the expressions by which effects act on time, on the angle and rate of a joint, and on inputs of the scene.
 
 In: an expression, and what it gives. Out: an error where it is outside the language, names an input that the scene does
-not have, or has no value when the run needs it: nowhere, at the start, or at an instant on the way. Never: changes a
-value.
+not have, has no value when the run needs it (nowhere, at the start, or at an instant on the way), or has a kink where
+the effect takes its derivatives. Never: changes a value.
 
 An effect that is driven has drives(), which gives its `Drive`s, and makes each with `checked_drive`; what is found at
 the start and along the run is then told for it. Which inputs there are is the scene's to say, so a name that is no
@@ -22,6 +22,7 @@ from lamc.basics.errors import ExpressionError, about
 from lamc.records.effect import hooked
 from lamc.symbolic.domain import EVERYWHERE, Undefined, undefined
 from lamc.symbolic.expression import CONSTANTS, names_in
+from lamc.symbolic.kinks import Kink, first_kink
 
 Bounds = tuple[npt.ArrayLike, npt.ArrayLike]
 _Given = tuple[tuple[str, float], ...]  # inputs with their values
@@ -34,12 +35,14 @@ NO_INPUTS: Mapping[str, float] = MappingProxyType({})
 class Drive:
     """An expression in t (s), inputs of the scene and, with a joint, in its angle (rad) and rate (rad/s).
 
-    what  the expression gives, for messages: "the torque of joint 'h1'"
+    what    the expression gives, for messages: "the torque of joint 'h1'"
+    smooth  the effect differentiates it twice by t, so neither it nor its rate may jump within a run
     """
 
     what: str
     text: str
     joint: str | None = None
+    smooth: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,7 +77,8 @@ def check_drives(
     t_end: float,
     inputs: Mapping[str, float] = NO_INPUTS,
 ) -> None:
-    """Raises ExpressionError for a drive without a value at the start or, whatever moves, at an instant of the run.
+    """Raises ExpressionError for a drive without a value at the start or, whatever moves, at an instant of the run,
+    and for one with a kink within the run that has to be smooth.
 
     angles, rates  of all joints at the start, rad and rad/s; t_end  s; inputs  values of the run, by name
     """
@@ -84,6 +88,7 @@ def check_drives(
             with about(effect):
                 _check_start(drive, angles, rates, given)
                 _check_instants(drive, t_end, given)
+                _check_smooth(drive, t_end, given)
 
 
 def _check_start(
@@ -105,7 +110,23 @@ def _check_instants(drive: Drive, t_end: float, given: _Given) -> None:
         raise _refusal(drive, found, f"at t = {at:.6g} s{told}, within the run of {t_end:g} s")
 
 
+def _check_smooth(drive: Drive, t_end: float, given: _Given) -> None:
+    kink = _kink(drive.text, given, t_end) if drive.smooth and 0.0 < t_end < np.inf else None
+    if kink is not None:
+        found = "its rate jumps" if kink.order else "it jumps"
+        raise ExpressionError(
+            f"{drive.what}: expression {drive.text!r} has a kink at t = {kink.t:.6g} s, within the run of {t_end:g} s: "
+            f"{found} by {kink.jump:.6g}, and no step feels such a blow; round it off, as by tanh(…), or end the run "
+            "before"
+        )
+
+
 @lru_cache(maxsize=1024)  # many runs of one scene ask the same
+def _kink(text: str, given: _Given, t_end: float) -> Kink | None:
+    return first_kink(text, dict(given), t_end, INSTANTS)
+
+
+@lru_cache(maxsize=1024)
 def _at_start(drive: Drive, angle: float, rate: float, given: _Given) -> Undefined | None:
     ranges = _ranges(drive, (0.0, 0.0), (angle, angle), (rate, rate))
     return undefined(drive.text, ranges | {name: (value, value) for name, value in given})

@@ -1,14 +1,14 @@
 """Torques on hinges that come from outside while a model runs: from a controller, another program, a person's hand."""
 
-from collections.abc import Container, Mapping
+from collections.abc import Container
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from lamc.basics.checks import is_list, shown
-from lamc.basics.errors import DesignError
+from pydantic import Field
+
+from lamc.basics.fields import Names
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import checked_name
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
@@ -34,35 +34,21 @@ def _claim(joint: str) -> str:
 class ExternalTorque(RegisteredEffect):
     """A torque on each hinge's child about the hinge's axis, N·m, an input of the model; positive opens the fold.
 
-    joints  names of the hinges; None: every one, those that close loops too
-
     The input is `<joint>.torque`, zero unless told otherwise, and constant within a run. A hinge on which `Torque` acts
     with a number has that as its input, with that number as its default; one with an expression has both. With all
     inputs zero the motion is that without the effect, to the last bit.
     """
 
-    joints: tuple[str, ...] | None = None
+    joints: Annotated[
+        Names | None,
+        Field(description="names of the hinges; left out: every one, those that close loops too"),
+    ] = None
 
     name: ClassVar[str] = "external_torque"
     summary: ClassVar[str] = "Hinge torques from outside"
     source: ClassVar[str] = "eq. 17"
     shorthand: ClassVar[str] = "joints"
-    units: ClassVar[Mapping[str, str]] = {}
     absent: ClassVar[str] = "no torque comes from outside"
-
-    def __post_init__(self) -> None:
-        if self.joints is None:
-            return
-        if not is_list(self.joints) or not len(self.joints):
-            raise DesignError(
-                f"the joints of an external torque are {shown(self.joints)}; give names, such as ('h1', 'h2'), or None "
-                "for all"
-            )
-        joints = tuple(checked_name(name, "a joint of an external torque") for name in self.joints)
-        twice = next((name for name in joints if joints.count(name) > 1), None)
-        if twice is not None:
-            raise DesignError(f"an external torque has joint {twice!r} twice; once is enough")
-        object.__setattr__(self, "joints", joints)
 
     def claims(self) -> tuple[str, ...]:
         return (_EVERY,) if self.joints is None else tuple(_claim(joint) for joint in self.joints)

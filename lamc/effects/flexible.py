@@ -1,17 +1,17 @@
 """Bodies that bend: a few shapes of each body's own plate, by finite elements."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from pydantic import Field
 
-from lamc.basics.checks import Array, checked_flag, checked_name, checked_number, shown
-from lamc.basics.errors import DesignError
-from lamc.effects.bender_plies import laminate_of
-from lamc.effects.data import record
+from lamc.basics.checks import Array
+from lamc.basics.fields import Flag, Name, Names, Unit, Whole
+from lamc.effects.bender_plies import LaminateField
 from lamc.effects.flexible_plates import BodyPlate, body_plate
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging
@@ -21,9 +21,6 @@ from lamc.mechanism.tree import Tree
 
 if TYPE_CHECKING:
     from lamc.plates.answers.reduction import Reduction
-    from lamc.plates.laminates.laminate import Laminate
-else:
-    Laminate = Any  # whose import takes a while; `lamc schema` asks for type hints at run time
 
 _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
@@ -36,16 +33,6 @@ _UP = np.array([0.0, 0.0, 1.0])
 @dataclass(frozen=True)
 class FlexibleLinks(RegisteredEffect):
     """Bodies bend in the lowest modes of their own plates, clamped along the hinge on the way to the fixed bodies.
-
-    bodies         names of those that bend; None: all that move
-    modes          natural modes of each
-    damping_ratio  of critical, of every mode
-    size           m, of the finite elements; None: a fifth of the plate's width, or thereabouts
-    element        of `lamc.plate.ELEMENTS`
-    refinement     cells are smaller by that: 2 halves them, whether their size is given or not
-    static         besides, the shapes under a uniform acceleration and under force and moments at the other hinges, so
-                   that statics is that of the elements: one, and three for each other hinge; they count on as modes
-    laminate       of bodies that come from no drawing, all over their outline; None: as drawn
 
     A body's frame rides on its hinge (floating frame), and its deflection n Σ φ_k η_k along the plate's normal is small
     beside it; η_k is in m, φ_k at most 1. The plate is the body without what bends at its hinges, whose mass stays with
@@ -62,57 +49,37 @@ class FlexibleLinks(RegisteredEffect):
     Raises DesignError for bodies that are not there, are fixed, or of which no laminate is known.
     """
 
-    bodies: tuple[str, ...] | None = None
-    modes: int = 3
-    damping_ratio: float = 0.01
-    size: float | None = None
-    refinement: float = 1.0
-    element: str = "dkt"
-    static: bool = True
-    laminate: "Laminate | None" = None
+    bodies: Annotated[
+        Names | None, Field(description="names of those that bend; left out: all that move")
+    ] = None
+    modes: Annotated[Whole, Field(ge=1, le=_MOST, description="natural modes of each")] = 3
+    damping_ratio: Annotated[float, Unit("1", "of critical, of every mode", ge=0.0)] = 0.01
+    size: Annotated[
+        float | None,
+        Unit("m", "of the finite elements; left out: a fifth of the plate's width, or thereabouts", gt=0.0),
+    ] = None
+    refinement: Annotated[
+        float,
+        Unit("1", "cells are smaller by that: 2 halves them, whether their size is given or not", gt=0.0),
+    ] = 1.0
+    element: Annotated[Name, Field(description="of lamc.plate.ELEMENTS")] = "dkt"
+    static: Annotated[
+        Flag,
+        Field(
+            description="besides, the shapes under a uniform acceleration and under force and moments at the other "
+            "hinges, so that statics is that of the elements: one, and three for each other hinge; they count on as "
+            "modes"
+        ),
+    ] = True
+    laminate: Annotated[
+        LaminateField | None,
+        Field(description="of bodies that come from no drawing, all over their outline; left out: as drawn"),
+    ] = None
 
     name: ClassVar[str] = "flexible_links"
     summary: ClassVar[str] = "Bodies that bend"
     source: ClassVar[str] = "½ ηᵀ K η, modes of the plate in a floating frame, Shabana 2013, ch. 5"
-    units: ClassVar[Mapping[str, str]] = {"damping_ratio": "1", "size": "m", "refinement": "1"}
     absent: ClassVar[str] = "bodies are rigid"
-
-    def __post_init__(self) -> None:
-        if self.bodies is not None:
-            names = self.bodies
-            if isinstance(names, str) or not isinstance(names, Sequence) or not names:
-                raise DesignError(
-                    f"bodies of flexible_links are {shown(names)}; give a list of names, or leave it out"
-                )
-            checked = tuple(checked_name(name, "a body of flexible_links") for name in names)
-            for name in checked:
-                if checked.count(name) > 1:
-                    raise DesignError(f"bodies of flexible_links have {name!r} twice; once is enough")
-            object.__setattr__(self, "bodies", checked)
-        whole = isinstance(self.modes, int) and not isinstance(self.modes, bool)
-        if not whole or not 1 <= self.modes <= _MOST:
-            raise DesignError(
-                f"modes of flexible_links is {shown(self.modes)}; give a whole number from 1 to {_MOST}, or leave the "
-                "effect out for rigid bodies"
-            )
-        ratio = checked_number(self.damping_ratio, "the damping_ratio of flexible_links", minimum=0.0)
-        object.__setattr__(self, "damping_ratio", ratio)
-        if self.size is not None:
-            size = checked_number(self.size, "the size of flexible_links", minimum=0.0)
-            if size == 0.0:
-                raise DesignError(
-                    "the size of flexible_links is 0 m; give the length of an edge of its cells"
-                )
-            object.__setattr__(self, "size", size)
-        refinement = checked_number(self.refinement, "the refinement of flexible_links", minimum=0.0)
-        if refinement == 0.0:
-            raise DesignError("the refinement of flexible_links is 0; give 2 for cells of half the size")
-        object.__setattr__(self, "refinement", refinement)
-        checked_name(self.element, "the element of flexible_links")
-        checked_flag(self.static, "static of flexible_links")
-        if self.laminate is not None:
-            laminate = laminate_of(self.laminate, "the laminate of flexible_links")
-            object.__setattr__(self, "laminate", laminate)
 
     @property
     def conservative(self) -> bool:
@@ -168,13 +135,6 @@ class FlexibleLinks(RegisteredEffect):
             "coarser mesh": replace(self, refinement=0.5 * self.refinement),
             "finer mesh": replace(self, refinement=2.0 * self.refinement),
         }
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "FlexibleLinks":
-        """From a scene file: a map of the fields above; the laminate is a list of plies, as for piezo_bender."""
-        if isinstance(value, Mapping) and value.get("laminate") is not None:
-            value = {**value, "laminate": laminate_of(value["laminate"], "the laminate", where)}
-        return record(cls, value, where)
 
 
 def flexible_body(name: str, reduction: "Reduction", com: Array, height: float, ratio: float) -> FlexibleBody:

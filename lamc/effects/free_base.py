@@ -1,60 +1,52 @@
 """The fixed bodies let go: all of them together float as one rigid body."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import Unit, Vector
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging, FloatingBase
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.turns import snap
-from lamc.records.mechanism import Array, Body, checked_array
+from lamc.records.mechanism import Array, Body
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
-
-_FIELDS = ("position", "rotation", "velocity", "spin")
 
 
 @dataclass(frozen=True)
 class FreeBase(RegisteredEffect):
     """Six more freedoms: world position of the centre of mass of what was fixed, and its rotation, a quaternion.
 
-    position  of that centre of mass at the start, m, world; None: as drawn
-    rotation  at the start, from the drawn position, as axis times angle, rad, world axes
-    velocity  of that centre of mass at the start, m/s, world axes
-    spin      angular velocity at the start, rad/s, axes of the body
-
     The fixed bodies need mass and inertia; several are one rigid body. A pose has no singular attitude.
     """
 
-    position: tuple[float, float, float] | None = None  # m
-    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad
-    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m/s
-    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # rad/s
+    position: Annotated[
+        Vector | None, Unit("m", "of that centre of mass at the start, world; left out: as drawn")
+    ] = None
+    rotation: Annotated[
+        Vector, Unit("rad", "at the start, from the drawn position, as axis times angle, world axes")
+    ] = (0.0, 0.0, 0.0)
+    velocity: Annotated[Vector, Unit("m/s", "of that centre of mass at the start, world axes")] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    spin: Annotated[Vector, Unit("rad/s", "angular velocity at the start, axes of the body")] = (
+        0.0,
+        0.0,
+        0.0,
+    )
 
     name: ClassVar[str] = "free_base"
     summary: ClassVar[str] = "Fixed bodies that float"
     conservative: ClassVar[bool] = True
     source: ClassVar[str] = "Newton and Euler for the base; quaternion rates ½ q ω"
-    units: ClassVar[Mapping[str, str]] = {
-        "position": "m",
-        "rotation": "rad",
-        "velocity": "m/s",
-        "spin": "rad/s",
-    }
     absent: ClassVar[str] = "the fixed bodies stay where they are"
-
-    def __post_init__(self) -> None:
-        for field in _FIELDS:
-            value = getattr(self, field)
-            if value is not None or field != "position":
-                x, y, z = (float(v) for v in checked_array(value, (3,), f"the {field} of a free base"))
-                object.__setattr__(self, field, (x, y, z))
 
     def claims(self) -> tuple[str, ...]:
         return ("motion of the base",)

@@ -1,13 +1,13 @@
 """Gravity: a uniform field that accelerates all mass alike."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
+from lamc.basics.fields import Unit, Vector
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
 from lamc.records.effect import Effect
-from lamc.records.mechanism import Mechanism, checked_array
+from lamc.records.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
@@ -19,17 +19,12 @@ STANDARD = (0.0, 0.0, -9.81)  # m/s², the value of popupCAD and of the paper
 class Gravity(RegisteredEffect):
     """Field strength, m/s², world axes. Components that are zero are left out of the equations."""
 
-    acceleration: tuple[float, float, float] = STANDARD
+    acceleration: Annotated[Vector, Unit("m/s^2", "of what falls, along world x, y and z")] = STANDARD
 
     name: ClassVar[str] = "gravity"
     summary: ClassVar[str] = "Gravity"
     source: ClassVar[str] = "F = m g, eq. 18"
     shorthand: ClassVar[str] = "acceleration"
-    units: ClassVar[Mapping[str, str]] = {"acceleration": "m/s^2"}
-
-    def __post_init__(self) -> None:
-        x, y, z = (float(v) for v in checked_array(self.acceleration, (3,), "the acceleration of gravity"))
-        object.__setattr__(self, "acceleration", (x, y, z))
 
     def contribute(self, loads: Loads) -> None:
         components = [

@@ -7,17 +7,18 @@ ground, one switch per point. Points do not know of each other, and the ground h
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
-from lamc.basics.checks import checked_number, shown
-from lamc.basics.errors import DesignError
-from lamc.effects.contact_points import ContactPoint, Point, checked_points, contact_points
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Names, Unit, Vector, Whole
+from lamc.effects.contact_points import ContactPoint, Point, check_points, contact_points
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
 from lamc.records.effect import PlaneMark
-from lamc.records.mechanism import Array, Mechanism, checked_array, checked_name
+from lamc.records.mechanism import Array, Mechanism
 from lamc.symbolic.algebra import Vector3, add, dot, scale
 from lamc.symbolic.scalars import Scalar, call, power
 
@@ -41,33 +42,65 @@ class GroundContact(RegisteredEffect):
     Friction is μ F s / sqrt(s² + slip_speed²) against the sliding velocity s, which is smooth: a body at rest on a
     slope creeps, by slip_speed x / sqrt(1 - x²) where x is the tangent of the slope over μ. Integrators stop where
     points touch and leave.
-
-    friction         μ, of sliding
-    static_friction  the largest coefficient, of what begins to slide; None: as when sliding. It is reached, within 2 %
-                     of μ, at five times the slip speed
-    slip_speed       m/s; None: 1e-3 sqrt(g size), where size is the diagonal of the box around all contact points
-    stiffness        k, N/mⁿ; None: the weight of all that moves, on one point, sinks in by 1e-3 of the size
-    damping          c, s/m; None: 1 / sqrt(g size)
-    exponent         n: 1.5 (Hertz: round on flat), or 1
-    height           m: of the plane along its normal, from the world's origin. The bottom of a drawing lies at 0
-    normal           out of the ground, world axes; made a unit vector
-    bodies           names of those whose corners can touch; None: all that move and have an outline, or where points
-                     are listed, none. Corners are those of the hull of the lowest and of the highest face
-    points           further points by body, m, as drawn; or "drawn": the contact points of the drawing
-    corners          at most that many on each face of a body, at least 3; those go whose loss takes the least area
     """
 
-    friction: float = 0.5
-    static_friction: float | None = None
-    slip_speed: float | None = None  # m/s
-    stiffness: float | None = None  # N/m^n
-    damping: float | None = None  # s/m
-    exponent: float = 1.5
-    height: float = 0.0  # m
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    bodies: tuple[str, ...] | None = None
-    points: Mapping[str, tuple[Point, ...]] | Literal["drawn"] | None = None
-    corners: int = MAX_CORNERS
+    friction: Annotated[float, Unit("1", "μ, of sliding", ge=0.0)] = 0.5
+    static_friction: Annotated[
+        float | None,
+        Unit(
+            "1",
+            "the largest coefficient, of what begins to slide; left out: as when sliding. It is reached, within 2 % of "
+            "μ, at five times the slip speed",
+            ge=0.0,
+        ),
+    ] = None
+    slip_speed: Annotated[
+        float | None,
+        Unit(
+            "m/s",
+            "left out: 1e-3 sqrt(g size), where size is the diagonal of the box around all contact points",
+            gt=0.0,
+        ),
+    ] = None
+    stiffness: Annotated[
+        float | None,
+        Unit(
+            "1",
+            "k, N/m^n; left out: the weight of all that moves, on one point, sinks in by 1e-3 of the size",
+            gt=0.0,
+        ),
+    ] = None
+    damping: Annotated[float | None, Unit("s/m", "c; left out: 1 / sqrt(g size)", ge=0.0)] = None
+    exponent: Annotated[float, Unit("1", "n: 1.5 (Hertz: round on flat), or 1")] = 1.5
+    height: Annotated[
+        float,
+        Unit(
+            "m", "of the plane along its normal, from the world's origin; the bottom of a drawing lies at 0"
+        ),
+    ] = 0.0
+    normal: Annotated[Vector, Unit("1", "out of the ground, world axes; made a unit vector")] = (
+        0.0,
+        0.0,
+        1.0,
+    )
+    bodies: Annotated[
+        Names | None,
+        Field(
+            description="names of those whose corners can touch; left out: all that move and have an outline, or where "
+            "points are listed, none. Corners are those of the hull of the lowest and of the highest face"
+        ),
+    ] = None
+    points: Annotated[
+        Mapping[str, tuple[Point, ...]] | Literal["drawn"] | None,
+        Unit("m", "further points by body, as drawn; or 'drawn': the contact points of the drawing"),
+    ] = None
+    corners: Annotated[
+        Whole,
+        Field(
+            ge=3,
+            description="at most that many on each face of a body; those go whose loss takes the least area",
+        ),
+    ] = MAX_CORNERS
 
     name: ClassVar[str] = "ground_contact"
     summary: ClassVar[str] = "Contact with the ground"
@@ -75,67 +108,31 @@ class GroundContact(RegisteredEffect):
     source: ClassVar[str] = (
         "F = k d^n (1 + 3/2 c v), Hunt & Crossley 1975; friction mu F s / sqrt(s^2 + vs^2)"
     )
-    units: ClassVar[Mapping[str, str]] = {
-        "slip_speed": "m/s",
-        "damping": "s/m",
-        "height": "m",
-        "points": "m",
-    }
     absent: ClassVar[str] = "no ground is called for"
 
     def __post_init__(self) -> None:
-        put = _setter(self)
-        for field in ("friction", "static_friction", "slip_speed", "stiffness", "damping"):
-            value = getattr(self, field)
-            if value is not None:
-                put(field, checked_number(value, f"the {field} of ground contact", minimum=0.0))
-        put("height", checked_number(self.height, "the height of the ground"))
-        put("exponent", checked_number(self.exponent, "the exponent of ground contact"))
-        self._check_numbers()
-        normal = checked_array(self.normal, (3,), "the normal of the ground")
-        length = math.hypot(*normal)
-        if not 0.0 < length < math.inf:
-            raise DesignError(
-                f"the normal of the ground is {normal.tolist()}; it must have a direction and a length"
-            )
-        put("normal", tuple(float(x) for x in (normal if abs(length - 1.0) < 1e-15 else normal / length)))
-        if self.bodies is not None:
-            if (
-                isinstance(self.bodies, str | Mapping)
-                or not isinstance(self.bodies, Sequence)
-                or not self.bodies
-            ):
-                raise DesignError(f"bodies of ground contact is {shown(self.bodies)}; give a list of names")
-            put("bodies", tuple(checked_name(b, "a body of ground contact") for b in self.bodies))
-        if self.points is not None:
-            put("points", checked_points(self.points, "points of ground contact"))
-
-    def _check_numbers(self) -> None:
+        super().__post_init__()
         if self.exponent not in (1.0, 1.5):
-            raise DesignError(
-                f"the exponent of ground contact is {self.exponent:g}; it must be 1.5, as of round on flat, or 1"
-            )
-        for field, unit in (
-            ("stiffness", "N/m^1.5" if self.exponent == 1.5 else "N/m"),
-            ("slip_speed", "m/s"),
-        ):
-            if getattr(self, field) == 0.0:
+            with about(("exponent",)):
                 raise DesignError(
-                    f"the {field} of ground contact is 0; give {unit} above zero, or leave it out for one that "
-                    "suits the mechanism"
+                    f"the exponent of ground contact is {self.exponent:g}; it must be 1.5, as of round on flat, or 1"
                 )
         if self.static_friction is not None and self.static_friction < self.friction:
-            raise DesignError(
-                f"the static_friction of ground contact is {self.static_friction:g}, below its friction of "
-                f"{self.friction:g}; what begins to slide is held at least as much as what slides"
-            )
-        whole = isinstance(self.corners, int) and not isinstance(self.corners, bool)
-        if not whole or self.corners < 3:
-            raise DesignError(f"corners of ground contact is {shown(self.corners)}; it must be 3 or more")
-
-    def __hash__(self) -> int:
-        points = tuple(self.points.items()) if isinstance(self.points, Mapping) else self.points
-        return hash((self.friction, self.stiffness, self.height, self.normal, self.bodies, points))
+            with about(("static_friction",)):
+                raise DesignError(
+                    f"the static_friction of ground contact is {self.static_friction:g}, below its friction of "
+                    f"{self.friction:g}; what begins to slide is held at least as much as what slides"
+                )
+        length = math.hypot(*self.normal)
+        if not 0.0 < length < math.inf:
+            with about(("normal",)):
+                raise DesignError(
+                    f"the normal of the ground is {list(self.normal)}; it must have a direction and a length"
+                )
+        if abs(length - 1.0) >= 1e-15:
+            object.__setattr__(self, "normal", tuple(x / length for x in self.normal))
+        with about(("points",)):
+            check_points(self.points)
 
     def contribute(self, loads: Loads) -> None:
         points = contact_points(loads.mechanism, loads.moving_bodies, self.bodies, self.points, self.corners)
@@ -286,7 +283,3 @@ def _push(w: Scalar) -> Scalar:
 
 def _soft(w: Scalar) -> Scalar:
     return call("max", w, 0.0) + SHARPNESS * call("log", 1.0 + call("exp", abs(w) / -SHARPNESS))
-
-
-def _setter(record: object) -> Any:
-    return lambda name, value: object.__setattr__(record, name, value)

@@ -2,10 +2,8 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar
 
-from lamc.basics.checks import shown
-from lamc.effects.data import refusal
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.records.effect import Effect
@@ -14,13 +12,6 @@ from lamc.symbolic.scalars import Scalar
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
-
-
-def _no_value(kind: str, value: object, where: str) -> None:
-    if value not in (None, True, {}):
-        raise refusal(
-            where, f"{kind} takes no value, since its values come from the joints; it has {shown(value)}"
-        )
 
 
 def stiffness_claim(joint: str) -> str:
@@ -78,12 +69,6 @@ class HingeStiffness(RegisteredEffect):
             else (None, "no hinge has a stiffness")
         )
 
-    @classmethod
-    def from_data(cls, value: object, where: str) -> Self:
-        """From a scene file: takes no value."""
-        _no_value("hinge_stiffness", value, where)
-        return cls()
-
 
 @dataclass(frozen=True)
 class RestAngle(RegisteredEffect):
@@ -120,12 +105,6 @@ class RestAngle(RegisteredEffect):
             else (None, "every hinge rests as drawn")
         )
 
-    @classmethod
-    def from_data(cls, value: object, where: str) -> Self:
-        """From a scene file: takes no value."""
-        _no_value("rest_angle", value, where)
-        return cls()
-
 
 @dataclass(frozen=True)
 class HingeDamping(RegisteredEffect):
@@ -156,9 +135,3 @@ class HingeDamping(RegisteredEffect):
             if count
             else (None, "no hinge is damped")
         )
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> Self:
-        """From a scene file: takes no value."""
-        _no_value("hinge_damping", value, where)
-        return cls()

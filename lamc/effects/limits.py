@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from lamc.basics.checks import checked_number, shown
-from lamc.basics.errors import DesignError
+from pydantic import Field
+
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Flag, Unit
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanism.limits import outside_limits
@@ -30,51 +32,55 @@ class JointLimits(RegisteredEffect):
 
     Either a torque -k (q - limit) - c u on the joint while it is beyond its limit, or impacts at the limit that reverse
     the joint's rate and multiply it by the restitution. Integrators stop where limits are reached and left.
-
-    stiffness    N·m/rad; with neither stiffness nor restitution: 100 times the mechanism's weight times its size
-    damping      N·m·s/rad, while beyond the limit; left out with the stiffness: 0.3 of critical
-    restitution  above 0, at most 1. A joint that comes to rest on its limit bounces without end: use a stiffness
-    flat_fold    True: limits of ±180° count too, where one face lies flat on the other; False: they do not,
-                 since a joint without limits has these and may turn round and round
     """
 
-    stiffness: float | None = None  # N·m/rad
-    damping: float | None = None  # N·m·s/rad
-    restitution: float | None = None
-    flat_fold: bool = False
+    stiffness: Annotated[
+        float | None,
+        Unit(
+            "N*m/rad",
+            "with neither stiffness nor restitution: 100 times the mechanism's weight times its size",
+            gt=0.0,
+        ),
+    ] = None
+    damping: Annotated[
+        float | None,
+        Unit("N*m*s/rad", "while beyond the limit; left out with the stiffness: 0.3 of critical", ge=0.0),
+    ] = None
+    restitution: Annotated[
+        float | None,
+        Unit(
+            "1",
+            "above 0, at most 1. A joint that comes to rest on its limit bounces without end: use a stiffness",
+            ge=0.0,
+            le=1.0,
+        ),
+    ] = None
+    flat_fold: Annotated[
+        Flag,
+        Field(
+            description="true: limits of ±180° count too, where one face lies flat on the other; false: they do not, "
+            "since a joint without limits has these and may turn round and round"
+        ),
+    ] = False
 
     name: ClassVar[str] = "joint_limits"
     summary: ClassVar[str] = "Limits of the joints"
     source: ClassVar[str] = "T = -k (q - limit) - c u beyond the limit; or Newton's law of impact"
-    units: ClassVar[Mapping[str, str]] = {
-        "stiffness": "N*m/rad",
-        "damping": "N*m*s/rad",
-        "restitution": "",
-    }
 
     def __post_init__(self) -> None:
-        for field in ("stiffness", "damping", "restitution"):
-            value = getattr(self, field)
-            if value is not None:
-                number = checked_number(value, f"the {field} of joint limits", minimum=0.0)
-                object.__setattr__(self, field, number)
-        if not isinstance(self.flat_fold, bool):
-            raise DesignError(
-                f"flat_fold of joint limits is {shown(self.flat_fold)}; it must be true or false"
-            )
-        if self.restitution is not None and not 0.0 < self.restitution <= 1.0:
-            raise DesignError(
-                f"the restitution of joint limits is {self.restitution:g}; it must be above 0 and at most 1; for a "
-                "stop without bounce give a stiffness and a damping"
-            )
+        super().__post_init__()
+        with about(("restitution",)):
+            if self.restitution == 0.0:
+                raise DesignError(
+                    "the restitution of joint limits is 0; it must be above 0: for a stop without bounce give a "
+                    "stiffness and a damping"
+                )
         if self.restitution is not None and (self.stiffness is not None or self.damping is not None):
-            raise DesignError(
-                "joint limits have a restitution and a stiffness or damping; a limit either bounces or yields: give one"
-            )
-        if self.stiffness == 0.0:
-            raise DesignError(
-                "the stiffness of joint limits is 0; a limit must resist: give N·m/rad above zero"
-            )
+            with about(("restitution",)):
+                raise DesignError(
+                    "joint limits have a restitution and a stiffness or damping; a limit either bounces or yields: "
+                    "give one"
+                )
 
     @property
     def conservative(self) -> bool:

@@ -1,14 +1,15 @@
 """A DC motor on a hinge: a torque that falls in a straight line with speed, driven by a voltage."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
-from lamc.basics.checks import Array, checked_name, checked_number
-from lamc.basics.errors import DesignError
+from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Name, Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging
@@ -55,76 +56,64 @@ class MotorBooks:
 class LinearMotor(RegisteredEffect):
     """Torque on a joint's child about its axis: T = n (T_stall V / V₀ - T_stall ω / ω₀), ω = n · the joint's rate.
 
-    voltage   V; a number is a parameter of the simulator, a string an expression in t (s), angle (rad) and rate (rad/s)
-              of the joint, and inputs of the scene. Positive voltage opens the fold
-
-    The motor by the line of its data sheet:
-
-    stall_torque     T_stall, N·m, of the motor at rest at the nominal voltage
-    no_load_speed    ω₀, rad/s, where the torque is zero at the nominal voltage
-    nominal_voltage  V₀, V
-
-    or by its winding, which is the same line with T_stall / V₀ = k / R and V₀ / ω₀ = k:
-
-    torque_constant  k, N·m/A, which is also the voltage per rad/s that turning induces
-    resistance       R, Ω
-
-    gear_ratio       n, turns of the motor per turn of the joint; the gear has no losses
-    rotor_inertia    J, kg·m², of the rotor about its own axis, which the joint feels as n² J; for joints of a body that
-                     is fixed and stays so, since on a moving one the rotor is a gyroscope
+    The voltage as a number is a parameter of the simulator; as a string it is an expression in t (s), angle (rad) and
+    rate (rad/s) of the joint, and inputs of the scene. The motor is given by the line of its data sheet, stall_torque,
+    no_load_speed and nominal_voltage; or by its winding, torque_constant and resistance, which is the same line with
+    T_stall / V₀ = k / R and V₀ / ω₀ = k.
 
     The inductance of the winding is left out: currents follow in microseconds where joints take milliseconds.
     Several motors may act in one scene.
     """
 
-    joint: str
-    voltage: float | str
-    stall_torque: float | None = None
-    no_load_speed: float | None = None
-    nominal_voltage: float | None = None
-    torque_constant: float | None = None
-    resistance: float | None = None
-    gear_ratio: float = 1.0
-    rotor_inertia: float = 0.0
+    joint: Name
+    voltage: Annotated[float | str, Unit("V", "positive voltage opens the fold")]
+    stall_torque: Annotated[
+        float | None, Unit("N*m", "T_stall, of the motor at rest at the nominal voltage", gt=0.0)
+    ] = None
+    no_load_speed: Annotated[
+        float | None, Unit("rad/s", "ω₀, where the torque is zero at the nominal voltage", gt=0.0)
+    ] = None
+    nominal_voltage: Annotated[float | None, Unit("V", "V₀", gt=0.0)] = None
+    torque_constant: Annotated[
+        float | None, Unit("N*m/A", "k, which is also the voltage per rad/s that turning induces", gt=0.0)
+    ] = None
+    resistance: Annotated[float | None, Unit("ohm", "R", gt=0.0)] = None
+    gear_ratio: Annotated[
+        float, Unit("1", "n, turns of the motor per turn of the joint; the gear has no losses")
+    ] = 1.0
+    rotor_inertia: Annotated[
+        float,
+        Unit(
+            "kg*m^2",
+            "J, of the rotor about its own axis, which the joint feels as n² J; for joints of a body that is fixed and "
+            "stays so, since on a moving one the rotor is a gyroscope",
+            ge=0.0,
+        ),
+    ] = 0.0
 
     name: ClassVar[str] = "linear_motor"
     summary: ClassVar[str] = "DC motors on hinges"
     source: ClassVar[str] = "T = k (V - k w) / R, Hughes & Drury, Electric Motors and Drives, ch. 3"
     repeatable: ClassVar[bool] = True
     conservative: ClassVar[bool] = False
-    units: ClassVar[Mapping[str, str]] = {
-        "voltage": "V",
-        "stall_torque": "N*m",
-        "no_load_speed": "rad/s",
-        "nominal_voltage": "V",
-        "torque_constant": "N*m/A",
-        "resistance": "ohm",
-        "gear_ratio": "1",
-        "rotor_inertia": "kg*m^2",
-    }
     absent: ClassVar[str] = "no motor is called for"
 
     def __post_init__(self) -> None:
-        checked_name(self.joint, "the joint of a motor")
-        what = f"of the motor on joint {self.joint!r}"
-        if isinstance(self.voltage, str):
-            checked_drive(Drive(f"the voltage {what}", self.voltage, self.joint))
-        else:
-            object.__setattr__(self, "voltage", checked_number(self.voltage, f"the voltage {what}"))
+        super().__post_init__()
+        with about(("voltage",)):
+            for drive in self.drives():
+                checked_drive(drive)
         given = [name for name in (*_LINE, *_WINDING) if getattr(self, name) is not None]
         if tuple(given) not in (_LINE, _WINDING):
             raise DesignError(
-                f"the data {what} are {', '.join(given) or 'missing'}; give {', '.join(_LINE[:2])} and {_LINE[2]}, or "
-                f"{_WINDING[0]} and {_WINDING[1]}"
+                f"the data of the motor on joint {self.joint!r} are {', '.join(given) or 'missing'}; give "
+                f"{', '.join(_LINE[:2])} and {_LINE[2]}, or {_WINDING[0]} and {_WINDING[1]}"
             )
-        for name in given:
-            object.__setattr__(self, name, _above_zero(getattr(self, name), f"the {name} {what}"))
-        ratio = checked_number(self.gear_ratio, f"the gear_ratio {what}")
-        if ratio == 0.0:
-            raise DesignError(f"the gear_ratio {what} is 0; it must not be: leave the motor out")
-        object.__setattr__(self, "gear_ratio", ratio)
-        inertia = checked_number(self.rotor_inertia, f"the rotor_inertia {what}", minimum=0.0)
-        object.__setattr__(self, "rotor_inertia", inertia)
+        if self.gear_ratio == 0.0:
+            with about(("gear_ratio",)):
+                raise DesignError(
+                    f"the gear_ratio of the motor on joint {self.joint!r} is 0; it must not be: leave the motor out"
+                )
 
     def arrange(self, arranging: Arranging) -> None:
         """A rotor's inertia asks for the general form of the equations."""
@@ -230,12 +219,3 @@ def _label(joint: str, taken: Sequence[str]) -> str:
     label = f"{joint}.motor"
     count = sum(name.startswith(f"{label}.") and name.endswith(".gear_ratio") for name in taken)
     return f"{label}.{count + 1}" if count else label
-
-
-def _above_zero(value: object, what: str) -> float:
-    number = checked_number(value, what)
-    if number <= 0.0:
-        raise DesignError(
-            f"{what} is {number:g}; it must be above 0 (a negative voltage or gear_ratio turns the other way)"
-        )
-    return number

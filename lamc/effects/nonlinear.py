@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from lamc.basics.checks import checked_name, shown
+from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema
+
+from lamc.basics.checks import checked_name, is_list, shown
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import FOLDER, Unit, is_measured, part
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.effects.data import is_measured, quantity, refusal
 from lamc.effects.hinges import stiffness_claim
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.table_file import MAX_ROWS
@@ -46,6 +48,50 @@ LAW_SCHEMA: Mapping[str, Any] = {
 }
 
 
+def _laws(laws: Any, info: ValidationInfo) -> ReadOnlyDict[str, LawData]:
+    """The laws in their canonical form; coefficients and tables may have units."""
+    with part():
+        if not isinstance(laws, Mapping):
+            raise DesignError(
+                f"nonlinear_stiffness is {shown(laws)}; give a law for each joint, such as {{h1: [0.1, 0, 0.3]}}"
+            )
+    folder = (info.context or {}).get(FOLDER)
+    found: dict[str, LawData] = {}
+    for joint, data in sorted(laws.items(), key=lambda item: str(item[0])):
+        with part():
+            checked_name(joint, "the joint of a nonlinear stiffness")
+        plain = _plain(data, joint)
+        with part(joint):
+            found[joint] = law_of(plain, f"the stiffness of hinge {joint!r}", folder).data
+    return ReadOnlyDict(found)
+
+
+def _plain(data: object, joint: str) -> object:
+    """The law with quantities in SI."""
+    if isinstance(data, str):
+        return (_quantity(data, "N*m/rad", joint),) if is_measured(data) else data
+    if isinstance(data, list | tuple):
+        return tuple(
+            _quantity(value, "N*m/rad" if power == 1 else f"N*m/rad^{power}", joint, power - 1)
+            for power, value in enumerate(data, start=1)
+        )
+    if isinstance(data, Mapping) and isinstance(data.get("table"), list | tuple):
+        rows = []
+        for k, row in enumerate(data["table"]):
+            with part(joint, "table", k):
+                if not is_list(row) or len(row) != 2:
+                    raise DesignError(f"the row is {shown(row)}; give [angle, torque]")
+            path = (joint, "table", k)
+            rows.append((_quantity(row[0], "rad", *path, 0), _quantity(row[1], "N*m", *path, 1)))
+        return {**data, "table": tuple(rows)}
+    return data
+
+
+def _quantity(value: object, unit: str, *path: str | int) -> float:
+    with part(*path):
+        return Unit(unit).number(value, {"rad": "angle", "N*m": "torque"}.get(unit, "stiffness"))
+
+
 @dataclass(frozen=True)
 class NonlinearStiffness(RegisteredEffect):
     """Restoring torques T(angle) by joint name; the hinge feels -T, and stores ∫ T from its rest angle on.
@@ -71,32 +117,19 @@ class NonlinearStiffness(RegisteredEffect):
     language, and for torques whose energy has no closed form here: give the energy then.
     """
 
-    laws: Mapping[str, LawData] = field(default_factory=dict)
+    laws: Annotated[
+        Mapping[str, LawData],
+        PlainValidator(_laws),
+        WithJsonSchema({"type": "object", "additionalProperties": dict(LAW_SCHEMA)}),
+        Field(description="by joint name"),
+    ] = field(default_factory=dict)
 
     name: ClassVar[str] = "nonlinear_stiffness"
     summary: ClassVar[str] = "Nonlinear stiffness of hinges"
     source: ClassVar[str] = "T = -dW/dq, W the antiderivative of the given law"
 
     shorthand: ClassVar[str] = "laws"
-
-    data_schema: ClassVar[Mapping[str, object]] = {"type": "object", "additionalProperties": LAW_SCHEMA}
     absent: ClassVar[str] = "no law of a hinge's torque is given"
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.laws, Mapping):
-            raise DesignError(
-                f"the laws of nonlinear stiffness are {shown(self.laws)}; give a mapping from joint name to law"
-            )
-        checked: dict[str, LawData] = {}
-        for joint, data in sorted(self.laws.items(), key=lambda item: str(item[0])):
-            checked_name(joint, "the joint of a nonlinear stiffness")
-            checked[joint] = law_of(data, f"the stiffness of hinge {joint!r}").data
-        object.__setattr__(self, "laws", ReadOnlyDict(checked))
-
-    def __hash__(self) -> int:
-        return hash(
-            tuple((j, tuple(d.items()) if isinstance(d, Mapping) else d) for j, d in self.laws.items())
-        )
 
     def claims(self) -> tuple[str, ...]:
         """The stiffness of each of its hinges."""
@@ -129,44 +162,3 @@ class NonlinearStiffness(RegisteredEffect):
                 engine.hinge_rest(joint, data[0], hinge.rest_angle)
             else:
                 engine.lose(f"the nonlinear stiffness of hinge {joint!r}")
-
-    @classmethod
-    def from_data(cls, value: object, where: str) -> "NonlinearStiffness":
-        """From a scene file: a map from joint name to law; coefficients and tables may have units."""
-        if not isinstance(value, Mapping) or not value:
-            raise refusal(
-                where,
-                f"nonlinear_stiffness is {shown(value)}; give a law for each joint, such as {{h1: [0.1, 0, 0.3]}}",
-            )
-        folder = getattr(where, "folder", None)
-        laws: dict[str, LawData] = {}
-        for joint, data in value.items():
-            path = (str(joint),)
-            try:
-                plain = _plain(data, where, path)
-                laws[str(joint)] = law_of(plain, f"the stiffness of hinge {str(joint)!r}", folder).data
-            except DesignError as error:
-                if error.place is not None or hasattr(error, "problem"):
-                    raise
-                raise refusal(where, error.message, *path) from error
-        return cls(laws)
-
-
-def _plain(data: object, where: str, path: tuple[str, ...]) -> object:
-    """The law with quantities in SI."""
-    if isinstance(data, str):
-        return (quantity(data, "N*m/rad", where, *path),) if is_measured(data) else data
-    if isinstance(data, list | tuple):
-        return tuple(
-            quantity(value, "N*m/rad" if power == 1 else f"N*m/rad^{power}", where, *path, power - 1)
-            for power, value in enumerate(data, start=1)
-        )
-    if isinstance(data, Mapping) and isinstance(data.get("table"), list | tuple):
-        rows = []
-        for k, row in enumerate(data["table"]):
-            if not isinstance(row, list | tuple) or len(row) != 2:
-                raise refusal(where, f"the row is {shown(row)}; give [angle, torque]", *path, "table", k)
-            angle = quantity(row[0], "rad", where, *path, "table", k, "angle")
-            rows.append((angle, quantity(row[1], "N*m", where, *path, "table", k, "torque")))
-        return {**data, "table": tuple(rows)}
-    return data

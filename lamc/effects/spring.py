@@ -1,59 +1,51 @@
 """A spring, with damper if wished, between a point of one body and a point of another."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
+import numpy as np
+
+from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError
+from lamc.basics.fields import Name, Unit, Vector
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
-from lamc.records.mechanism import checked_array, checked_name, checked_number
+from lamc.records.mechanism import Mechanism
 from lamc.symbolic.algebra import Vector3, dot
-from lamc.symbolic.scalars import Scalar, call
+from lamc.symbolic.scalars import Scalar, Value, call
 
 if TYPE_CHECKING:
     from lamc.effects.engine_loads import EngineLoads
 
+_ROUND_OFF = 1e-12  # of the points' coordinates
+
 
 @dataclass(frozen=True)
 class Spring(RegisteredEffect):
-    """Pulls its two points together when it is longer than its rest length; several may act in one scene.
+    """Pulls its two points together when it is longer than its rest length; several may act in one scene."""
 
-    point_a, point_b  where the points are in the drawn configuration, m, world axes
-    stiffness         N/m
-    rest_length       m; a spring of no length has no direction, so with a rest length the points must stay apart
-    damping           N·s/m, of the rate of change of the length
-    """
-
-    body_a: str
-    point_a: tuple[float, float, float]
-    body_b: str
-    point_b: tuple[float, float, float]
-    stiffness: float
-    rest_length: float = 0.0
-    damping: float = 0.0
+    body_a: Name
+    point_a: Annotated[Vector, Unit("m", "where the point is in the drawn configuration, world axes")]
+    body_b: Name
+    point_b: Annotated[Vector, Unit("m", "where the point is in the drawn configuration, world axes")]
+    stiffness: Annotated[float, Unit("N/m", ge=0.0)]
+    rest_length: Annotated[
+        float,
+        Unit(
+            "m",
+            "a spring of no length has no direction: with a rest length the points must stay apart",
+            ge=0.0,
+        ),
+    ] = 0.0
+    damping: Annotated[float, Unit("N*s/m", "of the rate of change of the length", ge=0.0)] = 0.0
 
     name: ClassVar[str] = "spring"
     summary: ClassVar[str] = "Springs between points"
     source: ClassVar[str] = "F = -(k (l - l0) + c dl/dt) along the line, eq. 18"
     repeatable: ClassVar[bool] = True
-    units: ClassVar[Mapping[str, str]] = {
-        "point_a": "m",
-        "point_b": "m",
-        "stiffness": "N/m",
-        "rest_length": "m",
-        "damping": "N*s/m",
-    }
     absent: ClassVar[str] = "no spring is called for"
-
-    def __post_init__(self) -> None:
-        for field in ("body_a", "body_b"):
-            checked_name(getattr(self, field), "the body of a spring")
-        for field in ("point_a", "point_b"):
-            x, y, z = (float(v) for v in checked_array(getattr(self, field), (3,), f"{field} of a spring"))
-            object.__setattr__(self, field, (x, y, z))
-        for field in ("stiffness", "rest_length", "damping"):
-            value = checked_number(getattr(self, field), f"the {field} of a spring", minimum=0.0)
-            object.__setattr__(self, field, value)
 
     @property
     def conservative(self) -> bool:
@@ -71,6 +63,7 @@ class Spring(RegisteredEffect):
         label = f"{label}.{taken + 1}" if taken else label
         k = loads.parameter(f"{label}.stiffness", self.stiffness, "N/m", "stiffness of the spring")
         square = dot(between, between)
+        self._check_apart(square)
         length = call("sqrt", square) if self.rest_length or self.damping else 0
         pull: Scalar = k  # force over length
         if self.rest_length:
@@ -91,6 +84,31 @@ class Spring(RegisteredEffect):
         force = [pull * x for x in between]
         loads.force(self.body_a, self.point_a, force)
         loads.force(self.body_b, self.point_b, [-f for f in force])
+
+    def _check_apart(self, square: Scalar) -> None:
+        """Raises DesignError where points that stay in one place are known as such; others meet `check_poses`."""
+        if not isinstance(square, Value):
+            self._check_length(math.sqrt(square))
+
+    def check_poses(
+        self, mechanism: Mechanism, poses: Mapping[str, tuple[Array, Array]], parameters: Mapping[str, float]
+    ) -> None:
+        """Raises DesignError where the ends are in one place at the start, and the spring needs a direction."""
+        coms = {body.name: body.com for body in mechanism.bodies}
+        ends = []
+        for name, point in ((self.body_a, self.point_a), (self.body_b, self.point_b)):
+            com, rotation = poses.get(name, (coms[name], np.eye(3)))  # fixed bodies are as drawn
+            ends.append(com + rotation @ (np.array(point) - coms[name]))
+        self._check_length(float(np.linalg.norm(ends[1] - ends[0])))
+
+    def _check_length(self, length: float) -> None:
+        size = max(map(abs, (*self.point_a, *self.point_b)))
+        if (self.rest_length or self.damping) and length <= _ROUND_OFF * size:
+            raise DesignError(
+                f"the spring between {self.body_a!r} and {self.body_b!r} has both ends in one place at the start, and "
+                "no direction to act along; move an end (on a hinge they never part), or leave out rest_length and "
+                "damping"
+            )
 
     def carry_over(self, engine: "EngineLoads") -> None:
         """The same spring."""

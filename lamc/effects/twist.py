@@ -1,15 +1,16 @@
 """Hinges that also give way across their axis: the strip that bends, as a short plate between its links."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from pydantic import Field
 
-from lamc.basics.checks import Array, checked_array, checked_name, checked_number, did_you_mean, shown
-from lamc.basics.errors import DesignError
-from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.checks import Array, did_you_mean
+from lamc.basics.errors import DesignError, about
+from lamc.basics.fields import Names, Unit, Vector
 from lamc.effects.hinge_strips import Given, strips_of
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
@@ -25,15 +26,6 @@ _ALONG = 1e-6  # sine of the angle between a hinge and the normal below which it
 class TwistCompliance(RegisteredEffect):
     """Hinges twist, stretch and shear: potential ½ pᵀ K p in five more directions, p small, besides the hinge's angle.
 
-    joints      names of those that yield; None: all
-    width       m, of the strip from link to link; of a design: twice its hinge width
-    length      m, along the hinge line; of a design: what is left of the line, piece by piece
-    thickness   m, of what bends; of a design: of the flexible layer
-    E, nu       Young's modulus, Pa, and Poisson's ratio of an isotropic strip; of a design: its material
-    freedoms    which directions yield, of twist_x, twist_y, slide_x, slide_y and slide_z; the others stay rigid
-    retardation s: damping is this time times the stiffness (Kelvin and Voigt)
-    normal      of the plates at the hinges, drawn, world axes
-
     x runs across the hinge, y along the normal, z along the hinge line; the axes ride on the parent. A hinge that was
     split from a design knows its strip; what is given here takes the place of what the design says, for all hinges
     alike or by joint name. A hinge of a mechanism by hand needs all five. K is that of a plate clamped to rigid links,
@@ -47,55 +39,50 @@ class TwistCompliance(RegisteredEffect):
     Raises DesignError for joints that are not there, hinges whose strip is not known, and hinges along the normal.
     """
 
-    joints: tuple[str, ...] | None = None
-    width: Amount = None
-    length: Amount = None
-    thickness: Amount = None
-    E: Amount = None
-    nu: Amount = None
-    freedoms: tuple[str, ...] = CROSS_FREEDOMS
-    retardation: float = 0.0
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    joints: Annotated[Names | None, Field(description="names of those that yield; left out: all")] = None
+    width: Annotated[
+        Amount, Unit("m", "of the strip from link to link; of a design: twice its hinge width", gt=0.0)
+    ] = None
+    length: Annotated[
+        Amount,
+        Unit("m", "along the hinge line; of a design: what is left of the line, piece by piece", gt=0.0),
+    ] = None
+    thickness: Annotated[Amount, Unit("m", "of what bends; of a design: of the flexible layer", gt=0.0)] = (
+        None
+    )
+    E: Annotated[
+        Amount, Unit("Pa", "Young's modulus of an isotropic strip; of a design: its material", gt=0.0)
+    ] = None
+    nu: Annotated[Amount, Unit("1", "its Poisson's ratio; of a design: its material", gt=-1.0, lt=1.0)] = None
+    freedoms: Annotated[
+        Names,
+        Field(
+            description="directions that yield, of twist_x, twist_y, slide_x, slide_y, slide_z; others stay rigid"
+        ),
+    ] = CROSS_FREEDOMS
+    retardation: Annotated[
+        float, Unit("s", "damping is this time times the stiffness (Kelvin and Voigt)", ge=0.0)
+    ] = 0.0
+    normal: Annotated[Vector, Unit("1", "of the plates at the hinges, drawn, world axes")] = (0.0, 0.0, 1.0)
 
     name: ClassVar[str] = "twist_compliance"
     summary: ClassVar[str] = "Hinges that yield across their axis"
     source: ClassVar[str] = "½ pᵀ K p of a clamped strip, Timoshenko & Gere 1961, 5.3"
-    units: ClassVar[Mapping[str, str]] = {
-        "width": "m",
-        "length": "m",
-        "thickness": "m",
-        "E": "Pa",
-        "nu": "1",
-        "retardation": "s",
-        "normal": "1",
-    }
     absent: ClassVar[str] = "hinges turn about their axes only"
 
     def __post_init__(self) -> None:
-        if self.joints is not None:
-            object.__setattr__(self, "joints", _names(self.joints, "joints"))
-        for field in _SIZES:
-            object.__setattr__(self, field, _amount(getattr(self, field), field))
-        freedoms = _names(self.freedoms, "freedoms")
-        for freedom in freedoms:
+        super().__post_init__()
+        for freedom in self.freedoms:
             if freedom not in CROSS_FREEDOMS:
+                with about(("freedoms",)):
+                    raise DesignError(
+                        f"twist_compliance has no freedom {freedom!r}; {did_you_mean(freedom, CROSS_FREEDOMS)}"
+                    )
+        if not 0.0 < math.hypot(*self.normal) < math.inf:
+            with about(("normal",)):
                 raise DesignError(
-                    f"twist_compliance has no freedom {freedom!r}; {did_you_mean(freedom, CROSS_FREEDOMS)}"
+                    f"the normal of twist_compliance is {list(self.normal)}; it must have a direction and a length"
                 )
-        object.__setattr__(self, "freedoms", freedoms)
-        time = checked_number(self.retardation, "the retardation of twist_compliance", minimum=0.0)
-        object.__setattr__(self, "retardation", time)
-        normal = checked_array(self.normal, (3,), "the normal of twist_compliance")
-        if not 0.0 < math.hypot(*normal) < math.inf:
-            raise DesignError(
-                f"the normal of twist_compliance is {normal.tolist()}; it must have a direction and a length"
-            )
-        object.__setattr__(self, "normal", tuple(float(v) + 0.0 for v in normal))
-
-    def __hash__(self) -> int:
-        amounts = (getattr(self, field) for field in _SIZES)
-        flat = (tuple(a.items()) if isinstance(a, Mapping) else a for a in amounts)
-        return hash((self.joints, *flat, self.freedoms, self.retardation, self.normal))
 
     @property
     def conservative(self) -> bool:
@@ -163,38 +150,3 @@ class TwistCompliance(RegisteredEffect):
             )
         x = x / np.linalg.norm(x)
         return np.column_stack([x, np.cross(z, x), z])
-
-
-def _names(values: object, field: str) -> tuple[str, ...]:
-    what = f"{field} of twist_compliance"
-    if isinstance(values, str) or not isinstance(values, Sequence) or not values:
-        raise DesignError(f"{what} are {shown(values)}; give a list of names, or leave it out")
-    names = tuple(checked_name(name, f"an entry of {what}") for name in values)
-    for name in names:
-        if names.count(name) > 1:
-            raise DesignError(f"{what} have {name!r} twice; once is enough")
-    return names
-
-
-def _amount(value: Amount, field: str) -> Amount:
-    what = f"{field} of twist_compliance"
-    if value is None:
-        return None
-    if isinstance(value, Mapping):
-        return ReadOnlyDict(
-            {
-                checked_name(joint, f"a joint in {what}"): _number(v, f"{what} for {joint!r}", field)
-                for joint, v in sorted(value.items(), key=lambda item: str(item[0]))
-            }
-        )
-    return _number(value, what, field)
-
-
-def _number(value: object, what: str, field: str) -> float:
-    number = checked_number(value, what)
-    if field == "nu":
-        if not -1.0 < number < 1.0:
-            raise DesignError(f"{what} is {number:g}; it must be between -1 and 1")
-    elif number <= 0.0:
-        raise DesignError(f"{what} is {number:g}; it must be above 0")
-    return number

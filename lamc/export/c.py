@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from lamc.basics._version import __version__
 from lamc.codegen.emit import emit, environment, other_entries
 from lamc.codegen.names import comment
-from lamc.codegen.printer import literal
-from lamc.export.amalgam import amalgamate, public_functions
+from lamc.codegen.printer import REAL, literal
+from lamc.export.amalgam.files import amalgamate, public_functions
 from lamc.export.bound import spins, step_bound
 from lamc.export.fixed_step import suitable_step
 from lamc.export.members import CMember, members_of
 from lamc.export.options import ExportOptions
+from lamc.export.precision import TOLERANCES, check_range, in_precision
 from lamc.export.prefixes import prefix_of
 from lamc.export.run_fields import integer_ranges, run_fields
-from lamc.export.runtime import BARE, lean, runtime_files, table_of_methods, units
-from lamc.export.single import REPLACED, TOLERANCES, check_range, single_precision
+from lamc.export.runtime import BARE, lean, macros, runtime_files, table_of_methods, units
 from lamc.export.sizes import sizes_of
 from lamc.export.statuses import STATUSES
 from lamc.run.methods import constant
@@ -53,28 +53,26 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     """Header and source of `simulator`. Raises EmitError where an operation has no C form."""
     program = lean(simulator.program, options)
     prefix = options.prefix or prefix_of(program.name)
-    tree = emit(program, prefix=MODEL)
+    tree = emit(program, prefix=MODEL, number=REAL)
     parameters, inputs = members_of(program.parameters)
     stable_step = suitable_step(simulator, is_stiff=options.is_stiff) if options.real_time else None
     context = _context(simulator, program, options, prefix, parameters, inputs, stable_step)
     header = environment().get_template("export/api.h.j2").render(context)
-    is_single = options.precision == "float"
+    header = in_precision(header, options.precision, f"{prefix}.h")
+    if options.precision == "float":
+        _check_ranges(simulator, program)
     files = {
         **runtime_files(program, options),
         **{name: tree.files[name] for name in (f"{MODEL}.h", f"{MODEL}.c")},
         "api.c": environment().get_template("export/api.c.j2").render(context),
     }
-    if is_single:
-        _check_ranges(simulator, program)
-        header = single_precision(header, f"{prefix}.h")
-        files = {name: single_precision(text, name) for name, text in files.items()}
     amalgam = amalgamate(
-        files,
+        {name: in_precision(text, options.precision, name) for name, text in files.items()},
         [*units(options), f"{MODEL}.c", "api.c"],
         public_functions(header, prefix),
         prefix,
-        replaced={"run.METHODS": table_of_methods(options), **(REPLACED if is_single else {})},
-        defined=() if options.calls_libm else ("LAMC_BARE",),
+        replaced={"run.METHODS": table_of_methods(options)},
+        defined=macros(options),
         aliases={} if options.calls_libm else BARE,
     )
     opening = (
@@ -140,7 +138,7 @@ def _context(
             "closure_numbers": program.closure_count * (len(program.rates) + 1),
         },
         "sizes": sizes_of(simulator.model, options),
-        "start": [literal(float(x)) for x in simulator.start] or ["0.0"],
+        "start": [literal(float(x), REAL) for x in simulator.start] or ["0"],
         "reals": run.reals,
         "integers": run.integers,
         "place_of": {

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lamc.codegen.names import comment, identifiers
-from lamc.codegen.printer import literal
+from lamc.codegen.printer import REAL, literal
 from lamc.export.markdown import markdown
 from lamc.run.parameters import Bounds, bounds
 from lamc.symbolic.program import Parameter, Program
@@ -29,11 +29,12 @@ class CMember:
 
     @property
     def least(self) -> str:
-        return literal(self.bounds.least) if math.isfinite(self.bounds.least) else "-DBL_MAX"
+        """In C of either precision, as `most`."""
+        return literal(self.bounds.least, REAL) if math.isfinite(self.bounds.least) else "-LAMC_GREATEST"
 
     @property
     def most(self) -> str:
-        return literal(self.bounds.most) if math.isfinite(self.bounds.most) else "DBL_MAX"
+        return literal(self.bounds.most, REAL) if math.isfinite(self.bounds.most) else "LAMC_GREATEST"
 
     @property
     def is_open(self) -> int:

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from lamc.basics.errors import ExportError
 from lamc.basics.resources import data_dir
 from lamc.codegen.emit import environment
-from lamc.export.amalgam import amalgamate, public_functions
+from lamc.export.amalgam.files import amalgamate, public_functions
 from lamc.export.options import ExportOptions
 from lamc.export.plate_context import expansions_of, plate_context
 from lamc.export.plate_laminates import MODULI, LaminateTables, laminate_tables
 from lamc.export.plate_package import folder_of
 from lamc.export.plate_tables import PlateTables, plate_tables
+from lamc.export.precision import in_precision
 from lamc.export.prefixes import prefix_of
 from lamc.export.runtime import BARE, mathematics
 from lamc.plates.elements.build import element_program
@@ -75,7 +76,7 @@ def plate_source(problem: Problem, options: ExportOptions, name: str) -> PlateSo
     files["string.h"] = (root / "absent" / "bytes.h").read_text(encoding="utf-8")
     files |= {name: path.read_text(encoding="utf-8") for name, path in mathematics(options).items()}
     amalgam = amalgamate(
-        files,
+        {name: in_precision(text, "double", name) for name, text in files.items()},
         ["api.c"],
         public_functions(header, prefix),
         prefix,

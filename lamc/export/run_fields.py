@@ -6,12 +6,12 @@ Never: knows a member by its name, but for those that every call sets anew, and 
 
 from dataclasses import dataclass
 
-from lamc.export.ctokens import QUIET, Token, items, tokens
+from lamc.export.amalgam.tokens import QUIET, Token, items, tokens
 from lamc.run.methods import numbers_of_c
 
 _SET_ANEW = ("ode", "options", "status")  # and pointers
 _LOGS = ("switch_t", "switch_method")  # told to people, and of no consequence
-_REAL, _WHOLE = ("double",), (("int",), ("long", "long"))
+_REAL, _WHOLE = ("lamc_real",), (("int",), ("long", "long"))
 
 
 @dataclass(frozen=True)

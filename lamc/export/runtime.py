@@ -78,22 +78,29 @@ def runtime_files(program: Program, options: ExportOptions) -> Mapping[str, str]
     files = {path.name: path for path in paths}
     for unit in sorted(_absent(program, options)):
         files[f"{unit}.c"] = root / "absent" / f"{unit}.c"
-    files["string.h"] = root / "absent" / "bytes.h"
+    files |= {"lamc_real.h": root / "absent" / "real.h", "string.h": root / "absent" / "bytes.h"}
     files |= mathematics(options)
     return {name: path.read_text(encoding="utf-8") for name, path in files.items()}
 
 
 def mathematics(options: ExportOptions) -> dict[str, Path]:
-    """Files by the names of those whose place they take: of <math.h> where it is not called, and of sine and cosine in
-    single precision."""
-    bare, single = data_dir("runtime_c") / "bare", data_dir("runtime_c") / "single"
+    """What stands in the place of <math.h> where it is not called, by the names under which it is included."""
     if options.calls_libm:
         return {}
-    shared = {"two.h": bare / "two.h"}
-    if options.precision == "double":
-        return {"math.h": bare / "elementary.h", "bits.h": bare / "bits.h", **shared}
-    own = {name: single / name for name in ("trig.h", "bits.h")}
-    return {"math.h": single / "elementary.h", **own, **shared}
+    bare = {path.name: path for path in sorted((data_dir("runtime_c") / "bare").glob("*.h"))}
+    return {**bare, "math.h": bare["elementary.h"]}
+
+
+def macros(options: ExportOptions) -> tuple[str, ...]:
+    """What counts as defined while files become one."""
+    return tuple(
+        name
+        for name, is_defined in (
+            ("LAMC_BARE", not options.calls_libm),
+            ("LAMC_REAL_FLOAT", options.precision == "float"),
+        )
+        if is_defined
+    )
 
 
 def table_of_methods(options: ExportOptions) -> str:

@@ -14,9 +14,9 @@ from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.report import BCIZ_ON_SLIVERS, share_on_slivers
 from lamc.plates.offsets import offset_texts
 from lamc.plates.problem import Problem
-from lamc.plates.solving.curves import curve_nodes
+from lamc.plates.solving.curves import curve_nodes, round_polygons
 from lamc.plates.solving.refine import Accuracy
-from lamc.plates.supports import Support
+from lamc.plates.supports import Hinged, SimplySupported, Support, Where
 
 _SAME = 1e-6  # of the size of a cell: sides that differ by less are equal
 _SLIVER = 40.0  # longest side over height
@@ -39,6 +39,7 @@ def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> 
             "polygon's corners: held straight there, such a plate is stiffer than the curved one, by up to a "
             "fourth; take SimplySupported, which holds w on the curve"
         )
+    found.extend(polygon_texts(problem))
     found.extend(offset_texts(problem))
     if accuracy.forward_error > _FEW_DIGITS:
         found.append(
@@ -134,14 +135,33 @@ def _coupling(laminate: Laminate) -> float:
     return float(np.trace(np.linalg.solve(laminate.D - with_stretch, with_stretch))) / 3.0
 
 
-def _held_beside_curves(problem: Problem) -> bool:
-    """Whether w alone is held by a Support at nodes beside a curve."""
-    wheres = [
+def _held_by_w(problem: Problem) -> list[Where]:
+    """Where a Support holds w, and not both slopes."""
+    return [
         support.where
         for support in problem.supports
         if isinstance(support, Support) and "w" in support.dofs and not {"w_x", "w_y"} <= set(support.dofs)
     ]
+
+
+def _held_beside_curves(problem: Problem) -> bool:
+    """Whether w alone is held by a Support at nodes beside a curve."""
+    wheres = _held_by_w(problem)
     return bool(wheres) and bool(curve_nodes(problem.places, wheres).height.any())
+
+
+def polygon_texts(problem: Problem) -> list[str]:
+    """Of edges that turn freely, of too few corners to count as circles, should they be meant as such."""
+    if not problem.dofs.element.bends:
+        return []
+    turning = [s.where for s in problem.supports if isinstance(s, SimplySupported | Hinged)]
+    found = round_polygons(problem.places, [*turning, *_held_by_w(problem)])
+    return [
+        f"a supported edge is a regular polygon of {corners} corners, and is held as one: if a circle is meant, draw "
+        "it with 24 corners or more; held along straight sides such a plate is stiffer than a round one, by up to a "
+        "fourth"
+        for corners in dict.fromkeys(found)
+    ]
 
 
 def slenderness(mesh: Mesh) -> Array:

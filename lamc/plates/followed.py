@@ -70,7 +70,7 @@ def _beside(places: Places, line: BaseGeometry) -> Array:
     """Middles of edges (k, 2) from one point of the line to another that keep beside it, as chords of a curve do."""
     mesh, tolerance = places.dofs.mesh, places.tolerance
     ends = mesh.points[
-        mesh.edges[shapely.dwithin(shapely.points(mesh.points), line, tolerance)[mesh.edges].all(axis=1)]
+        mesh.edges[shapely.dwithin(places.corners_drawn, line, tolerance)[mesh.edges].all(axis=1)]
     ]
     middles = ends.mean(axis=1)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)

@@ -45,6 +45,16 @@ class Places:
         return np.minimum(one, other), np.maximum(one, other)
 
     @cached_property
+    def nodes_drawn(self) -> NDArray[np.object_]:
+        """The nodes as shapely points: making them takes longer than asking whether they lie on a place."""
+        return np.asarray(shapely.points(self.dofs.points))
+
+    @cached_property
+    def corners_drawn(self) -> NDArray[np.object_]:
+        """The points of the mesh, likewise."""
+        return np.asarray(shapely.points(self.dofs.mesh.points))
+
+    @cached_property
     def on_boundary(self) -> Flags:
         """Which of `edges` belong to one cell only, shape (e,)."""
         mesh = self.dofs.mesh
@@ -69,9 +79,9 @@ class Places:
         if isinstance(where, str):
             cells, edges = self.edges[self.on_boundary].T
             return np.unique(self.dofs.on_edges(cells, edges)).astype(np.int32)
-        on = np.flatnonzero(self._on(where, self.dofs.points))
+        on = np.flatnonzero(self._on(where, self.nodes_drawn))
         if not len(on):
-            distance = np.min(shapely.distance(where, shapely.points(self.dofs.points)))
+            distance = np.min(shapely.distance(where, self.nodes_drawn))
             raise DesignError(
                 f"{what} at {where_text(where)} touches no node of the mesh; the nearest is {distance:.3g} m away, and "
                 f"the tolerance is {self.tolerance:.3g} m: move it, or mesh along it"
@@ -82,11 +92,11 @@ class Places:
         """Edges with their ends and their middle on `where`, as (cell, local edge), each once, shape (k, 2)."""
         if isinstance(where, str):
             return np.asarray(self.edges[self.on_boundary])
-        on = self._on(where, self.dofs.mesh.points)
+        on = self._on(where, self.corners_drawn)
         ends = self.dofs.mesh.edges
         both = np.flatnonzero(on[ends].all(axis=1))
         middle = self.dofs.mesh.points[ends[both]].mean(axis=1)
-        return np.asarray(self.edges[both[self._on(where, middle)]])
+        return np.asarray(self.edges[both[self._on(where, shapely.points(middle))]])
 
     def some_edges_on(self, where: Where, what: str) -> Integers:
         """As `edges_on`. Raises DesignError, naming `what`, if there is none."""
@@ -128,9 +138,9 @@ class Places:
         cells[outside], xi[outside] = mesh.locate(shapely.get_coordinates(there))
         return cells, xi
 
-    def _on(self, where: BaseGeometry, points: Array) -> Flags:
+    def _on(self, where: BaseGeometry, points: NDArray[np.object_]) -> Flags:
         shapely.prepare(where)
-        return np.asarray(shapely.dwithin(where, shapely.points(points), self.tolerance))
+        return np.asarray(shapely.dwithin(where, points, self.tolerance))
 
 
 def points_at(x: npt.ArrayLike, y: npt.ArrayLike) -> tuple[Array, tuple[int, ...]]:

@@ -89,7 +89,7 @@ class SimplySupported:
     its ends' unknowns, where w = 0 holds along the whole edge only if it is hard. On a curved edge that the mesh gives
     as a polygon, w = 0 holds on the curve through the polygon's corners (`solving/curves.py`): along the polygon it
     would converge to another, stiffer plate (the paradox of Sapondzhyan and Babuška). Corners that turn by more than
-    20°, and single ones, are those of a polygon that is meant.
+    20°, and single ones, are those of a polygon that is meant; of a regular one of 8 or more a note tells.
 
     At a point there is no edge, and "hard" is "soft". Raises DesignError.
     """

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from lamc.basics.checks import did_you_mean as did_you_mean
 from lamc.basics.errors import DesignError, DesignErrors, LamcError, Place
+from lamc.basics.fields import problem_text
 from lamc.readers.inert import STANDARD_TAGS, ListNode, MapNode, Node, ScalarNode, plain
 
 Path = tuple[str | int, ...]
@@ -19,15 +20,6 @@ T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
 _SHOWN_PROBLEMS = 50
-_PLAIN_WORDS = {  # pydantic speaks of Python's types; people who write files know lists and maps
-    "tuple_type": "a list of values is expected here",
-    "list_type": "a list of values is expected here",
-    "dict_type": "a map of keys and values is expected here",
-    "model_type": "a map of keys and values is expected here",
-    "string_type": "a text is expected here",
-    "bool_type": "true or false is expected here",
-    "bool_parsing": "true or false is expected here",
-}
 
 
 class Problems:
@@ -163,12 +155,7 @@ def _message(model: type[BaseModel], path: Path, item: Any) -> str:
         return "a value is missing here"
     if kind == "missing":
         return "this key is missing, and it is required"
-    text = str(item["msg"]).removeprefix("Value error, ")
-    if kind == "lamc":
-        return text
-    text = _PLAIN_WORDS.get(kind, text)
-    given = repr(item["input"])
-    return f"{text[0].lower()}{text[1:]}, and it is {given if len(given) <= 40 else given[:39] + '…'}"
+    return problem_text(item)
 
 
 def _fields_at(model: type[BaseModel], path: Path) -> list[str]:

@@ -4,10 +4,10 @@ In: what stands under `effects` or `with`. Out: names and data one by one, and e
 """
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lamc.basics.errors import DesignError
-from lamc.effects.data import DataError, refusal
+from lamc.effects.data import refusal
 from lamc.effects.registry import by_name
 from lamc.readers.checking import Path, did_you_mean
 from lamc.records.effect import Effect
@@ -21,25 +21,15 @@ class Called(NamedTuple):
     value: object
 
 
-def make_effect(name: str, value: object, where: str) -> Effect:
-    """The effect of that name in files; messages begin with `where`.
+def make_effect(name: str, value: object, where: str, context: Mapping[str, Any] | None = None) -> Effect:
+    """The effect of that name in files; messages begin with `where`. context: `file_context` of the file.
 
-    Raises DesignError for a name the registry does not have, and for data that does not fit.
+    Raises DataError for a name the registry does not have, and for data that does not fit; DesignErrors with several.
     """
     known = by_name()
     if name not in known:
         raise refusal(where, f"no effect is named {name[:40]!r}; {did_you_mean(name, sorted(known))}")
-    try:
-        return known[name].from_data(value, where)
-    except DataError:
-        raise
-    except DesignError as error:
-        raise type(error)(f"{where}: {unplaced(error, where)}", error.place) from error
-
-
-def unplaced(error: DesignError, where: str) -> str:
-    """The message without the place that the effect's own reader may have put before it."""
-    return error.message.removeprefix(f"{where}: ")
+    return known[name].from_data(value, where, context)
 
 
 def effects_called(effects: object, path: Path) -> Iterator[Called]:

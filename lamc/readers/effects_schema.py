@@ -1,23 +1,16 @@
-"""The JSON Schema of effects, as their classes describe themselves: fields, kinds, units, docstrings.
+"""The JSON Schema of effects, as the models of their fields describe themselves.
 
 In: the registry of effects. Out: definitions for `lamc schema`. No effect is known here by name.
 """
 
-import inspect
-import re
-import typing
-from collections.abc import Mapping, Sequence
-from dataclasses import MISSING
-from dataclasses import fields as fields_of
-from types import NoneType
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import Any
 
-from lamc.effects.data import takes_text
+from lamc.effects.data import is_map, model_of
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.registry import by_name
 
 _EFFECTS = "Effects"
-_ENTRY = re.compile(r"(\w+(?:, \w+)*)  +(\S.*)")  # of the fields in a docstring: names, two blanks, text
 
 
 def with_effects(definitions: Mapping[str, Any]) -> dict[str, Any]:
@@ -54,85 +47,22 @@ def with_effects(definitions: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def effect_schema(kind: type[RegisteredEffect]) -> dict[str, Any]:
-    """What a file may say under the effect's name, from its dataclass: its fields, their kinds and units.
-
-    The field that an effect's `shorthand` names may stand alone. An effect whose data is no record says it itself, as
-    `data_schema`.
-    """
-    own = kind.data_schema
-    if own is not None:
-        return {"description": " ".join((kind.__doc__ or kind.summary).split()), **own}
-    units = kind.units
-    hints = typing.get_type_hints(kind)
-    entries = fields_of(kind)  # type: ignore[arg-type]
-    text, notes = _explained(kind.__doc__ or kind.summary, [f.name for f in entries])
-    said = {}
-    for f in entries:
-        said[f.name] = _field_schema(hints[f.name], units.get(f.name))
-        if f.name in notes:
-            said[f.name] = {**said[f.name], "description": notes[f.name]}
-    needed = [f.name for f in entries if f.default is MISSING and f.default_factory is MISSING]
+    """What a file may say under the effect's name, from its model. The field that `shorthand` names may stand alone."""
+    data: type = kind
+    whole = model_of(data).model_json_schema()
+    properties = {name: _untitled(each) for name, each in whole.get("properties", {}).items()}
+    needed = whole.get("required", [])
     nothing = [] if needed else ["null", "boolean"]
-    whole = {"type": ["object", *nothing], "properties": said, "additionalProperties": False}
-    whole |= {"required": needed} if needed else {}
+    said = {"type": ["object", *nothing], "properties": properties, "additionalProperties": False}
+    said |= {"required": needed} if needed else {}
+    text = " ".join(kind.said.split())
     short = kind.shorthand
     if short is None:
-        return {"description": text, **whole}
-    if said[short].get("type") == "object":  # its keys are names, which the field's own name would be one of
-        return {"description": text, **{k: v for k, v in said[short].items() if k != "description"}}
-    return {"description": text, "anyOf": [whole, said[short]]}
+        return {"description": text, **said}
+    if is_map(kind, short):  # its keys are names, which the field's own name would be one of
+        return {**properties[short], "description": text}
+    return {"description": text, "anyOf": [said, properties[short]]}
 
 
-def _explained(doc: str, names: Sequence[str]) -> tuple[str, dict[str, str]]:
-    """A docstring without its list of fields, and what that says of each field."""
-    rest: list[str] = []
-    notes: dict[str, str] = {}
-    current: list[str] = []
-    for line in inspect.cleandoc(doc).splitlines():
-        entry = _ENTRY.match(line)
-        listed = entry[1].split(", ") if entry else []
-        if listed and set(listed) <= set(names):
-            current = listed
-            notes |= dict.fromkeys(current, entry[2] if entry else "")
-        elif current and line.startswith("  ") and line.strip():
-            notes |= {name: f"{notes[name]} {line.strip()}" for name in current}
-        else:
-            current = []
-            rest.append(line)
-    return " ".join(" ".join(rest).split()), notes
-
-
-def _field_schema(hint: Any, unit: str | None) -> dict[str, Any]:
-    """The schema of a field of this annotation; with a unit, numbers may be text that has its unit."""
-    origin, inner = typing.get_origin(hint), typing.get_args(hint)
-    note = _note(unit, expressions=takes_text(hint))
-    if hint is float:
-        return {"type": "number"} if unit is None else {"type": ["number", "string"], **note}
-    if origin is Literal:
-        return {"enum": list(inner)}
-    plain = {bool: "boolean", int: "integer", str: "string", NoneType: "null"}
-    if hint in plain:
-        return {"type": plain[hint], **(note if hint is str else {})}
-    if isinstance(origin, type) and issubclass(origin, Mapping):
-        return {"type": "object", "additionalProperties": _field_schema(inner[1], unit)}
-    if isinstance(origin, type) and issubclass(origin, Sequence):
-        parts = [part for part in inner if part is not Ellipsis]
-        length = (
-            {}
-            if Ellipsis in inner or origin is not tuple
-            else {"minItems": len(parts), "maxItems": len(parts)}
-        )
-        return {"type": "array", "items": _field_schema(parts[0], unit) if parts else {}, **length}
-    if inner:  # a union
-        known = [_field_schema(part, unit) for part in inner]
-        return (
-            {"anyOf": [part for k, part in enumerate(known) if part not in known[:k]]} if all(known) else {}
-        )
-    return {}
-
-
-def _note(unit: str | None, *, expressions: bool) -> dict[str, str]:
-    if unit is None:
-        return {}
-    said = f"a number ({unit or 'plain'}), or text with a unit" if unit else "a plain number"
-    return {"description": said + (", or an expression" if expressions else "")}
+def _untitled(schema: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in schema.items() if key not in ("title", "default")}

@@ -16,7 +16,7 @@ from shapely.geometry import MultiPolygon, Point, Polygon
 from lamc.basics.errors import DesignError
 from lamc.basics.units import length_unit
 from lamc.design import shapes
-from lamc.design.work import MOST_LAYERS, check_outlines
+from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode
@@ -53,6 +53,7 @@ class _Reader:
         self.file = file
         self.length_unit = length_unit
         self.layer_names = [layer.name for layer in model.layers]
+        self.account = Account()
 
     def design(self) -> Design:
         model, problems = self.model, self.problems
@@ -150,15 +151,8 @@ class _Reader:
             for layer in self._layers(shape.layers, (*path, "layers")):
                 if regions[-1] is not None:
                     drawn_in[layer].append(index)
-        made: dict[tuple[int, ...], MultiPolygon] = {}  # layers are mostly drawn alike
-        for name, indices in zip(self.layer_names, drawn_in, strict=True):
-            entries = [
-                (region, self.model.shapes[k].cut is not None) for k in indices if (region := regions[k])
-            ]
-            if tuple(indices) not in made:
-                sheet = self.problems.attempt(("shapes",), partial(_sheet, entries, name))
-                made[tuple(indices)] = MultiPolygon() if sheet is None else sheet
-        sheets = [made[tuple(indices)] for indices in drawn_in]
+        cuts = [shape.cut is not None for shape in self.model.shapes]
+        sheets = self._overlaid(("shapes",), drawn_in, regions, cuts)
         drawn = any(shape.cut is None for shape in self.model.shapes)
         if self.model.shapes and not drawn:
             self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
@@ -172,17 +166,30 @@ class _Reader:
         return self.problems.attempt(path, partial(_draw, shape))
 
     def _fixed(self) -> list[MultiPolygon]:
-        regions: list[list[Polygon]] = [[] for _ in self.layer_names]
+        drawn_in: list[list[int]] = [[] for _ in self.layer_names]
+        regions = []
         for index, entry in enumerate(self.model.fixed):
-            region = self._region(("fixed", index), entry)
+            regions.append(self._region(("fixed", index), entry))
             for layer in self._layers(entry.layers, ("fixed", index, "layers")):
-                if region is not None:
-                    regions[layer].append(region)
-        sheets = [
-            self.problems.attempt(("fixed",), partial(_sheet, [(part, False) for part in parts], name))
-            for parts, name in zip(regions, self.layer_names, strict=True)
-        ]
-        return [MultiPolygon() if sheet is None else sheet for sheet in sheets]
+                if regions[-1] is not None:
+                    drawn_in[layer].append(index)
+        return self._overlaid(("fixed",), drawn_in, regions, [False] * len(regions))
+
+    def _overlaid(
+        self,
+        path: Path,
+        drawn_in: Sequence[Sequence[int]],
+        regions: Sequence[Polygon | None],
+        cuts: Sequence[bool],
+    ) -> list[MultiPolygon]:
+        """For each layer the regions drawn in it, or cut from it, by index; layers are mostly drawn alike."""
+        made: dict[tuple[int, ...], MultiPolygon] = {}
+        for name, indices in zip(self.layer_names, map(tuple, drawn_in), strict=True):
+            if indices not in made:
+                entries = [(region, cuts[k]) for k in indices if (region := regions[k])]
+                sheet = self.problems.attempt(path, partial(_sheet, entries, name, self.account))
+                made[indices] = MultiPolygon() if sheet is None else sheet
+        return [made[tuple(indices)] for indices in drawn_in]
 
     def _body_name(self, name: str, body: NamedBodyModel) -> BodyName:
         found = [] if body.layer is None else self._layers([body.layer], ("bodies", name, "layer"))
@@ -250,10 +257,10 @@ class _Reader:
         return sorted(indices)
 
 
-def _sheet(entries: Sequence[tuple[Polygon, bool]], layer: str) -> MultiPolygon:
+def _sheet(entries: Sequence[tuple[Polygon, bool]], layer: str, account: Account) -> MultiPolygon:
     """Shapes in order, True for those that are cut from what was drawn before them. Raises DesignError where they are
     too much work to overlay."""
-    check_outlines([region for region, _ in entries], layer)
+    account.overlay([region for region, _ in entries], f"the outlines in layer {layer!r}")
     sheet = MultiPolygon()
     for cut, run in groupby(entries, key=lambda entry: entry[1]):
         joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square

@@ -6,20 +6,20 @@ it stands.
 """
 
 from collections.abc import Mapping
-from functools import reduce
+from functools import partial, reduce
 from pathlib import PurePath
 
 import shapely
 
+from lamc.basics.errors import DesignError
 from lamc.readers.inert import MapNode, Node
 from lamc.readers.objects import MM, attribute, items, number, optional, refuse_stored_code
 from lamc.readers.popupcad_beside import Beside
-from lamc.readers.popupcad_kinds import union_of
 from lamc.readers.popupcad_layers import degrees
 from lamc.readers.popupcad_operations import Operations
-from lamc.readers.popupcad_sheets import Sheet
+from lamc.readers.popupcad_sheets import Sheet, combined
 from lamc.readers.popupcad_sketch import hinge_lines, sketch_shapes
-from lamc.readers.popupcad_transforms import Laminate
+from lamc.readers.popupcad_transforms import Laminate, each_sheet
 from lamc.records.design import Design, HingeSet, Layer, Material, Places
 
 JOINT_OPERATIONS = ("JointOperation3", "JointOperation2")
@@ -54,7 +54,7 @@ class _Reader(Operations):
         results = self.carry_out([*parents, *held])
         parent = results[parents[0]]
         empty: Laminate = (Sheet(),) * len(self.layers)
-        fixed = reduce(union_of, (results[index] for index in held), empty)
+        fixed = reduce(partial(self._joined, joint), (results[index] for index in held), empty)
         layers = tuple(
             Layer(spec.name, spec.material, spec.thickness, sheet.areas)
             for spec, sheet in zip(self.layers, parent, strict=True)
@@ -75,6 +75,12 @@ class _Reader(Operations):
             notes=tuple(self.notes),
             beside=tuple(sorted(self.beside.digests.items())),
         )
+
+    def _joined(self, joint: Node, a: Laminate, b: Laminate) -> Laminate:
+        try:
+            return each_sheet(lambda x, y: combined("union", x, y, self.account), a, b)
+        except DesignError as error:
+            raise joint.error(f"the fixed region: {error.message}") from error
 
     def _joint_operation(self) -> Node:
         found = [op for op in self.operations if op.class_name in JOINT_OPERATIONS]
@@ -108,7 +114,7 @@ class _Reader(Operations):
                 f"the joint's limits run from {limits[0]:g} to {limits[1]:g} rad; the lower comes first"
             )
         return HingeSet(
-            lines=hinge_lines(self.sketch_of(attribute(node, "sketch", what))),
+            lines=hinge_lines(self.sketch_of(attribute(node, "sketch", what)), self.account),
             width=number(attribute(node, "width", what), "the hinge width", above=0.0) / MM,
             layer=layer,
             sublaminate=tuple(sorted(through)),

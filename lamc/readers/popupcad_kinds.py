@@ -5,7 +5,7 @@ Each does what popupCAD's own `operate` of that class does. Never: looks at desi
 """
 
 from collections.abc import Mapping
-from functools import reduce
+from functools import partial, reduce
 from typing import TYPE_CHECKING
 
 from lamc.basics.errors import UnsupportedError
@@ -15,7 +15,7 @@ from lamc.readers.nodes import MapNode, Node
 from lamc.readers.objects import MM, attribute, flag, items, number, object_id, optional, word
 from lamc.readers.popupcad_sheets import Sheet
 from lamc.readers.popupcad_sketch import shape, sketch_shapes
-from lamc.readers.popupcad_transforms import Laminate
+from lamc.readers.popupcad_transforms import Laminate, each_sheet
 
 if TYPE_CHECKING:
     from lamc.readers.popupcad_operations import Operations
@@ -34,9 +34,10 @@ def drawn(design: "Operations", operation: Node, results: Results) -> Laminate:
     shapes = [
         g for link in items(links, "the sketch links") for _, g in sketch_shapes(design.sketch_of(link))
     ]
-    sheet = sheets.sheet_of(shapes)
+    sheet = sheets.sheet_of(shapes, design.account)
+    empty = Sheet()
     chosen = design.layer_indices(attribute(operation, "layer_links", "the sketch operation"))
-    return tuple(sheet if i in chosen else Sheet() for i in range(len(design.layers)))
+    return tuple(sheet if i in chosen else empty for i in range(len(design.layers)))
 
 
 def frozen(design: "Operations", operation: Node, results: Results) -> Laminate:
@@ -49,7 +50,7 @@ def frozen(design: "Operations", operation: Node, results: Results) -> Laminate:
         raise geometry.error("the frozen laminate is not a map from layers to shapes; the file is damaged")
     by_layer = {object_id(layer): shapes for layer, shapes in geometry.pairs}
     return tuple(
-        sheets.sheet_of([shape(node) for node in items(by_layer[spec.id], "a frozen layer")])
+        sheets.sheet_of([shape(node) for node in items(by_layer[spec.id], "a frozen layer")], design.account)
         if spec.id in by_layer
         else Sheet()
         for spec in design.layers
@@ -59,7 +60,8 @@ def frozen(design: "Operations", operation: Node, results: Results) -> Laminate:
 def buffered(design: "Operations", operation: Node, results: Results) -> Laminate:
     """BufferOperation2 and 3: all within a distance, or shrunk by it."""
     distance, segments = _distance(operation, "the buffer operation")
-    return tuple(sheets.grown(s, distance, segments) for s in _parent(design, operation, results))
+    parent = _parent(design, operation, results)
+    return each_sheet(lambda sheet: sheets.grown(sheet, distance, segments, design.account), parent)
 
 
 def cleaned(design: "Operations", operation: Node, results: Results) -> Laminate:
@@ -68,17 +70,18 @@ def cleaned(design: "Operations", operation: Node, results: Results) -> Laminate
 
     def clean(sheet: Sheet) -> Sheet:
         for change in (-distance, 2.0 * distance, -distance):
-            sheet = sheets.grown(sheet, change, segments)
+            sheet = sheets.grown(sheet, change, segments, design.account)
         return sheet
 
-    return tuple(clean(sheet) for sheet in _parent(design, operation, results))
+    return each_sheet(clean, _parent(design, operation, results))
 
 
 def simplified(design: "Operations", operation: Node, results: Results) -> Laminate:
     """Simplify and Simplify2: corners left out that are within a tolerance of the rest."""
     values = _values(operation, "the simplification")
     tolerance = number(values[0], "the tolerance", minimum=0.0) / MM
-    return tuple(sheets.simplified(sheet, tolerance) for sheet in _parent(design, operation, results))
+    parent = _parent(design, operation, results)
+    return each_sheet(lambda sheet: sheets.simplified(sheet, tolerance, design.account), parent)
 
 
 def shifted(design: "Operations", operation: Node, results: Results) -> Laminate:
@@ -104,17 +107,17 @@ def combined(design: "Operations", operation: Node, results: Results) -> Laminat
     first = [results[i] for i in design.linked(operation, "unary")]
     if not first:
         raise operation.error(f"the laminate operation {label(operation)} has no operand")
-    combine = sheets.COMBINE[name]
 
-    def each_layer(a: Laminate, b: Laminate) -> Laminate:
-        return tuple(combine(x, y) for x, y in zip(a, b, strict=True))
+    def each_layer(function: str, a: Laminate, b: Laminate) -> Laminate:
+        return each_sheet(lambda x, y: sheets.combined(function, x, y, design.account), a, b)
 
     if name in ("union", "intersection"):
-        return reduce(each_layer, first)
+        return reduce(partial(each_layer, name), first)
     second = [results[i] for i in design.linked(operation, "binary")]
     if not second:
         raise operation.error(f"the laminate operation {label(operation)} has no second operand")
-    return each_layer(reduce(union_of, first), reduce(union_of, second))
+    join = partial(each_layer, "union")
+    return each_layer(name, reduce(join, first), reduce(join, second))
 
 
 def layered(design: "Operations", operation: Node, results: Results) -> Laminate:
@@ -128,17 +131,16 @@ def layered(design: "Operations", operation: Node, results: Results) -> Laminate
         if not chosen:
             raise operation.error(f"the layer operation {label(operation)} has no layer in {key!r}")
         groups.append([parent[i] for i in sorted(chosen)])
-    combine = sheets.COMBINE[name]
+
+    def combine(function: str, a: Sheet, b: Sheet) -> Sheet:
+        return sheets.combined(function, a, b, design.account)
+
     if of_one:
-        result = reduce(combine, groups[0])
+        result = reduce(partial(combine, name), groups[0])
     else:
-        result = combine(reduce(sheets.union, groups[0]), reduce(sheets.union, groups[1]))
+        result = combine(name, *(reduce(partial(combine, "union"), group) for group in groups))
     goal = design.layer_indices(attribute(operation, "output_layer_links", "the layer operation"))
     return tuple(result if i in goal else Sheet() for i in range(len(design.layers)))
-
-
-def union_of(a: Laminate, b: Laminate) -> Laminate:
-    return tuple(sheets.union(x, y) for x, y in zip(a, b, strict=True))
 
 
 def label(operation: Node) -> str:

@@ -7,7 +7,8 @@ often it is placed.
 
 from collections.abc import Callable, Mapping
 
-from lamc.basics.errors import UnsupportedError
+from lamc.basics.errors import DesignError, UnsupportedError
+from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers import popupcad_kinds as kinds
 from lamc.readers.nodes import MapNode, Node, ScalarNode
 from lamc.readers.objects import attribute, items, number, object_id, optional, word
@@ -50,15 +51,22 @@ class Operations:
         node: Node,
         materials: Mapping[str, Material],
         beside: Beside,
-        readers: "dict[int, Operations] | None" = None,
+        outer: "Operations | None" = None,
     ) -> None:
         self.node = node
         self.materials = materials
         self.beside = beside
-        self.readers = {} if readers is None else readers  # of designs inside this one, each read once
+        # Of all designs inside one another: each is read once, and their overlays are one file's work.
+        self.readers: dict[int, Operations] = {} if outer is None else outer.readers
+        self.account: Account = Account() if outer is None else outer.account
         self.results: dict[int, Laminate] = {}  # of operations, by index
         definition = optional(node, "_layerdef", "the design") or attribute(node, "layerdef", "the design")
         sheets_drawn = items(attribute(definition, "layers", "the layer definition"), "the layers")
+        if len(sheets_drawn) > MOST_LAYERS:
+            raise definition.error(
+                f"the design has {len(sheets_drawn)} layers; at most {MOST_LAYERS} are split: join neighbours of one "
+                "material"
+            )
         self.layers = read_layers(sheets_drawn, materials)
         if not self.layers:
             raise definition.error("the design has no layers; add at least one")
@@ -98,7 +106,12 @@ class Operations:
                 stack += [i for role in ROLES for i in self.linked(operation, role)]
         for index in sorted(needed - self.results.keys()):
             operation = self.operations[index]
-            self.results[index] = _MAKERS[operation.class_name](self, operation, self.results)
+            try:
+                self.results[index] = _MAKERS[operation.class_name](self, operation, self.results)
+            except DesignError as error:
+                if error.place is not None:
+                    raise
+                raise operation.error(f"operation {label(operation)}: {error.message}") from error
         return self.results
 
     def inner(self, key: Node) -> "Operations":
@@ -107,7 +120,7 @@ class Operations:
         found = _by_key(stored).get(word(key, "a design's id")) if stored is not None else None
         found = self.beside.design_of(key, found)
         if id(found) not in self.readers:
-            self.readers[id(found)] = Operations(found, self.materials, self.beside, self.readers)
+            self.readers[id(found)] = Operations(found, self.materials, self.beside, self)
         return self.readers[id(found)]
 
     def output(self, reference: Node) -> int:

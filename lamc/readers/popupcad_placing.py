@@ -37,7 +37,7 @@ def placed(design: "Operations", operation: Node, results: Mapping[int, Laminate
     shift, flip = shift_and_flip(operation)
     how = transforms.Placing(shift, flip, _scale(operation, "x"), _scale(operation, "y"))
     try:
-        return transforms.placed(laminate, len(design.layers), line, ends, how)
+        return transforms.placed(laminate, len(design.layers), line, ends, how, design.account)
     except DesignError as error:
         raise operation.error(error.message) from error
 

@@ -4,7 +4,7 @@ In: shapely geometry in metres. Out: the same, combined layer by layer. popupCAD
 hinge line is drawn, grown to a strip and cut out), which is why a sheet is more than its areas.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import shapely
@@ -20,6 +20,7 @@ from shapely.geometry import (
 from shapely.geometry.base import BaseGeometry
 
 from lamc.design.shapes import areas
+from lamc.design.work import Account
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,9 @@ class Sheet:
     points: MultiPoint = field(default_factory=MultiPoint)
 
 
-def sheet_of(geometry: list[BaseGeometry]) -> Sheet:
-    """A sheet of drawn shapes, joined."""
+def sheet_of(geometry: Sequence[BaseGeometry], account: Account) -> Sheet:
+    """A sheet of drawn shapes, joined. Raises DesignError, as all here, where the file's overlays are too much work."""
+    account.overlay(geometry, "the shapes")
     polygons = [g for g in geometry if g.geom_type == "Polygon"]
     lines = [g for g in geometry if isinstance(g, LineString)]
     points = [g for g in geometry if isinstance(g, Point)]
@@ -57,7 +59,9 @@ def difference(a: Sheet, b: Sheet) -> Sheet:
 def intersection(a: Sheet, b: Sheet) -> Sheet:
     """What is in both; a line within an area stays a line."""
     lines = shapely.union_all([a.lines & b.lines, a.lines & b.areas, b.lines & a.areas])
-    points = shapely.union_all([p & other for p, s in ((a.points, b), (b.points, a)) for other in _parts(s)])
+    points = shapely.union_all(
+        [p & other for p, s in ((a.points, b), (b.points, a)) for other in parts_of(s)]
+    )
     return Sheet(areas(a.areas & b.areas), _lines(lines), _points(points))
 
 
@@ -65,23 +69,33 @@ def symmetric_difference(a: Sheet, b: Sheet) -> Sheet:
     return union(difference(a, b), difference(b, a))
 
 
-def grown(sheet: Sheet, distance: float, segments: int) -> Sheet:
+def grown(sheet: Sheet, distance: float, segments: int, account: Account) -> Sheet:
     """Everything within `distance` (m) of the sheet; a negative distance shrinks areas, and lines are gone.
 
     segments  of the polygon that stands for a quarter circle
     """
-    parts = [shapely.buffer(part, distance, quad_segs=segments) for part in _parts(sheet)]
+    for part in parts_of(sheet):
+        account.growth(part, distance, "sides of what is grown or shrunk")
+    parts = [shapely.buffer(part, distance, quad_segs=segments) for part in parts_of(sheet)]
+    account.overlay(parts, "what has grown")
     return Sheet(areas(shapely.union_all(parts)))
 
 
-def simplified(sheet: Sheet, tolerance: float) -> Sheet:
+def simplified(sheet: Sheet, tolerance: float, account: Account) -> Sheet:
     """The sheet without corners that lie within `tolerance` (m) of what is left; nothing comes to cross anything."""
-    together = shapely.simplify(GeometryCollection(_parts(sheet)), tolerance, preserve_topology=True)
+    account.overlay(parts_of(sheet), "outlines")
+    together = shapely.simplify(GeometryCollection(parts_of(sheet)), tolerance, preserve_topology=True)
     return Sheet(
         areas(shapely.union_all([g for g in _simple(together) if isinstance(g, Polygon)])),
         _lines(together),
         _points(together),
     )
+
+
+def combined(name: str, a: Sheet, b: Sheet, account: Account) -> Sheet:
+    """The sheets by the function of that name in COMBINE."""
+    account.overlay([*parts_of(a), *parts_of(b)], f"the outlines of the {name}")
+    return COMBINE[name](a, b)
 
 
 COMBINE: dict[str, Callable[[Sheet, Sheet], Sheet]] = {
@@ -92,7 +106,7 @@ COMBINE: dict[str, Callable[[Sheet, Sheet], Sheet]] = {
 }
 
 
-def _parts(sheet: Sheet) -> tuple[BaseGeometry, ...]:
+def parts_of(sheet: Sheet) -> tuple[BaseGeometry, ...]:
     return (sheet.areas, sheet.lines, sheet.points)
 
 

@@ -18,6 +18,7 @@ from shapely.geometry.base import BaseGeometry
 from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.design import shapes
 from lamc.design.shapes import Points
+from lamc.design.work import Account
 from lamc.readers.inert import ListNode, MapNode, Node, ScalarNode
 from lamc.readers.objects import MM, attribute, flag, items, number, optional
 from lamc.records.design import HingeLine, Line
@@ -51,10 +52,10 @@ def texts_left_out(sketch: Node) -> tuple[str, ...]:
     )
 
 
-def hinge_lines(sketch: Node) -> tuple[HingeLine, ...]:
+def hinge_lines(sketch: Node, account: Account) -> tuple[HingeLine, ...]:
     """The straight lines of a joint sketch, parted where they cross as popupCAD does, each drawn once.
 
-    Raises DesignError for an area in the sketch, since a hinge is a line.
+    Raises DesignError for an area in the sketch, since a hinge is a line, and for more crossings than are computed.
     """
     runs: list[tuple[Node, Line]] = []
     for node, geometry in sketch_shapes(sketch):
@@ -62,6 +63,10 @@ def hinge_lines(sketch: Node) -> tuple[HingeLine, ...]:
             runs += [(node, run) for run in straight_runs([(x, y) for x, y in geometry.coords])]
         elif not isinstance(geometry, Point):
             raise node.error(f"a joint sketch holds a {kind_of(node)}; hinges are lines, so draw lines")
+    try:
+        account.overlay([LineString(run) for _, run in runs], "the hinge lines")
+    except DesignError as error:
+        raise sketch.error(error.message) from error
     found: list[HingeLine] = []
     seen: set[frozenset[tuple[float, float]]] = set()
     for index, line in shapes.cut_where_lines_cross([run for _, run in runs]) if runs else ():

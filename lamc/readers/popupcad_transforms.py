@@ -5,7 +5,7 @@ however often a file places a laminate that it has placed before.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import shapely
@@ -14,12 +14,12 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import DesignError
 from lamc.design.shapes import FARTHEST
+from lamc.design.work import MOST_CORNERS, Account
 from lamc.readers import popupcad_sheets as sheets
 from lamc.readers.popupcad_sheets import Sheet
 
 Laminate = tuple[Sheet, ...]
 Line = tuple[tuple[float, float], tuple[float, float]]
-MOST_CORNERS = 1_000_000  # of a laminate; a file of 64 MiB draws no more
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,16 @@ class Placing:
     flip: bool
     scale_x: float | None
     scale_y: float | None
+
+
+def each_sheet(make: Callable[..., Sheet], *laminates: Laminate) -> Laminate:
+    """`make` of the sheets of each layer; layers are mostly alike, and are made once."""
+    made: dict[tuple[int, ...], Sheet] = {}
+    for group in zip(*laminates, strict=True):
+        key = tuple(map(id, group))
+        if key not in made:
+            made[key] = make(*group)
+    return tuple(made[tuple(map(id, group))] for group in zip(*laminates, strict=True))
 
 
 def shifted(laminate: Laminate, shift: int, *, flip: bool, rotate: bool) -> Laminate:
@@ -46,17 +56,21 @@ def shifted(laminate: Laminate, shift: int, *, flip: bool, rotate: bool) -> Lami
     return _moved(source, shift, count)
 
 
-def placed(laminate: Laminate, count: int, start: Line, ends: Sequence[Line], how: Placing) -> Laminate:
+def placed(
+    laminate: Laminate, count: int, start: Line, ends: Sequence[Line], how: Placing, account: Account
+) -> Laminate:
     """The laminate in a stack of `count` layers, once for each line of `ends`: moved, turned and scaled so that `start`
     comes to lie on it. Raises DesignError for a line without length and for results too large."""
     source = _moved(laminate[::-1] if how.flip else laminate, how.shift, count)
-    corners = sum(int(shapely.get_num_coordinates(part)) for sheet in source for part in _parts(sheet))
+    corners = sum(
+        int(shapely.get_num_coordinates(part)) for sheet in source for part in sheets.parts_of(sheet)
+    )
     if corners * len(ends) > MOST_CORNERS:
         raise DesignError(
             f"{corners} corners placed {len(ends)} times are more than {MOST_CORNERS}; place less, or less often"
         )
     matrices = [_matrix(start, end, how) for end in ends]
-    return tuple(_copies(sheet, matrices) for sheet in source)
+    return each_sheet(lambda sheet: _copies(sheet, matrices, account), source)
 
 
 def _moved(source: Sequence[Sheet], shift: int, count: int) -> Laminate:
@@ -79,18 +93,12 @@ def _matrix(start: Line, end: Line, how: Placing) -> list[float]:
     return [a, b, d, e, u0 - a * x0 - b * y0, v0 - d * x0 - e * y0]
 
 
-def _copies(sheet: Sheet, matrices: Sequence[list[float]]) -> Sheet:
-    result = Sheet()
+def _copies(sheet: Sheet, matrices: Sequence[list[float]], account: Account) -> Sheet:
+    parts: list[BaseGeometry] = []
     for matrix in matrices:
-        parts: list[BaseGeometry] = []
-        for part in _parts(sheet):
+        for part in sheets.parts_of(sheet):
             copy = affine_transform(part, matrix)
             if not copy.is_empty and not max(map(abs, copy.bounds)) <= FARTHEST:
                 raise DesignError(f"a laminate is placed beyond {FARTHEST:g} m; see the lines and scales")
             parts += [g for g in copy.geoms if not g.is_empty]
-        result = sheets.union(result, sheets.sheet_of(parts))
-    return result
-
-
-def _parts(sheet: Sheet) -> tuple[BaseGeometry, ...]:
-    return (sheet.areas, sheet.lines, sheet.points)
+    return sheets.sheet_of(parts, account)

@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-from lamc.basics.errors import DesignError, Place
+from lamc.basics.errors import DesignError, DesignErrors, Place
 from lamc.basics.places import Places
-from lamc.effects.data import DataError, Where
+from lamc.effects.data import DataError, file_context
 from lamc.effects.registry import by_name
 from lamc.readers.checking import Path, Problems, did_you_mean, shown
-from lamc.readers.effect_calls import Called, effects_called, make_effect, unplaced
+from lamc.readers.effect_calls import Called, effects_called, make_effect
 from lamc.readers.scene_inputs import read_inputs
 from lamc.readers.scene_schema import OutputPointModel, SceneModel
 from lamc.records.effect import Effect
@@ -248,15 +248,20 @@ class _Reader:
         """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
         path, name, value = called
         if path not in self.effects:
-            where = Where(shown(path), self.length_unit, self.problems.folder)
             self.effects[path] = None
+            context = file_context(self.length_unit, self.problems.folder)
             try:
-                self.effects[path] = make_effect(name, value, where)
-            except DataError as error:
-                self.problems.add((*path, *error.path), error.problem)
+                self.effects[path] = make_effect(name, value, shown(path), context)
+            except DesignErrors as errors:
+                for each in errors.problems:
+                    self._note(path, each)
             except DesignError as error:
-                self.problems.add(path, unplaced(error, where), error.place)
+                self._note(path, error)
         return self.effects[path]
+
+    def _note(self, path: Path, error: DesignError) -> None:
+        assert isinstance(error, DataError)
+        self.problems.add((*path, *error.path), error.problem, error.place)
 
     def _called(self, effects: object, path: Path) -> list[Called]:
         return self.problems.attempt(path, lambda: list(effects_called(effects, path))) or []

@@ -82,7 +82,7 @@ class Body:
             raise DesignError(f"{what} has zero mass; give it a thickness and a density, or fix it")
         size = float(np.abs(self.inertia).max())
         # 1e-9 relative: files carry inertia with ten digits or more; a wrong sign or axis is far beyond that.
-        if not np.allclose(self.inertia, self.inertia.T, rtol=0.0, atol=1e-9 * size):
+        if (np.abs(self.inertia - self.inertia.T) > 1e-9 * size).any():
             raise DesignError(f"the inertia of {what} is not symmetric")
         moments = np.linalg.eigvalsh(self.inertia)
         if moments.min() < -1e-9 * size:

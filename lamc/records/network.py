@@ -94,11 +94,10 @@ def _same_hinges(joints: "Sequence[Joint]") -> Iterator[Fault]:
     for index, joint in enumerate(joints):
         others = of_pair.setdefault(tuple(sorted((joint.parent, joint.child))), [])
         apart = np.linalg.norm(points[others] - joint.point, axis=1)
-        near = np.flatnonzero(
-            apart <= SAME * size
-        )  # first, as crosses cost more: thousands may share two bodies
-        askew = np.linalg.norm(np.cross(axes[others][near], joint.axis), axis=1)
-        same = near[askew <= SAME]
+        same = np.flatnonzero(apart <= SAME * size)
+        if len(same):  # first, as crosses cost more: thousands may share two bodies
+            askew = np.linalg.norm(np.cross(axes[others][same], joint.axis), axis=1)
+            same = same[askew <= SAME]
         if len(same):
             other = joints[others[same[0]]]
             text = (

@@ -6,7 +6,7 @@ long long lamc_events_size(const lamc_ode *ode) {
   return 0;
 }
 
-void lamc_events_start(lamc_run *run, double *memory) {
+void lamc_events_start(lamc_run *run, lamc_real *memory) {
   run->guards = memory;
 }
 

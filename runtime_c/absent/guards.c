@@ -6,15 +6,15 @@ long long lamc_guards_work(const lamc_model *model) {
   return 0;
 }
 
-void lamc_guards_sense(const void *motion, double t, const double *y) {
+void lamc_guards_sense(const void *motion, lamc_real t, const lamc_real *y) {
   (void)motion, (void)t, (void)y;
 }
 
-void lamc_guards_values(const void *motion, double t, const double *y, double *guards) {
+void lamc_guards_values(const void *motion, lamc_real t, const lamc_real *y, lamc_real *guards) {
   (void)motion, (void)t, (void)y, (void)guards;
 }
 
-lamc_status lamc_guards_event(const void *motion, double t, double *y, const double *struck) {
+lamc_status lamc_guards_event(const void *motion, lamc_real t, lamc_real *y, const lamc_real *struck) {
   (void)motion, (void)t, (void)y, (void)struck;
   return LAMC_OK;
 }

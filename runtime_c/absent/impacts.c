@@ -6,6 +6,6 @@ long long lamc_impacts_work(const lamc_model *model) {
   return 0;
 }
 
-void lamc_impacts(const lamc_motion *motion, double t, double *y, const double *struck) {
+void lamc_impacts(const lamc_motion *motion, lamc_real t, lamc_real *y, const lamc_real *struck) {
   (void)motion, (void)t, (void)y, (void)struck;
 }

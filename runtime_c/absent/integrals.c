@@ -9,7 +9,7 @@ long long lamc_integrals_size(const lamc_ode *ode) {
   return 0;
 }
 
-void lamc_integrals_start(lamc_run *run, double *memory) {
+void lamc_integrals_start(lamc_run *run, lamc_real *memory) {
   run->integrals = memory;
 }
 
@@ -25,6 +25,6 @@ void lamc_integrals_after(lamc_run *run) {
   (void)run;
 }
 
-void lamc_integrals_at(const lamc_run *run, double t, double *integrals) {
+void lamc_integrals_at(const lamc_run *run, lamc_real t, lamc_real *integrals) {
   (void)run, (void)t, (void)integrals;
 }

@@ -6,34 +6,34 @@ long long lamc_loops_work(const lamc_model *model) {
   return 0;
 }
 
-int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
-                            double *udot, double *lambda) {
+int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
+                            lamc_real *udot, lamc_real *lambda) {
   (void)motion, (void)t, (void)q, (void)u, (void)udot, (void)lambda;
   return 0;
 }
 
-void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x) {
+void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
   (void)motion, (void)count, (void)goal, (void)x;
 }
 
-int lamc_loops_weigh(const lamc_motion *motion, double t, const double *q, const double *u) {
+int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u) {
   (void)motion, (void)t, (void)q, (void)u;
   return 0;
 }
 
-void lamc_loops_free(const lamc_motion *motion, int count, double *x) {
+void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
   (void)motion, (void)count, (void)x;
 }
 
-void lamc_loops_rates(const lamc_motion *motion, double *x) {
+void lamc_loops_rates(const lamc_motion *motion, lamc_real *x) {
   (void)motion, (void)x;
 }
 
-void lamc_loops_keep(const lamc_motion *motion, double *kept) {
+void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {
   (void)motion, (void)kept;
 }
 
-void lamc_loops_put_back(const lamc_motion *motion, const double *kept) {
+void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept) {
   (void)motion, (void)kept;
 }
 
@@ -46,8 +46,8 @@ long long lamc_loops_doubts(const void *motion) {
   return 0;
 }
 
-lamc_status lamc_loops_allow(const void *motion, double t_old, const double *y_old, double t,
-                             const double *y) {
+lamc_status lamc_loops_allow(const void *motion, lamc_real t_old, const lamc_real *y_old, lamc_real t,
+                             const lamc_real *y) {
   (void)motion, (void)t_old, (void)y_old, (void)t, (void)y;
   return LAMC_OK;
 }
@@ -57,8 +57,8 @@ lamc_status lamc_loops_judge(const void *motion) {
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved) {
+lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real *y, lamc_real *moved) {
   (void)motion, (void)t, (void)y;
-  *moved = 0.0;
+  *moved = 0;
   return LAMC_OK;
 }

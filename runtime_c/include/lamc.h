@@ -6,13 +6,15 @@
  *
  * Units are SI and radians throughout. A state is y = [q, u]: coordinates (nq,), then rates (nu,). Joint angles (rad) and
  * joint rates (rad/s) come first among them, and in most mechanisms are all there is: dq/dt = u then.
- * Matrices are row-major. Arrays carry their shape in the comment beside them.
+ * Every number is a lamc_real, which is double unless lamc_real.h is told otherwise. Matrices are row-major. Arrays carry their shape in the comment beside them.
  *
  * The text between the two `lamc: declarations` lines is plain C without preprocessor (but for
  * `#define NAME integer`), because Python's cffi reads the same text.
  */
 #ifndef LAMC_H
 #define LAMC_H
+
+#include "lamc_real.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,14 +47,14 @@ const char *lamc_status_message(lamc_status status);
 typedef struct lamc_model {
   const char *name;               /* of the mechanism */
   const char *digest;             /* of the program that the C was printed from, hexadecimal */
-  double size;                    /* m, length scale: closure is judged relative to it */
+  lamc_real size;                 /* m, length scale: closure is judged relative to it */
   int joint_count;                /* joints that are coordinates; the first ones */
   int coordinate_count;           /* nq: joints, and what effects add, such as the pose of a free base */
   int rate_count;                 /* nu <= nq; fewer where a quaternion is among the coordinates */
   int cut_count;                  /* joints that close loops; 0: a tree */
   int closure_count;              /* m: equations that hold the loops, redundant ones included */
   int rank;                       /* of the closure at a generic position: no more equations are taken */
-  double tolerance;               /* m: gap that loops may keep where their equations disagree; 0: none */
+  lamc_real tolerance;            /* m: gap that loops may keep where their equations disagree; 0: none */
   int body_count;                 /* moving bodies */
   int parameter_count;            /* numbers that can change without recompiling */
   int constant_count;             /* numbers that depend on parameters only */
@@ -72,92 +74,98 @@ typedef struct lamc_model {
   const char *const *energy_names;     /* (energy_count,), UTF-8 */
   const char *const *guard_names;      /* (guard_count,), UTF-8 */
   const char *const *power_names;      /* (power_count,), UTF-8 */
-  const double *parameter_defaults;    /* (parameter_count,), in parameter_units */
+  const lamc_real *parameter_defaults; /* (parameter_count,), in parameter_units */
   const int
       *cut_watched; /* (cut_count,): 1 where forces, energies or guards depend on the angle; NULL: nowhere */
-  const int *guard_modes; /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
-  double jacobian_cost;   /* operations of jacobian over those of an acceleration */
+  const int *guard_modes;  /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
+  lamc_real jacobian_cost; /* operations of jacobian over those of an acceleration */
   /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
-  void (*setup)(const double *parameters, double *constants);
+  void (*setup)(const lamc_real *parameters, lamc_real *constants);
   /* q, u -> dq/dt (nq,), linear in u. NULL: dq/dt = u */
-  void (*rates)(const double *constants, const double *q, const double *u, double *qdot);
+  void (*rates)(const lamc_real *constants, const lamc_real *q, const lamc_real *u, lamc_real *qdot);
   /* t s, q (nq,), u (nu,) -> udot (nu,). NULL with loops, which have the four after it, and where the runtime solves
    * M udot = f from system. */
-  void (*acceleration)(const double *constants, double t, const double *q, const double *u, double *udot);
+  void (*acceleration)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                       lamc_real *udot);
   /* -> M lower triangle by rows (nu (nu + 1) / 2), f (nu,) of M udot = f without the loops */
-  void (*system)(const double *constants, double t, const double *q, const double *u, double *system);
+  void (*system)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                 lamc_real *system);
   /* -> phi (m,) m, J (m, nu) m per unit of a rate times s: dphi/dt = J u */
-  void (*closure)(const double *constants, const double *q, double *closure);
+  void (*closure)(const lamc_real *constants, const lamc_real *q, lamc_real *closure);
   /* -> what system gives, then J (m, nu), gamma (m,) m/s^2 of J udot + gamma = 0: all that an acceleration needs */
-  void (*dynamics)(const double *constants, double t, const double *q, const double *u, double *dynamics);
+  void (*dynamics)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                   lamc_real *dynamics);
   /* -> angles (cut_count,) rad within -pi .. pi, rates (cut_count,) rad/s */
-  void (*cuts)(const double *constants, const double *q, const double *u, double *cuts);
+  void (*cuts)(const lamc_real *constants, const lamc_real *q, const lamc_real *u, lamc_real *cuts);
   /* -> energies (energy_count,) J */
-  void (*energy)(const double *constants, double t, const double *q, const double *u, double *energies);
+  void (*energy)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                 lamc_real *energies);
   /* t, q -> poses (body_count, 12): centre of mass (3) m, rotation (3, 3) row-major, both in world axes */
-  void (*poses)(const double *constants, double t, const double *q, double *poses);
+  void (*poses)(const lamc_real *constants, lamc_real t, const lamc_real *q, lamc_real *poses);
   /* With acceleration: -> M lower triangle by rows (nu (nu + 1) / 2). NULL where nothing below needs it. */
-  void (*inertia)(const double *constants, const double *q, double *inertia);
+  void (*inertia)(const lamc_real *constants, const lamc_real *q, lamc_real *inertia);
   /* At udot, and lambda (m,) N of M udot = f + J^T lambda, -> (nu + m, nq + nu + 1) derivatives by q, u and t of the residuals
    * M udot - f - J^T lambda (nu,) and J udot + gamma (m,); then, if there is rates, (nq, nq + nu) of dq/dt by q and u.
    * NULL: not worked out, differences are taken instead. */
-  void (*jacobian)(const double *constants, double t, const double *q, const double *u, const double *udot,
-                   const double *lambda, double *jacobian);
+  void (*jacobian)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                   const lamc_real *udot, const lamc_real *lambda, lamc_real *jacobian);
   /* -> guards (guard_count,) rad or m, negative where nothing happens, then their rates (guard_count,) */
-  void (*guards)(const double *constants, double t, const double *q, const double *u, double *guards);
+  void (*guards)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                 lamc_real *guards);
   /* -> restitutions (guard_count,), then derivatives of the guards' rates by u (guard_count, nu) */
-  void (*impacts)(const double *constants, double t, const double *q, double *impacts);
+  void (*impacts)(const lamc_real *constants, lamc_real t, const lamc_real *q, lamc_real *impacts);
   /* At udot -> power (power_count,) W of all loads that each effect applies */
-  void (*power)(const double *constants, double t, const double *q, const double *u, const double *udot,
-                double *power);
+  void (*power)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                const lamc_real *udot, lamc_real *power);
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use
  * work and constants. */
 typedef struct lamc_motion {
   const lamc_model *model;
-  double *constants; /* (constant_count,), from model->setup; of them, only the guards' modes change later */
-  double *work;      /* (lamc_motion_work_size(model),); NULL where that is 0 */
-  double
+  lamc_real
+      *constants;  /* (constant_count,), from model->setup; of them, only the guards' modes change later */
+  lamc_real *work; /* (lamc_motion_work_size(model),); NULL where that is 0 */
+  lamc_real
       baumgarte; /* 1/s, rate at which loops that drifted close again; 0: states are brought back instead */
 } lamc_motion;
 
-/* Doubles that `work` must hold; 0 for a tree with acceleration and without guards and power. */
+/* Numbers that `work` must hold; 0 for a tree with acceleration and without guards and power. */
 long long lamc_motion_work_size(const lamc_model *model);
 
 /* Brings y = [q, u] of a motion with loops back to closure, by the smallest move in the mass metric: positions first,
  * rates then. *moved is the largest move. LAMC_CLOSURE_LOST where no near position closes. */
-lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved);
+lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real *y, lamc_real *moved);
 
 /* Steps of the run under way, or of the last one, that ended at a singular position, with equations of the loops let go */
 long long lamc_motion_singular_steps(const lamc_motion *motion);
 
 /* Row by row: -> phi (count, m) m and J (count, m, nu), one after the other in each row */
-lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y,
-                                 double *closures);
+lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const lamc_real *y,
+                                 lamc_real *closures);
 /* -> angles (cut_count,) rad and rates (cut_count,) rad/s of the cut joints in each row */
-lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts);
+lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const lamc_real *y, lamc_real *cuts);
 
 /* Row by row over states y (count, nq + nu) at times t (count,); LAMC_BAD_ARGUMENT for NULL or count < 0. */
 /* -> udot (count, nu) */
-lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const double *t,
-                                      const double *y, double *udot);
+lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const lamc_real *t,
+                                      const lamc_real *y, lamc_real *udot);
 /* -> energies (count, energy_count), J */
-lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const double *t, const double *y,
-                                 double *energies);
+lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const lamc_real *t,
+                                 const lamc_real *y, lamc_real *energies);
 /* -> poses (count, body_count, 12) */
-lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *t, const double *y,
-                              double *poses);
+lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const lamc_real *t,
+                              const lamc_real *y, lamc_real *poses);
 /* -> powers (count, power_count), W */
-lamc_status lamc_motion_powers(const lamc_motion *motion, long long count, const double *t, const double *y,
-                               double *powers);
+lamc_status lamc_motion_powers(const lamc_motion *motion, long long count, const lamc_real *t,
+                               const lamc_real *y, lamc_real *powers);
 
-/* Doubles of scratch for the function below */
+/* Numbers of scratch for the function below */
 long long lamc_motion_jacobian_scratch(const lamc_model *model);
 /* One state y = [q, u] at t: -> d(udot)/dq (nu, nq), d(udot)/du (nu, nu), d(udot)/dt (nu,); analytic where the model
  * brings them, else by differences */
-lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const double *y, double *by_q,
-                                 double *by_u, double *by_t, double *scratch);
+lamc_status lamc_motion_jacobian(const lamc_motion *motion, lamc_real t, const lamc_real *y, lamc_real *by_q,
+                                 lamc_real *by_u, lamc_real *by_t, lamc_real *scratch);
 
 /* ---- Ordinary differential equations ----------------------------------------------------------------------- */
 
@@ -165,42 +173,44 @@ lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const doub
  * context may be NULL or 0, one by one. */
 typedef struct lamc_ode {
   int n; /* >= 0 */
-  void (*rhs)(const void *context, double t, const double *y, double *dydt);
+  void (*rhs)(const void *context, lamc_real t, const lamc_real *y, lamc_real *dydt);
   const void *context;
   /* Brings y back to what holds for all states; *moved tells how far. NULL: nothing has to hold. */
-  lamc_status (*settle)(const void *context, double t, double *y, double *moved);
+  lamc_status (*settle)(const void *context, lamc_real t, lamc_real *y, lamc_real *moved);
   /* After a step was accepted and its end settled: whether the run can go on. NULL: it always can. */
   lamc_status (*judge)(const void *context);
   /* Whether a step from one state to another may be taken: LAMC_OK; LAMC_PAUSED: a shorter one is tried; a negative status
    * ends the run where the step began. NULL: every step may. */
-  lamc_status (*allow)(const void *context, double t_old, const double *y_old, double t, const double *y);
+  lamc_status (*allow)(const void *context, lamc_real t_old, const lamc_real *y_old, lamc_real t,
+                       const lamc_real *y);
   /* How many evaluations of rhs so far are not to be relied on between the ends of a step. NULL: all are. */
   long long (*doubts)(const void *context);
   int coordinate_count; /* y = [q, u], of which q are so many; 0: half of them */
   int is_rough;         /* 1: rhs has few continuous derivatives, so that LAMC_AUTO takes no high order */
   /* Implicit methods need one of two. Where dq/dt = u, k = n / 2: of udot at a state its derivatives by q (k, k), by
-   * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size doubles. */
-  void (*jacobian)(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,
-                   double *scratch);
+   * u (k, k), rows for components of udot, and by t (k,). scratch holds scratch_size numbers. */
+  void (*jacobian)(const void *context, lamc_real t, const lamc_real *y, lamc_real *by_q, lamc_real *by_u,
+                   lamc_real *by_t, lamc_real *scratch);
   /* Any equation: derivatives of dy/dt by y (n, n) and by t (n,); at more than twice the price */
-  void (*full_jacobian)(const void *context, double t, const double *y, double *by_y, double *by_t,
-                        double *scratch);
-  long long scratch_size; /* of the one that there is */
-  double jacobian_cost;   /* of one call, in evaluations of rhs */
+  void (*full_jacobian)(const void *context, lamc_real t, const lamc_real *y, lamc_real *by_y,
+                        lamc_real *by_t, lamc_real *scratch);
+  long long scratch_size;  /* of the one that there is */
+  lamc_real jacobian_cost; /* of one call, in evaluations of rhs */
   /* Events: guards (guard_count,) that pass from negative to positive, and their rates (guard_count,), 1/s */
   int guard_count;
-  void (*guards)(const void *context, double t, const double *y, double *guards);
+  void (*guards)(const void *context, lamc_real t, const lamc_real *y, lamc_real *guards);
   /* Before a run starts at (t, y): what rhs and guards stand for there */
-  void (*sense)(const void *context, double t, const double *y);
+  void (*sense)(const void *context, lamc_real t, const lamc_real *y);
   /* The guards with struck (guard_count,) above 0 have reached zero at (t, y), all at one instant: changes y, or what rhs
    * and guards stand for from here on */
-  lamc_status (*event)(const void *context, double t, double *y, const double *struck);
+  lamc_status (*event)(const void *context, lamc_real t, lamc_real *y, const lamc_real *struck);
   /* Integrals along the run, zero at its start, of integrands (integral_count,): as accurate as the states within steps,
    * and without influence on the steps. Each step takes the integrands at 3 to 7 states. */
   int integral_count; /* 0: none, and the two may be NULL */
-  void (*integrands)(const void *context, double t, const double *y, double *values);
+  void (*integrands)(const void *context, lamc_real t, const lamc_real *y, lamc_real *values);
   /* Adds to the integrals what an event does that changes y from `before` to `after` */
-  void (*jump)(const void *context, double t, const double *before, const double *after, double *integrals);
+  void (*jump)(const void *context, lamc_real t, const lamc_real *before, const lamc_real *after,
+               lamc_real *integrals);
 } lamc_ode;
 
 /* The motion as an equation in y = [q, u], n = nq + nu; `motion` must outlive it. With guards a run changes the
@@ -210,24 +220,24 @@ typedef struct lamc_ode {
 lamc_ode lamc_motion_ode(const lamc_motion *motion);
 
 typedef struct lamc_options {
-  double rtol;         /* relative tolerance, 1e-13 .. 1 */
-  double atol;         /* absolute tolerance, >= 0, in the units of y, one for all components */
-  double first_step;   /* s; 0: chosen from the equation */
-  double max_step;     /* s; 0: no limit; the last step may be 1 % longer */
-  long long max_steps; /* steps tried, accepted or not; > 0 */
+  lamc_real rtol;       /* relative tolerance, 1e-13 .. 1 */
+  lamc_real atol;       /* absolute tolerance, >= 0, in the units of y, one for all components */
+  lamc_real first_step; /* s; 0: chosen from the equation */
+  lamc_real max_step;   /* s; 0: no limit; the last step may be 1 % longer */
+  long long max_steps;  /* steps tried, accepted or not; > 0 */
 } lamc_options;
 
 /* Rows of output. The caller owns the arrays, and may replace them or set the counts to 0 between two calls. */
 typedef struct lamc_rows {
-  double *t;                /* (capacity,), s */
-  double *y;                /* (capacity, n) */
+  lamc_real *t;             /* (capacity,), s */
+  lamc_real *y;             /* (capacity, n) */
   long long capacity;       /* > 0 */
   long long count;          /* rows written so far */
-  double *event_t;          /* (event_capacity,), s; NULL: events are not written */
+  lamc_real *event_t;       /* (event_capacity,), s; NULL: events are not written */
   int *event_guard;         /* (event_capacity,): which guard */
   long long event_capacity; /* >= 0 */
   long long event_count;    /* events written so far */
-  double *integrals;        /* (capacity, integral_count); NULL: they are not written */
+  lamc_real *integrals;     /* (capacity, integral_count); NULL: they are not written */
 } lamc_rows;
 
 typedef enum lamc_method {
@@ -249,50 +259,51 @@ typedef enum lamc_dense {
 /* What LAMC_AUTO knows of the run. */
 typedef struct lamc_watch {
   int is_auto;
-  int next_method;   /* to switch to before the next step; 0: none */
-  int suspicions;    /* of the last steps, how many stability rather than accuracy seems to have limited */
-  int probe_steps;   /* steps left of the trial of another method; 0: none under way */
-  long long rest;    /* accepted steps before the next trial */
-  long long backoff; /* what rest is set to when a trial does not pay; doubles each time */
-  double eigenvalue; /* 1/s, that the steps before a trial met */
-  double pace;       /* s of motion per evaluation, of the method that was left for the trial */
-  double mark_t;     /* s, where the pace of the present method is measured from */
-  double mark_cost;  /* evaluations, until then */
+  int next_method;      /* to switch to before the next step; 0: none */
+  int suspicions;       /* of the last steps, how many stability rather than accuracy seems to have limited */
+  int probe_steps;      /* steps left of the trial of another method; 0: none under way */
+  long long rest;       /* accepted steps before the next trial */
+  long long backoff;    /* what rest is set to when a trial does not pay; doubles each time */
+  lamc_real eigenvalue; /* 1/s, that the steps before a trial met */
+  lamc_real pace;       /* s of motion per evaluation, of the method that was left for the trial */
+  lamc_real mark_t;     /* s, where the pace of the present method is measured from */
+  lamc_real mark_cost;  /* evaluations, until then */
 } lamc_watch;
 
 /* A run under way. Fields are for reading; lamc_run_start sets them all. */
 typedef struct lamc_run {
   lamc_ode ode;
   lamc_options options;
-  int method;           /* lamc_method in use; never LAMC_AUTO */
-  double t_end;         /* s */
-  const double *t_eval; /* (t_eval_count,), s, or NULL: a row at the start and after every step */
+  int method;              /* lamc_method in use; never LAMC_AUTO */
+  lamc_real t_end;         /* s */
+  const lamc_real *t_eval; /* (t_eval_count,), s, or NULL: a row at the start and after every step */
   long long t_eval_count;
-  long long t_eval_next; /* index of the first time that is not written yet */
-  double t;              /* s, where the run stands */
-  double t_old;          /* s, where the last accepted step began; the dense output covers t_old .. t */
-  double h;              /* s, the step to try next */
-  double h_last;         /* s, the last accepted step; 0: none yet */
-  double log_error_old;  /* log2 of the error norm of the last accepted step, for the PI controller */
-  long long steps;       /* tried */
+  long long t_eval_next;   /* index of the first time that is not written yet */
+  lamc_real t;             /* s, where the run stands */
+  lamc_real t_old;         /* s, where the last accepted step began; the dense output covers t_old .. t */
+  lamc_real h;             /* s, the step to try next */
+  lamc_real h_last;        /* s, the last accepted step; 0: none yet */
+  lamc_real log_error_old; /* log2 of the error norm of the last accepted step, for the PI controller */
+  long long steps;         /* tried */
   long long accepted;
   long long rejected;
   long long evaluations;    /* of rhs */
   long long jacobians;      /* evaluated */
   long long factorisations; /* of matrices of implicit methods */
   long long events;
-  long long switches;                    /* of the method, by LAMC_AUTO */
-  double switch_t[LAMC_SWITCHES_KEPT];   /* s, of the first ones */
-  int switch_method[LAMC_SWITCHES_KEPT]; /* lamc_method switched to */
+  long long switches;                     /* of the method, by LAMC_AUTO */
+  lamc_real switch_t[LAMC_SWITCHES_KEPT]; /* s, of the first ones */
+  int switch_method[LAMC_SWITCHES_KEPT];  /* lamc_method switched to */
   lamc_watch watch;
-  double *guards;     /* guards and their rates where the run stands, then room to find events */
-  double *integrals;  /* (integral_count,) where the run stands, then what tells them within the last step */
-  double t_event;     /* s, of the last event */
-  double event_gap;   /* s, between the last two events */
-  int event_streak;   /* events in a row, each sooner after the last than that one before */
-  int event_guard;    /* guard of the last event; -1: none yet */
-  int event_due;      /* how many events of this instant are not written yet */
-  int stride;         /* n rounded up: distance between the vectors in work */
+  lamc_real *guards; /* guards and their rates where the run stands, then room to find events */
+  lamc_real
+      *integrals;      /* (integral_count,) where the run stands, then what tells them within the last step */
+  lamc_real t_event;   /* s, of the last event */
+  lamc_real event_gap; /* s, between the last two events */
+  int event_streak;    /* events in a row, each sooner after the last than that one before */
+  int event_guard;     /* guard of the last event; -1: none yet */
+  int event_due;       /* how many events of this instant are not written yet */
+  int stride;          /* n rounded up: distance between the vectors in work */
   int side;           /* 0 or 1: which halves of work hold y and dy/dt at t; the others hold those at t_old */
   int dense;          /* lamc_dense: whether work holds the dense output of t_old .. t */
   int row_due;        /* 1: the row at t is not written yet; t_eval == NULL only */
@@ -303,29 +314,29 @@ typedef struct lamc_run {
   int has_polynomial; /* 1: work holds the polynomial of the last step, for a first guess of the next */
   int may_pass;       /* 1: the first step of an implicit method is still to come, see implicit.h */
   lamc_status status; /* of the last call; a negative one stays */
-  double *work;       /* (lamc_run_work_size(&ode, method),) */
+  lamc_real *work;    /* (lamc_run_work_size(&ode, method),) */
 } lamc_run;
 
-/* Doubles that `work` must hold; 0 if the equation has a size that cannot be, or lacks what the method needs. */
+/* Numbers that `work` must hold; 0 if the equation has a size that cannot be, or lacks what the method needs. */
 long long lamc_run_work_size(const lamc_ode *ode, lamc_method method);
 
 /* Prepares a run from y0 (n,) at t0 to t_end >= t0. t_eval ascends within t0 .. t_end. The run keeps pointers to
  * t_eval, work and ode->context, and copies everything else. Two evaluations at most.
  * LAMC_OK; LAMC_BAD_ARGUMENT; LAMC_NOT_FINITE if y0 or rhs(t0, y0) is not finite. */
 lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method method,
-                           const lamc_options *options, double t0, const double *y0, double t_end,
-                           const double *t_eval, long long t_eval_count, double *work);
+                           const lamc_options *options, lamc_real t0, const lamc_real *y0, lamc_real t_end,
+                           const lamc_real *t_eval, long long t_eval_count, lamc_real *work);
 
 /* Goes on until the end, an obstacle, or `budget` more evaluations (0: no limit). Stops between two steps only, so
  * a run in slices gives the same bits as a run in one piece. `cancel` (may be NULL) is looked at before each step. */
 lamc_status lamc_run_advance(lamc_run *run, lamc_rows *rows, long long budget, const volatile int *cancel);
 
 /* The state y (n,) where the run stands. */
-const double *lamc_run_state(const lamc_run *run);
+const lamc_real *lamc_run_state(const lamc_run *run);
 
 /* y (n,) at a time within the last accepted step, t_old .. t, by the method's continuous extension.
  * LAMC_BAD_ARGUMENT outside, before the first step, and where a later step was tried and rejected. */
-lamc_status lamc_run_interpolate(lamc_run *run, double t, double *y);
+lamc_status lamc_run_interpolate(lamc_run *run, lamc_real t, lamc_real *y);
 
 /* Without rows: one step further, however many are tried for it, to t_end at the most. LAMC_OK, also where the run stands
  * at t_end already, or what ended it. */
@@ -333,27 +344,27 @@ lamc_status lamc_run_step(lamc_run *run);
 
 /* y (n,) at a time within the last accepted step, t_old < t <= run->t, as a row has it: what must hold does. At most once
  * per time and in ascending order, if the steps after it are to be those of a run with rows. */
-lamc_status lamc_run_at(lamc_run *run, double t, double *y);
+lamc_status lamc_run_at(lamc_run *run, lamc_real t, lamc_real *y);
 
 /* The run goes on from y (n,) at t, within t0 .. t_end, or under an equation that has changed: steps keep method and length.
  * One evaluation. LAMC_OK; LAMC_BAD_ARGUMENT; LAMC_NOT_FINITE if y or rhs(t, y) is not finite. */
-lamc_status lamc_run_put(lamc_run *run, double t, const double *y);
+lamc_status lamc_run_put(lamc_run *run, lamc_real t, const lamc_real *y);
 
-/* Doubles of scratch for the function below */
+/* Numbers of scratch for the function below */
 long long lamc_fixed_scratch(const lamc_ode *ode);
 
 /* One step of length h != 0 from (t, y) to (t + h, y), without looking at errors: the classical Runge-Kutta method of order
  * 4, four evaluations. What must hold is settled and events are looked at at its end only, each guard once.
  * LAMC_NOT_FINITE: dy/dt at (t, y) is not, and y is as it was; or the step is too long, and y is what it led to. Or what
  * settling says; y is then spoilt. */
-lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch);
+lamc_status lamc_fixed_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_real *y, lamc_real *scratch);
 
-/* Doubles of scratch for the function below; 0 where the equation has no Jacobian */
+/* Numbers of scratch for the function below; 0 where the equation has no Jacobian */
 long long lamc_stiff_scratch(const lamc_ode *ode);
 
 /* The same by one step of Rodas5P, of order 5: stable for every h, however stiff the equation. Eight evaluations, one
  * Jacobian and one factorisation. LAMC_BAD_ARGUMENT without a Jacobian; LAMC_NOT_FINITE also where h is singular for it. */
-lamc_status lamc_stiff_step(const lamc_ode *ode, double t, double h, double *y, double *scratch);
+lamc_status lamc_stiff_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_real *y, lamc_real *scratch);
 
 /* lamc: declarations end */
 

@@ -8,28 +8,30 @@
 #ifndef LAMC_CONTROL_H
 #define LAMC_CONTROL_H
 
+#include "lamc_real.h"
+
 #include <stdint.h>
 #include <string.h>
 
 /* log2 of x >= 0; -1023 of zero. Nothing of use for what is not finite. */
-static inline double lamc_control_log2(double x) {
+static inline lamc_real lamc_control_log2(lamc_real x) {
   uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
   const int exponent = (int)(bits >> 52 & 0x7ff) - 1023;
   bits = (bits & 0xfffffffffffffu) | 0x3ff0000000000000u;
-  double m;
+  lamc_real m;
   memcpy(&m, &bits, sizeof m);
   m -= 1.0;
-  const double mm = m * m;
+  const lamc_real mm = m * m;
   return exponent + ((1.43873 * m - 0.67778 * mm) + (0.32118 * m - 0.08213 * mm) * mm);
 }
 
 /* 2^x for -1022 <= x < 1024 */
-static inline double lamc_control_exp2(double x) {
+static inline lamc_real lamc_control_exp2(lamc_real x) {
   const int whole = (int)(x + 1023.0) - 1023; /* towards minus infinity */
-  const double part = x - whole, square = part * part;
+  const lamc_real part = x - whole, square = part * part;
   const uint64_t bits = (uint64_t)(whole + 1023) << 52;
-  double scale;
+  lamc_real scale;
   memcpy(&scale, &bits, sizeof scale);
   return scale * ((1.0 + 0.69589 * part) + (0.22487 + 0.07924 * part) * square);
 }

@@ -17,25 +17,25 @@ enum {
 };
 
 /* c_i; stages 13 to 15 serve the dense output */
-static const double C[16] = {0.0,
-                             0.05260015195876773,
-                             0.0789002279381516,
-                             0.1183503419072274,
-                             0.2816496580927726,
-                             0.3333333333333333,
-                             0.25,
-                             0.3076923076923077,
-                             0.6512820512820513,
-                             0.6,
-                             0.8571428571428571,
-                             1.0,
-                             1.0,
-                             0.1,
-                             0.2,
-                             0.7777777777777778};
+static const lamc_real C[16] = {0.0,
+                                0.05260015195876773,
+                                0.0789002279381516,
+                                0.1183503419072274,
+                                0.2816496580927726,
+                                0.3333333333333333,
+                                0.25,
+                                0.3076923076923077,
+                                0.6512820512820513,
+                                0.6,
+                                0.8571428571428571,
+                                1.0,
+                                1.0,
+                                0.1,
+                                0.2,
+                                0.7777777777777778};
 
 /* a_ij; row 13 holds the weights b_i of the new state */
-static const double A[16][15] = {
+static const lamc_real A[16][15] = {
     {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
     {0.05260015195876773, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
     {0.0197250569845379, 0.0591751709536137, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
@@ -71,33 +71,33 @@ static const double A[16][15] = {
      0.3567271874552811, 0.0, 0.0, 0.0, -0.0013990241651590145, 2.9475147891527724, -9.15095847217987}};
 
 /* errors of order 3 and 5 */
-static const double E3[12] = {-0.18980075407240762,
-                              0.0,
-                              0.0,
-                              0.0,
-                              0.0,
-                              4.450312892752409,
-                              1.8915178993145003,
-                              -5.801203960010585,
-                              -0.4226823213237919,
-                              -0.1521609496625161,
-                              0.20136540080403034,
-                              0.02265179219836082};
-static const double E5[12] = {0.01312004499419488,
-                              0.0,
-                              0.0,
-                              0.0,
-                              0.0,
-                              -1.2251564463762044,
-                              -0.4957589496572502,
-                              1.6643771824549864,
-                              -0.35032884874997366,
-                              0.3341791187130175,
-                              0.08192320648511571,
-                              -0.022355307863886294};
+static const lamc_real E3[12] = {-0.18980075407240762,
+                                 0.0,
+                                 0.0,
+                                 0.0,
+                                 0.0,
+                                 4.450312892752409,
+                                 1.8915178993145003,
+                                 -5.801203960010585,
+                                 -0.4226823213237919,
+                                 -0.1521609496625161,
+                                 0.20136540080403034,
+                                 0.02265179219836082};
+static const lamc_real E5[12] = {0.01312004499419488,
+                                 0.0,
+                                 0.0,
+                                 0.0,
+                                 0.0,
+                                 -1.2251564463762044,
+                                 -0.4957589496572502,
+                                 1.6643771824549864,
+                                 -0.35032884874997366,
+                                 0.3341791187130175,
+                                 0.08192320648511571,
+                                 -0.022355307863886294};
 
 /* d_ij of the continuous extension */
-static const double D[4][16] = {
+static const lamc_real D[4][16] = {
     {-8.428938276109013, 0.0, 0.0, 0.0, 0.0, 0.5667149535193777, -3.0689499459498917, 2.38466765651207,
      2.117034582445028, -0.871391583777973, 2.2404374302607883, 0.6315787787694688, -0.08899033645133331,
      18.148505520854727, -9.194632392478356, -4.436036387594894},
@@ -112,38 +112,38 @@ static const double D[4][16] = {
      96.32455395918828, -39.17726167561544, -149.72683625798564}};
 
 /* Stage k (from 0): the slopes at the two ends of a step are stages 0 and 12. `begin` and `end` are those. */
-static const double *stage(const lamc_run *run, int k, const double *begin, const double *end) {
+static const lamc_real *stage(const lamc_run *run, int k, const lamc_real *begin, const lamc_real *end) {
   if (k == 0) return begin;
   if (k == STAGES) return end;
   return slot(run, k < STAGES ? SLOT_K + k - 1 : SLOT_K_EXTRA + k - STAGES - 1);
 }
 
 /* out = sum over the first `count` stages of weight * stage */
-static void combine(const lamc_run *run, const double *weights, int count, const double *begin,
-                    const double *end, double *LAMC_RESTRICT out) {
+static void combine(const lamc_run *run, const lamc_real *weights, int count, const lamc_real *begin,
+                    const lamc_real *end, lamc_real *LAMC_RESTRICT out) {
   const int m = run->stride;
   memset(out, 0, (size_t)m * sizeof *out);
   for (int k = 0; k < count; k++) {
-    const double w = weights[k];
+    const lamc_real w = weights[k];
     if (w == 0.0) continue;
-    const double *LAMC_RESTRICT v = stage(run, k, begin, end);
+    const lamc_real *LAMC_RESTRICT v = stage(run, k, begin, end);
     for (int b = 0; b < m; b += LANES)
       for (int i = b; i < b + LANES; i++) out[i] += w * v[i];
   }
 }
 
 /* The argument of stage `row` */
-static void argument(const lamc_run *run, int row, double h, const double *y, const double *begin,
-                     const double *end, double *LAMC_RESTRICT out) {
+static void argument(const lamc_run *run, int row, lamc_real h, const lamc_real *y, const lamc_real *begin,
+                     const lamc_real *end, lamc_real *LAMC_RESTRICT out) {
   const int m = run->stride;
   combine(run, A[row], row, begin, end, out);
   for (int b = 0; b < m; b += LANES)
     for (int i = b; i < b + LANES; i++) out[i] = y[i] + h * out[i];
 }
 
-static double attempt(lamc_run *run, double h) {
-  const double *y = y_here(run), *begin = slope_here(run);
-  double *y_new = y_there(run), *s = slot(run, SLOT_STAGE), *error = slot(run, SLOT_DENSE);
+static lamc_real attempt(lamc_run *run, lamc_real h) {
+  const lamc_real *y = y_here(run), *begin = slope_here(run);
+  lamc_real *y_new = y_there(run), *s = slot(run, SLOT_STAGE), *error = slot(run, SLOT_DENSE);
   for (int k = 1; k < STAGES; k++) {
     argument(run, k, h, y, begin, begin, s);
     evaluate(run, run->t + C[k] * h, s, slot(run, SLOT_K + k - 1));
@@ -151,46 +151,46 @@ static double attempt(lamc_run *run, double h) {
   argument(run, STAGES, h, y, begin, begin, y_new);
   if (!all_finite(run, y_new)) return HUGE_VAL;
   combine(run, E5, STAGES, begin, begin, error);
-  const double fifth = weighed(run, error);
+  const lamc_real fifth = weighed(run, error);
   combine(run, E3, STAGES, begin, begin, error);
-  const double third = weighed(run, error);
-  const double both = fifth + 0.01 * third;
+  const lamc_real third = weighed(run, error);
+  const lamc_real both = fifth + 0.01 * third;
   return both > 0.0 ? h * h * fifth * fifth / (both * run->ode.n) : 0.0;
 }
 
 static void make_dense(lamc_run *run) {
   const int n = run->ode.n;
-  const double h = run->h_last;
-  const double *y = y_there(run), *y_new = y_here(run), *begin = slope_there(run), *end = slope_here(run);
-  double *s = slot(run, SLOT_DENSE); /* not SLOT_STAGE, of which eigenvalue() asks later */
+  const lamc_real h = run->h_last;
+  const lamc_real *y = y_there(run), *y_new = y_here(run), *begin = slope_there(run), *end = slope_here(run);
+  lamc_real *s = slot(run, SLOT_DENSE); /* not SLOT_STAGE, of which eigenvalue() asks later */
   for (int k = STAGES + 1; k < ALL_STAGES; k++) {
     argument(run, k, h, y, begin, end, s);
     evaluate(run, run->t_old + C[k] * h, s, slot(run, SLOT_K_EXTRA + k - STAGES - 1));
   }
-  double *f0 = slot(run, SLOT_DENSE), *f1 = slot(run, SLOT_DENSE + 1), *f2 = slot(run, SLOT_DENSE + 2);
+  lamc_real *f0 = slot(run, SLOT_DENSE), *f1 = slot(run, SLOT_DENSE + 1), *f2 = slot(run, SLOT_DENSE + 2);
   for (int k = 0; k < 4; k++) combine(run, D[k], ALL_STAGES, begin, end, slot(run, SLOT_DENSE + 3 + k));
   for (int i = 0; i < n; i++) {
-    const double change = y_new[i] - y[i];
+    const lamc_real change = y_new[i] - y[i];
     f0[i] = change;
     f1[i] = h * begin[i] - change;
     f2[i] = 2.0 * change - h * (end[i] + begin[i]);
   }
 }
 
-static void interpolate(const lamc_run *run, double a, double *y) {
-  const double *start = y_there(run);
-  const double b = 1.0 - a;
+static void interpolate(const lamc_run *run, lamc_real a, lamc_real *y) {
+  const lamc_real *start = y_there(run);
+  const lamc_real b = 1.0 - a;
   for (int i = 0; i < run->ode.n; i++) {
-    double sum = 0.0;
+    lamc_real sum = 0.0;
     for (int k = 6; k >= 0; k--) {
-      const double weight = k >= 3 ? run->h_last : 1.0;
+      const lamc_real weight = k >= 3 ? run->h_last : 1.0;
       sum = (sum + weight * slot(run, SLOT_DENSE + k)[i]) * (k % 2 == 0 ? a : b);
     }
     y[i] = start[i] + sum;
   }
 }
 
-static double eigenvalue(const lamc_run *run) {
+static lamc_real eigenvalue(const lamc_run *run) {
   return steepness(run, slope_here(run), slot(run, SLOT_K + STAGES - 2), y_here(run), slot(run, SLOT_STAGE));
 }
 

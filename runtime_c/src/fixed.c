@@ -17,55 +17,55 @@ long long lamc_fixed_scratch(const lamc_ode *ode) {
 }
 
 /* Events of the guards that are positive at the end of the step, together: switches, and impacts that still go on */
-static lamc_status meet(const lamc_ode *ode, double t, double *y, double *guards) {
+static lamc_status meet(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_real *guards) {
   int met = 0;
   ode->guards(ode->context, t, y, guards);
   for (int g = 0; g < ode->guard_count; g++) {
-    const int is_struck = guards[g] > 0.0 && guards[ode->guard_count + g] > 0.0;
-    guards[g] = is_struck ? 1.0 : 0.0;
+    const int is_struck = guards[g] > 0 && guards[ode->guard_count + g] > 0;
+    guards[g] = is_struck ? 1 : 0;
     met += is_struck;
   }
   return met > 0 ? ode->event(ode->context, t, y, guards) : LAMC_OK;
 }
 
-lamc_status lamc_fixed_end(const lamc_ode *ode, double t, double *y, double *guards) {
-  double moved = 0.0;
+lamc_status lamc_fixed_end(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_real *guards) {
+  lamc_real moved = 0;
   const lamc_status status = ode->settle == NULL ? LAMC_OK : ode->settle(ode->context, t, y, &moved);
   return status == LAMC_OK && ode->guard_count > 0 ? meet(ode, t, y, guards) : status;
 }
 
-lamc_status lamc_fixed_allow(const lamc_ode *ode, double t_old, const double *y_old, double t,
-                             const double *y) {
+lamc_status lamc_fixed_allow(const lamc_ode *ode, lamc_real t_old, const lamc_real *y_old, lamc_real t,
+                             const lamc_real *y) {
   if (ode->allow == NULL) return LAMC_OK;
   return ode->allow(ode->context, t_old, y_old, t, y) == LAMC_OK ? LAMC_OK : LAMC_ANGLE_WRAPPED;
 }
 
-lamc_status lamc_fixed_step(const lamc_ode *ode, double t, double h, double *y, double *scratch) {
+lamc_status lamc_fixed_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_real *y, lamc_real *scratch) {
   const int n = ode->n;
-  double *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
-  double *before = guards; /* where steps may not be allowed, and guards behind it */
+  lamc_real *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
+  lamc_real *before = guards; /* where steps may not be allowed, and guards behind it */
   if (ode->allow != NULL) {
     guards += n;
     memcpy(before, y, (size_t)n * sizeof *y);
   }
-  double size = 0.0, slopes = 0.0;
+  lamc_real size = 0, slopes = 0;
   ode->rhs(ode->context, t, y, slope);
   for (int i = 0; i < n; i++) {
     sum[i] = slope[i];
-    stage[i] = y[i] + 0.5 * h * slope[i];
+    stage[i] = y[i] + LAMC_R(0.5) * h * slope[i];
     slopes += fabs(slope[i]);
   }
   if (!is_finite(slopes)) return LAMC_NOT_FINITE;
   for (int middle = 0; middle < 2; middle++) {
-    ode->rhs(ode->context, t + 0.5 * h, stage, slope);
+    ode->rhs(ode->context, t + LAMC_R(0.5) * h, stage, slope);
     for (int i = 0; i < n; i++) {
-      sum[i] += 2.0 * slope[i];
-      stage[i] = y[i] + (middle == 0 ? 0.5 * h : h) * slope[i];
+      sum[i] += 2 * slope[i];
+      stage[i] = y[i] + (middle == 0 ? LAMC_R(0.5) * h : h) * slope[i];
     }
   }
   ode->rhs(ode->context, t + h, stage, slope);
   for (int i = 0; i < n; i++) {
-    y[i] += h / 6.0 * (sum[i] + slope[i]);
+    y[i] += h / 6 * (sum[i] + slope[i]);
     size += fabs(y[i]);
   }
   if (!is_finite(size)) return LAMC_NOT_FINITE;

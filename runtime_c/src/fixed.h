@@ -4,14 +4,14 @@
 
 #include "method.h"
 
-/* Doubles that the function below takes for `guards` */
+/* Numbers that the function below takes for `guards` */
 long long lamc_fixed_guards(const lamc_ode *ode);
 
 /* y at the end t of a step, brought back to what must hold; then events, each guard's once */
-lamc_status lamc_fixed_end(const lamc_ode *ode, double t, double *y, double *guards);
+lamc_status lamc_fixed_end(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_real *guards);
 
 /* LAMC_ANGLE_WRAPPED where the equation does not allow a step between two states */
-lamc_status lamc_fixed_allow(const lamc_ode *ode, double t_old, const double *y_old, double t,
-                             const double *y);
+lamc_status lamc_fixed_allow(const lamc_ode *ode, lamc_real t_old, const lamc_real *y_old, lamc_real t,
+                             const lamc_real *y);
 
 #endif /* LAMC_FIXED_H */

@@ -14,28 +14,28 @@
 #include "cholesky.h"
 #include "loops.h"
 #include "motion.h"
+#include "tolerances.h"
 
-#include <float.h>
 #include <string.h>
 
 enum { MAX_ROUNDS = 64 }; /* of guards that strike each other; what is left over is an event of its own */
 
-static const double APART =
-    64.0 * DBL_EPSILON; /* of w w: what makes dependent guards share an impulse evenly */
-static const double LEAST = 4096.0 * DBL_EPSILON; /* of a rate before: round-off of those after */
+static const lamc_real APART =
+    64 * LAMC_EPSILON; /* of w w: what makes dependent guards share an impulse evenly */
+static const lamc_real LEAST = 4096 * LAMC_EPSILON; /* of a rate before: round-off of those after */
 
 /* The parts of the work for guards; k guards, n rates, m at most that are solved together */
 typedef struct impacts {
   int k, n, m;
-  double *restitution;                 /* (k,) */
-  double *gradient;                    /* (k, n) */
-  double *l;                           /* (n, n), of a motion without loops */
-  double *raw;                         /* what the model writes of it */
-  double *w;                           /* (m, n) */
-  double *factor;                      /* (m, m) */
-  double *x;                           /* (n,) */
-  double *v, *goal, *impulse, *wanted; /* (m,) each */
-  double *acts;                        /* (m,): 1 where the impulse is free, 0 where it is zero */
+  lamc_real *restitution;                 /* (k,) */
+  lamc_real *gradient;                    /* (k, n) */
+  lamc_real *l;                           /* (n, n), of a motion without loops */
+  lamc_real *raw;                         /* what the model writes of it */
+  lamc_real *w;                           /* (m, n) */
+  lamc_real *factor;                      /* (m, m) */
+  lamc_real *x;                           /* (n,) */
+  lamc_real *v, *goal, *impulse, *wanted; /* (m,) each */
+  lamc_real *acts;                        /* (m,): 1 where the impulse is free, 0 where it is zero */
 } impacts;
 
 static int at_most(const lamc_model *model) {
@@ -69,7 +69,8 @@ static impacts impacts_of(const lamc_motion *motion) {
 }
 
 /* M at a position, as L; how many equations of the loops count */
-static int weigh(const lamc_motion *motion, const impacts *p, double t, const double *q, const double *u) {
+static int weigh(const lamc_motion *motion, const impacts *p, lamc_real t, const lamc_real *q,
+                 const lamc_real *u) {
   const lamc_model *model = motion->model;
   if (model->cut_count > 0) return lamc_loops_weigh(motion, t, q, u);
   if (model->inertia != NULL) {
@@ -82,7 +83,7 @@ static int weigh(const lamc_motion *motion, const impacts *p, double t, const do
 }
 
 /* x = the part of L^-1 x that loops leave free */
-static void make_free(const lamc_motion *motion, const impacts *p, int count, double *x) {
+static void make_free(const lamc_motion *motion, const impacts *p, int count, lamc_real *x) {
   if (motion->model->cut_count > 0) {
     lamc_loops_free(motion, count, x);
   } else {
@@ -91,7 +92,7 @@ static void make_free(const lamc_motion *motion, const impacts *p, int count, do
 }
 
 /* The change of u from x */
-static void to_rates(const lamc_motion *motion, const impacts *p, double *x) {
+static void to_rates(const lamc_motion *motion, const impacts *p, lamc_real *x) {
   if (motion->model->cut_count > 0) {
     lamc_loops_rates(motion, x);
   } else {
@@ -100,20 +101,20 @@ static void to_rates(const lamc_motion *motion, const impacts *p, double *x) {
 }
 
 /* The guards that go into their limits, as many as can be solved together: w, v and goal; how many */
-static int collect(const lamc_motion *motion, const impacts *p, int count, const double *u,
-                   const double *struck) {
+static int collect(const lamc_motion *motion, const impacts *p, int count, const lamc_real *u,
+                   const lamc_real *struck) {
   int found = 0;
   for (int g = 0; g < p->k && found < p->m; g++) {
-    if (!(struck[g] > 0.0) || motion->model->guard_modes[g] >= 0) continue;
-    const double *gradient = p->gradient + (ptrdiff_t)g * p->n;
-    const double v = lamc_dot(p->n, gradient, u);
-    if (!(v > 0.0)) continue;
-    double *w = p->w + (ptrdiff_t)found * p->n;
+    if (!(struck[g] > 0) || motion->model->guard_modes[g] >= 0) continue;
+    const lamc_real *gradient = p->gradient + (ptrdiff_t)g * p->n;
+    const lamc_real v = lamc_dot(p->n, gradient, u);
+    if (!(v > 0)) continue;
+    lamc_real *w = p->w + (ptrdiff_t)found * p->n;
     memcpy(w, gradient, (size_t)p->n * sizeof *w);
     make_free(motion, p, count, w);
-    if (!(lamc_dot(p->n, w, w) > 0.0)) continue; /* nothing can move it */
+    if (!(lamc_dot(p->n, w, w) > 0)) continue; /* nothing can move it */
     p->v[found] = v;
-    p->goal[found++] = (1.0 + p->restitution[g]) * v;
+    p->goal[found++] = (1 + p->restitution[g]) * v;
   }
   return found;
 }
@@ -121,24 +122,24 @@ static int collect(const lamc_motion *motion, const impacts *p, int count, const
 /* wanted: impulses of the acting guards that reach all their goals */
 static void solve_acting(const impacts *p, int found) {
   for (int i = 0; i < found; i++) {
-    double *row = p->factor + (ptrdiff_t)i * p->m;
-    p->wanted[i] = p->acts[i] > 0.0 ? p->goal[i] : 0.0;
+    lamc_real *row = p->factor + (ptrdiff_t)i * p->m;
+    p->wanted[i] = p->acts[i] > 0 ? p->goal[i] : 0;
     for (int j = 0; j <= i; j++) {
-      const double *other = p->factor + (ptrdiff_t)j * p->m;
-      double entry = 0.0;
-      if (p->acts[i] > 0.0 && p->acts[j] > 0.0)
+      const lamc_real *other = p->factor + (ptrdiff_t)j * p->m;
+      lamc_real entry = 0;
+      if (p->acts[i] > 0 && p->acts[j] > 0)
         entry = lamc_dot(p->n, p->w + (ptrdiff_t)i * p->n, p->w + (ptrdiff_t)j * p->n);
-      if (i == j) entry = p->acts[i] > 0.0 ? (1.0 + APART) * entry : 1.0;
+      if (i == j) entry = p->acts[i] > 0 ? (1 + APART) * entry : 1;
       entry -= lamc_dot(j, row, other);
-      row[j] = i == j ? 1.0 / sqrt(entry) : entry * other[j];
+      row[j] = i == j ? 1 / sqrt(entry) : entry * other[j];
     }
   }
   for (int i = 0; i < found; i++) {
-    const double *row = p->factor + (ptrdiff_t)i * p->m;
+    const lamc_real *row = p->factor + (ptrdiff_t)i * p->m;
     p->wanted[i] = (p->wanted[i] - lamc_dot(i, row, p->wanted)) * row[i];
   }
   for (int i = found - 1; i >= 0; i--) {
-    double sum = p->wanted[i];
+    lamc_real sum = p->wanted[i];
     for (int j = i + 1; j < found; j++) sum -= p->factor[(ptrdiff_t)j * p->m + i] * p->wanted[j];
     p->wanted[i] = sum * p->factor[(ptrdiff_t)i * p->m + i];
   }
@@ -146,11 +147,11 @@ static void solve_acting(const impacts *p, int found) {
 
 /* Impulses go towards those wanted, until one would pull: its guard acts no longer. 1 if all could be had */
 static int approach(const impacts *p, int found) {
-  double part = 1.0;
+  lamc_real part = 1;
   int first = -1;
   for (int i = 0; i < found; i++) {
-    if (p->acts[i] > 0.0 && !(p->wanted[i] > 0.0)) {
-      const double ratio = p->impulse[i] > 0.0 ? p->impulse[i] / (p->impulse[i] - p->wanted[i]) : 0.0;
+    if (p->acts[i] > 0 && !(p->wanted[i] > 0)) {
+      const lamc_real ratio = p->impulse[i] > 0 ? p->impulse[i] / (p->impulse[i] - p->wanted[i]) : 0;
       if (first < 0 || ratio < part) {
         part = ratio;
         first = i;
@@ -159,7 +160,7 @@ static int approach(const impacts *p, int found) {
   }
   for (int i = 0; i < found; i++) p->impulse[i] += part * (p->wanted[i] - p->impulse[i]);
   if (first < 0) return 1;
-  p->acts[first] = p->impulse[first] = 0.0;
+  p->acts[first] = p->impulse[first] = 0;
   return 0;
 }
 
@@ -167,18 +168,18 @@ static int approach(const impacts *p, int found) {
 static void add_up(const impacts *p, int found) {
   memset(p->x, 0, (size_t)p->n * sizeof *p->x);
   for (int i = 0; i < found; i++) {
-    const double *w = p->w + (ptrdiff_t)i * p->n;
-    for (int c = 0; c < p->n && p->acts[i] > 0.0; c++) p->x[c] += p->impulse[i] * w[c];
+    const lamc_real *w = p->w + (ptrdiff_t)i * p->n;
+    for (int c = 0; c < p->n && p->acts[i] > 0; c++) p->x[c] += p->impulse[i] * w[c];
   }
 }
 
 /* The guard that is farthest from its goal, of it; -1 where all have theirs */
 static int farthest(const impacts *p, int found) {
   int worst = -1;
-  double most = LEAST;
+  lamc_real most = LEAST;
   for (int i = 0; i < found; i++) {
-    const double missing = p->goal[i] - lamc_dot(p->n, p->w + (ptrdiff_t)i * p->n, p->x);
-    if (!(p->acts[i] > 0.0) && missing > most * p->goal[i]) {
+    const lamc_real missing = p->goal[i] - lamc_dot(p->n, p->w + (ptrdiff_t)i * p->n, p->x);
+    if (!(p->acts[i] > 0) && missing > most * p->goal[i]) {
       most = missing / p->goal[i];
       worst = i;
     }
@@ -188,13 +189,13 @@ static int farthest(const impacts *p, int found) {
 
 /* x of the impacts on `found` guards */
 static void solve_together(const impacts *p, int found) {
-  for (int i = 0; i < found; i++) p->impulse[i] = p->acts[i] = 0.0;
+  for (int i = 0; i < found; i++) p->impulse[i] = p->acts[i] = 0;
   add_up(p, found);
   for (int round = 0; round < 3 * found;
        round++) { /* Lawson and Hanson's bound; found is enough nearly always */
     const int next = farthest(p, found);
     if (next < 0) return;
-    p->acts[next] = 1.0;
+    p->acts[next] = 1;
     for (int i = 0; i <= found; i++) {
       solve_acting(p, found);
       if (approach(p, found)) break;
@@ -203,16 +204,16 @@ static void solve_together(const impacts *p, int found) {
   }
 }
 
-void lamc_impacts(const lamc_motion *motion, double t, double *y, const double *struck) {
+void lamc_impacts(const lamc_motion *motion, lamc_real t, lamc_real *y, const lamc_real *struck) {
   const impacts p = impacts_of(motion);
-  double *q = y, *u = y + motion->model->coordinate_count;
+  lamc_real *q = y, *u = y + motion->model->coordinate_count;
   motion->model->impacts(motion->constants, t, q, p.restitution);
   const int count = weigh(motion, &p, t, q, u);
   for (int round = 0; round < MAX_ROUNDS; round++) {
     const int found = collect(motion, &p, count, u, struck);
     if (found == 0) return;
     if (found == 1) {
-      const double impulse = p.goal[0] / lamc_dot(p.n, p.w, p.w);
+      const lamc_real impulse = p.goal[0] / lamc_dot(p.n, p.w, p.w);
       memcpy(p.x, p.w, (size_t)p.n * sizeof *p.x);
       to_rates(motion, &p, p.x);
       for (int i = 0; i < p.n; i++) u[i] -= impulse * p.x[i];

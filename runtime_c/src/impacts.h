@@ -4,10 +4,10 @@
 
 #include "lamc.h"
 
-/* Doubles of a motion's work for guards that impacts take; 0 without guards */
+/* Numbers of a motion's work for guards that impacts take; 0 without guards */
 long long lamc_impacts_work(const lamc_model *model);
 
 /* u of y = [q, u] after impacts on all guards without a mode whose struck (guard_count,) is above 0, at one instant. */
-void lamc_impacts(const lamc_motion *motion, double t, double *y, const double *struck);
+void lamc_impacts(const lamc_motion *motion, lamc_real t, lamc_real *y, const lamc_real *struck);
 
 #endif /* LAMC_IMPACTS_H */

@@ -49,21 +49,21 @@ void lamc_implicit_jacobian(lamc_run *run, const implicit *parts) {
 /* ---- Real shift -------------------------------------------------------------------------------------------- */
 
 /* Factors of w (k, k) in place, with partial pivoting. 0 if it is singular or not finite. */
-static int factorise(int k, double *w, double *from) {
+static int factorise(int k, lamc_real *w, lamc_real *from) {
   for (int j = 0; j < k; j++) {
     int best = j;
     for (int i = j + 1; i < k; i++)
       if (fabs(w[i * k + j]) > fabs(w[best * k + j])) best = i;
-    from[j] = (double)best;
+    from[j] = (lamc_real)best;
     for (int i = 0; i < k && best != j; i++) {
-      const double keep = w[j * k + i];
+      const lamc_real keep = w[j * k + i];
       w[j * k + i] = w[best * k + i];
       w[best * k + i] = keep;
     }
-    const double pivot = w[j * k + j];
-    if (pivot == 0.0 || !is_finite(pivot)) return 0;
+    const lamc_real pivot = w[j * k + j];
+    if (pivot == 0 || !is_finite(pivot)) return 0;
     for (int i = j + 1; i < k; i++) {
-      const double factor = w[i * k + j] /= pivot;
+      const lamc_real factor = w[i * k + j] /= pivot;
       for (int m = j + 1; m < k; m++) w[i * k + m] -= factor * w[j * k + m];
     }
   }
@@ -71,10 +71,10 @@ static int factorise(int k, double *w, double *from) {
 }
 
 /* x = w^-1 x with those factors */
-static void solve(int k, const double *w, const double *from, double *x) {
+static void solve(int k, const lamc_real *w, const lamc_real *from, lamc_real *x) {
   for (int j = 0; j < k; j++) {
     const int row = (int)from[j];
-    const double keep = x[row];
+    const lamc_real keep = x[row];
     x[row] = x[j];
     x[j] = keep;
   }
@@ -86,9 +86,9 @@ static void solve(int k, const double *w, const double *from, double *x) {
   }
 }
 
-int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c) {
+int lamc_implicit_factorise(lamc_run *run, const implicit *parts, lamc_real c) {
   const int k = parts->k;
-  double *w = parts->real;
+  lamc_real *w = parts->real;
   run->factorisations++;
   if (parts->has_structure) {
     for (int i = 0; i < k * k; i++) w[i] = -c * parts->by_u[i] - parts->by_q[i];
@@ -100,9 +100,9 @@ int lamc_implicit_factorise(lamc_run *run, const implicit *parts, double c) {
   return factorise(k, w, parts->real_row);
 }
 
-void lamc_implicit_solve(const implicit *parts, double c, double *v) {
+void lamc_implicit_solve(const implicit *parts, lamc_real c, lamc_real *v) {
   const int k = parts->k;
-  double *x = parts->buffer, *a = v, *b = v + k;
+  lamc_real *x = parts->buffer, *a = v, *b = v + k;
   if (!parts->has_structure) {
     solve(k, parts->real, parts->real_row, v);
     return;
@@ -118,56 +118,56 @@ void lamc_implicit_solve(const implicit *parts, double c, double *v) {
   }
 }
 
-double lamc_implicit_pass(const lamc_run *run, const implicit *parts, double c, const double *error,
-                          double squared, double *room) {
-  const double MOST = 1e4; /* 100 tolerances, squared */
-  if (!run->may_pass || squared <= 1.0 || !(squared <= MOST)) return squared;
+lamc_real lamc_implicit_pass(const lamc_run *run, const implicit *parts, lamc_real c, const lamc_real *error,
+                             lamc_real squared, lamc_real *room) {
+  const lamc_real MOST = 10000; /* 100 tolerances, squared */
+  if (!run->may_pass || squared <= 1 || !(squared <= MOST)) return squared;
   for (int i = 0; i < run->ode.n; i++) room[i] = c * error[i];
   lamc_implicit_solve(parts, c, room);
-  const double left = weighed(run, room) / (double)run->ode.n;
-  return left <= 1.0 ? left : squared;
+  const lamc_real left = weighed(run, room) / (lamc_real)run->ode.n;
+  return left <= 1 ? left : squared;
 }
 
 /* ---- Complex shift: numbers are pairs, real part first ------------------------------------------------------- */
 
-static double squared_size(const double *z) {
+static lamc_real squared_size(const lamc_real *z) {
   return z[0] * z[0] + z[1] * z[1];
 }
 
 /* out -= f z */
-static void take_off(double *out, const double *f, const double *z) {
+static void take_off(lamc_real *out, const lamc_real *f, const lamc_real *z) {
   out[0] -= f[0] * z[0] - f[1] * z[1];
   out[1] -= f[0] * z[1] + f[1] * z[0];
 }
 
 /* z /= d */
-static void divide(double *z, const double *d) {
-  const double size = squared_size(d);
-  const double re = (z[0] * d[0] + z[1] * d[1]) / size;
+static void divide(lamc_real *z, const lamc_real *d) {
+  const lamc_real size = squared_size(d);
+  const lamc_real re = (z[0] * d[0] + z[1] * d[1]) / size;
   z[1] = (z[1] * d[0] - z[0] * d[1]) / size;
   z[0] = re;
 }
 
-static void swap_pairs(double *a, double *b) {
+static void swap_pairs(lamc_real *a, lamc_real *b) {
   for (int i = 0; i < 2; i++) {
-    const double keep = a[i];
+    const lamc_real keep = a[i];
     a[i] = b[i];
     b[i] = keep;
   }
 }
 
-static int factorise_pairs(int k, double *w, double *from) {
+static int factorise_pairs(int k, lamc_real *w, lamc_real *from) {
   for (int j = 0; j < k; j++) {
     int best = j;
     for (int i = j + 1; i < k; i++)
       if (squared_size(w + 2 * (i * k + j)) > squared_size(w + 2 * (best * k + j))) best = i;
-    from[j] = (double)best;
+    from[j] = (lamc_real)best;
     for (int i = 0; i < k && best != j; i++) swap_pairs(w + 2 * (j * k + i), w + 2 * (best * k + i));
-    const double *pivot = w + 2 * (j * k + j);
-    const double size = squared_size(pivot);
-    if (size == 0.0 || !is_finite(size)) return 0;
+    const lamc_real *pivot = w + 2 * (j * k + j);
+    const lamc_real size = squared_size(pivot);
+    if (size == 0 || !is_finite(size)) return 0;
     for (int i = j + 1; i < k; i++) {
-      double *factor = w + 2 * (i * k + j);
+      lamc_real *factor = w + 2 * (i * k + j);
       divide(factor, pivot);
       for (int m = j + 1; m < k; m++) take_off(w + 2 * (i * k + m), factor, w + 2 * (j * k + m));
     }
@@ -175,7 +175,7 @@ static int factorise_pairs(int k, double *w, double *from) {
   return 1;
 }
 
-static void solve_pairs(int k, const double *w, const double *from, double *x) {
+static void solve_pairs(int k, const lamc_real *w, const lamc_real *from, lamc_real *x) {
   for (int j = 0; j < k; j++) swap_pairs(x + 2 * j, x + 2 * (int)from[j]);
   for (int i = 0; i < k; i++)
     for (int j = 0; j < i; j++) take_off(x + 2 * i, w + 2 * (i * k + j), x + 2 * j);
@@ -185,9 +185,9 @@ static void solve_pairs(int k, const double *w, const double *from, double *x) {
   }
 }
 
-int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const double *c) {
+int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const lamc_real *c) {
   const int k = parts->k;
-  double *w = parts->pair;
+  lamc_real *w = parts->pair;
   run->factorisations++;
   if (parts->has_structure) {
     for (int i = 0; i < k * k; i++) {
@@ -196,12 +196,12 @@ int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const dou
     }
     for (int i = 0; i < k; i++) {
       w[2 * (i * k + i)] += c[0] * c[0] - c[1] * c[1];
-      w[2 * (i * k + i) + 1] += 2.0 * c[0] * c[1];
+      w[2 * (i * k + i) + 1] += 2 * c[0] * c[1];
     }
   } else {
     for (int i = 0; i < k * k; i++) {
       w[2 * i] = -parts->by_q[i];
-      w[2 * i + 1] = 0.0;
+      w[2 * i + 1] = 0;
     }
     for (int i = 0; i < k; i++) {
       w[2 * (i * k + i)] += c[0];
@@ -211,9 +211,9 @@ int lamc_implicit_factorise_pair(lamc_run *run, const implicit *parts, const dou
   return factorise_pairs(k, w, parts->pair_row);
 }
 
-void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re, double *im) {
+void lamc_implicit_solve_pair(const implicit *parts, const lamc_real *c, lamc_real *re, lamc_real *im) {
   const int k = parts->k;
-  double *x = parts->buffer;
+  lamc_real *x = parts->buffer;
   for (int i = 0; i < k; i++) {
     x[2 * i] = parts->has_structure ? re[k + i] + c[0] * re[i] - c[1] * im[i] : re[i];
     x[2 * i + 1] = parts->has_structure ? im[k + i] + c[0] * im[i] + c[1] * re[i] : im[i];
@@ -224,7 +224,7 @@ void lamc_implicit_solve_pair(const implicit *parts, const double *c, double *re
   }
   solve_pairs(k, parts->pair, parts->pair_row, x);
   for (int i = 0; i < k; i++) {
-    const double *z = x + 2 * i;
+    const lamc_real *z = x + 2 * i;
     if (parts->has_structure) {
       re[k + i] = c[0] * z[0] - c[1] * z[1] - re[i];
       im[k + i] = c[0] * z[1] + c[1] * z[0] - im[i];

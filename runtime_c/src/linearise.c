@@ -10,8 +10,8 @@
 #include "loops.h"
 #include "motion.h"
 #include "system.h"
+#include "tolerances.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -19,7 +19,7 @@ static long long triangle(long long n) {
   return n * (n + 1) / 2;
 }
 
-/* Doubles of the analytic form up to the derivatives, which a full Jacobian reads once more */
+/* Numbers of the analytic form up to the derivatives, which a full Jacobian reads once more */
 static long long before_derivatives(const lamc_model *model) {
   return (long long)model->rate_count + model->closure_count;
 }
@@ -36,42 +36,43 @@ long long lamc_linearise_scratch(const lamc_model *model) {
 
 /* 1 if the derivatives are those of the accelerations that the run takes */
 static int is_analytic(const lamc_motion *motion) {
-  return motion->model->jacobian != NULL && motion->baumgarte == 0.0;
+  return motion->model->jacobian != NULL && motion->baumgarte == 0;
 }
 
-double lamc_linearise_cost(const lamc_motion *motion) {
+lamc_real lamc_linearise_cost(const lamc_motion *motion) {
   const lamc_model *model = motion->model;
-  return is_analytic(motion) ? model->jacobian_cost + 1.0
-                             : (double)(model->coordinate_count + model->rate_count) + 2.0;
+  return is_analytic(motion) ? model->jacobian_cost + 1
+                             : (lamc_real)(model->coordinate_count + model->rate_count) + 2;
 }
 
-static double step_from(double x) {
-  return x + sqrt(DBL_EPSILON) * fmax(1.0, fabs(x));
+static lamc_real step_from(lamc_real x) {
+  return x + sqrt(LAMC_EPSILON) * fmax(LAMC_R(1.0), fabs(x));
 }
 
-static void by_differences(const lamc_motion *motion, double t, const double *y, double *by_q, double *by_u,
-                           double *by_t, double *scratch) {
+static void by_differences(const lamc_motion *motion, lamc_real t, const lamc_real *y, lamc_real *by_q,
+                           lamc_real *by_u, lamc_real *by_t, lamc_real *scratch) {
   const int n = motion->model->rate_count, nq = motion->model->coordinate_count;
-  double *moved = scratch, *base = moved + nq + n, *there = base + n;
+  lamc_real *moved = scratch, *base = moved + nq + n, *there = base + n;
   lamc_motion_accelerate(motion, t, y, y + nq, base);
   memcpy(moved, y, (size_t)(nq + n) * sizeof *moved);
   for (int j = 0; j < nq + n; j++) {
-    double *out = j < nq ? by_q + j : by_u + (j - nq);
+    lamc_real *out = j < nq ? by_q + j : by_u + (j - nq);
     const int width = j < nq ? nq : n;
     moved[j] = step_from(y[j]);
     lamc_motion_accelerate(motion, t, moved, moved + nq, there);
     for (int i = 0; i < n; i++) out[(ptrdiff_t)i * width] = (there[i] - base[i]) / (moved[j] - y[j]);
     moved[j] = y[j];
   }
-  const double later =
-      t +
-      sqrt(DBL_EPSILON) * fmax(1e-3, fabs(t)); /* a millisecond where t is zero: torques change no faster */
+  const lamc_real later =
+      t + sqrt(LAMC_EPSILON) *
+              fmax(LAMC_R(1e-3), fabs(t)); /* a millisecond where t is zero: torques change no faster */
   lamc_motion_accelerate(motion, later, y, y + nq, there);
   for (int i = 0; i < n; i++) by_t[i] = (there[i] - base[i]) / (later - t);
 }
 
 /* M d(udot) = J^T d(lambda) - dr, column by column, with the factors that the acceleration left */
-static void respond(const lamc_motion *motion, int count, const double *l, double *x, const double *goal) {
+static void respond(const lamc_motion *motion, int count, const lamc_real *l, lamc_real *x,
+                    const lamc_real *goal) {
   const lamc_model *model = motion->model;
   if (model->cut_count > 0) {
     lamc_loops_response(motion, count, goal, x);
@@ -83,15 +84,15 @@ static void respond(const lamc_motion *motion, int count, const double *l, doubl
   }
 }
 
-static void by_residuals(const lamc_motion *motion, double t, const double *y, double *by_q, double *by_u,
-                         double *by_t, double *scratch) {
+static void by_residuals(const lamc_motion *motion, lamc_real t, const lamc_real *y, lamc_real *by_q,
+                         lamc_real *by_u, lamc_real *by_t, lamc_real *scratch) {
   const lamc_model *model = motion->model;
   const int n = model->rate_count, nq = model->coordinate_count, m = model->closure_count;
   const int columns = nq + n + 1;
   const ptrdiff_t flow = model->rates == NULL ? 0 : (ptrdiff_t)nq * (nq + n);
-  double *udot = scratch, *lambda = udot + n, *derivative = lambda + m;
-  double *l = derivative + (ptrdiff_t)(n + m) * columns + flow;
-  double *inertia = l + (ptrdiff_t)n * n, *x = inertia + triangle(n), *goal = x + n;
+  lamc_real *udot = scratch, *lambda = udot + n, *derivative = lambda + m;
+  lamc_real *l = derivative + (ptrdiff_t)(n + m) * columns + flow;
+  lamc_real *inertia = l + (ptrdiff_t)n * n, *x = inertia + triangle(n), *goal = x + n;
   int count = 0;
   if (model->cut_count > 0) {
     count = lamc_loops_acceleration(motion, t, y, y + nq, udot, lambda);
@@ -119,8 +120,8 @@ static void by_residuals(const lamc_motion *motion, double t, const double *y, d
   }
 }
 
-void lamc_linearise(const void *context, double t, const double *y, double *by_q, double *by_u, double *by_t,
-                    double *scratch) {
+void lamc_linearise(const void *context, lamc_real t, const lamc_real *y, lamc_real *by_q, lamc_real *by_u,
+                    lamc_real *by_t, lamc_real *scratch) {
   const lamc_motion *motion = (const lamc_motion *)context;
   if (is_analytic(motion)) {
     by_residuals(motion, t, y, by_q, by_u, by_t, scratch);
@@ -130,9 +131,10 @@ void lamc_linearise(const void *context, double t, const double *y, double *by_q
 }
 
 /* Rows of by_y for dq/dt, by differences; scratch (nq + nu + 2 nq,) */
-static void rates_by_differences(const lamc_motion *motion, const double *y, double *by_y, double *scratch) {
+static void rates_by_differences(const lamc_motion *motion, const lamc_real *y, lamc_real *by_y,
+                                 lamc_real *scratch) {
   const int n = motion->model->rate_count, nq = motion->model->coordinate_count;
-  double *moved = scratch, *base = moved + nq + n, *there = base + nq;
+  lamc_real *moved = scratch, *base = moved + nq + n, *there = base + nq;
   lamc_motion_rates(motion, y, y + nq, base);
   memcpy(moved, y, (size_t)(nq + n) * sizeof *moved);
   for (int j = 0; j < nq + n; j++) {
@@ -143,25 +145,26 @@ static void rates_by_differences(const lamc_motion *motion, const double *y, dou
   }
 }
 
-void lamc_linearise_fully(const void *context, double t, const double *y, double *by_y, double *by_t,
-                          double *scratch) {
+void lamc_linearise_fully(const void *context, lamc_real t, const lamc_real *y, lamc_real *by_y,
+                          lamc_real *by_t, lamc_real *scratch) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
   const int n = model->rate_count, nq = model->coordinate_count, size = nq + n;
-  double *by_q = scratch, *by_u = by_q + (ptrdiff_t)n * nq, *late = by_u + (ptrdiff_t)n * n, *rest = late + n;
+  lamc_real *by_q = scratch, *by_u = by_q + (ptrdiff_t)n * nq, *late = by_u + (ptrdiff_t)n * n,
+            *rest = late + n;
   lamc_linearise(context, t, y, by_q, by_u, late, rest);
   if (is_analytic(motion)) {
-    const double *derivative = rest + before_derivatives(model);
-    const double *flow = derivative + (ptrdiff_t)(n + model->closure_count) * (size + 1);
+    const lamc_real *derivative = rest + before_derivatives(model);
+    const lamc_real *flow = derivative + (ptrdiff_t)(n + model->closure_count) * (size + 1);
     memcpy(by_y, flow, (size_t)nq * (size_t)size * sizeof *by_y);
   } else {
     rates_by_differences(motion, y, by_y, rest);
   }
   for (int i = 0; i < n; i++) {
-    double *row = by_y + (ptrdiff_t)(nq + i) * size;
+    lamc_real *row = by_y + (ptrdiff_t)(nq + i) * size;
     memcpy(row, by_q + (ptrdiff_t)i * nq, (size_t)nq * sizeof *row);
     memcpy(row + nq, by_u + (ptrdiff_t)i * n, (size_t)n * sizeof *row);
   }
-  for (int i = 0; i < nq; i++) by_t[i] = 0.0;
+  for (int i = 0; i < nq; i++) by_t[i] = 0;
   memcpy(by_t + nq, late, (size_t)n * sizeof *by_t);
 }

@@ -4,16 +4,16 @@
 
 #include "lamc.h"
 
-/* Doubles of scratch, and the cost of one call in evaluations of the accelerations */
+/* Numbers of scratch, and the cost of one call in evaluations of the accelerations */
 long long lamc_linearise_scratch(const lamc_model *model);
-double lamc_linearise_cost(const lamc_motion *motion);
+lamc_real lamc_linearise_cost(const lamc_motion *motion);
 
 /* d(udot)/dq (nu, nq), d(udot)/du (nu, nu), d(udot)/dt (nu,) at y = [q, u]: lamc_ode.jacobian of a motion with dq/dt = u */
-void lamc_linearise(const void *motion, double t, const double *y, double *by_q, double *by_u, double *by_t,
-                    double *scratch);
+void lamc_linearise(const void *motion, lamc_real t, const lamc_real *y, lamc_real *by_q, lamc_real *by_u,
+                    lamc_real *by_t, lamc_real *scratch);
 
 /* Derivatives of dy/dt by y and by t: lamc_ode.full_jacobian of other motions */
-void lamc_linearise_fully(const void *motion, double t, const double *y, double *by_y, double *by_t,
-                          double *scratch);
+void lamc_linearise_fully(const void *motion, lamc_real t, const lamc_real *y, lamc_real *by_y,
+                          lamc_real *by_t, lamc_real *scratch);
 
 #endif /* LAMC_LINEARISE_H */

@@ -12,44 +12,36 @@
 
 #include "cholesky.h"
 #include "motion.h"
+#include "tolerances.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
-static const double RANK_TOLERANCE = 1e-6;
-static const double PASSING = 3e-5;  /* of the first: what fades below is let go, see take_equations */
-static const double TOGETHER = 3e-4; /* likewise: what has faded to this goes with it */
-static const double NEAR_SINGULAR =
-    0.1; /* of the first: closer than this, states are settled before they are used */
-static const double CLOSED = 1e-13;         /* of the size: round-off of the residuals */
-static const double EXACT = 1e-15;          /* likewise, to the last digit: what a singular place asks for */
-static const double OUT_OF_NOTHING = 1e-10; /* of accelerations: what being off closure may add to them */
-static const double LOST = 1e-4;            /* of the size: no drift of a step comes near it */
-static const double AT_THE_JUMP = 1e-6;     /* rad: how near to +-180 deg a run is taken that passes it */
 static const int MAX_ITERATIONS = 8;
-static const double LONG_SINGULAR = 3000.0; /* steps in a row: a passage takes some hundred at 1e-13 */
+static const lamc_real LONG_SINGULAR = 3000; /* steps in a row: a passage takes some hundred at 1e-13 */
 
 /* The parts of the work array */
 typedef struct parts {
-  int n, m;      /* rates, equations */
-  int nq;        /* coordinates */
-  double *l;     /* (n, n): Cholesky factor, lower */
-  double *f;     /* (n,) */
-  double *j;     /* (m, n) */
-  double *extra; /* (m,): phi or gamma, by what was asked last */
-  double *q; /* (m, n): row k is the k-th orthonormal direction; before, the equations in the mass metric */
-  double *r; /* (m, m): r[k m + i], the part of equation i along direction k */
-  double *g; /* (m,) */
-  double *order; /* (m,): the equation that direction k was taken from, a whole number */
-  double *x;     /* (n,) */
-  double *qdot;  /* (nq,) */
-  double *y;     /* (nq + n,): a settled copy of a state */
-  double *
+  int n, m;         /* rates, equations */
+  int nq;           /* coordinates */
+  lamc_real *l;     /* (n, n): Cholesky factor, lower */
+  lamc_real *f;     /* (n,) */
+  lamc_real *j;     /* (m, n) */
+  lamc_real *extra; /* (m,): phi or gamma, by what was asked last */
+  lamc_real
+      *q; /* (m, n): row k is the k-th orthonormal direction; before, the equations in the mass metric */
+  lamc_real *r;     /* (m, m): r[k m + i], the part of equation i along direction k */
+  lamc_real *g;     /* (m,) */
+  lamc_real *order; /* (m,): the equation that direction k was taken from, a whole number */
+  lamc_real *x;     /* (n,) */
+  lamc_real *qdot;  /* (nq,) */
+  lamc_real *y;     /* (nq + n,): a settled copy of a state */
+  lamc_real *
       state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations
                     with too few, steps with too few */
-  double *cuts; /* (2, 2, cut_count): angles and rates of the cut joints at both ends of a step */
-  double *raw;  /* what the model writes: the largest of its functions */
+  lamc_real *cuts; /* (2, 2, cut_count): angles and rates of the cut joints at both ends of a step */
+  lamc_real *raw;  /* what the model writes: the largest of its functions */
 } parts;
 
 static long long raw_size(long long n, long long m) {
@@ -90,9 +82,9 @@ static parts parts_of(const lamc_motion *motion) {
   return p;
 }
 
-static void swap(double *a, double *b, int count) {
+static void swap(lamc_real *a, lamc_real *b, int count) {
   for (int i = 0; i < count; i++) {
-    const double keep = a[i];
+    const lamc_real keep = a[i];
     a[i] = b[i];
     b[i] = keep;
   }
@@ -102,27 +94,27 @@ enum { PLAIN_METRIC = 0, MASS_METRIC = 1 };
 
 /* Orthonormal directions of the equations, at most `rank` and none below `tolerance` of the first; returns how many
  * were taken. Modified Gram-Schmidt with the largest column next. */
-static int decompose(const parts *p, int rank, int metric, double tolerance) {
+static int decompose(const parts *p, int rank, int metric, lamc_real tolerance) {
   for (int i = 0; i < p->m; i++) {
-    double *w = p->q + (ptrdiff_t)i * p->n;
+    lamc_real *w = p->q + (ptrdiff_t)i * p->n;
     memcpy(w, p->j + (ptrdiff_t)i * p->n, (size_t)p->n * sizeof *w);
     if (metric == MASS_METRIC) lamc_solve_lower(p->n, p->l, w);
-    p->order[i] = (double)i;
+    p->order[i] = (lamc_real)i;
   }
   const int most = rank < p->n ? rank : p->n;
-  double first = 0.0;
+  lamc_real first = 0;
   for (int k = 0; k < most; k++) {
     int best = k;
-    double best_norm = -1.0;
+    lamc_real best_norm = -1;
     for (int i = k; i < p->m; i++) {
-      const double *w = p->q + (ptrdiff_t)i * p->n;
-      const double norm = lamc_dot(p->n, w, w);
+      const lamc_real *w = p->q + (ptrdiff_t)i * p->n;
+      const lamc_real norm = lamc_dot(p->n, w, w);
       if (norm > best_norm) {
         best_norm = norm;
         best = i;
       }
     }
-    const double length = sqrt(best_norm);
+    const lamc_real length = sqrt(best_norm);
     if (k == 0) first = length;
     if (!(length > tolerance * first)) return k;
     if (best != k) {
@@ -131,12 +123,12 @@ static int decompose(const parts *p, int rank, int metric, double tolerance) {
       for (int row = 0; row < k; row++)
         swap(p->r + (ptrdiff_t)row * p->m + k, p->r + (ptrdiff_t)row * p->m + best, 1);
     }
-    double *direction = p->q + (ptrdiff_t)k * p->n;
+    lamc_real *direction = p->q + (ptrdiff_t)k * p->n;
     for (int i = 0; i < p->n; i++) direction[i] /= length;
     p->r[(ptrdiff_t)k * p->m + k] = length;
     for (int i = k + 1; i < p->m; i++) {
-      double *w = p->q + (ptrdiff_t)i * p->n;
-      const double along = lamc_dot(p->n, direction, w);
+      lamc_real *w = p->q + (ptrdiff_t)i * p->n;
+      const lamc_real along = lamc_dot(p->n, direction, w);
       p->r[(ptrdiff_t)k * p->m + i] = along;
       for (int c = 0; c < p->n; c++) w[c] -= along * direction[c];
     }
@@ -165,31 +157,32 @@ static int take_equations(const lamc_motion *motion, const parts *p) {
 
 /* x such that the taken equations have the values -goal: components g along the directions, added to x after what x
  * has along them is removed. */
-static void impose(const parts *p, int count, const double *goal, double *x) {
+static void impose(const parts *p, int count, const lamc_real *goal, lamc_real *x) {
   for (int k = 0; k < count; k++) {
-    double rest = -goal[(int)p->order[k]];
+    lamc_real rest = -goal[(int)p->order[k]];
     for (int i = 0; i < k; i++) rest -= p->r[(ptrdiff_t)i * p->m + k] * p->g[i];
     p->g[k] = rest / p->r[(ptrdiff_t)k * p->m + k];
   }
   for (int k = 0; k < count; k++) {
-    const double *direction = p->q + (ptrdiff_t)k * p->n;
-    const double change = p->g[k] - lamc_dot(p->n, direction, x);
+    const lamc_real *direction = p->q + (ptrdiff_t)k * p->n;
+    const lamc_real change = p->g[k] - lamc_dot(p->n, direction, x);
     for (int i = 0; i < p->n; i++) x[i] += change * direction[i];
   }
 }
 
 /* L of M, and f, at a state */
-static void evaluate_system(const lamc_motion *motion, const parts *p, double t, const double *q,
-                            const double *u) {
+static void evaluate_system(const lamc_motion *motion, const parts *p, lamc_real t, const lamc_real *q,
+                            const lamc_real *u) {
   motion->model->system(motion->constants, t, q, u, p->raw);
   lamc_cholesky(p->n, p->raw, p->l);
   memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
 }
 
 /* M, f, J, gamma and the directions at a state; returns how many equations were taken */
-static int prepare(const lamc_motion *motion, const parts *p, double t, const double *q, const double *u) {
+static int prepare(const lamc_motion *motion, const parts *p, lamc_real t, const lamc_real *q,
+                   const lamc_real *u) {
   const size_t n = (size_t)p->n, entries = (size_t)p->m * n;
-  const double *f = p->raw + n * (n + 1) / 2, *jacobian = f + n;
+  const lamc_real *f = p->raw + n * (n + 1) / 2, *jacobian = f + n;
   motion->model->dynamics(motion->constants, t, q, u, p->raw);
   lamc_cholesky(p->n, p->raw, p->l);
   memcpy(p->f, f, n * sizeof *p->f);
@@ -199,9 +192,9 @@ static int prepare(const lamc_motion *motion, const parts *p, double t, const do
 }
 
 /* The last pivot of the first; 0 where an equation was let go, 1 where there is none */
-static double last_pivot(const lamc_motion *motion, const parts *p, int count) {
-  if (count < motion->model->rank) return 0.0;
-  return count > 0 ? p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] / p->r[0] : 1.0;
+static lamc_real last_pivot(const lamc_motion *motion, const parts *p, int count) {
+  if (count < motion->model->rank) return 0;
+  return count > 0 ? p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] / p->r[0] : 1;
 }
 
 /* 1 if an equation is about to become dependent: the state is near a singular position */
@@ -212,53 +205,53 @@ static int is_near_singular(const lamc_motion *motion, const parts *p, int count
 /* How far from closure, of the size, a state may be: what it is off, divided by the square of the last pivot, is an
  * acceleration out of nothing. No more is asked for: beside a light part, such as a mode of a link that bends, pivots
  * are small everywhere, and what moves such a part by its last digit is an acceleration out of nothing as well. */
-static double close_enough(const lamc_motion *motion, const parts *p, int count) {
-  const double pivot = last_pivot(motion, p, count);
-  const double enough = OUT_OF_NOTHING * pivot * pivot;
+static lamc_real close_enough(const lamc_motion *motion, const parts *p, int count) {
+  const lamc_real pivot = last_pivot(motion, p, count);
+  const lamc_real enough = OUT_OF_NOTHING * pivot * pivot;
   if (enough > CLOSED) return CLOSED;
   return enough > EXACT ? enough : EXACT;
 }
 
 /* lambda (m,) of the taken equations from x = L^T udot: R lambda = Q^T (x - L^-1 f), zero for the others */
-static void find_lambda(const parts *p, int count, const double *x, double *lambda) {
+static void find_lambda(const parts *p, int count, const lamc_real *x, lamc_real *lambda) {
   memset(lambda, 0, (size_t)p->m * sizeof *lambda);
   memcpy(p->x, p->f, (size_t)p->n * sizeof *p->x);
   lamc_solve_lower(p->n, p->l, p->x);
   for (int i = 0; i < p->n; i++) p->x[i] = x[i] - p->x[i];
   for (int k = count - 1; k >= 0; k--) {
-    double rest = lamc_dot(p->n, p->q + (ptrdiff_t)k * p->n, p->x);
+    lamc_real rest = lamc_dot(p->n, p->q + (ptrdiff_t)k * p->n, p->x);
     for (int i = k + 1; i < count; i++) rest -= p->r[(ptrdiff_t)k * p->m + i] * lambda[(int)p->order[i]];
     lambda[(int)p->order[k]] = rest / p->r[(ptrdiff_t)k * p->m + k];
   }
 }
 
 /* Baumgarte's stabilisation: with b the rate, gamma + 2 b J u + b^2 phi in place of gamma */
-static void pull_back(const lamc_motion *motion, const parts *p, const double *q, const double *u) {
-  const double b = motion->baumgarte;
+static void pull_back(const lamc_motion *motion, const parts *p, const lamc_real *q, const lamc_real *u) {
+  const lamc_real b = motion->baumgarte;
   motion->model->closure(motion->constants, q, p->raw);
   for (int i = 0; i < p->m; i++) {
-    const double rate = lamc_dot(p->n, p->j + (ptrdiff_t)i * p->n, u);
-    p->extra[i] += 2.0 * b * rate + b * b * p->raw[i];
+    const lamc_real rate = lamc_dot(p->n, p->j + (ptrdiff_t)i * p->n, u);
+    p->extra[i] += 2 * b * rate + b * b * p->raw[i];
   }
 }
 
-int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
-                            double *udot, double *lambda) {
+int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
+                            lamc_real *udot, lamc_real *lambda) {
   const parts p = parts_of(motion);
   int count = prepare(motion, &p, t, q, u);
-  if (motion->baumgarte != 0.0) {
+  if (motion->baumgarte != 0) {
     pull_back(motion, &p, q, u);
   } else if (is_near_singular(motion, &p, count)) {
     /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last
      * pivot that is an acceleration out of nothing. On closure it is none. */
-    double moved = 0.0;
+    lamc_real moved = 0;
     memcpy(p.y, q, (size_t)p.nq * sizeof *q);
     memcpy(p.y + p.nq, u, (size_t)p.n * sizeof *u);
     if (lamc_motion_settle(motion, t, p.y, &moved) == LAMC_OK) {
       count = prepare(motion, &p, t, p.y, p.y + p.nq);
     }
   }
-  if (count < motion->model->rank) p.state[2] += 1.0;
+  if (count < motion->model->rank) p.state[2] += 1;
   memcpy(udot, p.f, (size_t)p.n * sizeof *udot);
   lamc_solve_lower(p.n, p.l, udot);
   impose(&p, count, p.extra, udot);
@@ -267,35 +260,35 @@ int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q
   return count;
 }
 
-void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x) {
+void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
   const parts p = parts_of(motion);
   lamc_solve_lower(p.n, p.l, x);
   impose(&p, count, goal, x);
   lamc_solve_upper(p.n, p.l, x);
 }
 
-int lamc_loops_weigh(const lamc_motion *motion, double t, const double *q, const double *u) {
+int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u) {
   const parts p = parts_of(motion);
   return prepare(motion, &p, t, q, u);
 }
 
-void lamc_loops_free(const lamc_motion *motion, int count, double *x) {
+void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
   const parts p = parts_of(motion);
   lamc_solve_lower(p.n, p.l, x);
   for (int k = 0; k < count; k++) {
-    const double *direction = p.q + (ptrdiff_t)k * p.n;
-    const double along = lamc_dot(p.n, direction, x);
+    const lamc_real *direction = p.q + (ptrdiff_t)k * p.n;
+    const lamc_real along = lamc_dot(p.n, direction, x);
     for (int i = 0; i < p.n; i++) x[i] -= along * direction[i];
   }
 }
 
-void lamc_loops_rates(const lamc_motion *motion, double *x) {
+void lamc_loops_rates(const lamc_motion *motion, lamc_real *x) {
   const parts p = parts_of(motion);
   lamc_solve_upper(p.n, p.l, x);
 }
 
-static double largest(int n, const double *v) {
-  double most = 0.0;
+static lamc_real largest(int n, const lamc_real *v) {
+  lamc_real most = 0;
   for (int i = 0; i < n; i++) {
     if (!(fabs(v[i]) <= most)) most = fabs(v[i]);
   }
@@ -303,23 +296,23 @@ static double largest(int n, const double *v) {
 }
 
 /* phi and J at q */
-static void evaluate_closure(const lamc_motion *motion, const parts *p, const double *q) {
+static void evaluate_closure(const lamc_motion *motion, const parts *p, const lamc_real *q) {
   motion->model->closure(motion->constants, q, p->raw);
   memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
   memcpy(p->j, p->raw + p->m, (size_t)p->m * (size_t)p->n * sizeof *p->j);
 }
 
-lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, double *moved) {
+lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real *y, lamc_real *moved) {
   const lamc_model *model = motion->model;
   const parts p = parts_of(motion);
-  double *q = y;
-  double *u = y + p.nq;
-  *moved = 0.0;
+  lamc_real *q = y;
+  lamc_real *u = y + p.nq;
+  *moved = 0;
   if (model->cut_count == 0) return LAMC_OK;
   evaluate_system(motion, &p, t, q, u);
   evaluate_closure(motion, &p, q);
   int count = take_equations(motion, &p);
-  double gap = largest(p.m, p.extra);
+  lamc_real gap = largest(p.m, p.extra);
   for (int round = 0; round < MAX_ITERATIONS; round++) {
     if (gap <= close_enough(motion, &p, count) * model->size) break;
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
@@ -330,15 +323,15 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
     *moved += largest(p.n, p.x);
     evaluate_closure(motion, &p, q);
     count = take_equations(motion, &p);
-    const double before = gap;
+    const lamc_real before = gap;
     gap = largest(p.m, p.extra);
-    if (!(gap < 0.5 * before)) break; /* round-off, or a singular position: no closer from here */
+    if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
   }
-  const double lost = LOST * model->size;
+  const lamc_real lost = LOST * model->size;
   if (!(gap <= (lost > model->tolerance ? lost : model->tolerance))) return LAMC_CLOSURE_LOST;
   /* Rates: x = L^T u, without its parts along the equations */
   for (int i = 0; i < p.n; i++) {
-    double sum = u[i] / p.l[(ptrdiff_t)i * p.n + i];
+    lamc_real sum = u[i] / p.l[(ptrdiff_t)i * p.n + i];
     for (int k = i + 1; k < p.n; k++) sum += p.l[(ptrdiff_t)k * p.n + i] * u[k];
     p.x[i] = sum;
   }
@@ -346,27 +339,27 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, double t, double *y, d
   impose(&p, count, p.extra, p.x);
   lamc_solve_upper(p.n, p.l, p.x);
   for (int i = 0; i < p.n; i++) {
-    const double change = fabs(p.x[i] - u[i]);
+    const lamc_real change = fabs(p.x[i] - u[i]);
     if (change > *moved) *moved = change;
     u[i] = p.x[i];
   }
-  p.state[0] = (double)count;
+  p.state[0] = (lamc_real)count;
   return LAMC_OK;
 }
 
-void lamc_loops_keep(const lamc_motion *motion, double *kept) {
+void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {
   const parts p = parts_of(motion);
   memcpy(kept, p.state, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
-void lamc_loops_put_back(const lamc_motion *motion, const double *kept) {
+void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept) {
   const parts p = parts_of(motion);
   memcpy(p.state, kept, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_begin(const lamc_motion *motion) {
   const parts p = parts_of(motion);
-  p.state[1] = p.state[2] = p.state[3] = 0.0;
+  p.state[1] = p.state[2] = p.state[3] = 0;
 }
 
 long long lamc_loops_doubts(const void *context) {
@@ -381,26 +374,26 @@ long long lamc_motion_singular_steps(const lamc_motion *motion) {
 lamc_status lamc_loops_judge(const void *context) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const parts p = parts_of(motion);
-  const int is_singular = p.state[0] < (double)motion->model->rank;
-  p.state[1] = is_singular ? p.state[1] + 1.0 : 0.0;
-  if (is_singular) p.state[3] += 1.0;
+  const int is_singular = p.state[0] < (lamc_real)motion->model->rank;
+  p.state[1] = is_singular ? p.state[1] + 1 : 0;
+  if (is_singular) p.state[3] += 1;
   return p.state[1] > LONG_SINGULAR ? LAMC_RANK_LOST : LAMC_OK;
 }
 
-lamc_status lamc_loops_allow(const void *context, double t_old, const double *y_old, double t,
-                             const double *y) {
+lamc_status lamc_loops_allow(const void *context, lamc_real t_old, const lamc_real *y_old, lamc_real t,
+                             const lamc_real *y) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
-  const double half = 3.141592653589793;
+  const lamc_real half = LAMC_R(3.141592653589793);
   const int c = model->cut_count, nq = model->coordinate_count;
-  double *before = parts_of(motion).cuts, *after = before + (ptrdiff_t)2 * c;
+  lamc_real *before = parts_of(motion).cuts, *after = before + (ptrdiff_t)2 * c;
   lamc_status status = LAMC_OK;
   model->cuts(motion->constants, y_old, y_old + nq, before);
   model->cuts(motion->constants, y, y + nq, after);
   for (int i = 0; i < c; i++) {
     if (!model->cut_watched[i]) continue;
     /* what the rates say tells a jump from a long step */
-    const double turn = 0.5 * (t - t_old) * (before[c + i] + after[c + i]);
+    const lamc_real turn = LAMC_R(0.5) * (t - t_old) * (before[c + i] + after[c + i]);
     if (fabs(turn - (after[i] - before[i])) < half) continue;
     if (half - fabs(before[i]) < AT_THE_JUMP) return LAMC_ANGLE_WRAPPED;
     status = LAMC_PAUSED;

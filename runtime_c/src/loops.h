@@ -4,20 +4,20 @@
 
 #include "lamc.h"
 
-/* Doubles of work that loops need; 0 for a tree */
+/* Numbers of work that loops need; 0 for a tree */
 long long lamc_loops_work(const lamc_model *model);
 
 /* udot (nu,) of a motion with loops, and lambda (m,) of M udot = f + J^T lambda unless NULL; how many equations count */
-int lamc_loops_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
-                            double *udot, double *lambda);
+int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
+                            lamc_real *udot, lamc_real *lambda);
 
 /* After an acceleration, at the same place: x (nu,) replaced by the solution of M x = x_before + J^T ..., J x + goal = 0 */
-void lamc_loops_response(const lamc_motion *motion, int count, const double *goal, double *x);
+void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x);
 
 /* What loops.c counts along a run, for what is evaluated beside the run to leave no trace in it */
 enum { LAMC_LOOPS_KEPT = 4 };
-void lamc_loops_keep(const lamc_motion *motion, double *kept);
-void lamc_loops_put_back(const lamc_motion *motion, const double *kept);
+void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept);
+void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept);
 
 /* Before a run: no step was taken yet. */
 void lamc_loops_begin(const lamc_motion *motion);
@@ -27,17 +27,17 @@ lamc_status lamc_loops_judge(const void *motion);
 
 /* lamc_ode.allow of a motion whose forces read angles of cut joints. These angles jump at +-180 deg: LAMC_PAUSED for a step
  * over it, LAMC_ANGLE_WRAPPED for one from just before it. */
-lamc_status lamc_loops_allow(const void *motion, double t_old, const double *y_old, double t,
-                             const double *y);
+lamc_status lamc_loops_allow(const void *motion, lamc_real t_old, const lamc_real *y_old, lamc_real t,
+                             const lamc_real *y);
 
 /* How many accelerations were worked out without all equations: lamc_ode.doubts of a motion with loops */
 long long lamc_loops_doubts(const void *motion);
 
 /* M = L L^T and the equations of the loops at a state; how many count. For the two functions below */
-int lamc_loops_weigh(const lamc_motion *motion, double t, const double *q, const double *u);
+int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u);
 /* x (nu,) replaced by the part of L^-1 x that the loops leave free */
-void lamc_loops_free(const lamc_motion *motion, int count, double *x);
+void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x);
 /* x (nu,) replaced by L^-T x: rates, of such a part */
-void lamc_loops_rates(const lamc_motion *motion, double *x);
+void lamc_loops_rates(const lamc_motion *motion, lamc_real *x);
 
 #endif /* LAMC_LOOPS_H */

@@ -7,8 +7,8 @@
 #define LAMC_METHOD_H
 
 #include "lamc.h"
+#include "tolerances.h"
 
-#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -34,32 +34,32 @@ enum {
  * 2 (count - 1) at least. */
 typedef struct rule {
   int count;
-  const double *node, *weight;
+  const lamc_real *node, *weight;
 } rule;
 
 extern const rule lamc_gauss_4, lamc_gauss_7;
 
 typedef struct method {
-  int slots;            /* vectors of its own */
-  int evaluations;      /* of rhs in one step, for comparisons */
-  double alpha, beta;   /* PI control: the step changes by error^-alpha * error_old^beta */
-  double grow_at_most;  /* change of the step from one to the next */
-  int gives_slope;      /* 1: a step leaves dy/dt at the new state */
-  int keeps_dense;      /* 1: the next step starts from the continuous extension of this one */
-  double stable_extent; /* h times eigenvalue up to which steps are stable, imaginary ones too; 0: any */
+  int slots;               /* vectors of its own */
+  int evaluations;         /* of rhs in one step, for comparisons */
+  lamc_real alpha, beta;   /* PI control: the step changes by error^-alpha * error_old^beta */
+  lamc_real grow_at_most;  /* change of the step from one to the next */
+  int gives_slope;         /* 1: a step leaves dy/dt at the new state */
+  int keeps_dense;         /* 1: the next step starts from the continuous extension of this one */
+  lamc_real stable_extent; /* h times eigenvalue up to which steps are stable, imaginary ones too; 0: any */
   const rule
       *quadrature; /* for integrals along the run: as many nodes as the continuous extension has orders */
-  /* doubles of its own after the vectors */
+  /* numbers of its own after the vectors */
   long long (*extra)(const lamc_ode *ode);
   /* Tries a step of length h from t and leaves the new state at the other side. The square of the error norm: at most 1
    * is good enough, not finite means that a stage or the new state is not. */
-  double (*attempt)(lamc_run *run, double h);
+  lamc_real (*attempt)(lamc_run *run, lamc_real h);
   /* Works out the continuous extension of the last accepted step. */
   void (*make_dense)(lamc_run *run);
   /* y at t_old + a h_last */
-  void (*interpolate)(const lamc_run *run, double a, double *y);
+  void (*interpolate)(const lamc_run *run, lamc_real a, lamc_real *y);
   /* Size of the eigenvalues that the step just accepted met, 1/s; NULL: the method does not care */
-  double (*eigenvalue)(const lamc_run *run);
+  lamc_real (*eigenvalue)(const lamc_run *run);
 } method;
 
 /* Of run.c: the method by its number */
@@ -67,18 +67,22 @@ const method *lamc_method_of(int which);
 
 #include "methods.h"
 
-/* 1 unless x is NaN or infinite; reads the bits, since -ffast-math makes isfinite() always true */
-static inline int is_finite(double x) {
+/* 1 unless x is NaN or infinite; of a double the bits are read, since -ffast-math makes isfinite() always true */
+static inline int is_finite(lamc_real x) {
+#ifdef LAMC_REAL_FLOAT
+  return x - x == 0;
+#else
   uint64_t bits;
   memcpy(&bits, &x, sizeof bits);
   return (bits & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+#endif
 }
 
-static inline double larger(double a, double b) {
+static inline lamc_real larger(lamc_real a, lamc_real b) {
   return a > b ? a : b;
 }
 
-static inline double smaller(double a, double b) {
+static inline lamc_real smaller(lamc_real a, lamc_real b) {
   return a < b ? a : b;
 }
 
@@ -87,34 +91,34 @@ static inline int padded(int n) {
   return n > 0 ? (n + LANES - 1) / LANES * LANES : LANES;
 }
 
-static inline double *slot(const lamc_run *run, int index) {
+static inline lamc_real *slot(const lamc_run *run, int index) {
   return run->work + (ptrdiff_t)index * run->stride;
 }
 
 /* y and dy/dt at t, where a step begins */
-static inline double *y_here(const lamc_run *run) {
+static inline lamc_real *y_here(const lamc_run *run) {
   return slot(run, SLOT_Y + run->side);
 }
 
-static inline double *slope_here(const lamc_run *run) {
+static inline lamc_real *slope_here(const lamc_run *run) {
   return slot(run, SLOT_SLOPE + run->side);
 }
 
 /* y and dy/dt of the other side: while a step is tried, where it leads; after it was accepted, where it began */
-static inline double *y_there(const lamc_run *run) {
+static inline lamc_real *y_there(const lamc_run *run) {
   return slot(run, SLOT_Y + 1 - run->side);
 }
 
-static inline double *slope_there(const lamc_run *run) {
+static inline lamc_real *slope_there(const lamc_run *run) {
   return slot(run, SLOT_SLOPE + 1 - run->side);
 }
 
 /* atol, or where that is zero the least number that can still be divided by */
-static inline double floor_of_scale(const lamc_run *run) {
-  return larger(run->options.atol, DBL_MIN);
+static inline lamc_real floor_of_scale(const lamc_run *run) {
+  return larger(run->options.atol, LAMC_LEAST);
 }
 
-static inline void evaluate(lamc_run *run, double t, const double *y, double *dydt) {
+static inline void evaluate(lamc_run *run, lamc_real t, const lamc_real *y, lamc_real *dydt) {
   run->ode.rhs(run->ode.context, t, y, dydt);
   run->evaluations++;
 }
@@ -125,20 +129,20 @@ static inline int coordinates_of(const lamc_ode *ode) {
 }
 
 /* Sum over the components of (v / tolerance)^2, the tolerance by the larger end of the step */
-static inline double weighed(const lamc_run *run, const double *v) {
-  const double *y = y_here(run), *y_new = y_there(run);
-  const double atol = floor_of_scale(run), rtol = run->options.rtol;
-  double sum = 0.0;
+static inline lamc_real weighed(const lamc_run *run, const lamc_real *v) {
+  const lamc_real *y = y_here(run), *y_new = y_there(run);
+  const lamc_real atol = floor_of_scale(run), rtol = run->options.rtol;
+  lamc_real sum = 0;
   for (int i = 0; i < run->ode.n; i++) {
-    const double ratio = v[i] / (atol + rtol * larger(fabs(y[i]), fabs(y_new[i])));
+    const lamc_real ratio = v[i] / (atol + rtol * larger(fabs(y[i]), fabs(y_new[i])));
     sum += ratio * ratio;
   }
   return sum;
 }
 
 /* 1 if all components are finite; an infinite state has an infinite tolerance, which would hide it */
-static inline int all_finite(const lamc_run *run, const double *v) {
-  double sum = 0.0;
+static inline int all_finite(const lamc_run *run, const lamc_real *v) {
+  lamc_real sum = 0;
   for (int i = 0; i < run->ode.n; i++) sum += fabs(v[i]);
   return is_finite(sum);
 }
@@ -146,10 +150,10 @@ static inline int all_finite(const lamc_run *run, const double *v) {
 /* Size of the eigenvalues that two near states and their slopes tell of, 1/s, for y = [q, u] where dq/dt is u, or like it
  * in size. In the metric in which a mode of frequency w turns at a steady pace, w^2 is |change of udot| over |change of q|.
  * Where the change of q drowns in round-off, as under heavy damping, |change of udot| over |change of u| tells. */
-static inline double steepness(const lamc_run *run, const double *fa, const double *fb, const double *a,
-                               const double *b) {
+static inline lamc_real steepness(const lamc_run *run, const lamc_real *fa, const lamc_real *fb,
+                                  const lamc_real *a, const lamc_real *b) {
   const int nq = coordinates_of(&run->ode);
-  double accelerations = 0.0, rates = 0.0, angles = 0.0, size = 0.0;
+  lamc_real accelerations = 0, rates = 0, angles = 0, size = 0;
   for (int i = 0; i < nq; i++) {
     angles += (a[i] - b[i]) * (a[i] - b[i]);
     size += a[i] * a[i];
@@ -158,9 +162,9 @@ static inline double steepness(const lamc_run *run, const double *fa, const doub
     accelerations += (fa[i] - fb[i]) * (fa[i] - fb[i]);
     rates += (a[i] - b[i]) * (a[i] - b[i]);
   }
-  const double noise = 16.0 * DBL_EPSILON;
+  const lamc_real noise = 16 * LAMC_EPSILON;
   if (angles > noise * noise * size) return sqrt(sqrt(accelerations / angles));
-  return rates > 0.0 ? sqrt(accelerations / rates) : 0.0;
+  return rates > 0 ? sqrt(accelerations / rates) : 0;
 }
 
 #endif /* LAMC_METHOD_H */

@@ -2,10 +2,10 @@
 #ifndef LAMC_METHODS_H
 #define LAMC_METHODS_H
 
-extern const method lamc_method_rk45;
-extern const method lamc_method_dop853;
-extern const method lamc_method_rodas5p;
-extern const method lamc_method_radau5;
+extern const struct method lamc_method_rk45;
+extern const struct method lamc_method_dop853;
+extern const struct method lamc_method_rodas5p;
+extern const struct method lamc_method_radau5;
 
 /* clang-format off */
 #define LAMC_METHODS &lamc_method_rk45, &lamc_method_dop853, &lamc_method_rodas5p, &lamc_method_radau5

@@ -12,8 +12,8 @@
 #include <stddef.h>
 #include <string.h>
 
-void lamc_motion_accelerate(const lamc_motion *motion, double t, const double *q, const double *u,
-                            double *udot) {
+void lamc_motion_accelerate(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
+                            lamc_real *udot) {
   if (motion->model->acceleration != NULL) {
     motion->model->acceleration(motion->constants, t, q, u, udot);
   } else if (lamc_is_system(motion->model)) {
@@ -23,7 +23,7 @@ void lamc_motion_accelerate(const lamc_motion *motion, double t, const double *q
   }
 }
 
-void lamc_motion_rates(const lamc_motion *motion, const double *q, const double *u, double *qdot) {
+void lamc_motion_rates(const lamc_motion *motion, const lamc_real *q, const lamc_real *u, lamc_real *qdot) {
   if (motion->model->rates != NULL) {
     motion->model->rates(motion->constants, q, u, qdot);
   } else {
@@ -32,7 +32,7 @@ void lamc_motion_rates(const lamc_motion *motion, const double *q, const double 
 }
 
 /* dy/dt of y = [q, u] */
-static void motion_rhs(const void *context, double t, const double *y, double *dydt) {
+static void motion_rhs(const void *context, lamc_real t, const lamc_real *y, lamc_real *dydt) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const int nq = motion->model->coordinate_count;
   lamc_motion_rates(motion, y, y + nq, dydt);
@@ -40,15 +40,15 @@ static void motion_rhs(const void *context, double t, const double *y, double *d
 }
 
 /* The same where the model gives both as they are: most mechanisms, and the call that a run makes most often */
-static void plain_rhs(const void *context, double t, const double *y, double *dydt) {
+static void plain_rhs(const void *context, lamc_real t, const lamc_real *y, lamc_real *dydt) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const int n = motion->model->rate_count;
-  const double *u = y + n;
+  const lamc_real *u = y + n;
   for (int i = 0; i < n; i++) dydt[i] = u[i];
   motion->model->acceleration(motion->constants, t, y, u, dydt + n);
 }
 
-static lamc_status motion_settle(const void *context, double t, double *y, double *moved) {
+static lamc_status motion_settle(const void *context, lamc_real t, lamc_real *y, lamc_real *moved) {
   return lamc_motion_settle((const lamc_motion *)context, t, y, moved);
 }
 
@@ -61,7 +61,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.is_rough = model->table_count > 0;
   ode.rhs = model->rates == NULL && model->acceleration != NULL ? plain_rhs : motion_rhs;
   ode.context = motion;
-  if (model->cut_count > 0 && motion->baumgarte == 0.0) {
+  if (model->cut_count > 0 && motion->baumgarte == 0) {
     ode.settle = motion_settle;
     ode.judge = lamc_loops_judge;
     ode.doubts = lamc_loops_doubts;
@@ -91,21 +91,21 @@ long long lamc_motion_work_size(const lamc_model *model) {
   return lamc_loops_work(model) + lamc_system_work(model) + lamc_guards_work(model) + lamc_powers_work(model);
 }
 
-double *lamc_motion_guard_work(const lamc_motion *motion) {
+lamc_real *lamc_motion_guard_work(const lamc_motion *motion) {
   return motion->work + lamc_loops_work(motion->model) + lamc_system_work(motion->model);
 }
 
-double *lamc_motion_power_work(const lamc_motion *motion) {
+lamc_real *lamc_motion_power_work(const lamc_motion *motion) {
   return lamc_motion_guard_work(motion) + lamc_guards_work(motion->model);
 }
 
 /* Before something is evaluated at a state outside a run: the modes of the guards there */
-static void sense(const lamc_motion *motion, double t, const double *y) {
+static void sense(const lamc_motion *motion, lamc_real t, const lamc_real *y) {
   if (motion->model->guard_count > 0) lamc_guards_sense(motion, t, y);
 }
 
 /* 1 if there is a model with constants to read, and rows to read and write */
-static int is_usable(const lamc_motion *motion, long long count, const double *in, const double *out) {
+static int is_usable(const lamc_motion *motion, long long count, const lamc_real *in, const lamc_real *out) {
   return motion != NULL && motion->model != NULL && motion->constants != NULL && count >= 0 && in != NULL &&
          out != NULL;
 }
@@ -114,24 +114,24 @@ static int state_size(const lamc_model *model) {
   return model->coordinate_count + model->rate_count;
 }
 
-lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const double *t,
-                                      const double *y, double *udot) {
+lamc_status lamc_motion_accelerations(const lamc_motion *motion, long long count, const lamc_real *t,
+                                      const lamc_real *y, lamc_real *udot) {
   if (!is_usable(motion, count, y, udot) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count; row++) {
-    const double *q = y + state_size(model) * row;
+    const lamc_real *q = y + state_size(model) * row;
     sense(motion, t[row], q);
     lamc_motion_accelerate(motion, t[row], q, q + model->coordinate_count, udot + model->rate_count * row);
   }
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const double *t, const double *y,
-                                 double *energies) {
+lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, const lamc_real *t,
+                                 const lamc_real *y, lamc_real *energies) {
   if (!is_usable(motion, count, y, energies) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count; row++) {
-    const double *q = y + state_size(model) * row;
+    const lamc_real *q = y + state_size(model) * row;
     sense(motion, t[row], q);
     model->energy(motion->constants, t[row], q, q + model->coordinate_count,
                   energies + model->energy_count * row);
@@ -139,12 +139,12 @@ lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, con
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_powers(const lamc_motion *motion, long long count, const double *t, const double *y,
-                               double *powers) {
+lamc_status lamc_motion_powers(const lamc_motion *motion, long long count, const lamc_real *t,
+                               const lamc_real *y, lamc_real *powers) {
   if (!is_usable(motion, count, y, powers) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count && model->power != NULL; row++) {
-    const double *q = y + state_size(model) * row;
+    const lamc_real *q = y + state_size(model) * row;
     sense(motion, t[row], q);
     lamc_powers(motion, t[row], q, powers + model->power_count * row);
   }
@@ -155,8 +155,8 @@ long long lamc_motion_jacobian_scratch(const lamc_model *model) {
   return lamc_linearise_scratch(model);
 }
 
-lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const double *y, double *by_q,
-                                 double *by_u, double *by_t, double *scratch) {
+lamc_status lamc_motion_jacobian(const lamc_motion *motion, lamc_real t, const lamc_real *y, lamc_real *by_q,
+                                 lamc_real *by_u, lamc_real *by_t, lamc_real *scratch) {
   if (!is_usable(motion, 1, y, by_q) || by_u == NULL || by_t == NULL || scratch == NULL)
     return LAMC_BAD_ARGUMENT;
   sense(motion, t, y);
@@ -164,8 +164,8 @@ lamc_status lamc_motion_jacobian(const lamc_motion *motion, double t, const doub
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const double *t, const double *y,
-                              double *poses) {
+lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const lamc_real *t,
+                              const lamc_real *y, lamc_real *poses) {
   if (!is_usable(motion, count, y, poses) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count; row++) {
@@ -175,8 +175,8 @@ lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const 
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const double *y,
-                                 double *closures) {
+lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const lamc_real *y,
+                                 lamc_real *closures) {
   if (!is_usable(motion, count, y, closures)) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   const long long width = (long long)model->closure_count * (model->rate_count + 1);
@@ -186,11 +186,12 @@ lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, con
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const double *y, double *cuts) {
+lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const lamc_real *y,
+                             lamc_real *cuts) {
   if (!is_usable(motion, count, y, cuts)) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count && model->cut_count > 0; row++) {
-    const double *q = y + state_size(model) * row;
+    const lamc_real *q = y + state_size(model) * row;
     model->cuts(motion->constants, q, q + model->coordinate_count, cuts + 2 * model->cut_count * row);
   }
   return LAMC_OK;

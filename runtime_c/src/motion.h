@@ -5,14 +5,14 @@
 #include "lamc.h"
 
 /* udot (nu,) of any motion */
-void lamc_motion_accelerate(const lamc_motion *motion, double t, const double *q, const double *u,
-                            double *udot);
+void lamc_motion_accelerate(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
+                            lamc_real *udot);
 
 /* dq/dt (nq,) */
-void lamc_motion_rates(const lamc_motion *motion, const double *q, const double *u, double *qdot);
+void lamc_motion_rates(const lamc_motion *motion, const lamc_real *q, const lamc_real *u, lamc_real *qdot);
 
 /* The parts of the work: of guards, and of powers */
-double *lamc_motion_guard_work(const lamc_motion *motion);
-double *lamc_motion_power_work(const lamc_motion *motion);
+lamc_real *lamc_motion_guard_work(const lamc_motion *motion);
+lamc_real *lamc_motion_power_work(const lamc_motion *motion);
 
 #endif /* LAMC_MOTION_H */

@@ -4,18 +4,18 @@
 
 #include "lamc.h"
 
-/* Doubles of work that they need; 0 where the model tells none */
+/* Numbers of work that they need; 0 where the model tells none */
 long long lamc_powers_work(const lamc_model *model);
 
 /* power (power_count,), W, at y = [q, u]; leaves no trace in a run under way */
-void lamc_powers(const lamc_motion *motion, double t, const double *y, double *power);
+void lamc_powers(const lamc_motion *motion, lamc_real t, const lamc_real *y, lamc_real *power);
 
 /* The same, and 0 for impacts: lamc_ode.integrands of a motion */
-void lamc_powers_integrands(const void *motion, double t, const double *y, double *values);
+void lamc_powers_integrands(const void *motion, lamc_real t, const lamc_real *y, lamc_real *values);
 
 /* Adds the energy that an impact brings to the last of the integrals, and to those of the effects what they gave of what
  * they store at that instant, as a fluid does that moves with a body: lamc_ode.jump of a motion */
-void lamc_powers_jump(const void *motion, double t, const double *before, const double *after,
-                      double *integrals);
+void lamc_powers_jump(const void *motion, lamc_real t, const lamc_real *before, const lamc_real *after,
+                      lamc_real *integrals);
 
 #endif /* LAMC_POWERS_H */

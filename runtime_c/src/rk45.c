@@ -18,40 +18,40 @@ enum {
 };
 
 /* c_i */
-static const double C2 = 1.0 / 5.0, C3 = 3.0 / 10.0, C4 = 4.0 / 5.0, C5 = 8.0 / 9.0;
+static const lamc_real C2 = 1.0 / 5.0, C3 = 3.0 / 10.0, C4 = 4.0 / 5.0, C5 = 8.0 / 9.0;
 /* a_ij */
-static const double A21 = 1.0 / 5.0;
-static const double A31 = 3.0 / 40.0, A32 = 9.0 / 40.0;
-static const double A41 = 44.0 / 45.0, A42 = -56.0 / 15.0, A43 = 32.0 / 9.0;
-static const double A51 = 19372.0 / 6561.0, A52 = -25360.0 / 2187.0, A53 = 64448.0 / 6561.0,
-                    A54 = -212.0 / 729.0;
-static const double A61 = 9017.0 / 3168.0, A62 = -355.0 / 33.0, A63 = 46732.0 / 5247.0, A64 = 49.0 / 176.0,
-                    A65 = -5103.0 / 18656.0;
+static const lamc_real A21 = 1.0 / 5.0;
+static const lamc_real A31 = 3.0 / 40.0, A32 = 9.0 / 40.0;
+static const lamc_real A41 = 44.0 / 45.0, A42 = -56.0 / 15.0, A43 = 32.0 / 9.0;
+static const lamc_real A51 = 19372.0 / 6561.0, A52 = -25360.0 / 2187.0, A53 = 64448.0 / 6561.0,
+                       A54 = -212.0 / 729.0;
+static const lamc_real A61 = 9017.0 / 3168.0, A62 = -355.0 / 33.0, A63 = 46732.0 / 5247.0, A64 = 49.0 / 176.0,
+                       A65 = -5103.0 / 18656.0;
 /* b_i, the row of order 5, also a_7i */
-static const double B1 = 35.0 / 384.0, B3 = 500.0 / 1113.0, B4 = 125.0 / 192.0, B5 = -2187.0 / 6784.0,
-                    B6 = 11.0 / 84.0;
+static const lamc_real B1 = 35.0 / 384.0, B3 = 500.0 / 1113.0, B4 = 125.0 / 192.0, B5 = -2187.0 / 6784.0,
+                       B6 = 11.0 / 84.0;
 /* b_i - b^_i, the difference from the row of order 4 */
-static const double E1 = 71.0 / 57600.0, E3 = -71.0 / 16695.0, E4 = 71.0 / 1920.0, E5 = -17253.0 / 339200.0,
-                    E6 = 22.0 / 525.0, E7 = -1.0 / 40.0;
+static const lamc_real E1 = 71.0 / 57600.0, E3 = -71.0 / 16695.0, E4 = 71.0 / 1920.0,
+                       E5 = -17253.0 / 339200.0, E6 = 22.0 / 525.0, E7 = -1.0 / 40.0;
 /* d_i of the continuous extension */
-static const double D1 = -12715105075.0 / 11282082432.0, D3 = 87487479700.0 / 32700410799.0,
-                    D4 = -10690763975.0 / 1880347072.0, D5 = 701980252875.0 / 199316789632.0,
-                    D6 = -1453857185.0 / 822651844.0, D7 = 69997945.0 / 29380423.0;
+static const lamc_real D1 = -12715105075.0 / 11282082432.0, D3 = 87487479700.0 / 32700410799.0,
+                       D4 = -10690763975.0 / 1880347072.0, D5 = 701980252875.0 / 199316789632.0,
+                       D6 = -1453857185.0 / 822651844.0, D7 = 69997945.0 / 29380423.0;
 
 /* The stages of a step of length h from t. Fills k2 .. k6, y and slope at the far end; six evaluations. */
-static void take_stages(lamc_run *run, double h) {
+static void take_stages(lamc_run *run, lamc_real h) {
   const int n = run->ode.n;
-  const double t = run->t;
-  const double *LAMC_RESTRICT y = slot(run, SLOT_Y + run->side);
-  const double *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + run->side);
-  double *LAMC_RESTRICT y_new = slot(run, SLOT_Y + 1 - run->side);
-  double *LAMC_RESTRICT k7 = slot(run, SLOT_SLOPE + 1 - run->side);
-  double *LAMC_RESTRICT k2 = slot(run, SLOT_K2);
-  double *LAMC_RESTRICT k3 = slot(run, SLOT_K2 + 1);
-  double *LAMC_RESTRICT k4 = slot(run, SLOT_K2 + 2);
-  double *LAMC_RESTRICT k5 = slot(run, SLOT_K2 + 3);
-  double *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
-  double *LAMC_RESTRICT s = slot(run, SLOT_STAGE);
+  const lamc_real t = run->t;
+  const lamc_real *LAMC_RESTRICT y = slot(run, SLOT_Y + run->side);
+  const lamc_real *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + run->side);
+  lamc_real *LAMC_RESTRICT y_new = slot(run, SLOT_Y + 1 - run->side);
+  lamc_real *LAMC_RESTRICT k7 = slot(run, SLOT_SLOPE + 1 - run->side);
+  lamc_real *LAMC_RESTRICT k2 = slot(run, SLOT_K2);
+  lamc_real *LAMC_RESTRICT k3 = slot(run, SLOT_K2 + 1);
+  lamc_real *LAMC_RESTRICT k4 = slot(run, SLOT_K2 + 2);
+  lamc_real *LAMC_RESTRICT k5 = slot(run, SLOT_K2 + 3);
+  lamc_real *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
+  lamc_real *LAMC_RESTRICT s = slot(run, SLOT_STAGE);
 
   for (int i = 0; i < n; i++) s[i] = y[i] + h * (A21 * k1[i]);
   evaluate(run, t + C2 * h, s, k2);
@@ -71,28 +71,28 @@ static void take_stages(lamc_run *run, double h) {
 
 /* Square of the error norm of the step just taken; at most 1 means good enough, and not finite means that a stage
  * or the new state is not. */
-static double squared_error(const lamc_run *run, double h) {
+static lamc_real squared_error(const lamc_run *run, lamc_real h) {
   const int m = run->stride;
-  const double *LAMC_RESTRICT y = slot(run, SLOT_Y + run->side);
-  const double *LAMC_RESTRICT y_new = slot(run, SLOT_Y + 1 - run->side);
-  const double *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + run->side);
-  const double *LAMC_RESTRICT k7 = slot(run, SLOT_SLOPE + 1 - run->side);
-  const double *LAMC_RESTRICT k3 = slot(run, SLOT_K2 + 1);
-  const double *LAMC_RESTRICT k4 = slot(run, SLOT_K2 + 2);
-  const double *LAMC_RESTRICT k5 = slot(run, SLOT_K2 + 3);
-  const double *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
-  const double atol = floor_of_scale(run);
-  const double rtol = run->options.rtol;
-  double sum[LANES] = {0.0, 0.0, 0.0, 0.0};
-  double size[LANES] = {0.0, 0.0, 0.0, 0.0};
+  const lamc_real *LAMC_RESTRICT y = slot(run, SLOT_Y + run->side);
+  const lamc_real *LAMC_RESTRICT y_new = slot(run, SLOT_Y + 1 - run->side);
+  const lamc_real *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + run->side);
+  const lamc_real *LAMC_RESTRICT k7 = slot(run, SLOT_SLOPE + 1 - run->side);
+  const lamc_real *LAMC_RESTRICT k3 = slot(run, SLOT_K2 + 1);
+  const lamc_real *LAMC_RESTRICT k4 = slot(run, SLOT_K2 + 2);
+  const lamc_real *LAMC_RESTRICT k5 = slot(run, SLOT_K2 + 3);
+  const lamc_real *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
+  const lamc_real atol = floor_of_scale(run);
+  const lamc_real rtol = run->options.rtol;
+  lamc_real sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+  lamc_real size[LANES] = {0.0, 0.0, 0.0, 0.0};
 
   for (int b = 0; b < m; b += LANES)
     for (int j = 0; j < LANES; j++) {
       const int i = b + j;
-      const double error =
+      const lamc_real error =
           E1 * k1[i] + E3 * k3[i] + E4 * k4[i] + E5 * k5[i] + E6 * k6[i] + E7 * k7[i]; /* over h */
-      const double old_size = fabs(y[i]), new_size = fabs(y_new[i]);
-      const double ratio = h * error / (atol + rtol * (new_size > old_size ? new_size : old_size));
+      const lamc_real old_size = fabs(y[i]), new_size = fabs(y_new[i]);
+      const lamc_real ratio = h * error / (atol + rtol * (new_size > old_size ? new_size : old_size));
       sum[j] += ratio * ratio;
       size[j] += new_size;
     }
@@ -105,24 +105,24 @@ static double squared_error(const lamc_run *run, double h) {
  * nested form of DOPRI5. */
 static void make_dense(lamc_run *run) {
   const int m = run->stride;
-  const double h = run->h_last;
-  const double *LAMC_RESTRICT y = slot(run, SLOT_Y + 1 - run->side);
-  const double *LAMC_RESTRICT y_new = slot(run, SLOT_Y + run->side);
-  const double *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + 1 - run->side);
-  const double *LAMC_RESTRICT k7 = slot(run, SLOT_SLOPE + run->side);
-  const double *LAMC_RESTRICT k3 = slot(run, SLOT_K2 + 1);
-  const double *LAMC_RESTRICT k4 = slot(run, SLOT_K2 + 2);
-  const double *LAMC_RESTRICT k5 = slot(run, SLOT_K2 + 3);
-  const double *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
-  double *LAMC_RESTRICT r2 = slot(run, SLOT_DENSE);
-  double *LAMC_RESTRICT r3 = slot(run, SLOT_DENSE + 1);
-  double *LAMC_RESTRICT r4 = slot(run, SLOT_DENSE + 2);
-  double *LAMC_RESTRICT r5 = slot(run, SLOT_DENSE + 3);
+  const lamc_real h = run->h_last;
+  const lamc_real *LAMC_RESTRICT y = slot(run, SLOT_Y + 1 - run->side);
+  const lamc_real *LAMC_RESTRICT y_new = slot(run, SLOT_Y + run->side);
+  const lamc_real *LAMC_RESTRICT k1 = slot(run, SLOT_SLOPE + 1 - run->side);
+  const lamc_real *LAMC_RESTRICT k7 = slot(run, SLOT_SLOPE + run->side);
+  const lamc_real *LAMC_RESTRICT k3 = slot(run, SLOT_K2 + 1);
+  const lamc_real *LAMC_RESTRICT k4 = slot(run, SLOT_K2 + 2);
+  const lamc_real *LAMC_RESTRICT k5 = slot(run, SLOT_K2 + 3);
+  const lamc_real *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
+  lamc_real *LAMC_RESTRICT r2 = slot(run, SLOT_DENSE);
+  lamc_real *LAMC_RESTRICT r3 = slot(run, SLOT_DENSE + 1);
+  lamc_real *LAMC_RESTRICT r4 = slot(run, SLOT_DENSE + 2);
+  lamc_real *LAMC_RESTRICT r5 = slot(run, SLOT_DENSE + 3);
 
   for (int b = 0; b < m; b += LANES)
     for (int i = b; i < b + LANES; i++) {
-      const double change = y_new[i] - y[i];
-      const double bend = h * k1[i] - change;
+      const lamc_real change = y_new[i] - y[i];
+      const lamc_real bend = h * k1[i] - change;
       r2[i] = change;
       r3[i] = bend;
       r4[i] = change - h * k7[i] - bend;
@@ -131,22 +131,22 @@ static void make_dense(lamc_run *run) {
   run->dense = LAMC_DENSE_READY;
 }
 
-static void interpolate(const lamc_run *run, double a, double *y) {
-  const double *r1 = y_there(run);
-  const double *r2 = slot(run, SLOT_DENSE);
-  const double *r3 = slot(run, SLOT_DENSE + 1);
-  const double *r4 = slot(run, SLOT_DENSE + 2);
-  const double *r5 = slot(run, SLOT_DENSE + 3);
-  const double b = 1.0 - a;
+static void interpolate(const lamc_run *run, lamc_real a, lamc_real *y) {
+  const lamc_real *r1 = y_there(run);
+  const lamc_real *r2 = slot(run, SLOT_DENSE);
+  const lamc_real *r3 = slot(run, SLOT_DENSE + 1);
+  const lamc_real *r4 = slot(run, SLOT_DENSE + 2);
+  const lamc_real *r5 = slot(run, SLOT_DENSE + 3);
+  const lamc_real b = 1.0 - a;
   for (int i = 0; i < run->ode.n; i++) y[i] = r1[i] + a * (r2[i] + b * (r3[i] + a * (r4[i] + b * r5[i])));
 }
 
-static double attempt(lamc_run *run, double h) {
+static lamc_real attempt(lamc_run *run, lamc_real h) {
   take_stages(run, h);
   return squared_error(run, h);
 }
 
-static double eigenvalue(const lamc_run *run) {
+static lamc_real eigenvalue(const lamc_run *run) {
   return steepness(run, slope_here(run), slot(run, SLOT_K2 + 4), y_here(run), slot(run, SLOT_STAGE));
 }
 

@@ -8,9 +8,9 @@
 #include "watch.h"
 
 /* Room for the next row: its y, with its t set; NULL when the rows are full */
-static double *next_row(lamc_rows *rows, int n, double t) {
+static lamc_real *next_row(lamc_rows *rows, int n, lamc_real t) {
   if (rows->count >= rows->capacity) return NULL;
-  double *y = rows->y + rows->count * n;
+  lamc_real *y = rows->y + rows->count * n;
   rows->t[rows->count++] = t;
   return y;
 }
@@ -28,11 +28,11 @@ static lamc_status write_events(lamc_run *run, lamc_rows *rows) {
 
 /* y at a time within the last step by steps of their own from where that one began, and that one taken again, which gives
  * the same bits. LAMC_PAUSED: it cannot be had. */
-static lamc_status row_by_steps(lamc_run *run, double t, double *y) {
+static lamc_status row_by_steps(lamc_run *run, lamc_real t, lamc_real *y) {
   const size_t bytes = (size_t)run->ode.n * sizeof *y;
   const long long steps = run->steps;
-  const double h = run->h_last, t_new = run->t, t_old = run->t_old;
-  double part = t - t_old, squared;
+  const lamc_real h = run->h_last, t_new = run->t, t_old = run->t_old;
+  lamc_real part = t - t_old, squared;
   lamc_status status = LAMC_OK;
   lamc_run_move_back(run);
   memcpy(slot(run, SLOT_KEPT), y_here(run), bytes);
@@ -59,7 +59,7 @@ static lamc_status row_by_steps(lamc_run *run, double t, double *y) {
 
 /* y at a time within the last step, between its ends. What the polynomial met inside may not be what the error estimate of
  * the step saw (DOP853's three extra stages, beside a singular position): such rows are worth steps of their own. */
-static lamc_status row_between(lamc_run *run, double t, double *y) {
+static lamc_status row_between(lamc_run *run, lamc_real t, lamc_real *y) {
   const int can_step = lamc_method_of(run->method)->stable_extent > 0.0 && run->t_event != run->t;
   if (run->ode.doubts == NULL || !can_step || run->dense == LAMC_DENSE_READY) {
     (void)lamc_run_interpolate(run, t, y); /* cannot fail: the time lies in the step just accepted */
@@ -72,23 +72,23 @@ static lamc_status row_between(lamc_run *run, double t, double *y) {
       (void)lamc_run_interpolate(run, t, y);
     }
   }
-  double moved = 0.0; /* it strays from what must hold by the tolerance */
+  lamc_real moved = 0.0; /* it strays from what must hold by the tolerance */
   return run->ode.settle == NULL ? LAMC_OK : run->ode.settle(run->ode.context, t, y, &moved);
 }
 
 /* y at a time within the last step or at its end */
-static lamc_status state_at(lamc_run *run, double t, double *y) {
+static lamc_status state_at(lamc_run *run, lamc_real t, lamc_real *y) {
   if (t == run->t) {
     memcpy(y, lamc_run_state(run), (size_t)run->ode.n * sizeof *y);
     return LAMC_OK;
   }
   const long long before = run->evaluations;
   const lamc_status settled = row_between(run, t, y);
-  run->watch.mark_cost += (double)(run->evaluations - before); /* rows must not sway LAMC_AUTO */
+  run->watch.mark_cost += (lamc_real)(run->evaluations - before); /* rows must not sway LAMC_AUTO */
   return settled;
 }
 
-lamc_status lamc_run_at(lamc_run *run, double t, double *y) {
+lamc_status lamc_run_at(lamc_run *run, lamc_real t, lamc_real *y) {
   if (run == NULL || y == NULL) return LAMC_BAD_ARGUMENT;
   if (!(t == run->t || (run->dense != LAMC_DENSE_NONE && t > run->t_old && t < run->t)))
     return LAMC_BAD_ARGUMENT;
@@ -96,7 +96,7 @@ lamc_status lamc_run_at(lamc_run *run, double t, double *y) {
 }
 
 /* Integrals of the row just begun, if they are wanted */
-static void write_integrals(const lamc_run *run, const lamc_rows *rows, double t) {
+static void write_integrals(const lamc_run *run, const lamc_rows *rows, lamc_real t) {
   const int k = run->ode.integral_count;
   if (k > 0 && rows->integrals != NULL) lamc_integrals_at(run, t, rows->integrals + (rows->count - 1) * k);
 }
@@ -107,15 +107,15 @@ lamc_status lamc_rows_write(lamc_run *run, lamc_rows *rows) {
   const lamc_status status = write_events(run, rows);
   if (status != LAMC_OK) return status;
   if (run->row_due) {
-    double *y = next_row(rows, n, run->t);
+    lamc_real *y = next_row(rows, n, run->t);
     if (y == NULL) return LAMC_OUTPUT_FULL;
     memcpy(y, lamc_run_state(run), (size_t)n * sizeof *y);
     write_integrals(run, rows, run->t);
     run->row_due = 0;
   }
   while (run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] <= run->t) {
-    const double t = run->t_eval[run->t_eval_next];
-    double *y = next_row(rows, n, t);
+    const lamc_real t = run->t_eval[run->t_eval_next];
+    lamc_real *y = next_row(rows, n, t);
     if (y == NULL) return LAMC_OUTPUT_FULL;
     write_integrals(run, rows, t);
     const lamc_status settled = state_at(run, t, y);

@@ -17,13 +17,18 @@
 
 #include <limits.h>
 
-static const double MIN_RTOL = 1e-13; /* about 500 units of round-off: below, the estimate is noise */
-static const double SAFETY = 0.9;     /* aim below the tolerance */
-static const double SHRINK_AT_MOST = 5.0;
-static const double SHRINK_NOT_FINITE =
-    10.0;                            /* the step is divided by this after NaN, infinity or lost closure */
-static const double TOO_LONG = 1e12; /* error norm, squared, of a step that is not allowed: shrink at most */
-static const double LOG_LEAST_ERROR =
+#ifdef LAMC_REAL_FLOAT
+#error "steps that control their error need doubles"
+#endif
+
+static const lamc_real MIN_RTOL = 1e-13; /* about 500 units of round-off: below, the estimate is noise */
+static const lamc_real SAFETY = 0.9;     /* aim below the tolerance */
+static const lamc_real SHRINK_AT_MOST = 5.0;
+static const lamc_real SHRINK_NOT_FINITE =
+    10.0; /* the step is divided by this after NaN, infinity or lost closure */
+static const lamc_real TOO_LONG =
+    1e12; /* error norm, squared, of a step that is not allowed: shrink at most */
+static const lamc_real LOG_LEAST_ERROR =
     -13.287712379549449; /* log2(1e-4): a lucky step is not trusted further */
 
 static const method *const METHODS[] = {NULL, LAMC_METHODS};
@@ -34,14 +39,14 @@ const method *lamc_method_of(int which) {
   return METHODS[which];
 }
 
-/* Doubles for one method; 0 if it cannot run */
+/* Numbers for one method; 0 if it cannot run */
 static long long size_for(const lamc_ode *ode, const method *m) {
   const long long extra = m->extra == NULL ? 0 : m->extra(ode);
   if (m->extra != NULL && extra == 0) return 0;
   return (long long)(SLOT_OWN + m->slots) * padded(ode->n) + extra;
 }
 
-/* Doubles before those of events and integrals */
+/* Numbers before those of events and integrals */
 static long long size_of_methods(const lamc_ode *ode, lamc_method which) {
   if (which != LAMC_AUTO) return size_for(ode, METHODS[which]);
   long long most = 0;
@@ -60,22 +65,22 @@ long long lamc_run_work_size(const lamc_ode *ode, lamc_method which) {
   return size == 0 ? 0 : size + lamc_events_size(ode) + lamc_integrals_size(ode);
 }
 
-const double *lamc_run_state(const lamc_run *run) {
+const lamc_real *lamc_run_state(const lamc_run *run) {
   return y_here(run);
 }
 
 /* ---- One step ---------------------------------------------------------------------------------------------- */
 
 /* Hairer's PI control: the factor by which the step changes after an accepted step with this error. */
-static double growth_after(const lamc_run *run, const method *m, double log_error) {
-  const double factor = SAFETY * lamc_control_exp2(m->beta * run->log_error_old - m->alpha * log_error);
-  const double most =
+static lamc_real growth_after(const lamc_run *run, const method *m, lamc_real log_error) {
+  const lamc_real factor = SAFETY * lamc_control_exp2(m->beta * run->log_error_old - m->alpha * log_error);
+  const lamc_real most =
       run->was_rejected ? 1.0 : m->grow_at_most; /* a step just refused would be refused again */
   return smaller(most, larger(1.0 / SHRINK_AT_MOST, factor));
 }
 
 /* The new state becomes the present one. */
-static void move_on(lamc_run *run, double t, double h) {
+static void move_on(lamc_run *run, lamc_real t, lamc_real h) {
   run->t_old = run->t;
   run->t = t;
   run->h_last = h;
@@ -89,7 +94,7 @@ void lamc_run_move_back(lamc_run *run) {
   run->dense = LAMC_DENSE_NONE;
 }
 
-static void reject(lamc_run *run, double h, double factor, double least) {
+static void reject(lamc_run *run, lamc_real h, lamc_real factor, lamc_real least) {
   run->h = h * larger(factor, least);
   run->was_rejected = 1;
   run->rejected++;
@@ -97,7 +102,7 @@ static void reject(lamc_run *run, double h, double factor, double least) {
 
 /* After an accepted step: the new state brought back to what must hold, and its slope. */
 static lamc_status settle(lamc_run *run, const method *m) {
-  double moved = 0.0;
+  lamc_real moved = 0.0;
   lamc_status status = LAMC_OK;
   if (run->ode.settle != NULL) status = run->ode.settle(run->ode.context, run->t, y_here(run), &moved);
   if (status == LAMC_OK && (moved > 0.0 || !m->gives_slope))
@@ -105,7 +110,7 @@ static lamc_status settle(lamc_run *run, const method *m) {
   return status;
 }
 
-lamc_status lamc_run_take(lamc_run *run, double h, int is_last, double *squared) {
+lamc_status lamc_run_take(lamc_run *run, lamc_real h, int is_last, lamc_real *squared) {
   const method *m = METHODS[run->method];
   run->dense = LAMC_DENSE_NONE;
   run->steps++;
@@ -131,7 +136,7 @@ lamc_status lamc_run_take(lamc_run *run, double h, int is_last, double *squared)
 }
 
 /* What follows from a step that holds. */
-static void accept(lamc_run *run, const method *m, double h, double log_error) {
+static void accept(lamc_run *run, const method *m, lamc_real h, lamc_real log_error) {
   run->h = smaller(h * growth_after(run, m, log_error), run->options.max_step);
   run->log_error_old = larger(log_error, LOG_LEAST_ERROR);
   run->row_due = run->t_eval == NULL;
@@ -149,17 +154,17 @@ static void accept(lamc_run *run, const method *m, double h, double log_error) {
 static lamc_status try_step(lamc_run *run) {
   lamc_watch_switch(run);
   const method *m = METHODS[run->method];
-  const double rest = run->t_end - run->t;
+  const lamc_real rest = run->t_end - run->t;
   const int is_last = 1.01 * run->h >= rest; /* stretched a little, so that no sliver remains */
-  const double h = is_last ? rest : (run->t + run->h) - run->t; /* what t really moves by */
-  if (!is_last && h <= 16.0 * DBL_EPSILON * fabs(run->t) + DBL_MIN) {
+  const lamc_real h = is_last ? rest : (run->t + run->h) - run->t; /* what t really moves by */
+  if (!is_last && h <= 16.0 * LAMC_EPSILON * fabs(run->t) + LAMC_LEAST) {
     if (!run->was_closed) return LAMC_CLOSURE_LOST;
     return run->was_finite ? LAMC_STEP_UNDERFLOW : LAMC_NOT_FINITE;
   }
   if (run->steps >= run->options.max_steps) return LAMC_STEP_LIMIT;
-  double squared;
+  lamc_real squared;
   const lamc_status taken = lamc_run_take(run, h, is_last, &squared);
-  const double log_error = 0.5 * lamc_control_log2(squared);
+  const lamc_real log_error = 0.5 * lamc_control_log2(squared);
   if (taken == LAMC_PAUSED) {
     if (run->was_finite && run->was_closed) {
       reject(run, h, SAFETY * lamc_control_exp2(-m->alpha * log_error), 1.0 / SHRINK_AT_MOST);
@@ -178,7 +183,7 @@ static lamc_status try_step(lamc_run *run) {
 
 /* ---- Dense output ------------------------------------------------------------------------------------------ */
 
-lamc_status lamc_run_interpolate(lamc_run *run, double t, double *y) {
+lamc_status lamc_run_interpolate(lamc_run *run, lamc_real t, lamc_real *y) {
   if (run == NULL || y == NULL || run->dense == LAMC_DENSE_NONE) return LAMC_BAD_ARGUMENT;
   if (!(t >= run->t_old && t <= run->t)) return LAMC_BAD_ARGUMENT;
   const int n = run->ode.n;
@@ -196,17 +201,17 @@ lamc_status lamc_run_interpolate(lamc_run *run, double t, double *y) {
 /* ---- Start ------------------------------------------------------------------------------------------------- */
 
 /* Root mean square of v over the tolerance at y */
-static double norm(const lamc_run *run, const double *v, const double *y) {
-  double sum = 0.0;
+static lamc_real norm(const lamc_run *run, const lamc_real *v, const lamc_real *y) {
+  lamc_real sum = 0.0;
   for (int i = 0; i < run->ode.n; i++) {
-    const double ratio = v[i] / (floor_of_scale(run) + run->options.rtol * fabs(y[i]));
+    const lamc_real ratio = v[i] / (floor_of_scale(run) + run->options.rtol * fabs(y[i]));
     sum += ratio * ratio;
   }
   return run->ode.n > 0 ? sqrt(sum / run->ode.n) : 0.0;
 }
 
-static double largest(int n, const double *v) {
-  double most = 0.0;
+static lamc_real largest(int n, const lamc_real *v) {
+  lamc_real most = 0.0;
   for (int i = 0; i < n; i++) most = larger(most, fabs(v[i]));
   return most;
 }
@@ -214,42 +219,42 @@ static double largest(int n, const double *v) {
 /* The first step of an implicit method on y = [q, u]: long, since fast oscillations that the tolerance does not ask for can
  * be stepped over but not grown out of: at steps near their period they are resolved and keep the step there. Where it is
  * too long, a few refusals shorten it. The motion within the step stays small: 0.1 rad by rates, 0.01 by accelerations. */
-static double long_step(const lamc_run *run, double longest) {
+static lamc_real long_step(const lamc_run *run, lamc_real longest) {
   const int nq = coordinates_of(&run->ode);
-  const double rate = largest(nq, slope_here(run));
-  const double acceleration = largest(run->ode.n - nq, slope_here(run) + nq);
-  double h = larger(0.01 * longest, smaller(longest, 64.0 * DBL_EPSILON * fabs(run->t)));
+  const lamc_real rate = largest(nq, slope_here(run));
+  const lamc_real acceleration = largest(run->ode.n - nq, slope_here(run) + nq);
+  lamc_real h = larger(0.01 * longest, smaller(longest, 64.0 * LAMC_EPSILON * fabs(run->t)));
   if (rate > 0.0) h = smaller(h, 0.1 / rate);
   if (acceleration > 0.0) h = smaller(h, sqrt(0.02 / acceleration));
   return h;
 }
 
 /* The first step: Hairer, Norsett, Wanner I, section II.4, algorithm for the starting step size. One evaluation. */
-static double choose_first_step(lamc_run *run, double longest) {
+static lamc_real choose_first_step(lamc_run *run, lamc_real longest) {
   const method *m = METHODS[run->method];
   if (m->stable_extent == 0.0) return long_step(run, longest);
-  const double *y = y_here(run);
-  const double *slope = slope_here(run);
-  double *probe = slot(run, SLOT_STAGE);
-  double *slope_probe = slot(run, SLOT_OWN);
-  const double size = norm(run, y, y);
-  const double speed = norm(run, slope, y);
-  double h = size < 1e-5 || speed < 1e-5 ? 1e-6 : 0.01 * size / speed;
+  const lamc_real *y = y_here(run);
+  const lamc_real *slope = slope_here(run);
+  lamc_real *probe = slot(run, SLOT_STAGE);
+  lamc_real *slope_probe = slot(run, SLOT_OWN);
+  const lamc_real size = norm(run, y, y);
+  const lamc_real speed = norm(run, slope, y);
+  lamc_real h = size < 1e-5 || speed < 1e-5 ? 1e-6 : 0.01 * size / speed;
   if (!is_finite(h) || h <= 0.0) h = 1e-6; /* the norms overflow: tiny tolerances or huge slopes */
   h = smaller(h, longest);
   for (int i = 0; i < run->ode.n; i++) probe[i] = y[i] + h * slope[i];
   evaluate(run, run->t + h, probe, slope_probe);
   for (int i = 0; i < run->ode.n; i++) probe[i] = slope_probe[i] - slope[i];
-  const double bend = norm(run, probe, y) / h;
-  const double most = larger(speed, bend);
+  const lamc_real bend = norm(run, probe, y) / h;
+  const lamc_real most = larger(speed, bend);
   if (!is_finite(speed) || !is_finite(bend)) return h;
-  const double exponent = m->alpha + 0.75 * m->beta; /* 1 / order */
-  const double h_order = most <= 1e-15 ? larger(1e-6, 1e-3 * h) : pow(0.01 / most, exponent);
+  const lamc_real exponent = m->alpha + 0.75 * m->beta; /* 1 / order */
+  const lamc_real h_order = most <= 1e-15 ? larger(1e-6, 1e-3 * h) : pow(0.01 / most, exponent);
   return smaller(smaller(100.0 * h, h_order), longest);
 }
 
 void lamc_run_restart(lamc_run *run) {
-  const double longest = smaller(run->t_end - run->t, run->options.max_step);
+  const lamc_real longest = smaller(run->t_end - run->t, run->options.max_step);
   run->has_jacobian = 0;
   run->has_polynomial = 0;
   run->log_error_old = LOG_LEAST_ERROR;
@@ -263,8 +268,8 @@ static int is_valid(const lamc_options *o) {
 }
 
 /* 1 if the times ascend within t0 .. t_end */
-static int ascends(const double *times, long long count, double t0, double t_end) {
-  double last = t0;
+static int ascends(const lamc_real *times, long long count, lamc_real t0, lamc_real t_end) {
+  lamc_real last = t0;
   for (long long i = 0; i < count; i++) {
     if (!(times[i] >= last)) return 0;
     last = times[i];
@@ -273,8 +278,8 @@ static int ascends(const double *times, long long count, double t0, double t_end
 }
 
 lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method which, const lamc_options *options,
-                           double t0, const double *y0, double t_end, const double *t_eval,
-                           long long t_eval_count, double *work) {
+                           lamc_real t0, const lamc_real *y0, lamc_real t_end, const lamc_real *t_eval,
+                           long long t_eval_count, lamc_real *work) {
   if (run == NULL) return LAMC_BAD_ARGUMENT;
   memset(run, 0, sizeof *run);
   run->status = LAMC_BAD_ARGUMENT;
@@ -304,12 +309,12 @@ lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method which
 
   run->status = LAMC_NOT_FINITE;
   if (!all_finite(run, y0)) return run->status;
-  double *ends = work + size - lamc_integrals_size(ode);
+  lamc_real *ends = work + size - lamc_integrals_size(ode);
   lamc_integrals_start(run, ends);
   lamc_events_start(run, ends - lamc_events_size(ode));
   evaluate(run, t0, y_here(run), slope_here(run));
   if (!all_finite(run, slope_here(run))) return run->status;
-  const double longest = smaller(t_end - t0, run->options.max_step);
+  const lamc_real longest = smaller(t_end - t0, run->options.max_step);
   if (longest > 0.0) {
     run->h =
         options->first_step > 0.0 ? smaller(options->first_step, longest) : choose_first_step(run, longest);
@@ -348,7 +353,7 @@ lamc_status lamc_run_step(lamc_run *run) {
   return run->status;
 }
 
-lamc_status lamc_run_put(lamc_run *run, double t, const double *y) {
+lamc_status lamc_run_put(lamc_run *run, lamc_real t, const lamc_real *y) {
   if (run == NULL || y == NULL || !(t <= run->t_end)) return LAMC_BAD_ARGUMENT;
   run->t = run->t_old = t;
   run->dense = LAMC_DENSE_NONE;

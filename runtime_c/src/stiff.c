@@ -7,7 +7,7 @@
  * eight evaluations, one Jacobian, one factorisation. It is the step that an adaptive run takes, to the last bit. */
 #include "fixed.h"
 
-/* Doubles of the method */
+/* Numbers of the method */
 static long long size_of_method(const lamc_ode *ode) {
   const long long extra = lamc_method_rodas5p.extra(ode);
   return extra == 0 ? 0 : (long long)(SLOT_OWN + lamc_method_rodas5p.slots) * padded(ode->n) + extra;
@@ -18,7 +18,7 @@ long long lamc_stiff_scratch(const lamc_ode *ode) {
   return size == 0 ? 0 : size + lamc_fixed_guards(ode);
 }
 
-lamc_status lamc_stiff_step(const lamc_ode *ode, double t, double h, double *y, double *scratch) {
+lamc_status lamc_stiff_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_real *y, lamc_real *scratch) {
   const long long size = size_of_method(ode);
   const size_t bytes = (size_t)ode->n * sizeof *y;
   lamc_run run;
@@ -26,14 +26,14 @@ lamc_status lamc_stiff_step(const lamc_ode *ode, double t, double h, double *y, 
   memset(&run, 0, sizeof run);
   memset(scratch, 0, (size_t)size * sizeof *scratch);
   run.ode = *ode;
-  run.options.rtol = run.options.atol = 1.0; /* of an error that is not looked at */
+  run.options.rtol = run.options.atol = 1; /* of an error that is not looked at */
   run.t = t;
   run.stride = padded(ode->n);
   run.work = scratch;
   memcpy(y_here(&run), y, bytes);
   evaluate(&run, t, y, slope_here(&run));
   if (!all_finite(&run, slope_here(&run))) return LAMC_NOT_FINITE;
-  const double squared = lamc_method_rodas5p.attempt(&run, h);
+  const lamc_real squared = lamc_method_rodas5p.attempt(&run, h);
   memcpy(y, y_there(&run), bytes);
   if (!is_finite(squared)) return LAMC_NOT_FINITE;
   const lamc_status status = lamc_fixed_end(ode, t + h, y, scratch + size);

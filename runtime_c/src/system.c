@@ -18,17 +18,17 @@ long long lamc_system_work(const lamc_model *model) {
   return lamc_is_system(model) ? n * n + n * (n + 1) / 2 + n : 0;
 }
 
-void lamc_system_acceleration(const lamc_motion *motion, double t, const double *q, const double *u,
-                              double *udot) {
+void lamc_system_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
+                              lamc_real *udot) {
   const int n = motion->model->rate_count;
-  double *l = motion->work, *raw = l + (ptrdiff_t)n * n;
+  lamc_real *l = motion->work, *raw = l + (ptrdiff_t)n * n;
   motion->model->system(motion->constants, t, q, u, raw);
   lamc_cholesky(n, raw, l);
   memcpy(udot, raw + (ptrdiff_t)n * (n + 1) / 2, (size_t)n * sizeof *udot);
   lamc_system_response(motion, udot);
 }
 
-void lamc_system_response(const lamc_motion *motion, double *x) {
+void lamc_system_response(const lamc_motion *motion, lamc_real *x) {
   lamc_solve_lower(motion->model->rate_count, motion->work, x);
   lamc_solve_upper(motion->model->rate_count, motion->work, x);
 }

@@ -20,14 +20,14 @@ enum {
   CALM_STEPS = 30 /* steps over which an explicit method must look faster before it is taken again */
 };
 
-static const double TIGHT = 3e-6;         /* tolerance below which the higher orders are faster */
-static const double LINEAR_ALGEBRA = 3.0; /* of an implicit step, in evaluations: factors and solutions */
-static const double TIGHT_FOR_RADAU = 1e-7;
-static const double VERY_STIFF =
+static const lamc_real TIGHT = 3e-6;         /* tolerance below which the higher orders are faster */
+static const lamc_real LINEAR_ALGEBRA = 3.0; /* of an implicit step, in evaluations: factors and solutions */
+static const lamc_real TIGHT_FOR_RADAU = 1e-7;
+static const lamc_real VERY_STIFF =
     100.0; /* times the step: k / (m g L) of some 1e7 (measured: triple pendulum) */
-static const double CLEARLY_WORTH_IT = 10.0; /* times as fast: the trial need not go on */
-static const double WORTH_IT = 1.25;         /* times as fast */
-static const double PART_OF_EXTENT =
+static const lamc_real CLEARLY_WORTH_IT = 10.0; /* times as fast: the trial need not go on */
+static const lamc_real WORTH_IT = 1.25;         /* times as fast */
+static const lamc_real PART_OF_EXTENT =
     0.45; /* of the stable extent: where explicit steps come to be limited by it */
 
 /* The error estimate of a method of high order does not see a jump of a higher derivative within its long steps (measured
@@ -42,9 +42,9 @@ static int can_be_implicit(const lamc_run *run) {
 }
 
 /* Everything done so far, in evaluations */
-static double cost(const lamc_run *run) {
-  return (double)run->evaluations + (double)run->jacobians * run->ode.jacobian_cost +
-         (double)run->factorisations * LINEAR_ALGEBRA;
+static lamc_real cost(const lamc_run *run) {
+  return (lamc_real)run->evaluations + (lamc_real)run->jacobians * run->ode.jacobian_cost +
+         (lamc_real)run->factorisations * LINEAR_ALGEBRA;
 }
 
 static void mark(lamc_run *run) {
@@ -114,7 +114,7 @@ static void watch_explicit(lamc_run *run, const method *m) {
 /* The last step of a trial decides: by then the step has grown to what the tolerance allows. */
 static void watch_trial(lamc_run *run) {
   lamc_watch *w = &run->watch;
-  const double pace = (run->t - w->mark_t) / (cost(run) - w->mark_cost);
+  const lamc_real pace = (run->t - w->mark_t) / (cost(run) - w->mark_cost);
   mark(run);
   if (--w->probe_steps > 0 && pace < CLEARLY_WORTH_IT * w->pace) return;
   w->probe_steps = 0;
@@ -133,10 +133,10 @@ static void watch_trial(lamc_run *run) {
 }
 
 /* Largest sum of sizes in a row, over the entries of a block (rows, columns) of a matrix `width` wide */
-static double largest_row_sum(const double *block, int rows, int columns, int width) {
-  double most = 0.0;
+static lamc_real largest_row_sum(const lamc_real *block, int rows, int columns, int width) {
+  lamc_real most = 0.0;
   for (int i = 0; i < rows; i++) {
-    double sum = 0.0;
+    lamc_real sum = 0.0;
     for (int j = 0; j < columns; j++) sum += fabs(block[(ptrdiff_t)i * width + j]);
     most = larger(most, sum);
   }
@@ -145,25 +145,26 @@ static double largest_row_sum(const double *block, int rows, int columns, int wi
 
 /* An upper bound of the sizes of the eigenvalues of [0 I; A B] by row sums of A and B; where dq/dt is not u, of
  * [F G; A B], with what F and G bring by the way */
-static double eigenvalue_bound(const lamc_run *run) {
+static lamc_real eigenvalue_bound(const lamc_run *run) {
   const implicit parts = lamc_implicit_parts(run, lamc_method_of(run->method)->slots);
   const int k = parts.k, nq = coordinates_of(&run->ode), nu = run->ode.n - nq;
   if (parts.has_structure)
     return larger(sqrt(largest_row_sum(parts.by_q, k, k, k)), largest_row_sum(parts.by_u, k, k, k));
-  const double *below = parts.by_q + (ptrdiff_t)nq * k;
-  const double flow = largest_row_sum(parts.by_q, nq, nq, k);
-  const double gear = largest_row_sum(parts.by_q + nq, nq, nu, k);
-  const double stiffness = largest_row_sum(below, nu, nq, k),
-               damping = largest_row_sum(below + nq, nu, nu, k);
+  const lamc_real *below = parts.by_q + (ptrdiff_t)nq * k;
+  const lamc_real flow = largest_row_sum(parts.by_q, nq, nq, k);
+  const lamc_real gear = largest_row_sum(parts.by_q + nq, nq, nu, k);
+  const lamc_real stiffness = largest_row_sum(below, nu, nq, k),
+                  damping = largest_row_sum(below + nq, nu, nu, k);
   return larger(sqrt(stiffness * gear), larger(damping, flow));
 }
 
 static void watch_implicit(lamc_run *run, const method *m) {
   lamc_watch *w = &run->watch;
   const method *other = lamc_method_of(explicit_choice(run));
-  const double their_step = PART_OF_EXTENT * other->stable_extent / larger(eigenvalue_bound(run), DBL_MIN);
-  const double their_pace = their_step / other->evaluations;
-  const double our_pace = run->h_last / (m->evaluations + run->ode.jacobian_cost + LINEAR_ALGEBRA);
+  const lamc_real their_step =
+      PART_OF_EXTENT * other->stable_extent / larger(eigenvalue_bound(run), LAMC_LEAST);
+  const lamc_real their_pace = their_step / other->evaluations;
+  const lamc_real our_pace = run->h_last / (m->evaluations + run->ode.jacobian_cost + LINEAR_ALGEBRA);
   w->suspicions = their_pace > WORTH_IT * our_pace ? w->suspicions + 1 : 0;
   if (w->suspicions < CALM_STEPS) return;
   w->rest = FIRST_BACKOFF;

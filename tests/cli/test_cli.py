@@ -36,9 +36,11 @@ joints:
 
 
 @pytest.fixture(autouse=True)
-def _own_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every test works in a folder of its own."""
+def _own_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """Every test works in a folder of its own, and paints no pictures but where it asks for them."""
     monkeypatch.chdir(tmp_path)
+    if "painted" not in request.fixturenames:
+        request.getfixturevalue("unpainted")
 
 
 def call(*words: str) -> Result:
@@ -94,6 +96,7 @@ def test_version_is_told() -> None:
 # --- run ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("painted")
 def test_run_writes_results_pictures_and_manifest_and_ends_with_a_summary(tmp_path: Path) -> None:
     file = pendulum(tmp_path / "p.yaml")
     result = run(str(file), "--t-end", "0.5", "--points", "51")
@@ -196,6 +199,7 @@ def test_a_failed_run_keeps_its_rows_and_ends_with_3(tmp_path: Path) -> None:
         assert np.isfinite(arrays["q"]).all()
 
 
+@pytest.mark.usefixtures("painted")
 def test_a_film_of_an_earlier_run_is_taken_away(tmp_path: Path) -> None:
     file = pendulum(tmp_path / "p.yaml")
     first = call("run", str(file), "--t-end", "0.1", "--out", "o", "--json")
@@ -265,7 +269,7 @@ def test_default_rows_grow_with_the_run_up_to_a_limit() -> None:
         (("p.yaml", "--angle", "h2=1"), "no joint is named 'h2'"),
         (("p.yaml", "--angle", "h1=3 kg"), "not a unit of angle"),
         (("p.yaml", "--without", "grvity"), "did you mean 'gravity'"),
-        (("p.yaml", "--with", "torque"), "give a mapping"),
+        (("p.yaml", "--with", "torque"), "give a map"),
         (("p.yaml", "--with", "torque={h1: __import__('os')}"), "error: --with"),
         (("p.yaml", "--with", "gravity", "--without", "gravity"), "keep one of them"),
         (("p.yaml", "--t-end", "nan"), "t_end is nan"),
@@ -454,6 +458,7 @@ def test_split_writes_files_that_read_back_to_the_same_mechanism(tmp_path: Path)
     assert "left" in text.stdout
 
 
+@pytest.mark.usefixtures("painted")
 def test_split_writes_the_newer_form_of_an_older_joint_definition(shared: Path, tmp_path: Path) -> None:
     old = shared / "designs" / "flaps_old.joints"
     assert call("split", str(old), "--out", "a").exit_code == 0
@@ -484,6 +489,7 @@ def test_split_of_a_mechanism_without_plates_says_why_there_is_no_picture(tmp_pa
     assert "no joint definition and no picture" in result.stdout
 
 
+@pytest.mark.usefixtures("painted")
 def test_bench_shows_four_ways_that_agree(tmp_path: Path) -> None:
     pendulum(tmp_path / "p.yaml")
     result = call("bench", "p.yaml", "--out", "o")

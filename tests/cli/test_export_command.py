@@ -20,7 +20,7 @@ from lamc.export.options import FLAGS
 from tests.support.ctools import needs_cc
 from tests.support.exported_folders import mechanism_of
 
-pytestmark = needs_cc
+pytestmark = [needs_cc, pytest.mark.usefixtures("unpainted")]
 
 
 @pytest.fixture(autouse=True)

@@ -12,6 +12,8 @@ from click.testing import CliRunner, Result
 from lamc.cli import main
 from lamc.ledger.schema import read_ledger
 
+pytestmark = pytest.mark.usefixtures("unpainted")
+
 ROD = """\
 kind: mechanism
 name: rod
@@ -35,7 +37,19 @@ def call(*words: str) -> Result:
 
 
 def test_ledger_writes_what_it_prints(design: str) -> None:
-    found = call(design, "--t-end", "1", "--budget", "20 s", "--integrator", "rk45", "--integrator", "dop853")
+    found = call(
+        design,
+        "--t-end",
+        "1",
+        "--budget",
+        "20 s",
+        "--tightest",
+        "1e-6",
+        "--integrator",
+        "rk45",
+        "--integrator",
+        "dop853",
+    )
     assert found.exit_code == 0, found.output
     assert "verdict 1 % of the range" in found.output
     assert "hinge_damping" in found.output

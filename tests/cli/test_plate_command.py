@@ -17,7 +17,7 @@ from lamc.examples import plates
 from lamc.readers.plates.problem_file import load_plate
 from tests.support.ctools import needs_cc
 
-pytestmark = needs_cc
+pytestmark = [needs_cc, pytest.mark.usefixtures("unpainted")]
 
 SQUARE = """\
 kind: plate

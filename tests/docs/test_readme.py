@@ -9,13 +9,17 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import lamc
 from lamc import examples, plate
+from lamc.cli import main
 from lamc.examples import plates
 from lamc.readers.plates.problem_file import plate_of_text
 from lamc.readers.plates.problem_make import problem_of
 from tests.support.paths import ROOT
+
+pytestmark = pytest.mark.usefixtures("unpainted")  # tests/cli look at pictures
 
 PAGES = {
     str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
@@ -78,13 +82,25 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
 
 
 @pytest.mark.parametrize("command", [c for c in commands() if c.startswith("lamc")])
-def test_each_lamc_command_of_the_pages_succeeds(command: str, folder: Path) -> None:
-    arguments = [sys.executable, "-m", "lamc", *shlex.split(command)[1:]]
+def test_each_lamc_command_of_the_pages_succeeds(
+    command: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = shlex.split(command)[1:]
     if "--copy" in arguments:
         shutil.rmtree(folder / arguments[-1], ignore_errors=True)  # what the command is to make
-    if "run" in command.split():
+    if "run" in arguments:
         arguments.append("--no-animation")  # the film has its own tests, and takes most of the time
-    done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    if arguments[0] == "ledger":
+        arguments += ["--budget", "1s"]  # what it may spend, it does
+    monkeypatch.chdir(folder)
+    done = CliRunner().invoke(main, arguments)
+    assert done.exit_code == 0, done.output
+
+
+def test_the_command_is_a_process_too(folder: Path) -> None:
+    """The tests above call what this one starts, once: lamc and its libraries load for a second."""
+    command = [sys.executable, "-m", "lamc", "check", "design.cad"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
 
 
@@ -107,16 +123,11 @@ def test_the_pages_have_commands_of_both_kinds() -> None:
         for k, block in enumerate(blocks("python", PAGES[page]))
     ],
 )
-def test_each_program_of_the_pages_runs(program: str, folder_with_copies: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=folder_with_copies,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+def test_each_program_of_the_pages_runs(
+    program: str, folder_with_copies: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder_with_copies)
+    exec(compile(program, "program", "exec"), {"__name__": "__main__"})
     assert "to_csv" not in program or (folder_with_copies / "pendulum.csv").is_file()
 
 

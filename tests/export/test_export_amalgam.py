@@ -1,5 +1,6 @@
 """C text as tokens and declarations, and several files made one."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -9,8 +10,8 @@ import pytest
 from lamc import Body, ExportError, Joint, Mechanism
 from lamc.basics.resources import data_dir
 from lamc.export import files_of
-from lamc.export.amalgam import amalgamate
-from lamc.export.ctokens import items, tokens
+from lamc.export.amalgam.files import amalgamate
+from lamc.export.amalgam.tokens import items, tokens
 from lamc.export.options import ExportOptions, options_from
 from lamc.export.run_fields import run_fields
 from tests.support.ctools import needs_cc
@@ -148,12 +149,13 @@ def test_the_same_design_gives_the_same_bytes() -> None:
         "import hashlib; from lamc.export import files_of; from tests.export.test_export_amalgam import hostile; "
         "print([hashlib.sha256(v).hexdigest() for v in files_of(hostile()).values()])"
     )
-    root = ROOT
+    root, cache = ROOT, os.environ["LAMC_CACHE_DIR"]
+    plain = {"PYTHONPATH": str(root), "PATH": "/usr/bin:/bin", "HOME": str(root), "LAMC_CACHE_DIR": cache}
     outputs = {
         subprocess.run(
             [sys.executable, "-c", program],
             cwd=root, capture_output=True, text=True, check=True,
-            env={"PYTHONHASHSEED": seed, "PYTHONPATH": str(root), "PATH": "/usr/bin:/bin", "HOME": str(root)},
+            env={"PYTHONHASHSEED": seed, **plain},
         ).stdout
         for seed in ("1", "2")
     }  # fmt: skip

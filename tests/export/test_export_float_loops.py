@@ -14,6 +14,7 @@ from lamc.export.driven import simulator_of
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
 from tests.support.exported import Exported, c_files
+from tests.support.quick import slow_but
 
 pytestmark = needs_cc
 
@@ -83,7 +84,7 @@ def outputs(model: Exported, it: Any) -> Any:
     return found
 
 
-@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("name", slow_but({"four_bar", "two_loops", "bricard", "vertex"}, LOOPS))
 def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any) -> None:
     """A second of the scene, whose loops stay away from singular positions."""
     pair = pairs(name)

@@ -154,7 +154,6 @@ def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
     (tmp_path / "driver.c").write_text(DRIVER_2 if fmi == 2 else DRIVER_3)
     flags = [
         "-std=c99",
-        "-O1",
         "-g",
         "-fsanitize=address,undefined",
         "-fno-sanitize-recover=all",
@@ -188,7 +187,7 @@ def test_two_fmus_in_one_program(sources, fmi, tmp_path):
         folder = sources(name, fmi)
         for unit, define in ((f"fmi{fmi}", f"-DFMI{fmi}_FUNCTION_PREFIX={name}_"), (name, "-DUNUSED")):
             objects.append(f"{name}_{unit}.o")
-            cc(tmp_path, "-std=c99", "-O1", define, "-c", str(folder / f"{unit}.c"), "-o", objects[-1])
+            cc(tmp_path, "-std=c99", define, "-c", str(folder / f"{unit}.c"), "-o", objects[-1])
     (tmp_path / "main.c").write_text(
         f"const char *five_bar_fmi{fmi}GetVersion(void);\nconst char *crawler_fmi{fmi}GetVersion(void);\n"
         f"int main(void) {{ return five_bar_fmi{fmi}GetVersion()[0] != crawler_fmi{fmi}GetVersion()[0]; }}\n"

@@ -14,6 +14,7 @@ from tests.support.exported_folders import (
     DURATION,
     KINDS,
     STRICT,
+    builds,
     cc,
     compilers,
     does,
@@ -30,8 +31,7 @@ MODELS = (*KINDS, "stiff_triple")
 
 
 @needs("nm")
-@pytest.mark.parametrize("compiler", compilers())
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(("name", "compiler"), builds(MODELS))
 def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path) -> None:
     """But blocks of memory, which compilers copy and clear by calls whether a program says so or not."""
     folder = put(exported(name, libm=False), tmp_path)
@@ -50,7 +50,7 @@ def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path)
 @needs("g++")
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", libm=False), tmp_path)
-    cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-O2", "-c", "crawler.c", "-o", "it.o", command=["g++"])
+    cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])
 
 
 def test_what_the_model_does_not_call_is_not_there() -> None:
@@ -88,7 +88,7 @@ def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_s
     assert states[0].tobytes() == states[1].tobytes()
 
 
-@pytest.mark.parametrize("name", ["pendulum", "crawler"])
+@pytest.mark.parametrize("name", ["pendulum", pytest.param("crawler", marks=pytest.mark.slow)])
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits. Without contraction nothing is left that compilers may choose."""
     printed = []

@@ -14,6 +14,8 @@ from lamc.export import TARGETS, Files, files_of
 from lamc.export.options import ExportOptions, options_from
 from tests.support.ctools import needs_cc
 
+pytestmark = pytest.mark.usefixtures("unpainted")
+
 # A value of each that is not its default. `lossy` is missing: it permits, and permission may go unused.
 CHOSEN: Mapping[str, object] = {
     "prefix": "other",
@@ -74,7 +76,7 @@ def sets() -> Iterator[frozenset[str]]:
     yield from (frozenset({"precision", "real_time", name}) for name in CHOSEN)
 
 
-@pytest.mark.parametrize("target", ["c", "mjcf", "urdf"])
+@pytest.mark.parametrize("target", [pytest.param("c", marks=pytest.mark.slow), "mjcf", "urdf"])
 def test_nor_is_one_accepted_that_others_leave_nothing_to_do(target: str) -> None:
     for names in sets():
         both = made(target, names)

@@ -23,8 +23,8 @@ from lamc.export.plate_tables import pattern_of
 from lamc.plates.problem import Problem
 from lamc.plates.solving.system import system
 from lamc.reference.plate_elements import ReferenceElement
-from tests.export.test_export_clean import BLOCKS, MATH, sanitizer_works
-from tests.support.ctools import CC, STRICT_CXX, needs_cc
+from tests.export.test_export_clean import BLOCKS, MATH
+from tests.support.ctools import CC, STRICT_CXX, needs_cc, sanitizer_works
 from tests.support.exported_folders import STRICT, cc, compilers, does, needs, put
 from tests.support.exported_plates import CFRP, MAKERS, SIDE, STEEL, Library, exported, problem
 
@@ -177,7 +177,7 @@ def test_it_builds_without_a_warning_and_prints_the_same(
     cc(folder, "-std=c99", "-O2", *STRICT, *files, command=compiler)
     first = does([folder / "example"], folder)
     assert len(first.splitlines()) == len(problem(name).dofs.points) + 1
-    cc(folder, "-std=c11", "-O1", "-ffp-contract=off", *files, command=compiler)
+    cc(folder, "-std=c11", "-ffp-contract=off", *files, command=compiler)
     assert does([folder / "example"], folder) == first
 
 
@@ -192,12 +192,12 @@ def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
 def test_the_single_header_without_a_library_is_all_there_is(name: str, tmp_path: Path) -> None:
     """Sines and cosines of plies are lamc's own either way, so the bits are the same."""
     folder = put(exported(name), tmp_path / "usual")
-    cc(folder, "-std=c99", "-O2", "example_main.c", f"{name}.c", "-lm", "-o", "example")
+    cc(folder, "-std=c99", "example_main.c", f"{name}.c", "-lm", "-o", "example")
     expected = does([folder / "example"], folder)
     files = exported(name, single_header=True, libm=False)
     assert f"{name}.c" not in files
     folder = put(files, tmp_path / "single")
-    cc(folder, "-std=c99", "-O2", *STRICT, "example_main.c", "-o", "example")
+    cc(folder, "-std=c99", *STRICT, "example_main.c", "-o", "example")
     assert does([folder / "example"], folder) == expected
 
 
@@ -205,7 +205,7 @@ def test_the_single_header_without_a_library_is_all_there_is(name: str, tmp_path
 @pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
 def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
-    cc(folder, "-std=c99", "-O2", "-fno-pic", "-fno-pie", "-c", f"{name}.c", "-o", "it.o")
+    cc(folder, "-std=c99", "-fno-pic", "-fno-pie", "-c", f"{name}.c", "-o", "it.o")
     kinds = dict(line.split()[-2:][::-1] for line in does(["nm", "it.o"], folder).splitlines())
     assert {s for s, kind in kinds.items() if kind in "BbCDdGgSs"} == set()
     assert {s for s, kind in kinds.items() if kind == "U"} <= MATH | BLOCKS
@@ -214,7 +214,7 @@ def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path)
 
 @pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
 def test_it_runs_clean_under_the_sanitizers(name: str, tmp_path: Path) -> None:
-    flags = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     if not sanitizer_works(tmp_path, *flags):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     folder = put(exported(name), tmp_path)

@@ -13,8 +13,7 @@ from lamc import plate
 from lamc.basics.errors import DesignError
 from lamc.plates.problem import Problem
 from lamc.plates.solving.system import system
-from tests.export.test_export_clean import sanitizer_works
-from tests.support.ctools import needs_cc
+from tests.support.ctools import needs_cc, sanitizer_works
 from tests.support.exported_folders import cc, does, put
 from tests.support.exported_plates import MAKERS, SIDE, STEEL, Array, Library, exported, problem
 
@@ -178,7 +177,7 @@ int main(void) {{
 @pytest.mark.parametrize("name", ["oblique", "squares"])
 def test_points_are_looked_up_cleanly_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     """On and around the plate; as many are on it as its area, give or take the squares that its rim crosses."""
-    flags = ("-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     if not sanitizer_works(tmp_path, *flags):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     mesh = problem(name).mesh

@@ -83,13 +83,13 @@ def test_it_compiles_without_a_warning(
     options: dict[str, object], compiler: list[str], tmp_path: Path
 ) -> None:
     folder = put(exported("crawler", **{"real_time": True, "integrator": "rodas5p", **options}), tmp_path)
-    cc(folder, "-std=c99", *STRICT, "-O2", "-c", "crawler.c", "-o", "it.o", command=compiler)
+    cc(folder, "-std=c99", *STRICT, "-c", "crawler.c", "-o", "it.o", command=compiler)
 
 
 @needs("g++")
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", real_time=True, integrator="rodas5p", precision="float"), tmp_path)
-    cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-O2", "-c", "crawler.c", "-o", "it.o", command=["g++"])
+    cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])
 
 
 def test_both_kinds_of_steps_of_an_instance_are_of_the_same_method(tmp_path: Path) -> None:

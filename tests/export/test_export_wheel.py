@@ -24,7 +24,8 @@ from lamc.basics.errors import ExportError
 from lamc.export import files_of
 from lamc.export.wheel import class_name
 from tests.support.ctools import needs_cc
-from tests.support.exported_folders import DURATION, mechanism_of, scene_of
+from tests.support.exported_folders import DURATION, KINDS, mechanism_of, scene_of
+from tests.support.quick import slow_but
 
 pytestmark = needs_cc
 
@@ -87,7 +88,7 @@ def told(work, *arguments):
 """
 
 
-@pytest.mark.parametrize("name", ["pendulum", "four_bar", "limit_stop", "crawler"])
+@pytest.mark.parametrize("name", slow_but({"four_bar", "crawler"}, KINDS))
 def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path) -> None:
     install(python, wheel_of(name))
     t_end = DURATION[name]

@@ -219,7 +219,8 @@ def test_base_motions_that_make_no_sense_are_refused() -> None:
     with pytest.raises(ExpressionError, match="z displacement of base_motion"):
         BaseMotion(displacement=(0, 0, "0.1*rate"))
     with pytest.raises(
-        ExpressionError, match=r"z of base_motion: .*'omega' is not known.*the scene's inputs"
+        ExpressionError,
+        match=r"the z displacement of base_motion: .*'omega' is not known.*the scene's inputs",
     ):
         Scene(effects=(BaseMotion(displacement=(0, 0, "0.1*sin(omega*t)")),))
     with pytest.raises(DesignError, match="must have a direction"):

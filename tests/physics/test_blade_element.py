@@ -378,14 +378,14 @@ def shapely_box(left: float, bottom: float, right: float, top: float) -> Polygon
     [
         ({"body": "wings"}, "no body is named 'wings'; the bodies are ground, wing"),
         ({"body": "ground"}, "body 'ground' has no outline"),
-        ({"strips": 0}, "strips of the wing 'wing' is 0; it must be 1 to 64"),
+        ({"strips": 0}, "strips: it is 0; it must be at least 1"),
         ({"leading": (1.0, 0.0)}, "must point to one side"),
         ({"leading": (0.0, 0.0)}, "must have a direction"),
         ({"line": ((0.0, 0.0), (0.0, 0.0))}, "give two points that differ"),
         ({"line": ((0.0, -0.1), (1.0, -0.1))}, "halves it"),
         ({"outline": ((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0))}, "is no polygon"),
-        ({"rest_speed": 0.0}, "rest_speed of the wing 'wing' is 0"),
-        ({"air_density": -1.0}, "air_density of the wing 'wing'"),
+        ({"rest_speed": 0.0}, "the rest speed is 0 m/s; it must be above 0"),
+        ({"air_density": -1.0}, "the air density is -1 kg/m.3"),
     ],
 )
 def test_what_is_no_wing_is_refused(change: dict[str, object], told: str) -> None:

@@ -237,19 +237,19 @@ def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
-        (lambda: Gravity((0, 0)), DesignError, "shape"),  # type: ignore[arg-type]
+        (lambda: Gravity((0, 0)), DesignError, "must hold 3 numbers"),  # type: ignore[arg-type]
         (lambda: Gravity((0, 0, math.nan)), DesignError, "finite"),
-        (lambda: Gravity("down"), DesignError, "acceleration of gravity"),  # type: ignore[arg-type]
-        (lambda: Torque({"hip": math.inf}), DesignError, "torque of joint 'hip' is inf"),
-        (lambda: Torque({"hip": None}), DesignError, "must be a number"),  # type: ignore[dict-item]
-        (lambda: Torque(0.3), DesignError, "mapping from joint name to torque"),  # type: ignore[arg-type]
+        (lambda: Gravity("down"), DesignError, "gravity.acceleration: acceleration is 'down'"),  # type: ignore[arg-type]
+        (lambda: Torque({"hip": math.inf}), DesignError, "torques of 'hip' is inf"),
+        (lambda: Torque({"hip": None}), DesignError, "None is not a torques of 'hip'; write a number in N.m"),  # type: ignore[dict-item]
+        (lambda: Torque(0.3), DesignError, "give a map from names to numbers"),  # type: ignore[arg-type]
         (lambda: Torque({"hip": "t.real"}), ExpressionError, "joint 'hip'.*column 2"),
         (
             lambda: Gravity.from_data("down", "a:1"),
             DesignError,
-            "a:1.acceleration: 'down' is not an acceleration",
+            "a:1: acceleration is 'down'; give a list of 3 numbers",
         ),
-        (lambda: Torque.from_data([1], "a:1"), DesignError, "a:1: torque is"),
+        (lambda: Torque.from_data([1], "a:1"), DesignError, "a:1: torques is"),
         (lambda: HingeStiffness.from_data(3, "a:1"), DesignError, "a:1: hinge_stiffness takes no value"),
         (lambda: HingeDamping.from_data([0], "a:1"), DesignError, "takes no value"),
         (lambda: RestAngle.from_data("x", "a:1"), DesignError, "takes no value"),

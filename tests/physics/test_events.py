@@ -215,13 +215,13 @@ def test_effects_of_ones_own_can_switch() -> None:
 @pytest.mark.parametrize(
     ("fields", "words"),
     [
-        ({"restitution": 0.0}, "must be above 0 and at most 1"),
-        ({"restitution": 1.5}, "must be above 0 and at most 1"),
+        ({"restitution": 0.0}, "must be above 0: for a stop without bounce"),
+        ({"restitution": 1.5}, "the restitution is 1.5; it must be at most 1"),
         ({"restitution": 0.5, "stiffness": 1.0}, "a limit either bounces or yields"),
-        ({"stiffness": 0.0}, "a limit must resist"),
-        ({"stiffness": -1.0}, "stiffness of joint limits"),
-        ({"damping": math.nan}, "damping of joint limits"),
-        ({"flat_fold": 1}, "must be true or false"),
+        ({"stiffness": 0.0}, "the stiffness is 0 N.m.rad; it must be above 0"),
+        ({"stiffness": -1.0}, "the stiffness is -1 N.m.rad; it must be above 0"),
+        ({"damping": math.nan}, "the damping is nan"),
+        ({"flat_fold": 1}, "flat fold is 1; it must be True or False"),
     ],
 )
 def test_limits_that_make_no_sense_are_refused(fields: dict[str, Any], words: str) -> None:

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lamc.basics.errors import DesignError, LamcError
+from lamc.basics.errors import DesignError, DesignErrors, LamcError
 from lamc.codegen.names import identifier
 from lamc.effects import registry
 from lamc.effects.registry import EFFECTS, by_name, choose
@@ -208,9 +208,14 @@ def plain(name: str) -> Any:
 
 
 def outcome(make: Callable[[], object]) -> str:
-    """ "" for a record, or the message of the LamcError; anything else escapes and fails the test."""
+    """ "" for a record, or the message of the LamcError, of several the longest; anything else escapes and fails the
+    test."""
     try:
         make()
+    except DesignErrors as errors:
+        told = [str(error) for error in errors.problems]
+        assert "\n" not in "".join(told)
+        return max(told, key=len)
     except LamcError as error:
         return str(error)
     return ""

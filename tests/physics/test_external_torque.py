@@ -202,10 +202,10 @@ def test_it_never_acts_by_itself() -> None:
     ("joints", "words"),
     [
         (("hip",), "no joint is named 'hip'; the joints are h1, h2"),
-        (("h1", "h1"), "joint 'h1' twice"),
-        ((), "give names"),
-        ("h1", "give names"),
-        ((3,), "a joint of an external torque has the name 3"),
+        (("h1", "h1"), "'h1' twice"),
+        ((), "give a list of names"),
+        ("h1", "give a list of names"),
+        ((3,), "an entry of joints has the name 3"),
     ],
 )
 def test_joints_that_cannot_be_are_refused(joints: object, words: str) -> None:

@@ -360,12 +360,12 @@ def off() -> Mechanism:
 
 HEAVY = plate.Laminate([plate.Ply(plate.Material.isotropic(70e9, 0.3, 2 * RHO), T)])
 BAD = {
-    "modes of flexible_links is 0; give a whole number from 1": lambda: FlexibleLinks(modes=0),
-    "modes of flexible_links is 2.5": lambda: FlexibleLinks(modes=2.5),  # type: ignore[arg-type]
-    r"bodies of flexible_links are \(\)": lambda: FlexibleLinks(()),
-    "bodies of flexible_links have 'a' twice": lambda: FlexibleLinks(("a", "a")),
-    "the damping_ratio of flexible_links is -0.1": lambda: FlexibleLinks(damping_ratio=-0.1),
-    "the size of flexible_links is 0 m": lambda: FlexibleLinks(size=0.0),
+    "modes: it is 0; it must be at least 1": lambda: FlexibleLinks(modes=0),
+    "modes is 2.5; it must be a whole number": lambda: FlexibleLinks(modes=2.5),  # type: ignore[arg-type]
+    r"bodies are \(\)": lambda: FlexibleLinks(()),
+    "bodies have 'a' twice": lambda: FlexibleLinks(("a", "a")),
+    "the damping ratio is -0.1; it must be at least 0": lambda: FlexibleLinks(damping_ratio=-0.1),
+    "the size is 0 m; it must be above 0": lambda: FlexibleLinks(size=0.0),
     "no body is named 'b9'; known are b0": lambda: asked(flag(), bodies=("b9",)),
     "body 'ground' is fixed": lambda: asked(flag(), bodies=("ground",)),
     "what body 'b0' is made of is not known.*give its laminate": lambda: asked(flag(), laminate=None),
@@ -373,7 +373,7 @@ BAD = {
     "hinge 'h0' of body 'b0' does not lie in the plane": lambda: asked(upright()),
     "no edge of the outline of body 'b0' lies on the line of hinge 'h0'": lambda: asked(off()),
     "weighs 0.0081 kg, more than the body": lambda: asked(flag(), laminate=HEAVY),
-    "the refinement of flexible_links is 0": lambda: FlexibleLinks(refinement=0.0),
+    "the refinement is 0; it must be above 0": lambda: FlexibleLinks(refinement=0.0),
     "element": lambda: asked(flag(), element="dktt", size=1e-2),
 }
 

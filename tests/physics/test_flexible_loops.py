@@ -48,7 +48,7 @@ def test_stiff_links_of_a_loop_are_rigid_ones() -> None:
         assert bent.angle(hinge) == pytest.approx(rigid.angle(hinge), abs=1e-6)
 
 
-@pytest.mark.parametrize("base", [(), (FreeBase(),)])
+@pytest.mark.parametrize("base", [(), pytest.param((FreeBase(),), marks=pytest.mark.slow)])
 def test_a_loop_whose_links_bend_moves_as_the_independent_voice_says(base: tuple[Effect, ...]) -> None:
     """Also at the start, where stiff modes would show any move by a last digit as an acceleration."""
     report = check(four_bar(FlexibleLinks(bodies=("arm", "link")), *base), states=4, t_end=0.05)

@@ -283,12 +283,13 @@ class Interrupting(Quiet):
     ("stage", "within"),
     [
         ("work and precision", True),
-        ("effects", False),
         ("effects", True),
-        ("arithmetic", False),
-        ("repeats", False),
+        pytest.param("effects", False, marks=pytest.mark.slow),
+        pytest.param("arithmetic", False, marks=pytest.mark.slow),
+        pytest.param("repeats", False, marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.usefixtures("unpainted")
 def test_interrupted_ledger_has_what_was_measured_and_claims_no_more(
     stage: str, within: bool, tmp_path: Path
 ) -> None:

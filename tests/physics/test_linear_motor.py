@@ -168,12 +168,12 @@ def test_scene_files_give_motors_with_units() -> None:
         ),
         ({"stall_torque": 1.0, "resistance": 2.0}, "are stall_torque, resistance; give"),
         ({**LINE, "resistance": 2.0}, "give"),
-        ({**LINE, "stall_torque": 0.0}, "stall_torque of the motor on joint 'hip' is 0; it must be above 0"),
+        ({**LINE, "stall_torque": 0.0}, "the stall torque is 0 N.m; it must be above 0"),
         ({**LINE, "no_load_speed": -1.0}, "no_load_speed.*above 0"),
         ({**LINE, "nominal_voltage": math.nan}, "nominal_voltage.*finite"),
-        ({**LINE, "rotor_inertia": -1e-6}, "rotor_inertia of the motor.*at least 0"),
+        ({**LINE, "rotor_inertia": -1e-6}, "the rotor inertia is .*at least 0"),
         ({**LINE, "gear_ratio": 0.0}, "gear_ratio of the motor on joint 'hip' is 0"),
-        ({"torque_constant": "much", "resistance": 1.0}, "must be a number"),
+        ({"torque_constant": "much", "resistance": 1.0}, "'much' is not a torque constant"),
     ],
 )
 def test_motors_that_cannot_be_are_refused(data: dict[str, Any], words: str) -> None:

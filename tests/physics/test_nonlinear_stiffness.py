@@ -19,7 +19,7 @@ from scipy.special import ellipj
 import lamc
 from lamc.basics.errors import DesignError, ExpressionError, LamcError
 from lamc.effects import HingeStiffness, NonlinearStiffness, RestAngle
-from lamc.effects.data import Where
+from lamc.effects.data import file_context
 from lamc.effects.registry import choose
 from lamc.effects.torque_laws import Table
 from lamc.examples import __file__ as examples
@@ -385,8 +385,8 @@ def test_tables_come_from_files(tmp_path: Path, text: str, rows: tuple[tuple[flo
     (tmp_path / "hinge.csv").write_text(text, encoding="utf-8", newline="")
     effect = NonlinearStiffness({"h": {"file": str(tmp_path / "hinge.csv")}})
     assert effect == NonlinearStiffness({"h": {"table": rows}})
-    where = Where("scene.effects.nonlinear_stiffness", folder=tmp_path)
-    assert NonlinearStiffness.from_data({"h": {"file": "hinge.csv"}}, where) == effect
+    context = file_context(folder=tmp_path)
+    assert NonlinearStiffness.from_data({"h": {"file": "hinge.csv"}}, "scene", context) == effect
 
 
 @pytest.mark.parametrize(
@@ -412,7 +412,7 @@ def test_tables_come_from_files(tmp_path: Path, text: str, rows: tuple[tuple[flo
 def test_tables_that_cannot_be_are_refused_with_their_place(tmp_path: Path, data: bytes, words: str) -> None:
     (tmp_path / "hinge.csv").write_bytes(data)
     with pytest.raises(DesignError, match=words) as caught:
-        NonlinearStiffness.from_data({"h": {"file": "hinge.csv"}}, Where("here", folder=tmp_path))
+        NonlinearStiffness.from_data({"h": {"file": "hinge.csv"}}, "here", file_context(folder=tmp_path))
     assert "\n" not in str(caught.value)
 
 
@@ -432,15 +432,15 @@ def test_any_bytes_are_a_table_or_an_error_of_lamcs_own(
     [
         ([], "has 0 coefficients; give 1 to 16"),
         ([0.0, 0.0], "all 0; leave the hinge out"),
-        ([1.0, math.nan], r"coefficient 2 of the stiffness of hinge 'h' is nan"),
+        ([1.0, math.nan], r"laws\.h\[1\]: the stiffness is nan"),
         ({"tabel": [[0, 0], [1, 1]]}, "no field 'tabel'; did you mean 'table'"),
         ({}, "gives nothing; give one of table, file and energy"),
         ({"table": [[0, 0], [1, 1]], "file": "x.csv"}, "gives table and file; give one"),
         ({"energy": "angle^2", "between": "spline"}, "give one of"),
         ({"energy": 3}, "give an expression in angle"),
         ({"table": [[0, 0], [1, 1]], "between": "linear"}, "kinks.*lose their order"),
-        ({"table": [[0, 0], [1, math.inf]]}, r"row 2 of the table is \[1\.0, inf\]"),
-        ({"table": [0, 1]}, r"shape \(2,\)"),
+        ({"table": [[0, 0], [1, math.inf]]}, r"table\[1\]\[1\]: the torque is inf"),
+        ({"table": [0, 1]}, r"the row is 0; give \[angle, torque\]"),
         (
             {"table": [[0.01 * k, k] for k in range(51)], "located": True},
             "51 points cannot be located; at most 50",
@@ -490,7 +490,7 @@ def test_scene_files_give_laws_with_units_and_take_them_back() -> None:
     assert effect.laws["b"] == pytest.approx((linear, 0.0, 2.0), rel=1e-15)
     assert read_scene(scene_data(scene)).effects == (effect,)
     assert hash(effect) == hash(NonlinearStiffness(effect.laws))
-    with pytest.raises(DesignError, match=r"nonlinear_stiffness\.c\.table\[0\]\.angle.*not a unit of angle"):
+    with pytest.raises(DesignError, match=r"nonlinear_stiffness\.c\.table\[0\]\[0\].*not a unit of angle"):
         read_scene({"effects": {"nonlinear_stiffness": {"c": {"table": [["10 kg", 0], [1, 1]]}}}})
 
 

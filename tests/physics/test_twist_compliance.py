@@ -346,11 +346,11 @@ BAD = {
     ),
     "no joint is named 'x'": lambda: arranged(flag(), TwistCompliance(**FILM | {"width": {"x": 1.0}})),
     "runs along the normal": lambda: arranged(flag(), TwistCompliance(**FILM, normal=(0.0, 1.0, 0.0))),
-    "width of twist_compliance is 0; it must be above 0": lambda: TwistCompliance(width=0.0),
-    "nu of twist_compliance is 1.5": lambda: TwistCompliance(nu=1.5),
+    "twist_compliance.width: the width is 0 m; it must be above 0": lambda: TwistCompliance(width=0.0),
+    "twist_compliance.nu: the nu is 1.5": lambda: TwistCompliance(nu=1.5),
     "did you mean 'twist_x'": lambda: TwistCompliance(freedoms=("twistx",)),
-    "joints of twist_compliance are \\(\\)": lambda: TwistCompliance(joints=()),
-    "the retardation of twist_compliance is -1.0": lambda: TwistCompliance(retardation=-1.0),
+    "joints are \\(\\)": lambda: TwistCompliance(joints=()),
+    "twist_compliance.retardation: the retardation is -1 s": lambda: TwistCompliance(retardation=-1.0),
     "the normal of twist_compliance": lambda: TwistCompliance(normal=(0.0, 0.0, 0.0)),
     "but rigid in slide_y": lambda: arranged(
         ring(), TwistCompliance(**RING, freedoms=("twist_x", "twist_y", "slide_x", "slide_z"))

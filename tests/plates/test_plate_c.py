@@ -19,8 +19,8 @@ from lamc.plates.elements.definition import Element, side, xi
 from lamc.plates.elements.kernels import kernels
 from lamc.plates.elements.library import ELEMENTS, element
 from tests.plates.test_plate_kernels import cells, inputs
-from tests.support.ctools import STRICT, STRICT_CXX, cc, needs_cc
-from tests.unit.test_sanitizers import FLAGS, works
+from tests.support.ctools import STRICT, STRICT_CXX, cc, needs_cc, sanitizer_works
+from tests.unit.test_sanitizers import FLAGS
 
 pytestmark = needs_cc
 
@@ -149,7 +149,7 @@ SANITIZED = ("bfs", "dkt", "lst", "q8")
 
 @pytest.mark.parametrize("name", SANITIZED)
 def test_generated_c_runs_clean_under_sanitizers(name: str, tmp_path: Path) -> None:
-    if not works(tmp_path):
+    if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     tree = sources(name, tmp_path)
     cc(tmp_path, *FLAGS, "driver.c", *tree.compiled, "-lm", "-o", "driver")

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from shapely.geometry import Point, Polygon, box
 
 from lamc import plate
+from lamc.commands.plate_work import answers
+from lamc.pipeline import Times
 from lamc.plates.answers.convergence import error_of_values
 from lamc.plates.problem import Problem
 from lamc.plates.solving.curves import CurveNodes, curve_nodes
@@ -209,3 +211,49 @@ def test_what_lies_on_circles_is_drawn_with_them() -> None:
         inner = np.linalg.norm(problem.mesh.points, axis=1) < 0.0301
         assert len(problem.places.nodes(support.where, "")) == inner.sum()
         assert len(problem.places.edges_on(support.where)) == inner.sum()
+
+
+# --- what is told ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("corners", "told"), [(7, False), (8, True), (12, True), (17, True), (24, False)])
+def test_a_supported_polygon_that_may_stand_for_a_circle_is_told(corners: int, told: bool) -> None:
+    """A circle of 12 corners is held as a polygon, and so a fifth too stiff."""
+    problem = held(ring(corners), 0.02)
+    wanted = f"regular polygon of {corners} corners"
+    assert any(wanted in note for note in plate.solve(problem).report.notes) == told
+    assert any(wanted in note for note in plate.modes(problem, 1).notes) == told
+
+
+def test_other_polygons_and_edges_that_do_not_turn_go_without_a_word() -> None:
+    tapered = Polygon([(x, 0.5 * y) for x, y in ring(12).exterior.coords])
+    clamped = dataclasses.replace(held(ring(12), 0.02), supports=[plate.Clamped("boundary")])
+    for problem in (held(tapered, 0.02), clamped):
+        assert not any("regular polygon" in note for note in plate.solve(problem).report.notes)
+
+
+def test_halved_cells_that_keep_the_corners_of_a_circle_say_so() -> None:
+    quantity = lambda solution: float(solution.deflection(0.01, 0.01))  # noqa: E731
+    found = plate.error_of(held(ring(32), 0.02), quantity)
+    assert "curved edges" in found.note
+    assert found.note in str(plate.converge(held(ring(32), 0.02), quantity, meshes=2))
+    assert plate.error_of(held(box(0, 0, R, R), 0.02), quantity).note == ""
+
+
+def test_a_second_mesh_grows_circles_of_files_and_says_where_it_keeps_corners() -> None:
+    """Modes on halved cells are those of the finer circle; a polygon in well-known text stays what it is."""
+    text = FILE % "simply_supported" + "modes: 1\n"
+    circle = plate_of_text(text, "disk.yaml")
+    drawn = plate_of_text(
+        text.replace("circle: {center: [0, 0], radius: 100}", f"wkt: '{ring(32, 100.0).wkt}'"), "drawn.yaml"
+    )
+    found = answers(circle, "", None, "auto", Times(), two_meshes=True)
+    finer = halved_problem_of(circle, found.problem)
+    (pair,) = found.shapes["modes"].halved
+    assert pair.error is not None
+    assert pair.error.finer == pytest.approx(
+        plate.modes(finer, 1).frequencies[0], rel=1e-9
+    )  # the same problem
+    assert not any("curved edges" in note for note in found.cases[0].notes)
+    kept = answers(drawn, "", None, "auto", Times(), two_meshes=True)
+    assert any("curved edges" in note for note in kept.cases[0].notes)

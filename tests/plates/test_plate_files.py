@@ -486,7 +486,7 @@ def test_what_makes_no_sense_is_refused_with_the_reason(more: str, told: str) ->
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("thickness: 1", "thickness: 0", "is not above 0"),
+        ("thickness: 1", "thickness: 0", "it must be above 0"),
         ("material: steel", "material: steal", "did you mean 'steel'?"),
         ("thickness: 1}", "thickness: 1, angle: 45}", "45 has no unit"),
         ("thickness: 1}", "layup: '[0/45'}", "thickness of a ply"),

@@ -7,6 +7,7 @@ from shapely.geometry import LineString, box
 from lamc import plate
 from lamc.basics.errors import DesignError
 from lamc.plates.answers.reduction import Attachment, Reduction, reduce_plate
+from lamc.plates.elements.kernels import kernels
 from tests.support.ctools import needs_cc
 
 E, RHO, T, A, B = 70e9, 2700.0, 1e-3, 0.1, 0.01
@@ -99,3 +100,23 @@ def test_a_plate_that_is_not_held_is_refused() -> None:
     loose = plate.Problem(plate.mesh(box(0, 0, A, B), 5e-3), SHEET)
     with pytest.raises(DesignError, match="a plate that is reduced needs a plate that is held"):
         reduce_plate(loose, 2)
+
+
+def test_shapes_at_a_point_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Effects push at few points, and the independent voices ask for the shapes there at every instant."""
+    found = reduce_plate(problem(nx=4), 2)
+    phi, slopes = found.shape_at(A, B / 2)
+    monkeypatch.setattr("lamc.plates.answers.reduction.kernels", None)
+    again = found.shape_at(A, B / 2)
+    assert again[0] is phi
+    assert again[1] is slopes
+    assert not phi.flags.writeable
+    assert not slopes.flags.writeable
+
+
+def test_an_element_is_written_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its text, by which the cache knows it, takes sympy longer than a small plate takes to solve."""
+    element = problem(nx=4).dofs.element
+    kernels(element)
+    monkeypatch.setattr(type(element), "__repr__", None)
+    assert kernels(element).unknown_count == kernels(element).unknown_count

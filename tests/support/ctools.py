@@ -37,6 +37,16 @@ def cc(folder: Path, *arguments: str, compiler: str = CC) -> None:
     assert done.returncode == 0, done.stderr[:3000]
 
 
+def sanitizer_works(folder: Path, *flags: str) -> bool:
+    """Whether a program made with these flags runs here: some kernels do not let the thread sanitizer."""
+    (folder / "probe.c").write_text("int main(void) { return 0; }\n")
+    command = [*CC.split(), *flags, "probe.c", "-o", "probe"]
+    made = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+    if made.returncode != 0:
+        return False
+    return subprocess.run([folder / "probe"], capture_output=True, check=False).returncode == 0
+
+
 def output_of(program: Path, *arguments: str) -> str:
     """What a program prints; the test fails if it ends otherwise than well."""
     done = subprocess.run(

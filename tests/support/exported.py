@@ -16,12 +16,11 @@ from lamc.export.options import ExportOptions
 from tests.support.ctools import CC
 from tests.support.mechanisms import Array
 
-C99 = ("-std=c99", "-O2", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+C99 = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 CXX17 = (
     "-x",
     "c++",
     "-std=c++17",
-    "-O2",
     "-pedantic",
     "-Wall",
     "-Wextra",

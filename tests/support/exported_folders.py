@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from _pytest.mark.structures import ParameterSet
 
 import lamc
 from lamc.export import files_of
@@ -32,7 +33,7 @@ def clang() -> list[str] | None:
     return None
 
 
-def compilers() -> list[object]:
+def compilers() -> list[ParameterSet]:
     """Commands of C compilers as parameters of a test; those that are not here are skipped with the reason."""
     has_gcc, found = shutil.which("gcc") is not None, clang()
     no_gcc = pytest.mark.skipif(not has_gcc, reason="gcc is not installed")
@@ -40,6 +41,17 @@ def compilers() -> list[object]:
     return [
         pytest.param(["gcc"], id="gcc", marks=no_gcc),
         pytest.param(found or ["clang"], id="clang", marks=no_clang),
+    ]
+
+
+def builds(names: Sequence[str]) -> list[object]:
+    """(name, command) of every model and compiler, for tests that optimise, which takes seconds a model: the first
+    model by every compiler in each run, the others among the slow tests."""
+    return [
+        pytest.param(name, *known.values, id=f"{name}-{known.id}", marks=[*known.marks, *slow])
+        for name in names
+        for slow in [[pytest.mark.slow] if name != names[0] else []]
+        for known in compilers()
     ]
 
 

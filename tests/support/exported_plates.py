@@ -145,7 +145,7 @@ class Library:
         put(self.files, folder)
         self.prefix = str(options.get("prefix", name))
         made = f"lib{self.prefix}.so"
-        cc(folder, "-std=c99", "-O2", "-shared", "-fPIC", f"{self.prefix}.c", "-o", made, "-lm")
+        cc(folder, "-std=c99", "-shared", "-fPIC", f"{self.prefix}.c", "-o", made, "-lm")
         self.lib = ctypes.CDLL(str(folder / made))
         header = self.files[f"{self.prefix}.h"].decode()
         self.counts = {

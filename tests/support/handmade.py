@@ -7,7 +7,6 @@ trouble: `growth` (rad/s² per (rad/s)²) drives the rod to infinite speed in fi
 """
 
 import importlib.util
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +14,7 @@ from typing import Any
 
 import cffi
 
+from lamc.codegen.emit import declarations_of
 from tests.support.paths import RUNTIME
 
 LENGTH, GRAVITY, MASS = 0.3, 9.81, 0.02  # m, m/s², kg
@@ -73,15 +73,11 @@ class HandmadeModule:
 
 def build(folder: Path, *, hinges: int = 1) -> HandmadeModule:
     """Compiles the rod (hinges=1), or a mechanism in which nothing moves (hinges=0)."""
-    text = (RUNTIME / "include" / "lamc.h").read_text(encoding="utf-8")
-    found = re.search(
-        r"/\* lamc: declarations begin \*/\n(.*)/\* lamc: declarations end \*/", text, re.DOTALL
-    )
-    assert found
+    headers = ((RUNTIME / "include" / name).read_text(encoding="utf-8") for name in ("lamc_real.h", "lamc.h"))
     source = _SOURCE.replace("@DEFAULTS@", f"{LENGTH!r}, {GRAVITY!r}, {MASS!r}")
     source = source.replace("@JOINTS@", str(hinges)).replace("@ENERGIES@", "2" if hinges else "0")
     ffi = cffi.FFI()
-    ffi.cdef(found[1] + "const lamc_model *lamc_this_model(void);")
+    ffi.cdef("".join(map(declarations_of, headers)) + "const lamc_model *lamc_this_model(void);")
     name = f"handmade_{hinges}"
     ffi.set_source(
         name,

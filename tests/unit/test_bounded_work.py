@@ -1,27 +1,34 @@
 """A file that would take minutes to read, split or mesh is refused first, by work that is counted and not timed."""
 
+import ast
 import math
 import random
 import re
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 import shapely
+from shapely.geometry import LineString, Polygon
 
 from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
 from lamc.design import split, work
 from lamc.design.split import split as split_design
 from lamc.plates import followed
+from lamc.plates.designs import overlay
 from lamc.readers import native
 from lamc.readers.load import load
-from lamc.readers.plates import problem_make
+from lamc.readers.plates import follow, problem_make
 from lamc.readers.plates.problem_file import plate_of_text
 from lamc.readers.plates.problem_make import problem_of
 from lamc.records.design import Design
 from lamc.records.mechanism import Joint
 from lamc.records.network import faults
+from tests.unit import test_popupcad as cads
+from tests.unit.test_popupcad_forms import FROM, internal, line_sketch
 
 HEAD = """\
 kind: design
@@ -143,8 +150,13 @@ def test_the_examples_and_a_miura_fold_of_256_plates_are_well_within_the_limits(
 ) -> None:
     """16 × 16 plates have 225 vertices with 6 pairs of strips each, and 480 hinges."""
     counted: list[int] = []
-    count = work._meetings
-    monkeypatch.setattr(work, "_meetings", lambda *given: counted.append(count(*given)) or counted[-1])
+    for name in ("_meetings", "_crossings"):
+        count = getattr(work, name)
+        monkeypatch.setattr(
+            work,
+            name,
+            lambda *given, count=count, **near: counted.append(count(*given, **near)) or counted[-1],
+        )
     at = {(i, j): (6 * i + 1.5 * (j % 2), 6.0 * j) for i in range(17) for j in range(17)}
     pairs = [((i, j), (i + 1, j)) for i in range(16) for j in range(1, 16)]
     pairs += [((i, j), (i, j + 1)) for i in range(1, 16) for j in range(16)]
@@ -187,15 +199,13 @@ def test_mutated_examples_overlay_no_more_than_the_limits(
 ) -> None:
     """Whatever passes the count has no more meetings than it allows; whatever does not is refused with a message."""
     passed: list[int] = []
-    count = work._meetings
+    count = work.Account.overlay
 
-    def counting(shapes: object, owner: object, most: int) -> int:
-        found = count(shapes, owner, most)  # type: ignore[arg-type]
-        if found <= most:
-            passed.append(found)
-        return found
+    def counting(account: work.Account, *given: object) -> None:
+        count(account, *given)  # type: ignore[arg-type]
+        passed.append(account.crossings)
 
-    monkeypatch.setattr(work, "_meetings", counting)
+    monkeypatch.setattr(work.Account, "overlay", counting)
     told: list[str] = []
     dice = random.Random(12)
     files = [name for name in examples.files() if examples.path(name).suffix == ".yaml"]
@@ -259,3 +269,169 @@ def test_what_a_support_holds_is_grown_edge_by_edge(monkeypatch: pytest.MonkeyPa
     problem_of(plate_of_text(text, "x.yaml"))
     assert corners.count(2) > 0
     assert max(corners) < 20  # the outline and the lines themselves, but no chain of the mesh's edges
+
+
+# --- popupCAD, plates, and the start of a process -----------------------------------------------------------------
+
+
+def cad_sketch(number: int, kind: str, points: Sequence[tuple[float, float]]) -> str:
+    exterior = [[k, x, y] for k, (x, y) in enumerate(points, 1)]
+    return cads.sketch(number, f"{kind} {{construction: false, exterior: {exterior}, id: {number}}}")
+
+
+def comb_points(teeth: int, *, lying: bool) -> list[tuple[float, float]]:
+    return [tuple(point) for point in ast.literal_eval(comb(teeth, lying=lying).removeprefix("polygon: "))]
+
+
+def cad_of_combs(teeth: int, operation: str) -> str:
+    sketches = "".join(
+        cad_sketch(201 + lying, cads.POLY, comb_points(teeth, lying=lying)) for lying in (0, 1)
+    )
+    drawn = cads.sketch_operation(5, 201) + cads.sketch_operation(6, 202)
+    return cads.cad(drawn + operation, parent=7, sketches=sketches)
+
+
+@pytest.mark.parametrize("function", ["union", "intersection", "difference", "symmetric_difference"])
+def test_popupcad_laminates_that_cross_too_often_are_refused_at_their_operation(function: str) -> None:
+    """Two combs of 200 teeth: over a minute, and gigabytes."""
+    second = "[[6, 0]]" if "difference" in function else "[]"
+    first = "[[5, 0]]" if "difference" in function else "[[5, 0], [6, 0]]"
+    for teeth in (10, 200):
+        text = cad_of_combs(teeth, cads.laminate_operation(7, function, first, second))
+        if teeth == 10:
+            assert cads.areas(cads.read(text))[0] > 0.0
+            continue
+        told = rf"given.cad:\d+:\d+: operation 'op 7': .*{function} cross .*{work.MOST_CROSSINGS} crossings .*fewer"
+        with pytest.raises(DesignError, match=told):
+            cads.read(text)
+
+
+def test_popupcad_buffers_wider_than_what_they_grow_are_counted() -> None:
+    """A comb of 800 teeth grown by 80 of their widths: 10 s. Smooth outlines are simplified first, and cost nothing."""
+    text = cad_of_combs(800, cads.buffer_operation(7, 5, "[10.0, 5]"))
+    with pytest.raises(
+        DesignError, match=r"operation 'op 7': sides .* come within 20 mm of each other \d+ times"
+    ):
+        cads.read(text)
+    turns = [2.0 * math.pi * k / 4000 for k in range(4000)]
+    round_one = cad_sketch(201, cads.POLY, [(50 * math.cos(t), 50 * math.sin(t)) for t in turns])
+    drawn = cads.sketch_operation(5, 201) + cads.buffer_operation(7, 5, "[100.0, 5]")
+    grown = cads.areas(cads.read(cads.cad(drawn, parent=7, sketches=round_one)))
+    assert grown[0] == pytest.approx(math.pi * 150.0**2, rel=0.01)  # 20 segments around
+
+
+def test_popupcad_hinge_lines_that_cross_too_often_are_refused_before_they_are_parted() -> None:
+    """300 lines through a point, of which each parts all others."""
+    turns = [math.pi * k / 300 for k in range(300)]
+    ends = [((40 * math.cos(t), 40 * math.sin(t)), (-40 * math.cos(t), -40 * math.sin(t))) for t in turns]
+    lines = [
+        f"{cads.LINE} {{construction: false, exterior: [[1, {a}, {b}], [2, {c}, {d}]], id: {k}}}"
+        for k, ((a, b), (c, d)) in enumerate(ends)
+    ]
+    text = cads.cad(sketches=cads.sketch(104, *lines)).replace("sketch: 102", "sketch: 104")
+    with pytest.raises(DesignError, match=r"given.cad:\d+:\d+: the hinge lines cross each other"):
+        cads.read(text)
+
+
+def test_popupcad_layers_are_bounded_before_they_are_read() -> None:
+    head, layers, rest = re.split(
+        r"(?<=layers:\n)(.*?)(?=operations:)", cads.cad(), maxsplit=1, flags=re.DOTALL
+    )
+    with pytest.raises(
+        DesignError, match=r"given.cad:\d+:\d+: the design has 2000 layers; at most 200 .*join"
+    ):
+        cads.read(head + 1000 * layers + rest)
+
+
+def test_a_laminate_placed_a_thousand_times_is_joined_in_one_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One after another they cost the square of their number."""
+    joined: list[int] = []
+    join = shapely.union_all
+    monkeypatch.setattr(
+        shapely, "union_all", lambda parts, **how: joined.append(len(parts)) or join(parts, **how)
+    )
+    lines = [f"[1, {50 * k}, 0], [2, {50 * k + 10}, 0]" for k in range(1000)]
+    text = cads.cad(internal(), parent=7, sketches=FROM + line_sketch(202, *lines))
+    once = cads.cad(internal(), parent=7, sketches=FROM + line_sketch(202, lines[0]))
+    assert cads.areas(cads.read(text)) == pytest.approx(
+        [1000 * area for area in cads.areas(cads.read(once))], rel=1e-9
+    )
+    assert joined.count(1000) == 1  # for both layers, which are alike
+
+
+def test_a_folded_hinge_line_of_a_plate_is_refused_before_it_is_cut_at_the_outline() -> None:
+    """2000 corners on one line, to and fro: minutes."""
+    along = [[10.0 + 80.0 * ((k * 7919) % 2000) / 2000, 50] for k in range(2000)]
+    text = (
+        plate_text("rect: [0, 0, 100, 100], size: 5")
+        + f"hinges: [{{along: {{line: {along}}}, stiffness: 1}}]\n"
+    )
+    with pytest.raises(
+        DesignError, match=r"x.yaml:7:\d+: hinges\[0\].along: .*cross each other .*20000 crossings"
+    ):
+        plate_of_text(text, "x.yaml")
+
+
+def test_layers_of_a_plate_that_cross_each_other_too_often_are_refused_before_they_are_overlaid() -> None:
+    """No layer crosses itself, so that splitting is little work."""
+    combs = [shapely.MultiPolygon([Polygon(comb_points(200, lying=lying))]) for lying in (False, True)]
+    with pytest.raises(DesignError, match=r"outlines of the plate's layers cross each other"):
+        overlay.overlay(combs, 1e-3)
+    assert len(overlay.overlay([combs[0]] * 40, 1e-3).regions) == 1
+
+
+def test_the_number_of_places_of_a_plate_is_bounded() -> None:
+    """2000 supports, all at the left, took 7 s on a mesh of 1600 cells, and would on 100 times as many cells 500."""
+    text = plate_text("rect: [0, 0, 100, 100], size: 5").replace("clamped: left}", "clamped: left}, " * 600)
+    text = text.replace("clamped: left}, ", "clamped: left}, {", 599).replace("}, ]", "}]")
+    with pytest.raises(
+        DesignError, match=r"x.yaml:5:\d+: supports: .* 601 holes, regions, supports, .*at most 500 .*join"
+    ):
+        plate_of_text(text, "x.yaml")
+
+
+def test_supports_beside_outlines_of_many_corners_are_bounded() -> None:
+    """Each support is cut at everything that is drawn, and so costs all its corners."""
+    turns = [2.0 * math.pi * k / 4000 for k in range(4000)]
+    rim = [[round(50 * math.cos(t), 9), round(50 * math.sin(t), 9)] for t in turns]
+    for count, fits in ((2, True), (60, False)):
+        supports = ", ".join(f"{{clamped: {{point: [{k - 30}, 0]}}}}" for k in range(count))
+        text = plate_text(f"polygon: {rim}, size: 5").replace("[{clamped: left}]", f"[{supports}]")
+        file = plate_of_text(text, "x.yaml")
+        if fits:
+            follow.to_follow([s.where for s in file.supports], file.geometry.outline, [])
+            continue
+        with pytest.raises(
+            DesignError, match=r"x.yaml:4:.*60 places .*4061 corners .*more than 200000 steps.*grid"
+        ):
+            problem_of(file)
+
+
+def test_crossings_are_counted_as_they_cost() -> None:
+    """A grid of lines crosses; lines that meet in their ends, and the same line twice, do not; nor do neighbours."""
+
+    def counted(*lines: Sequence[tuple[float, float]]) -> int:
+        account = work.Account()
+        account.overlay([LineString(points) for points in lines], "lines")
+        return account.crossings
+
+    grid = [[(k, -1), (k, 9)] for k in range(9)] + [[(-1, k), (9, k)] for k in range(9)]
+    assert counted(*grid) == 81 + (18 + 2 * 81) // work._LOOKS
+    assert counted([(0, 0), (1, 0)], [(1, 0), (1, 1)], [(1, 0), (2, 5)], [(0, 0), (1, 0)]) == 0
+    assert counted([(0, 0), (2, 0)], [(1, 0), (3, 0)]) == 1
+    assert counted([(0, 0), (3, 0), (1, 0), (2, 0)]) == 3  # one line, folded on itself
+    account = work.Account()
+    squares = [shapely.box(k, k, k + 1.5, k + 1.5) for k in range(3)]
+    account.overlay(squares, "squares")
+    assert account.crossings == 4
+
+
+def test_reading_and_splitting_imports_nothing_of_numpy_that_waits() -> None:
+    """numpy.ma takes as long to import as a small design to be read; `np.unique` imports it."""
+    words = (
+        "import lamc, sys; from lamc.examples import path\n"
+        "for name in ('folding_box', 'pendulum.cad'): lamc.split(lamc.load(path(name)))\n"
+        "print('numpy.ma' in sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "False"

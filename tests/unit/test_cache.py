@@ -149,14 +149,14 @@ def test_processes_that_build_the_same_design_at_once_all_get_it(root: Path) -> 
             env=environment,
             cwd=checkout,
         )
-        for _ in range(3)
+        for _ in range(2)
     ]
     for process in processes:
         assert process.stdin is not None
         process.stdin.write("go\n")
         process.stdin.flush()
     answers = [process.communicate(timeout=120) for process in processes]
-    assert [process.returncode for process in processes] == [0] * 3, answers
+    assert [process.returncode for process in processes] == [0] * 2, answers
     assert {out.strip() for out, _ in answers} == {acceleration().tobytes().hex()}
     assert len(entries(root)) == 1
     no_debris(root)

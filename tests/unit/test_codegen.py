@@ -190,7 +190,7 @@ def test_hostile_names_compile_and_come_back_unchanged(tmp_path: Path) -> None:
     cc(tmp_path, *STRICT, "-trigraphs", "-Wno-trigraphs", "-c", *sorted(p.name for p in tmp_path.glob("*.c")))
 
 
-SYSTEM_HEADERS = ("float", "limits", "math", "stddef", "stdint", "stdio", "stdlib", "string")
+SYSTEM_HEADERS = ("float", "limits", "math", "stddef", "stdint", "stdio", "stdlib", "string", "tgmath")
 
 
 def test_names_of_designs_never_reach_paths_or_code() -> None:

@@ -1,13 +1,14 @@
 """What is wrong in any field of any effect of a scene's file is told at its line, whatever else the scene has."""
 
 from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import lamc
-from lamc.basics.errors import LamcError
+from lamc.basics.errors import DesignErrors, LamcError
 from lamc.readers.scene_writer import scene_data
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.unit.test_unknown_names import UNKNOWN, loop
@@ -93,3 +94,104 @@ def test_a_name_that_is_not_there_is_told_at_its_effect(
 
 def test_there_is_a_case_of_every_effect_that_names_something() -> None:
     assert len(NAMED) >= 15
+
+
+# ---- one field spoilt -------------------------------------------------------------------------------------------
+
+
+def spoilt(value: Any, bad: object) -> Iterator[Any]:
+    """`value` with one of the numbers in it replaced; as a whole where it holds none."""
+    if isinstance(value, dict | list):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            for other in spoilt(value[key], bad):
+                whole = value.copy()
+                whole[key] = other
+                yield whole
+    elif isinstance(value, float | int) and not isinstance(value, bool):
+        yield bad
+
+
+def of_fields(bad: object) -> list[Any]:
+    """Every effect of lamc's with every number of every field spoilt."""
+    return [
+        pytest.param(name, field, {**data_of(name), field: other}, id=f"{name}.{field}-{k}")
+        for name in SAMPLES
+        for field, value in data_of(name).items()
+        for k, other in enumerate(spoilt(value, bad))
+    ]
+
+
+def check_field(name: str, field: str, data: Data, folder: Path) -> str:
+    """The field is refused at its line when the scene is read, whatever moves in it; and what is said of it."""
+    file, at = scene_file(folder, name, data)
+    with pytest.raises(LamcError) as caught:
+        lamc.load_scene(file)
+    place = caught.value.place
+    assert place is not None
+    assert (place.file, place.line) == (str(file), at[field]), str(caught.value)
+    assert place.column > 0
+    assert f"effects.{name}" in caught.value.message
+    return caught.value.message
+
+
+@pytest.mark.parametrize(("name", "field", "data"), of_fields("3 K"))
+def test_a_wrong_unit_is_told_at_its_field(name: str, field: str, data: Data, tmp_path: Path) -> None:
+    if field not in ("strips", "modes", "corners"):  # whole numbers, which have no unit
+        assert "'K' is not a unit of" in check_field(name, field, data, tmp_path)
+
+
+@pytest.mark.parametrize(("name", "field", "data"), of_fields(1e300))
+def test_a_number_that_is_none_of_this_world_is_told_at_its_field(
+    name: str, field: str, data: Data, tmp_path: Path
+) -> None:
+    check_field(name, field, data, tmp_path)
+
+
+FIELDS = [
+    pytest.param(name, each.name, id=f"{name}.{each.name}")
+    for name, effect in SAMPLES.items()
+    for each in fields(effect)  # type: ignore[arg-type]
+    if each.name not in ("torques", "laws")  # stand alone, by joint
+]
+
+
+@pytest.mark.parametrize("bad", [{"no such": {"no": 1}}, [[[["no"]]]], []])
+@pytest.mark.parametrize(("name", "field"), FIELDS)
+def test_a_wrong_type_is_told_at_its_field(name: str, field: str, bad: object, tmp_path: Path) -> None:
+    if (field, bad) in (("polarity", []), ("outline", [])):  # of the right type: told by what they are for
+        return
+    said = check_field(name, field, {**data_of(name), field: bad}, tmp_path)
+    assert "; " in said  # and the way out
+
+
+@pytest.mark.parametrize("name", [n for n in SAMPLES if n not in ("torque", "nonlinear_stiffness")])
+def test_a_field_that_is_not_there_is_told_at_its_line(name: str, tmp_path: Path) -> None:
+    said = check_field(name, "nosuch", {**data_of(name), "nosuch": 1}, tmp_path)
+    assert "has no field 'nosuch'" in said or "takes no value" in said
+
+
+BELOW = {
+    "blade_element_drag": ("air_density", "strips", "lift", "drag_edge_on", "drag_broadside", "rest_speed"),
+    "ground_contact": ("friction", "stiffness", "corners"),
+    "joint_limits": ("stiffness", "damping"),
+    "linear_motor": ("torque_constant", "resistance"),
+    "piezo_bender": ("width", "extension"),
+    "spring": ("stiffness", "rest_length", "damping"),
+    "twist_compliance": ("width", "thickness", "E", "nu", "retardation"),
+    "flexible_links": ("modes", "damping_ratio", "size", "refinement"),
+}
+
+
+@pytest.mark.parametrize(("name", "field"), [(name, field) for name in BELOW for field in BELOW[name]])
+def test_a_number_out_of_bounds_is_told_at_its_field(name: str, field: str, tmp_path: Path) -> None:
+    said = check_field(name, field, {**data_of(name), field: -1}, tmp_path)
+    assert "it must be above" in said or "it must be at least" in said
+
+
+def test_all_that_is_wrong_with_an_effect_is_told_at_once(tmp_path: Path) -> None:
+    data = {**data_of("spring"), "stiffness": "3 kg", "damping": -1, "point_a": [0, 0]}
+    file, at = scene_file(tmp_path, "spring", data)
+    with pytest.raises(DesignErrors) as caught:
+        lamc.load_scene(file)
+    lines = [each.place.line for each in caught.value.problems if each.place is not None]
+    assert lines == sorted(at[field] for field in ("stiffness", "damping", "point_a"))

@@ -84,7 +84,7 @@ CASES = {
 @pytest.fixture(scope="module", params=["c", "c++"])
 def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     root = data_dir("runtime_c")
-    folders = (f"-I{root / 'bare'}", f"-I{root / 'src'}")
+    folders = tuple(f"-I{root / name}" for name in ("bare", "src", "include"))
     return compiled(
         tmp_path_factory.mktemp("elementary"), [*EXACT, *CASES], "double", request.param, *folders
     )

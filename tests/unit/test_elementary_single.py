@@ -7,7 +7,6 @@ import numpy.typing as npt
 import pytest
 
 from lamc.basics.resources import data_dir
-from lamc.export.single import single_precision
 from tests.support.ctools import needs_cc
 from tests.support.elementary import EXACT, Case, check_errors, check_special_values, compiled, mapped, one
 
@@ -72,11 +71,9 @@ CASES = {
 
 @pytest.fixture(scope="module", params=["c", "c++"])
 def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    """With what both precisions have in common as exports make floats of it."""
     folder, root = tmp_path_factory.mktemp("elementary"), data_dir("runtime_c")
-    shared = (root / "bare" / "two.h").read_text(encoding="utf-8")
-    (folder / "two.h").write_text(single_precision(shared, "two.h"))
-    flags = ("-Wdouble-promotion", f"-I{root / 'single'}", "-I.")
+    folders = (f"-I{root / name}" for name in ("src", "bare", "include"))
+    flags = ("-Wdouble-promotion", "-DLAMC_REAL_FLOAT", *folders)
     return compiled(folder, [*EXACT, *CASES], "float", request.param, *flags)
 
 

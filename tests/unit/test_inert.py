@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from lamc.basics.errors import DesignError, DesignErrors
-from lamc.readers.inert import Limits, ListNode, MapNode, ScalarNode, compose, plain
+from lamc.readers.inert import DEFAULT_LIMITS, Limits, ListNode, MapNode, ScalarNode, compose, plain
 
 BOMB = "- &a [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
     f"- &{chr(98 + i)} [{', '.join(['*' + chr(97 + i)] * 10)}]\n" for i in range(20)
@@ -83,6 +83,17 @@ def test_deep_nesting_is_refused_by_its_limit() -> None:
 def test_many_values_are_refused_by_their_limit() -> None:
     with pytest.raises(DesignError, match="limit 'nodes' of 50"):
         compose("[" + "1, " * 100 + "1]", limits=Limits(nodes=50))
+
+
+def test_values_of_a_file_are_bounded_and_aliases_are_not_among_them() -> None:
+    """100 000 corners are read, in some seconds; 10^6 took a minute and a half."""
+    with pytest.raises(
+        DesignError, match=r"f.yaml:5:7: .*limit 'values' of 10, .*fewer corners.*Limits\(values"
+    ):
+        compose("\n- [1, 1]" * 5, "f.yaml", limits=Limits(values=10))
+    shared = "- &a [1, 1]\n" + "- *a\n" * 50
+    assert compose(shared, limits=Limits(values=10)).size == 1 + 51 * 3
+    assert DEFAULT_LIMITS.values > 3 * 100_000
 
 
 def test_an_alias_within_its_own_anchor_is_refused() -> None:

@@ -1,4 +1,6 @@
-"""The C runtime passes its own tests, plain and under sanitizers, and its sources are C++ as well."""
+"""The C runtime passes its own tests, plain and under sanitizers, and its sources are C++ as well.
+
+`make test` of lamc runs them here, once, beside other tests."""
 
 import os
 import re
@@ -8,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.ctools import sanitizer_works
 from tests.support.paths import RUNTIME
 
 COMPILER = os.environ.get("CC", "cc")
@@ -35,6 +38,16 @@ def test_runtime_passes_its_own_tests(target: str, tmp_path: Path) -> None:
     counts = re.findall(r"^(\d+) passed, (\d+) failed$", make(target, tmp_path), re.MULTILINE)
     assert len(counts) == len(list((RUNTIME / "tests").glob("test_*.c")))
     assert all(int(passed) > 0 and failed == "0" for passed, failed in counts)
+
+
+def test_steps_of_fixed_length_compile_in_single_precision(tmp_path: Path) -> None:
+    make("single", tmp_path)
+
+
+def test_threads_share_a_model_under_the_thread_sanitizer(tmp_path: Path) -> None:
+    if not sanitizer_works(tmp_path, "-fsanitize=thread"):
+        pytest.skip("this compiler, or this kernel, has no thread sanitizer")
+    assert re.search(r"^\d+ passed, 0 failed$", make("tsan", tmp_path), re.MULTILINE)
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")

@@ -13,7 +13,7 @@ from lamc.codegen.layout import AT_EVERY_STEP, MAX_BLOCK_AT_EVERY_STEP
 from lamc.effects import Effect, FreeBase, JointLimits, Torque
 from lamc.pipeline import equations_of, sources_of
 from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism
-from tests.support.ctools import CC, STRICT, cc, needs_cc
+from tests.support.ctools import STRICT, cc, needs_cc, sanitizer_works
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_tree
 
 FLAGS = (
@@ -145,17 +145,9 @@ SCENES: Mapping[str, tuple[Effect, ...]] = {
 }
 
 
-def works(folder: Path) -> bool:
-    (folder / "probe.c").write_text("int main(void) { return 0; }\n")
-    command = [*CC.split(), *FLAGS, "probe.c", "-o", "probe"]
-    if subprocess.run(command, cwd=folder, capture_output=True, check=False).returncode != 0:
-        return False
-    return subprocess.run([folder / "probe"], capture_output=True, check=False).returncode == 0
-
-
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
 def test_generated_c_runs_clean(name: str, tmp_path: Path) -> None:
-    if not works(tmp_path):
+    if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     drive = Torque({"h0": "0.3*sin(t) + atan2(angle, 1 + t)"} if name != "nothing moves" else {})
     program, tree = sources_of(

@@ -1,13 +1,19 @@
 """Effects in files: numbers with units, fields by name, and refusals that point at the part at fault."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
 
 import pytest
 
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import Unit, is_measured
 from lamc.effects import Gravity, JointLimits, Spring, Torque
-from lamc.effects.data import DataError, Where, is_measured, quantity, record
+from lamc.effects.data import DataError, file_context, validated
 from lamc.readers.effect_calls import make_effect
+
+SPRING = {"body_a": "a", "point_a": (0, 0, 0), "body_b": "b", "point_b": (1, 0, 0), "stiffness": 1}
 
 
 @pytest.mark.parametrize(
@@ -22,13 +28,16 @@ from lamc.readers.effect_calls import make_effect
 )
 def test_a_quantity_is_read_in_si(value: object, unit: str, si: float) -> None:
     # one rounding in the unit's factor and one in the product
-    assert quantity(value, unit, "here", "stiffness") == pytest.approx(si, rel=1e-15)
+    assert Unit(unit).number(value, "stiffness") == pytest.approx(si, rel=1e-15)
 
 
 def test_a_bare_length_counts_in_the_unit_of_its_file() -> None:
-    assert quantity(25, "m", Where("here", "um")) == 25e-6
-    assert quantity(25, "m", Where("here")) == 25.0
-    assert quantity(25, "N/m", Where("here", "um")) == 25.0
+    context = file_context("um")
+    assert Unit("m").number(25, "width", context) == 25e-6
+    assert Unit("m").number(25, "width", file_context()) == 25.0
+    assert Unit("N/m").number(25, "stiffness", context) == 25.0
+    data = {"body_a": "a", "point_a": [1, "1 m", 0], "body_b": "b", "point_b": [0, 0, 0], "stiffness": 1}
+    assert make_effect("spring", data, "x", context).point_a == (1e-6, 1.0, 0.0)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
@@ -36,7 +45,7 @@ def test_a_bare_length_counts_in_the_unit_of_its_file() -> None:
 )
 def test_what_is_no_such_quantity_is_refused_with_its_field(value: object) -> None:
     with pytest.raises(DataError) as caught:
-        quantity(value, "N*m/rad", "scene.effects.stop", "stiffness")
+        make_effect("spring", SPRING | {"stiffness": value}, "scene.effects.stop")
     assert caught.value.message.startswith("scene.effects.stop.stiffness: ")
     assert caught.value.path == ("stiffness",)
 
@@ -65,14 +74,14 @@ def test_effects_take_units_in_files() -> None:
         ("joint_limits", {"stifness": 1}, "x.stifness: joint_limits has no field 'stifness'; did you mean 'stif"),
         ("joint_limits", {"stiffness": "1 N/m"}, "x.stiffness: 'N/m' is not a unit of stiffness; expected N*m/rad"),
         ("joint_limits", {"stiffness": "1 N*mm"}, "x.stiffness: 'N*mm' names no angle"),
-        ("joint_limits", {"stiffness": -1}, "x: the stiffness of joint limits is -1.0; it must be finite and at"),
+        ("joint_limits", {"stiffness": -1}, "x.stiffness: the stiffness is -1 N*m/rad; it must be above 0"),
         ("joint_limits", 3, "x: joint_limits is 3; give a map of its fields: stiffness, damping"),
-        ("gravity", ["1 m", 0, 0], "x.acceleration[0]: 'm' is not a unit of acceleration"),
+        ("gravity", ["1 m", 0, 0], "x[0]: 'm' is not a unit of acceleration"),
         ("spring", {"body_a": "a"}, "x: spring needs point_a and body_b and point_b and stiffness: give body_a, "),
         ("hinge_stiffness", 3, "x: hinge_stiffness takes no value"),
-        ("torque", {"h": "3 kg"}, "x.h: 'kg' is not a unit of h; expected N*m"),
-        ("torque", 3, "x: torque is 3; give a mapping such as {h1: 0.02}"),
-        ("torque", {"h": "3*x()"}, "x: the torque of joint 'h': expression '3*x()', column 3: 'x' is not known"),
+        ("torque", {"h": "3 kg"}, "x.h: 'kg' is not a unit of torques of 'h'; expected N*m"),
+        ("torque", 3, "x: torques is 3; give a map from names to numbers (N*m)"),
+        ("torque", {"h": "3*x()"}, "x.h: the torque of joint 'h': expression '3*x()', column 3: 'x' is not known"),
     ],
 )  # fmt: skip
 def test_data_that_does_not_fit_is_refused_with_the_way_out(name: str, value: object, said: str) -> None:
@@ -92,14 +101,11 @@ def test_an_expression_is_no_number_with_a_unit(text: str) -> None:
 
 
 def test_a_record_of_ones_own_is_read_by_its_units() -> None:
-    from dataclasses import dataclass, field
-    from typing import ClassVar
-
     @dataclass(frozen=True)
     class Table:
-        units: ClassVar[dict[str, str]] = {"table": "mm"}
-        table: dict[str, tuple[float, ...]] = field(default_factory=dict)
+        table: Annotated[Mapping[str, tuple[float, ...]], Unit("deg")]
         kind: str = "cubic"
 
-    read = record(Table, {"table": {"a": [1, "2 cm"]}, "kind": "line"}, "x")
-    assert read == Table({"a": (1.0, 20.0)}, "line")
+    read = validated(Table, {"table": {"a": [1, f"{math.pi} rad"]}, "kind": "line"}, "x")
+    # pi has 16 digits in the text, and the unit's factor is rounded once
+    assert read == {"table": {"a": (1.0, pytest.approx(180.0, rel=1e-15))}, "kind": "line"}

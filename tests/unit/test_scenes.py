@@ -136,7 +136,7 @@ REFUSED = [
         "scenes:\n  a: {angels: {h: 1}}",
         "2:7: scenes.a.angels: the key 'angels' is unknown; did you mean 'angles'?",
     ),
-    ("scenes:\n  a: {duration: 0}", "2:17: scenes.a.duration: 0 is not above 0"),
+    ("scenes:\n  a: {duration: 0}", "2:17: scenes.a.duration: the duration is 0 s; it must be above 0"),
     ("scenes:\n  a: {duration: 3 m}", "2:17: scenes.a.duration: 'm' is not a unit of duration"),
     (
         "scenes:\n  a: {effects: {gravty: }}",
@@ -150,14 +150,17 @@ REFUSED = [
         "scenes:\n  a: {with: [gravity, {joint_limits: {stiffness: 1 N*mm}}]}",
         "2:50: scenes.a.with[1].joint_limits.stiffness: 'N*mm' names no angle",
     ),
-    ("scenes:\n  a: {with: {torque: {h: 3 kg}}}", "2:26: scenes.a.with.torque.h: 'kg' is not a unit of h"),
+    (
+        "scenes:\n  a: {with: {torque: {h: 3 kg}}}",
+        "2:26: scenes.a.with.torque.h: 'kg' is not a unit of torques of 'h'",
+    ),
     (
         "scenes:\n  a: {with: {torque: {h: 3*x}}}",
         "2:22: scenes.a.with.torque: the torque of joint 'h': expression '3*x', column 3: 'x' is not known",
     ),
     (
         "scenes:\n  a: {with: {torque: {h: __import__('os')}}}",
-        "2:22: scenes.a.with.torque: the torque of joint 'h': expression",
+        "2:26: scenes.a.with.torque.h: the torque of joint 'h': expression",
     ),
     (
         "scenes:\n  a: {without: [gravty]}",

@@ -44,7 +44,14 @@ def library(folder: Path, *flags: str) -> ctypes.CDLL:
     """Rows of lamc's sines and cosines, compiled with `flags` and without the mathematical library."""
     folder.mkdir(exist_ok=True)
     (folder / "rows.c").write_text(_ROWS, encoding="utf-8")
-    words = [*find_compiler(None).command, *flags, f"-I{SOURCES}", "-shared", "-nostdlib"]
+    words = [
+        *find_compiler(None).command,
+        *flags,
+        f"-I{SOURCES}",
+        f"-I{RUNTIME / 'include'}",
+        "-shared",
+        "-nostdlib",
+    ]
     done = subprocess.run(
         [*words, "-o", "rows.so", "rows.c"], cwd=folder, check=False, capture_output=True, text=True
     )
@@ -171,7 +178,16 @@ def test_fast_modules_keep_the_digits(tmp_path: Path) -> None:
 def test_the_header_is_strict_c_plus_plus_too(tmp_path: Path) -> None:
     (tmp_path / "rows.cpp").write_text(_ROWS, encoding="utf-8")
     for plain in ((), ("-DLAMC_PLAIN_TRIG",)):
-        cc(tmp_path, *STRICT_CXX, *plain, f"-I{SOURCES}", "-c", "rows.cpp", compiler="c++")
+        cc(
+            tmp_path,
+            *STRICT_CXX,
+            *plain,
+            f"-I{SOURCES}",
+            f"-I{RUNTIME / 'include'}",
+            "-c",
+            "rows.cpp",
+            compiler="c++",
+        )
 
 
 def test_rows_are_sines_and_the_turn_is_a_turn() -> None:

@@ -16,6 +16,7 @@ import scipy.sparse as sparse
 from lamc.basics.checks import Array, checked_array, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
+from lamc.plates.advice import polygon_texts
 from lamc.plates.answers.eigen import pinned, stability
 from lamc.plates.answers.pencil import check_problem, pencil
 from lamc.plates.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
@@ -71,6 +72,7 @@ class Buckling(Shapes):
         return (
             *notes_of("buckling factor", self.errors[:count], regions[:count]),
             *notes_of("reversed buckling factor", self.errors[count:], regions[count:]),
+            *polygon_texts(self.problem),
             *offset_texts(self.problem),
             *shape_notes("buckling factor", dict(enumerate(self._bent[:count])), 1.0),
         )

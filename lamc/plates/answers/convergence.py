@@ -22,8 +22,10 @@ from lamc.basics.errors import DesignError
 from lamc.plates.meshing.changes import refined
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
+from lamc.plates.solving.curves import curve_nodes
 from lamc.plates.solving.model import solve
 from lamc.plates.solving.solution import Solution
+from lamc.plates.supports import BOUNDARY
 
 Answer = TypeVar("Answer")
 
@@ -51,11 +53,13 @@ class Convergence:
 
     extrapolated  what the values tend to: the last two with the order last seen, or 2 where none was
     error         of the last value, by the same: an estimate, no bound
+    note          what the error leaves out; "" for nothing that is known
     """
 
     rows: tuple[ConvergenceRow, ...]
     extrapolated: float
     error: float
+    note: str = ""
 
     def __str__(self) -> str:
         head = f"{'size, m':>12} {'unknowns':>9} {'value':>16} {'change':>11} {'order':>6} {'time, s':>8}"
@@ -64,9 +68,8 @@ class Convergence:
             f"{_or_blank(r.order, '6.2f')} {r.seconds:8.3f}"
             for r in self.rows
         ]
-        return "\n".join(
-            [head, *lines, f"tends to {self.extrapolated:.9g}; the last is {self.error:.2g} off"]
-        )
+        lines += [f"tends to {self.extrapolated:.9g}; the last is {self.error:.2g} off"]
+        return "\n".join([head, *lines, *([self.note] if self.note else [])])
 
 
 @overload
@@ -101,8 +104,9 @@ def converge(
               on its own mesh and on `meshes` - 1 refinements of it
     Raises DesignError for fewer than two meshes, for sizes that do not descend, and for a value that is not finite.
     """
+    note = ""
     if isinstance(problem, Problem):
-        makers = _refinements(problem, meshes)
+        makers, note = _refinements(problem, meshes), kept_corners_text(problem)
     else:
         checked = _checked_sizes(sizes)
         makers = [(size, lambda size=size: problem(size)) for size in checked]  # type: ignore[misc]
@@ -121,16 +125,18 @@ def converge(
     (h1, v1), (h2, v2) = ((r.size, r.value) for r in rows[-2:])
     order = rows[-1].order if math.isfinite(rows[-1].order) else ORDER
     extrapolated = v2 + (v2 - v1) / ((h1 / h2) ** order - 1.0)
-    return Convergence(tuple(rows), extrapolated, abs(extrapolated - v2))
+    return Convergence(tuple(rows), extrapolated, abs(extrapolated - v2), note)
 
 
 @dataclass(frozen=True)
 class QuantityError:
-    """Of one number: `value` on the mesh given, `finer` on halved cells, and what both tend to with second order."""
+    """Of one number: `value` on the mesh given, `finer` on halved cells, and what both tend to with second order; in
+    `note` what the error leaves out, "" for nothing that is known."""
 
     value: float
     finer: float
     extrapolated: float
+    note: str = ""
 
     @property
     def error(self) -> float:
@@ -155,12 +161,22 @@ def error_of(
     Raises DesignError for a value that is not finite.
     """
     found = converge(problem, quantity, answer=answer, meshes=2)
-    return QuantityError(found.rows[0].value, found.rows[1].value, found.extrapolated)
+    return QuantityError(found.rows[0].value, found.rows[1].value, found.extrapolated, found.note)
 
 
 def halved(problem: Problem) -> Problem:
     """The same problem on halved cells: four times as many."""
     return replace(problem, mesh=refined(problem.mesh))
+
+
+def kept_corners_text(problem: Problem) -> str:
+    """A sentence where the plate's outline has curves, which are polygons on the mesh and on halved cells; else ""."""
+    if not len(curve_nodes(problem.places, [BOUNDARY]).nodes):
+        return ""
+    return (
+        "the plate has curved edges, drawn as polygons of which finer cells keep the corners: the error does not know "
+        "by how much these polygons differ from the curves; compare with a drawing of twice as many corners"
+    )
 
 
 def error_of_values(value: float, finer: float) -> QuantityError:

@@ -14,6 +14,7 @@ import numpy as np
 from lamc.basics.checks import Array, checked_flag, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
+from lamc.plates.advice import polygon_texts
 from lamc.plates.answers.eigen import rigid_basis, vibration
 from lamc.plates.answers.pencil import check_problem, pencil, translations
 from lamc.plates.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
@@ -60,7 +61,12 @@ class Modes(Shapes):
     def notes(self) -> tuple[str, ...]:
         """What a reader of these frequencies should know."""
         off = notes_of("mode", self.errors, tuple(found.region for found in self._found))
-        return (*off, *offset_texts(self.problem), *shape_notes("mode", self._elastic, 0.5))
+        return (
+            *off,
+            *polygon_texts(self.problem),
+            *offset_texts(self.problem),
+            *shape_notes("mode", self._elastic, 0.5),
+        )
 
     @lazy
     def _elastic(self) -> dict[int, Solution]:

@@ -23,6 +23,7 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
+from lamc.basics.once import lazy
 from lamc.plates.answers.modes import modes
 from lamc.plates.answers.pencil import Pencil, pencil
 from lamc.plates.elements.kernels import kernels
@@ -68,9 +69,18 @@ class Reduction:
 
     def shape_at(self, x: float, y: float) -> tuple[Array, Array]:
         """φ (k,) and its gradient (k, 2), 1/m, at a point, m; off the plate and at attachments as rigidly joined."""
-        rows = _rows(self.problem, self._attachment(x, y))
-        values = rows @ self.vectors
-        return values[0], values[1:].T
+        at = (float(x), float(y))
+        found = self._shapes.get(at)
+        if found is None:
+            values = _rows(self.problem, self._attachment(*at)) @ self.vectors
+            values.flags.writeable = False
+            found = self._shapes[at] = (values[0], values[1:].T)
+        return found
+
+    @lazy
+    def _shapes(self) -> dict[tuple[float, float], tuple[Array, Array]]:
+        """Shapes by point: effects act at few points, and other voices ask for them at every instant."""
+        return {}
 
     def _attachment(self, x: float, y: float) -> Attachment:
         near = 1e-9 * self.problem.size

@@ -16,6 +16,8 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from lamc.design.work import Account
+
 GRID = 1e-3  # largest spacing of the grid of coordinates, in tolerances
 
 Stack = tuple[int, ...]  # layers from the bottom up
@@ -35,8 +37,11 @@ def overlay(layers: Sequence[BaseGeometry], tolerance: float) -> Overlay:
 
     layers     the area of each layer, m
     tolerance  what is narrower is a sliver, m
+
+    Raises DesignError where outlines of different layers cross too often, or are too many.
     """
     grid = _spacing(tolerance)
+    _check_work(layers)
     cells: dict[Stack, MultiPolygon] = {}
     covered = MultiPolygon()
     for index, sheet in enumerate(layers):
@@ -51,6 +56,12 @@ def overlay(layers: Sequence[BaseGeometry], tolerance: float) -> Overlay:
         cells = {stack: part for stack, part in parted.items() if not part.is_empty}
         covered = areas_of(shapely.union(covered, area, grid_size=grid))
     return _without_slivers({stack: list(cells[stack].geoms) for stack in sorted(cells)}, tolerance)
+
+
+def _check_work(layers: Sequence[BaseGeometry]) -> None:
+    """Layers that are alike, as most are, make no regions of their own."""
+    account, distinct = Account(), dict.fromkeys(layer.wkb for layer in layers)
+    account.overlay([*shapely.from_wkb(list(distinct))], "the outlines of the plate's layers")
 
 
 def areas_of(geometry: BaseGeometry) -> MultiPolygon:

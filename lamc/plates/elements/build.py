@@ -48,7 +48,7 @@ def element_module(element: Element, options: CompileOptions | None = None) -> M
 
 def alias_of(element: Element, compiler: str, flags: Sequence[str]) -> str:
     """Digest of all that the compiled module follows from; it lets a compile skip the derivation."""
-    parts = ("element", __version__, _own_sources(), compiler, *flags, repr(element))
+    parts = ("element", __version__, _own_sources(), compiler, *flags, element.written)
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 

@@ -17,6 +17,7 @@ import sympy as sp
 
 from lamc.basics.checks import checked_name, checked_records, shown
 from lamc.basics.errors import DesignError
+from lamc.basics.once import lazy
 from lamc.basics.readonly import ReadOnlyDict
 
 TRIANGLE, SQUARE = "triangle", "square"
@@ -116,6 +117,11 @@ class Element:
             ),
         )
         self._check_fields()
+
+    @lazy
+    def written(self) -> str:
+        """The whole element as text, which takes sympy some 30 ms to write."""
+        return repr(self)
 
     def _put(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)

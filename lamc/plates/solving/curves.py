@@ -9,7 +9,7 @@ of the order h². The curve goes through the polygon's corners; along each side 
 circles through three corners have (for equal sides, that circle to the fourth order of the angle).
 
 What is a curve: corners that turn the same way by 20° at most, next to each other, by turns and sides that differ by
-less than a factor of three. Others are corners of a polygon that is meant.
+less than a factor of three. Others are corners of a polygon that is meant; a regular one of 8 or more may not be.
 """
 
 from collections.abc import Sequence
@@ -24,6 +24,10 @@ from lamc.plates.supports import Where
 
 _STRAIGHT, _CURVE = np.radians(0.01), np.radians(20.0)  # turns: less is a straight side, more a corner
 _ALIKE = 3.0  # ratio of neighbouring turns, and of neighbouring sides, of one curve
+_REGULAR, _ROUND = (
+    1.05,
+    8,
+)  # ratio of turns, and of sides, of a polygon that may stand for a circle; corners at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +46,39 @@ class CurveNodes:
 
 def curve_nodes(places: Places, wheres: Sequence[Where]) -> CurveNodes:
     """Of all edges on any of `wheres`; nodes of edges that are no curves are left out."""
-    mesh = places.dofs.mesh
-    edges = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(places.edges_on(where) for where in wheres)])
-    pairs = mesh.edges[np.unique(mesh.cell_edges[edges[:, 0], edges[:, 1]])]
     found: dict[int, tuple[Array, float]] = {}
-    for chain in _chains(pairs):
-        for node, along, height in _of_chain(mesh.points, chain):
+    for chain in _chains_on(places, wheres):
+        for node, along, height in _of_chain(places.dofs.mesh.points, chain):
             found[node] = (along, height)
     nodes = np.array(sorted(found), dtype=np.int32)
     along = np.array([found[node][0] for node in nodes.tolist()]).reshape(-1, 2)
     heights = np.array([found[node][1] for node in nodes.tolist()])
     return CurveNodes(nodes, along, np.stack([-along[:, 1], along[:, 0]], axis=1), heights)
+
+
+def round_polygons(places: Places, wheres: Sequence[Where]) -> tuple[int, ...]:
+    """Corners of closed lines on `wheres` that are regular polygons of eight or more, and no curves by their turns."""
+    found = []
+    for chain in _chains_on(places, wheres):
+        if chain[0] != chain[-1]:
+            continue
+        at = places.dofs.mesh.points[chain]
+        turn = _turns(at, True)[:-1]
+        corners = np.flatnonzero(np.abs(turn) > _STRAIGHT)
+        if len(corners) < _ROUND or _curved(np.append(turn[corners], turn[corners[0]]), True).any():
+            continue
+        sides = np.linalg.norm(np.roll(at[corners], -1, axis=0) - at[corners], axis=1)
+        one_way = turn[corners] * np.sign(turn[corners[0]])
+        if one_way.max() < _REGULAR * one_way.min() and sides.max() < _REGULAR * sides.min():
+            found.append(len(corners))
+    return tuple(found)
+
+
+def _chains_on(places: Places, wheres: Sequence[Where]) -> list[list[int]]:
+    """Of all edges on any of `wheres`."""
+    mesh = places.dofs.mesh
+    edges = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(places.edges_on(where) for where in wheres)])
+    return _chains(mesh.edges[np.unique(mesh.cell_edges[edges[:, 0], edges[:, 1]])])
 
 
 def _chains(pairs: Integers) -> list[list[int]]:

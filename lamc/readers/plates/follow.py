@@ -16,9 +16,11 @@ from shapely.geometry import LineString, MultiPoint, Point
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError
 from lamc.plates.supports import Where
 
 _NEAR = 1e-7  # of the plate's size, a tenth of a Problem's tolerance: lines so near are one
+MOST_STEPS = 200_000  # every place is cut at all that is there, some 20 µs for a corner
 _ALONG = 10.0  # times that: what lies longer in the other's band runs along it, what lies shorter crosses it
 
 
@@ -28,18 +30,30 @@ def to_follow(
     """Lines and points of `wheres` within `outline`: of areas their borders.
 
     drawn  lines, points and areas that the mesh follows besides, such as regions and hinge lines
+
+    Raises DesignError where places times corners are too many.
     """
+    parts = [
+        part
+        for where in wheres
+        if not isinstance(where, str)
+        for part in shapely.get_parts(shapely.get_parts(where))
+    ]
+    corners = int(shapely.get_num_coordinates([outline, *drawn, *parts]).sum())
+    if len(parts) * corners > MOST_STEPS:
+        raise DesignError(
+            f"{len(parts)} places that hold the plate or load its edges, times {corners} corners of what is drawn, are "
+            f"more than {MOST_STEPS} steps for the mesh to follow them: draw with fewer corners, join places, or take "
+            "a grid"
+        )
     x0, y0, x1, y1 = outline.bounds
     near = _NEAR * float(np.hypot(x1 - x0, y1 - y0))
     lines = [_as_line(place) for place in (outline, *drawn)]
     found: list[BaseGeometry] = []
-    for where in wheres:
-        if isinstance(where, str):
-            continue
-        for part in shapely.get_parts(shapely.get_parts(where)):
-            made = _new(_as_line(part), outline, lines, near)
-            found += made
-            lines += made
+    for part in parts:
+        made = _new(_as_line(part), outline, lines, near)
+        found += made
+        lines += made
     return found
 
 
@@ -71,15 +85,12 @@ def _new(
             ends += [points[0], points[-1]]
         elif len(points) == 1:
             ends.append(points[0])
-    taken = [
-        *shapely.get_parts(corners),
-        *(Point(xy) for line in made for xy in shapely.get_coordinates(line)),
-    ]
+    taken = shapely.get_coordinates([corners, *made])
     for end in ends:
         at = _joined(end, there, corners, near)
-        if min(other.distance(Point(at)) for other in taken) > _ALONG * near:
+        if np.hypot(*(taken - at).T).min() > _ALONG * near:
             made.append(Point(at))
-            taken.append(Point(at))
+            taken = np.concatenate([taken, at[None]])
     return made
 
 

@@ -27,6 +27,7 @@ from lamc.readers.plates.problem_places import Places
 from lamc.readers.plates.problem_records import Drawing, Geometry, Output, PlateFile
 from lamc.readers.plates.problem_schema import OutputModel, PlateFileModel
 from lamc.readers.plates.section_file import Sections
+from lamc.readers.plates.work import check_work
 from lamc.records.mechanism import checked_name
 
 _MOST_MODES = 1000
@@ -69,6 +70,7 @@ def read_plate(node: Node, drawn: tuple[float, int] | None = None) -> PlateFile:
     bare = length_unit_of(node)
     model = validate(PlateFileModel, node, {LENGTH_UNIT: bare})
     problems = Problems(node)
+    check_work(model, problems)
     name = model.name or PurePath(node.place.file).stem or "plate"
     problems.attempt(("name",), lambda: checked_name(name, "the plate"))
     for key in ("modes", "buckling"):

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import shapely
 
+from lamc.basics.errors import DesignError
 from lamc.plates.answers.choice import THICK, THIN, choose_element
 from lamc.plates.answers.convergence import halved
 from lamc.plates.designs.inner_lines import is_strip
@@ -31,6 +32,7 @@ AUTO = "auto"
 MOST = (
     250_000  # cells of a plate file's mesh: made and checked in some ten seconds; in Python there may be more
 )
+MOST_LOOKS = 10_000_000  # places times cells, some µs each
 # Of the cells that are expected, so many there are at least: 0.5 beside small holes to 0.95 in large squares, measured
 # on meshes of more than 5000.
 _SURE = 0.5
@@ -100,11 +102,23 @@ def halved_problem_of(
     return _meshed(coarse, problem.dofs.element.name, 0.5 * general, solver)
 
 
+def _check_looks(file: PlateFile, cells: int) -> None:
+    """Raises DesignError where supports, loads and hinges are too many for a mesh of so many cells."""
+    count = len(file.supports) + len(file.hinges) + sum(map(len, file.cases.values()))
+    if count * cells > MOST_LOOKS:
+        raise DesignError(
+            f"{count} supports, loads and hinges are looked for among {cells} cells; the product must not be above "
+            f"{MOST_LOOKS}: take a larger size of edges, or join places"
+        )
+
+
 def _meshed(file: PlateFile, element: str | None, size: float | None, solver: str) -> Problem:
     wanted = (element or file.element).strip().lower()
     first = THICK if wanted == AUTO else wanted
     with file.origins.told("geometry" if size is None else ""):
         made = mesh_of(file.geometry, size, file.hinges, along=_places_of(file), element=first, solver=solver)
+    with file.origins.told("geometry"):
+        _check_looks(file, len(made.cells))
     with file.origins.told():
         if wanted != AUTO:
             return _problem(file, made, wanted)

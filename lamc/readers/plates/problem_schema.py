@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.basics import units
-from lamc.readers.fields import Coordinate, Length, LengthUnit, Model, Point, described, not_negative, reader
+from lamc.basics.fields import Unit
+from lamc.readers.fields import Coordinate, Length, LengthUnit, Model, Point
 from lamc.readers.plates.amounts import ElectricField, Intensity, Warming, Wetness
 from lamc.readers.plates.section_schema import LaminateField, MaterialField, one_of, only_with, problem
 from lamc.readers.schema import CircleModel
@@ -35,16 +36,10 @@ VALUES = {  # what can be asked for at a point, and its unit
 }
 
 
-HingeStiffness = Annotated[
-    float,
-    reader(units.LINE_STIFFNESS, not_negative),
-    described(units.LINE_STIFFNESS, ", at least 0"),
-]
-FoundationStiffness = Annotated[
-    float, reader(units.FOUNDATION, not_negative), described(units.FOUNDATION, ", above 0")
-]
-Moment = Annotated[float, reader(units.LINE_MOMENT), described(units.LINE_MOMENT)]
-Acceleration = Annotated[float, reader(units.ACCELERATION), described(units.ACCELERATION)]
+HingeStiffness = Annotated[float, Unit(units.LINE_STIFFNESS, ge=0.0)]
+FoundationStiffness = Annotated[float, Unit(units.FOUNDATION, ge=0.0)]
+Moment = Annotated[float, Unit(units.LINE_MOMENT)]
+Acceleration = Annotated[float, Unit(units.ACCELERATION)]
 FreeValue = Annotated[
     Any, WithJsonSchema({"type": ["number", "string"]})
 ]  # its unit depends on its neighbours

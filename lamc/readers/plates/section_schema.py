@@ -10,9 +10,11 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import Unit
 from lamc.basics.units import to_si
 from lamc.readers import fields
-from lamc.readers.fields import Length, Model, above_zero, described, not_negative, reader
+from lamc.readers.fields import Density, Length, Model, Modulus
+from lamc.readers.fields import Number as Ratio
 
 
 def problem(message: str) -> Exception:
@@ -54,11 +56,8 @@ PlyAngle = Annotated[
         {"type": ["number", "string"], "description": "ply angle with its unit, such as '45 deg'"}
     ),
 ]
-Modulus = Annotated[float, reader(units.MODULUS, above_zero), described(units.MODULUS, ", above 0")]
-Ratio = Annotated[float, reader(units.RATIO), described(units.RATIO)]
-Density = Annotated[float, reader(units.DENSITY, not_negative), described(units.DENSITY, ", at least 0")]
-StrainPerField = Annotated[float, reader(units.STRAIN_PER_FIELD), described(units.STRAIN_PER_FIELD)]
-Expansion = Annotated[float, reader(units.EXPANSION), described(units.EXPANSION)]
+StrainPerField = Annotated[float, Unit(units.STRAIN_PER_FIELD)]
+Expansion = Annotated[float, Unit(units.EXPANSION)]
 
 
 class PlateMaterialModel(Model):

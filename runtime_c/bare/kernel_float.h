@@ -1,20 +1,22 @@
-/* elementary.h, of lamc, in single precision: what a model needs of <math.h> beside sine and cosine, for programs whose
- * numbers are float.
+/* kernel_float.h, of lamc: what elementary.h computes in another way for floats than for doubles, and without any.
  *
- * In:    any floats. Out: square root as IEEE 754 has it; exp, log and pow within 1 unit in the last place, the others within
- *        3; at zeros, infinities and NaN what C99, annex F, says.
- * Never: calls a library, sets errno, looks into a table, computes with doubles. Without contraction of a*b + c the same bits
- *        on every machine.
- *
- * exp, log, atan, sinh, tanh: polynomials of the Cephes library (S. L. Moshier 1992). */
-#ifndef LAMC_ELEMENTARY_H
-#define LAMC_ELEMENTARY_H
+ * Errors: exp, log and pow within 1 unit in the last place, the others within 3. Polynomials of exp, log, atan, sinh, tanh:
+ * Cephes library (S. L. Moshier 1992). */
+#ifndef LAMC_KERNEL_FLOAT_H
+#define LAMC_KERNEL_FLOAT_H
 
 #include "bits.h"
-#include "trig.h"
-#include "two.h" /* that of bare/, with floats for doubles */
 
 #include <stdint.h>
+
+enum { LAMC_EXP_TERMS = 7, LAMC_EXP_HALVINGS = 4 };
+#define LAMC_EXP_MOST 89.0f
+#define LAMC_EXP_LEAST (-105.0f)
+#define LAMC_EXP_FLAT 1e-9f
+#define LAMC_LN2 {0.6931472f, -1.9046542e-09f}
+#define LAMC_PER_LN2 1.442695f
+#define LAMC_TO_WHOLE 12582912.0f /* adding 1.5 2^23, and taking it away again, rounds */
+#define LAMC_PI_REST (-8.742278e-08f)
 
 /* ---- Roots ------------------------------------------------------------------------------------------------- */
 
@@ -96,88 +98,7 @@ static inline float lamc_log(float x) {
   return (f + (lamc_log_rest(f) - k * 0.00021219444f)) + k * 0.693359375f;
 }
 
-/* e^x in two floats, for sizes up to 1/2: (1 + (e^(x / 16) - 1))^16, by the first seven terms of the series */
-static inline lamc_two lamc_two_exp(lamc_two x) {
-  const lamc_two one = {1.0f, 0.0f}, small = {x.high * 0.0625f, x.low * 0.0625f};
-  lamc_two e = {0.0f, 0.0f};
-  for (int i = 7; i > 0; i--) {
-    const lamc_two i_two = {(float)i, 0.0f};
-    e = lamc_two_over(lamc_two_times(lamc_two_add(one, e), small), i_two);
-  }
-  /* (1 + e)^2 - 1 = 2 e + e^2 keeps the digits of e */
-  for (int i = 0; i < 4; i++) {
-    const lamc_two twice = {2.0f * e.high, 2.0f * e.low};
-    e = lamc_two_add(twice, lamc_two_times(e, e));
-  }
-  return lamc_two_add(one, e);
-}
-
-/* log m in two floats for m in 0.7 .. 1.42: one step of Halley's method, log m = y + 2 (m - e^y) / (m + e^y) */
-static inline lamc_two lamc_two_log(float m) {
-  const float rough = lamc_log(m);
-  const lamc_two y = {rough, 0.0f}, m_two = {m, 0.0f};
-  const lamc_two e = lamc_two_exp(y), minus = {-e.high, -e.low};
-  const float step = 2.0f * lamc_two_add(m_two, minus).high / (m + e.high);
-  return lamc_two_sum(y.high, step);
-}
-
-/* 1 if y is a whole number, 2 if an even one */
-static inline int lamc_is_whole(float y) {
-  const float size = lamc_fabs(y);
-  if (size >= 16777216.0f) return 2;
-  const int32_t whole = (int32_t)size;
-  if ((float)whole != size) return 0;
-  return whole % 2 == 0 ? 2 : 1;
-}
-
-/* |x|^y, both finite and x not zero */
-static inline float lamc_pow_of_size(float x, float y) {
-  float m;
-  const int k = lamc_split_evenly(x, &m);
-  if (m == 1.0f && k == 0) return 1.0f;
-  const float rough = y * ((float)k * 0.6931472f + lamc_log(m));
-  if (rough > 89.0f) return LAMC_INFINITY;
-  if (rough < -105.0f) return 0.0f;
-  if (lamc_fabs(rough) < 1e-9f) return 1.0f + rough;
-  const lamc_two ln2 = {0.6931472f, -1.9046542e-09f}, turns = {(float)k, 0.0f}, y_two = {y, 0.0f};
-  lamc_two power = lamc_two_times(y_two, lamc_two_add(lamc_two_times(turns, ln2), lamc_two_log(m)));
-  const float n = (power.high * 1.442695f + 12582912.0f) - 12582912.0f;
-  const lamc_two back = {-n, 0.0f};
-  power = lamc_two_add(power, lamc_two_times(back, ln2));
-  const lamc_two e = lamc_two_exp(power);
-  return lamc_scaled(e.high, (int)n);
-}
-
-static inline float lamc_pow(float x, float y) {
-  if (y == 0.0f || x == 1.0f) return 1.0f;
-  if (x != x || y != y) return x + y;
-  const float size = lamc_fabs(x);
-  const int whole = lamc_is_whole(y);
-  if (lamc_fabs(y) == LAMC_INFINITY) {
-    if (size == 1.0f) return 1.0f;
-    return (size > 1.0f) == (y > 0.0f) ? LAMC_INFINITY : 0.0f;
-  }
-  const int is_odd = whole == 1;
-  float result;
-  if (size == 0.0f) {
-    result = y > 0.0f ? 0.0f : LAMC_INFINITY;
-  } else if (size == LAMC_INFINITY) {
-    result = y > 0.0f ? LAMC_INFINITY : 0.0f;
-  } else if (x < 0.0f && !whole) {
-    return LAMC_NAN;
-  } else {
-    result = lamc_pow_of_size(size, y);
-  }
-  return lamc_is_negative(x) && is_odd ? -result : result;
-}
-
 /* ---- Angles ------------------------------------------------------------------------------------------------ */
-
-static inline float lamc_tan(float x) {
-  float sine, cosine;
-  lamc_turn(x, &sine, &cosine);
-  return sine / cosine;
-}
 
 /* atan x for x >= 0 */
 static inline float lamc_atan_of_size(float x) {
@@ -194,23 +115,6 @@ static inline float lamc_atan_of_size(float x) {
   const float z = x * x;
   const float rest = x * z * (-0.3333295f + z * (0.19977711f + z * (-0.13877686f + z * 0.080537446f)));
   return high + (x + (rest + low));
-}
-
-static inline float lamc_atan(float x) {
-  return x == x ? lamc_copysign(lamc_atan_of_size(lamc_fabs(x)), x) : x;
-}
-
-static inline float lamc_atan2(float y, float x) {
-  if (x != x || y != y) return x + y;
-  const float rise = lamc_fabs(y), run = lamc_fabs(x);
-  float angle;
-  if (rise == run && (rise == 0.0f || rise == LAMC_INFINITY)) {
-    angle = rise == 0.0f ? 0.0f : 0.7853982f;
-  } else {
-    angle = lamc_atan_of_size(rise / run);
-  }
-  if (lamc_is_negative(x)) angle = 3.1415927f - (angle + 8.742278e-08f);
-  return lamc_copysign(angle, y);
 }
 
 static inline float lamc_asin(float x) {
@@ -264,4 +168,4 @@ static inline float lamc_tanh(float x) {
                   z * (0.13331442f + z * (-0.053739715f + z * (0.020639088f + z * -0.0057049887f))));
 }
 
-#endif /* LAMC_ELEMENTARY_H */
+#endif /* LAMC_KERNEL_FLOAT_H */

@@ -12,7 +12,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from lamc.export.ctokens import QUIET, Item, Token, head_comment, items, names_in, tokens
+from lamc.export.amalgam.tokens import QUIET, Item, Token, head_comment, items, names_in, tokens
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 

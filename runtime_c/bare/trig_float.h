@@ -1,4 +1,4 @@
-/* trig.h, of lamc, in single precision: sine and cosine of one angle or of two, for models whose numbers are float.
+/* trig_float.h, of lamc: trig.h in single precision.
  *
  * In:    angles, rad: any floats. Out: sine and cosine within 1 unit in the last place; NaN for what is not finite.
  * Never: calls a library; computes with doubles. Without contraction of a*b + c the same bits on every machine.
@@ -6,8 +6,8 @@
  * Angles are reduced to an eighth of a turn in integers, with as many digits of pi as it takes (M. Payne, R. Hanek, ACM
  * SIGNUM Newsletter 18 (1983) 19-24): small processors multiply 32 bits by 32 in one instruction, and have no doubles.
  * Polynomials: sinf and cosf of the Cephes library (S. L. Moshier 1992). */
-#ifndef LAMC_TRIG_H
-#define LAMC_TRIG_H
+#ifndef LAMC_TRIG_FLOAT_H
+#define LAMC_TRIG_FLOAT_H
 
 #include "bits.h"
 
@@ -87,16 +87,4 @@ static inline void lamc_turn_two(float x0, float x1, float *sines, float *cosine
   lamc_turn(x1, sines + 1, cosines + 1);
 }
 
-static inline float lamc_sin(float x) {
-  float sine, cosine;
-  lamc_turn(x, &sine, &cosine);
-  return sine;
-}
-
-static inline float lamc_cos(float x) {
-  float sine, cosine;
-  lamc_turn(x, &sine, &cosine);
-  return cosine;
-}
-
-#endif /* LAMC_TRIG_H */
+#endif /* LAMC_TRIG_FLOAT_H */

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.loops.cycles import Cycle
-from lamc.mechanism.turns import snap
+from lamc.mechanism.rotations import snap
 from lamc.records.mechanism import Array, Joint
 from lamc.symbolic.algebra import ZERO, Vector3, add, cross, scale
 from lamc.symbolic.scalars import Scalar, Value, cos, reciprocal, sin
@@ -112,16 +112,16 @@ def _bias(screws: Sequence[Screw], rates: Sequence[Value]) -> Screw:
 def _place(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
     """The end of a chain: its rotation, and where it carries what is drawn at the centre. By half angles: what is
     small of second order has all its digits."""
-    turned: Quaternion = (1, 0, 0, 0)
+    rotated: Quaternion = (1, 0, 0, 0)
     shift = ZERO
     for line in lines:
         half = 0.5 * q[line.joint]
         sine, cosine = sin(half), cos(half)
         step = _displacement(store, line, 2 * (sine * cosine), 2 * (sine * sine))
-        shift = add(shift, add(step, _moved(turned, step)))
+        shift = add(shift, add(step, _moved(rotated, step)))
         x, y, z = _constants(store, line.axis)
-        turned = _product(turned, (cosine, sine * x, sine * y, sine * z))
-    return turned, shift
+        rotated = _product(rotated, (cosine, sine * x, sine * y, sine * z))
+    return rotated, shift
 
 
 def _gap(ahead: tuple[Quaternion, Vector3], behind: tuple[Quaternion, Vector3]) -> Screw:
@@ -153,9 +153,9 @@ def _turn(store: Store, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
     return _rows(rows)
 
 
-def _moved(turned: Quaternion, v: Vector3) -> Vector3:
+def _moved(rotated: Quaternion, v: Vector3) -> Vector3:
     """R v - v of a unit quaternion."""
-    w, axis = turned[0], (turned[1], turned[2], turned[3])
+    w, axis = rotated[0], (rotated[1], rotated[2], rotated[3])
     once = scale(2, cross(axis, v))
     return add(scale(w, once), cross(axis, once))
 

@@ -76,7 +76,7 @@ class _Edges:
     corners: Integers
     nodes: Integers
     along: Array
-    turns: NDArray[np.bool_]
+    rotations: NDArray[np.bool_]
 
 
 def shear_energy(solution: "Solution", strains: Array) -> ShearEnergy:
@@ -209,8 +209,8 @@ def _free_edges(solution: "Solution") -> _Edges:
     )
     tiny = np.finfo(float).eps
     loose = np.any((same > np.maximum(_FREE * across, tiny)).reshape(nodes.shape), axis=1)
-    turns = np.any((across > tiny).reshape(nodes.shape), axis=1)
-    return _Edges(cell[loose], corners[loose], nodes[loose], along[loose], turns[loose])
+    rotations = np.any((across > tiny).reshape(nodes.shape), axis=1)
+    return _Edges(cell[loose], corners[loose], nodes[loose], along[loose], rotations[loose])
 
 
 def _gradients(mesh: "Mesh") -> Array:

@@ -252,7 +252,7 @@ def in_c(mechanism: Mechanism, folder: Path, turns: int, libm: bool = True) -> T
     (folder / "timer.c").write_text(C_TIMER)
     flags = ["-O2", "-std=c99", "-ffp-contract=off"]
     _output([cc, *flags, "timer.c", f"{NAME}.c", "-lm", "-o", "timer"], folder)
-    return _told(_output(["./timer", str(turns)], folder))
+    return _reported(_output(["./timer", str(turns)], folder))
 
 
 def in_cxx(mechanism: Mechanism, folder: Path, turns: int) -> Times:
@@ -261,14 +261,14 @@ def in_cxx(mechanism: Mechanism, folder: Path, turns: int) -> Times:
     (folder / "timer.c").write_text(C_TIMER)
     flags = ["-O2", "-std=c++17", "-ffp-contract=off", "-x", "c++"]
     _output([cxx, *flags, "timer.c", f"{NAME}.c", "-lm", "-o", "timer"], folder)
-    return _told(_output(["./timer", str(turns)], folder))
+    return _reported(_output(["./timer", str(turns)], folder))
 
 
 def in_python(mechanism: Mechanism, folder: Path, turns: int) -> Times:
     wheel, _ = _written(mechanism, "wheel", folder)
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder)
-    return _told(_output([sys.executable, "-c", PYTHON_TIMER, str(turns)], folder))
+    return _reported(_output([sys.executable, "-c", PYTHON_TIMER, str(turns)], folder))
 
 
 def in_node(mechanism: Mechanism, folder: Path, turns: int) -> Times:
@@ -278,7 +278,7 @@ def in_node(mechanism: Mechanism, folder: Path, turns: int) -> Times:
     except lamc.BuildError:
         raise Absent("no compiler for wasm32") from None
     (folder / "timer.mjs").write_text(JS_TIMER)
-    return _told(_output([node, "timer.mjs", str(turns)], folder))
+    return _reported(_output([node, "timer.mjs", str(turns)], folder))
 
 
 def in_fmpy(mechanism: Mechanism, folder: Path, turns: int) -> Times:
@@ -315,7 +315,7 @@ def in_fmpy(mechanism: Mechanism, folder: Path, turns: int) -> Times:
     return times
 
 
-def _told(output: str) -> Times:
+def _reported(output: str) -> Times:
     found = json.loads(output)
     return {key: float(found[key]) for key in ("rhs", "run", "calls")}
 

@@ -46,9 +46,9 @@ def starts(processes: int) -> None:
     rows = []
     for name in EXAMPLES:
         start(name)  # fills the cache
-        told = [start(name) for _ in range(processes)]
-        assert all(hit for *_, hit in told), f"{name} did not come from the cache"
-        imports, reading, compiling = (min(times[k] for times in told) for k in range(3))
+        reported = [start(name) for _ in range(processes)]
+        assert all(hit for *_, hit in reported), f"{name} did not come from the cache"
+        imports, reading, compiling = (min(times[k] for times in reported) for k in range(3))
         verdict = "yes" if reading + compiling < GOAL else "no"
         rows.append([name, seconds(imports), seconds(reading), seconds(compiling), verdict])
     print(table(["example", "imports", "reading", "from the cache", f"both below {seconds(GOAL)}"], rows))

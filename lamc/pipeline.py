@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from lamc.basics.checks import shown
 from lamc.basics.errors import BuildError, DesignError
 from lamc.basics.once import remembered
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module, load_module
 from lamc.codegen.options import CompileOptions
@@ -84,7 +84,11 @@ def equations_of(
 
 
 def sources_of(
-    equations: "Equations", times: Times | None = None, *, books: bool = False, precision: str = "double"
+    equations: "Equations",
+    times: Times | None = None,
+    *,
+    energy_balance: bool = False,
+    precision: str = "double",
 ) -> "tuple[Program, SourceTree]":
     """lower and emit. books: with the power of every effect; precision: of accelerations, "double" or "float"."""
     from lamc.codegen.emit import emit
@@ -92,7 +96,7 @@ def sources_of(
 
     times = times or Times()
     with times.stage("lower"):
-        program = lower(equations, books=books)
+        program = lower(equations, energy_balance=energy_balance)
     with times.stage("emit"):
         return program, emit(program, precision)
 
@@ -119,7 +123,7 @@ def compile(  # noqa: A001  the public name is lamc.compile
     else:
         mechanism = design
     scene = scene or mechanism.scene or Scene()
-    with told_at(scene.places):
+    with located_at(scene.places):
         return _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
 
 
@@ -139,12 +143,19 @@ def _compiled(
         return equations_of(mechanism, effects, times, loops, scene.inputs)
 
     @remembered
-    def sources(*, books: bool) -> "tuple[Program, SourceTree]":
-        return sources_of(equations(), times, books=books, precision=options.precision)
+    def sources(*, energy_balance: bool) -> "tuple[Program, SourceTree]":
+        return sources_of(equations(), times, energy_balance=energy_balance, precision=options.precision)
 
-    def module(*, books: bool) -> Module:
+    def module(*, energy_balance: bool) -> Module:
         alias = input_digest(
-            mechanism, effects, loops, compiler, options, scene.inputs, books=books, common=common
+            mechanism,
+            effects,
+            loops,
+            compiler,
+            options,
+            scene.inputs,
+            energy_balance=energy_balance,
+            common=common,
         )
         with times.stage("load from cache"):
             key = cache.recall(alias) if alias else None
@@ -153,7 +164,7 @@ def _compiled(
         if found is not None:
             times.from_cache = True
             return found
-        program, tree = sources(books=books)
+        program, tree = sources(energy_balance=energy_balance)
         from lamc.codegen.build import build
 
         with times.stage("compile"):
@@ -169,10 +180,10 @@ def _compiled(
         scene,
         effects,
         equations,
-        lambda: sources(books=False)[0],
-        module(books=False),
+        lambda: sources(energy_balance=False)[0],
+        module(energy_balance=False),
         loops,
-        lambda: module(books=True),
+        lambda: module(energy_balance=True),
     )
 
 

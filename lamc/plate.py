@@ -57,7 +57,7 @@ from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.mesher import mesh
 from lamc.plates.meshing.report import bciz_bias, mesh_report
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import Model, solve
+from lamc.plates.solving.model import FactoredPlate, solve
 from lamc.plates.solving.solution import Solution
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, Symmetry
 from lamc.readers.plates.problem_file import load_plate
@@ -73,13 +73,13 @@ __all__ = [
     "ElasticFoundation",
     "ElectricField",
     "Element",
+    "FactoredPlate",
     "Graded",
     "HingeLine",
     "Hinged",
     "Laminate",
     "Material",
     "Mesh",
-    "Model",
     "Moisture",
     "Node",
     "PlateFile",
@@ -138,6 +138,10 @@ def __dir__() -> list[str]:
 if not TYPE_CHECKING:  # a type checker shall miss the old names
     __getattr__ = renamed(
         "lamc.plate",
-        {"Gravity": "lamc.plate.SelfWeight"}
+        {
+            "Gravity": "lamc.plate.SelfWeight",
+            "Model": "lamc.plate.FactoredPlate",
+            "HingeTurn": "lamc.plates.records.HingeRotation",
+        }
         | {name: f"lamc.plates.records.{name}" for name in records.__all__},
     )

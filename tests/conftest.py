@@ -63,7 +63,10 @@ def home_of_the_session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = _of_the_session(tmp_path_factory, "home")
     for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"):
         os.environ.pop(name, None)
-    for name, place in (("RUSTUP_HOME", ".rustup"), ("CARGO_HOME", ".cargo")):  # where these tools live themselves
+    for name, place in (
+        ("RUSTUP_HOME", ".rustup"),
+        ("CARGO_HOME", ".cargo"),
+    ):  # where these tools live themselves
         os.environ.setdefault(name, str(Path.home() / place))
     os.environ["HOME"] = str(folder)
     return folder

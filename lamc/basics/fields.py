@@ -59,7 +59,7 @@ _RULES = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 Path = tuple[str | int, ...]
 
 
-class Model(BaseModel):
+class StrictModel(BaseModel):
     """Base of all models: unknown keys are errors, and nothing changes after reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -81,7 +81,7 @@ def part(*path: str | int) -> Iterator[None]:
 
 
 def inner(model: type[M], data: Any, info: ValidationInfo) -> M:
-    """`data` as a model within another; what is no map of its fields is told with the nearest name."""
+    """`data` as a model within another; what is no map of its fields is reported with the nearest name."""
     known = list(model.model_fields)
     with part():
         if not isinstance(data, Mapping):
@@ -152,8 +152,8 @@ class Unit:
         for rule, words in _RULES.items():
             bound = getattr(self, rule)
             if bound is not None and not getattr(operator, rule)(number, bound):
-                told = f"the {kind.name} is {number:g} {plain}".rstrip()
-                raise DesignError(f"{told}; it must be {words} {bound:g}")
+                reported = f"the {kind.name} is {number:g} {plain}".rstrip()
+                raise DesignError(f"{reported}; it must be {words} {bound:g}")
         return number
 
     @property

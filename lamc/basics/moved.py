@@ -33,6 +33,11 @@ def renamed(module: str, names: Mapping[str, str]) -> Callable[[str], Any]:
     return get
 
 
+def superseded(old: str, new: str) -> None:
+    """Warns, where the caller's caller stands, that `old` is called `new` now."""
+    warnings.warn(f"{old} is {new} now", DeprecationWarning, stacklevel=3)
+
+
 def _found(old: str, there: str, name: str) -> Any:
     value = getattr(import_module(there), name)
     warnings.warn(f"{old} is {there}.{name} now", DeprecationWarning, stacklevel=3)

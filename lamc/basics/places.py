@@ -32,7 +32,7 @@ class Places:
 
 
 @contextmanager
-def told_at(places: Places) -> Iterator[None]:
+def located_at(places: Places) -> Iterator[None]:
     """LamcErrors of the block that know their subject, and not its place, get the place."""
     try:
         yield

@@ -40,22 +40,22 @@ def renewed(folder: Path, last: str, older: Callable[[Path], set[str]]) -> Itera
 
     Raises LamcError where a folder lies at a file's place, and for what the system refuses.
     """
-    told = folder
+    reported = folder
     try:
         folder = folder.resolve()
         _clear(folder)
         staged = _beside(folder)
     except OSError as error:
-        raise _refused(told, error) from error
+        raise _refused(reported, error) from error
     try:
         yield staged
         _settle(staged, folder, last, older(folder))
     except LamcError as error:
         if str(staged) not in error.message:
             raise
-        raise type(error)(error.message.replace(str(staged), str(told)), error.place) from error
+        raise type(error)(error.message.replace(str(staged), str(reported)), error.place) from error
     except OSError as error:
-        raise _refused(told, error) from error
+        raise _refused(reported, error) from error
     finally:
         shutil.rmtree(staged, ignore_errors=True)
 
@@ -70,8 +70,8 @@ def digests(folder: Path, names: list[str]) -> dict[str, str]:
 
 
 def _refused(folder: Path, error: OSError) -> LamcError:
-    told = error.strerror or error
-    return LamcError(f"the folder {str(folder)!r} cannot be written to: {told}; name another with --out")
+    reported = error.strerror or error
+    return LamcError(f"the folder {str(folder)!r} cannot be written to: {reported}; name another with --out")
 
 
 def _settle(staged: Path, folder: Path, last: str, older: set[str]) -> None:
@@ -112,8 +112,8 @@ def _move(staged: Path, folder: Path, last: str, fresh: list[str], gone: set[str
 def _unfinished(folder: Path) -> set[str]:
     """Names of files that an exchange that was cut short left here."""
     try:
-        told = json.loads((folder / UNFINISHED).read_text(encoding="utf-8"))
-        names = {str(name) for name in told["files"]}
+        reported = json.loads((folder / UNFINISHED).read_text(encoding="utf-8"))
+        names = {str(name) for name in reported["files"]}
     except (OSError, ValueError, KeyError, TypeError):
         return set()
     return {name for name in names if name == Path(name).name and (folder / name).is_file()}

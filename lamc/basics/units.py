@@ -174,9 +174,9 @@ def _asked(unit: str, quantity: Quantity) -> float:
         )
     if _angles(given) != _angles(expected):
         # Angles have no dimension, so that N*mm would pass for N*mm/rad where N*mm/deg was meant, and Hz for rad/s.
-        told = "names no angle" if _angles(expected) else "names an angle"
+        reported = "names no angle" if _angles(expected) else "names an angle"
         raise DesignError(
-            f"{unit!r} {told}, and {_a(quantity.name)} is in {quantity.unit or 'plain form'} or the like: "
+            f"{unit!r} {reported}, and {_a(quantity.name)} is in {quantity.unit or 'plain form'} or the like: "
             f"write it such as {quantity.example!r}"
         )
     try:

@@ -166,15 +166,15 @@ class Cache:
 
 def _digests(folder: Path) -> dict[str, str]:
     """Digest of each file by its path in the folder; without paths as objects, which take as long as the digests."""
-    told = {}
+    digests = {}
     start = len(os.path.join(folder, ""))
     for place, _, names in os.walk(folder):
         for name in names:
             path = os.path.join(place, name)
             if name != MANIFEST and os.path.isfile(path):
                 with open(path, "rb") as stream:
-                    told[path[start:]] = hashlib.sha256(stream.read()).hexdigest()
-    return told
+                    digests[path[start:]] = hashlib.sha256(stream.read()).hexdigest()
+    return digests
 
 
 def intact(folder: Path) -> bool:

@@ -18,7 +18,7 @@ from lamc.basics.resources import data_dir
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import REAL, ShapePrinter, literal
-from lamc.codegen.turns import CALLS
+from lamc.codegen.sine_cosine import CALLS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
 from lamc.symbolic.program import Coordinate, Program

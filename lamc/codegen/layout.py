@@ -7,7 +7,7 @@ from lamc.codegen.layout_long import Long
 from lamc.codegen.names import comment
 from lamc.codegen.pieces import SHORT_INDEX, CFunction, heading, operand_name, output_lines, unused
 from lamc.codegen.printer import ShapePrinter
-from lamc.codegen.turns import SHARING, batches, calls
+from lamc.codegen.sine_cosine import SHARING, batches, calls
 from lamc.symbolic.program import Function, Operand
 
 # Statements in one block. What runs at every step is straight code as long as that is quicker than kernels (40

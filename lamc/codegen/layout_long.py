@@ -23,7 +23,7 @@ from lamc.codegen.pieces import (
 )
 from lamc.codegen.printer import ShapePrinter, literal
 from lamc.codegen.segments import External, KernelClass, Layout, Local, Segment, lay_out
-from lamc.codegen.turns import SHARING, batches, call, calls, turns
+from lamc.codegen.sine_cosine import SHARING, batches, call, calls, sine_cosine_pairs
 from lamc.symbolic.program import Function, Operand, Space, Statement
 
 PART = 250  # statements in one part of what does not repeat in a long function
@@ -107,13 +107,13 @@ class Long:
             f"const {self.number} e{slot} = {array}[i[{slot + 1}]];" for slot, array in sorted(arrays.items())
         ]
 
-        found = turns(kernel.pattern) if self.number in SHARING else {}
+        found = sine_cosine_pairs(kernel.pattern) if self.number in SHARING else {}
         for position, (shape, operands) in enumerate(kernel.pattern):
-            turn = found.get(position)
-            if turn is not None:
-                if position == turn.first:
+            pair = found.get(position)
+            if pair is not None:
+                if position == pair.first:
                     lines += call(
-                        _kernel_operand(operands[0]), f"z{turn.sine}", f"z{turn.cosine}", self.number
+                        _kernel_operand(operands[0]), f"z{pair.sine}", f"z{pair.cosine}", self.number
                     )
                 continue
             stand_ins = tuple(Operand(Space.LOCAL, k) for k in range(len(operands)))
@@ -225,7 +225,7 @@ class Long:
                 yield from heading(self.function, section)
             if isinstance(statement, tuple):
                 yield from calls(statement, name, self.number)
-                made = [half.target.index for turn in statement for half in turn]
+                made = [half.target.index for pair in statement for half in pair]
             else:
                 text = self.printer.text(statement.shape, statement.operands, name)
                 made = [statement.target.index]

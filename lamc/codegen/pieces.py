@@ -74,7 +74,8 @@ def unused(function: Function, used: set[Space]) -> tuple[str, ...]:
 
 
 def heading(function: Function, section: int) -> list[str]:
-    """The comment over a run of statements: what, from which equation, for which effect; none where nothing is told."""
+    """The comment over a run of statements: what, from which equation, for which effect; none where nothing is
+    reported."""
     entry = function.sections[section]
     if not entry.title:
         return []

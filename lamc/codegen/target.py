@@ -42,14 +42,14 @@ def mark(identity: str, flags: Sequence[str], run: Run, store: Cache) -> str:
 
 def _asked(identity: str, flags: tuple[str, ...], run: Run) -> str:
     key = (identity, flags)
-    if key not in _told():
+    if key not in _known_marks():
         macros = run([*flags, "-dM", "-E", "-x", "c", os.devnull], Path(tempfile.gettempdir()))
-        _told()[key] = hashlib.sha256(macros.encode()).hexdigest()
-    return _told()[key]
+        _known_marks()[key] = hashlib.sha256(macros.encode()).hexdigest()
+    return _known_marks()[key]
 
 
 @cache
-def _told() -> dict[tuple[str, tuple[str, ...]], str]:
+def _known_marks() -> dict[tuple[str, tuple[str, ...]], str]:
     """What compilers told this process, which stays on one processor."""
     return {}
 

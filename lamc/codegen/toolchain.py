@@ -41,8 +41,10 @@ def find_compiler(
     if not target.names_this_machine([*found.command, *flags]):
         return found
     store = Cache(cache_root(environment))
-    told = target.mark(found.identity, flags, lambda words, folder: run_compiler(found, words, folder), store)
-    return replace(found, identity=f"{found.identity} {told}")
+    reported = target.mark(
+        found.identity, flags, lambda command, folder: run_compiler(found, command, folder), store
+    )
+    return replace(found, identity=f"{found.identity} {reported}")
 
 
 def _found(wanted: str | None, environment: Mapping[str, str]) -> Compiler:
@@ -178,11 +180,11 @@ def run_compiler(compiler: Compiler, arguments: Sequence[str], folder: Path) -> 
         raise BuildError(f"the C compiler {compiler.command[0]!r} was stopped after {TIMEOUT} s") from error
     if done.returncode != 0:
         lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
-        told = next(
+        reported = next(
             (line for line in lines if "error" in line.lower()), lines[0] if lines else "it says nothing"
         )
         raise BuildError(
-            f"the C compiler {compiler.command[0]!r} failed with exit code {done.returncode}: {told[:300]}; "
+            f"the C compiler {compiler.command[0]!r} failed with exit code {done.returncode}: {reported[:300]}; "
             "`lamc doctor` tests it on a small model"
         )
     return done.stdout

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lamc.basics.numbers import duration
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.codegen.emit import SourceTree
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Terminal
@@ -56,7 +56,7 @@ def build(
         loaded = load_source(source, times, progress)
         mechanism = mechanism_of(loaded, times, progress)
         scene, account = changed_scene(mechanism, changes)
-        with told_at(scene.places):
+        with located_at(scene.places):
             derived = equations_of(mechanism, scene.effects or (), times, inputs=scene.inputs)
         program, tree = sources_of(derived, times)
         texts = dict(sorted(tree.files.items()))

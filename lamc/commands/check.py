@@ -1,4 +1,5 @@
-"""`lamc check`: compares the three voices on a design. In: a design. Out: a table; exit code 3 beyond the limits."""
+"""`lamc check`: compares the three cross-checks on a design. In: a design. Out: a table; exit code 3 beyond the
+limits."""
 
 import time
 from collections.abc import Callable
@@ -24,7 +25,7 @@ def check(source: Source, changes: SceneChanges, states: int, t_end: float, term
         mechanism = mechanism_of(loaded, times, progress)
         scene, _ = changed_scene(mechanism, changes)
         simulator = compile_design(mechanism, scene, source.options, times)
-        report = compare(simulator, states=states, t_end=t_end, progress=_told(progress))
+        report = compare(simulator, states=states, t_end=t_end, progress=_reporter(progress))
     terminal.say(f"{mechanism.name}: {states} random states, and a run of {t_end:g} s\n\n{report.table()}\n")
     terminal.result({"ok": report.passed, **report.to_dict()})
     failed = sum(comparison.failed for comparison in report.comparisons)
@@ -38,18 +39,18 @@ def check(source: Source, changes: SceneChanges, states: int, t_end: float, term
     return 0
 
 
-def _told(progress: Progress) -> Callable[[str, float], None]:
+def _reporter(progress: Progress) -> Callable[[str, float], None]:
     """Passes stages on when they change, and fractions a few times a second."""
-    stage, told = "", 0.0
+    stage, reported_at = "", 0.0
 
     def tell(name: str, fraction: float) -> None:
-        nonlocal stage, told
+        nonlocal stage, reported_at
         now = time.monotonic()
         if name != stage:
-            stage, told = name, now
+            stage, reported_at = name, now
             progress.stage(name)
-        elif now - told >= _EVERY:
-            told = now
+        elif now - reported_at >= _EVERY:
+            reported_at = now
             progress.part(fraction, 1.0)
 
     return tell

@@ -136,9 +136,9 @@ def _cache() -> Finding:
         entries = [entry for entry in root.iterdir() if entry.is_dir() and len(entry.name) == 64]
         size = sum(file.stat().st_size for entry in entries for file in entry.rglob("*") if file.is_file())
     except OSError as error:
-        told = error.strerror or error
+        reported = error.strerror or error
         return Finding(
-            "cache", "broken", f"{root} cannot be written: {told}; set $LAMC_CACHE_DIR to another folder"
+            "cache", "broken", f"{root} cannot be written: {reported}; set $LAMC_CACHE_DIR to another folder"
         )
     count = f"{len(entries)} compiled module{'' if len(entries) == 1 else 's'}"
     return Finding("cache", "ok", f"{root}: {count}, {size / 1e6:.1f} MB; delete the folder to empty it")

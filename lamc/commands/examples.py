@@ -101,8 +101,8 @@ def copy_file(example: Example, folder: Path) -> Path:
             f"{str(taken)!r} is there already and is not replaced; name another folder"
         ) from error
     except (OSError, ValueError) as error:
-        told = getattr(error, "strerror", None) or error
-        raise LamcError(f"{str(target)!r} cannot be written: {told}; name another folder") from error
+        reported = getattr(error, "strerror", None) or error
+        raise LamcError(f"{str(target)!r} cannot be written: {reported}; name another folder") from error
     with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
         stream.write(example.text)
     return target

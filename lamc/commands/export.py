@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lamc.basics.errors import ExportError
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.commands.export_plate import check_example, files_of_plate, is_plate_source
 from lamc.commands.export_plate import load as load_plate
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
@@ -89,7 +89,7 @@ def _mechanism(order: ExportOrder, times: Times, progress: Progress) -> _Made:
     loaded = load_source(order.source, times, progress)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, order.changes)
-    with told_at(scene.places), times.stage("export"):
+    with located_at(scene.places), times.stage("export"):
         target = TARGETS[order.target]
         files = target.files(mechanism, scene, order.options)
         return _Made(loaded.name, files, target.effects(mechanism, scene, order.options))

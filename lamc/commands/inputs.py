@@ -14,7 +14,7 @@ from pathlib import Path
 
 from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.basics.units import ANGLE, ANGLE_RATE, Quantity, to_si
 from lamc.codegen.options import CompileOptions
 from lamc.commands.terminal import Progress
@@ -158,8 +158,8 @@ def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, t
         rates={**scene.rates, **_quantities(changes.rates, "--rate", ANGLE_RATE, joints)},
         branch=scene.branch if changes.branch is None else changes.branch,
     )
-    with told_at(scene.places):
-        account = tuple(_told_by_options(choice, more, left_out) for choice in choose(mechanism, changed))
+    with located_at(scene.places):
+        account = tuple(_with_options(choice, more, left_out) for choice in choose(mechanism, changed))
     effects = tuple(choice.effect for choice in account if choice.effect is not None)
     return changed.acting(effects), account
 
@@ -168,7 +168,7 @@ def _is_repeatable(effect: Effect) -> bool:
     return hooked(effect).repeatable
 
 
-def _told_by_options(choice: Choice, more: Sequence[Effect], left_out: Sequence[str]) -> Choice:
+def _with_options(choice: Choice, more: Sequence[Effect], left_out: Sequence[str]) -> Choice:
     """The line of the account says which option it follows from."""
     if choice.effect is None:
         return choice._replace(reason="left out by --without") if choice.name in left_out else choice
@@ -274,9 +274,9 @@ def output_folder(out: str | None, name: str) -> Iterator[Path]:
         made = [path for path in (folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        told = getattr(error, "strerror", None) or error
+        reported = getattr(error, "strerror", None) or error
         raise LamcError(
-            f"the folder {str(folder)!r} cannot be made: {told}; name another with --out"
+            f"the folder {str(folder)!r} cannot be made: {reported}; name another with --out"
         ) from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise LamcError(f"the folder {str(folder)!r} cannot be written to; name another with --out")

@@ -132,9 +132,9 @@ def _accuracy(text: str) -> float:
 
 def _budget(text: str) -> float:
     """Seconds of "30", "30s", "30 s" or "2 min"."""
-    words = text.strip()
-    unit = next((u for u in ("min", "ms", "s") if words.endswith(u)), "")
-    number = words.removesuffix(unit).strip()
+    amount = text.strip()
+    unit = next((u for u in ("min", "ms", "s") if amount.endswith(u)), "")
+    number = amount.removesuffix(unit).strip()
     try:
         value = float(number) * _SECONDS[unit or "s"]
     except ValueError as error:

@@ -40,8 +40,8 @@ class Cli(click.Group):
             code = super().main(args, prog_name or "lamc", complete_var, standalone_mode=False, **extra)
         except click.UsageError as error:
             where = error.ctx.command_path if error.ctx is not None else "lamc"
-            told = " ".join(error.format_message().split())
-            tell(f"error: {told} (see `{where} --help`)")
+            reported = " ".join(error.format_message().split())
+            tell(f"error: {reported} (see `{where} --help`)")
             code = error.exit_code
         except click.ClickException as error:
             tell(f"error: {error.format_message()}")

@@ -74,11 +74,13 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
                         files.append(name)
                 except KeyboardInterrupt:
                     interrupted = True
-                told = _told(report, digests(staged, files), interrupted=interrupted)
-                files = told["files"]
-                write_text(staged / SUMMARY, json.dumps(plain(told), indent=2, ensure_ascii=False) + "\n")
+                summary_data = _summary(report, digests(staged, files), interrupted=interrupted)
+                files = summary_data["files"]
+                write_text(
+                    staged / SUMMARY, json.dumps(plain(summary_data), indent=2, ensure_ascii=False) + "\n"
+                )
     terminal.say(summary(report, folder, files))
-    terminal.result(told | {"folder": str(folder)})
+    terminal.result(summary_data | {"folder": str(folder)})
     for error in report.errors:
         terminal.error(str(error))
     if interrupted:
@@ -87,17 +89,17 @@ def plate(order: PlateOrder, terminal: Terminal) -> int:
     return max(_NOT_ALL if report.failed else 0, *(error.exit_code for error in report.errors), 0)
 
 
-def _told(report: PlateReport, sums: dict[str, str], *, interrupted: bool) -> dict[str, Any]:
+def _summary(report: PlateReport, sums: dict[str, str], *, interrupted: bool) -> dict[str, Any]:
     """The summary as plain data. sums: of the files that were written."""
-    told = data(report) | {
+    summary_data = data(report) | {
         "lamc_version": __version__,
         "files": [*sums, SUMMARY],
         "sha256": sums,
         "interrupted": interrupted,
     }
     if report.errors:
-        told["errors"] = [problem_data(error) for error in report.errors]
-    return told
+        summary_data["errors"] = [problem_data(error) for error in report.errors]
+    return summary_data
 
 
 def _chosen(file: PlateFile, order: PlateOrder) -> PlateFile:

@@ -58,8 +58,8 @@ def write_files(report: PlateReport, folder: Path, *, pictures: bool, progress: 
 def own_files(folder: Path) -> set[str]:
     """Files of an earlier run in this folder, by its summary; only names that lamc itself gives."""
     try:
-        told = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-        listed = [str(name) for name in told["files"]] if "lamc_version" in told else []
+        summary_data = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        listed = [str(name) for name in summary_data["files"]] if "lamc_version" in summary_data else []
     except (OSError, ValueError, KeyError, TypeError):
         return set()
     return {
@@ -161,23 +161,25 @@ def _draw_shapes(report: PlateReport, folder: Path) -> Iterator[str]:
     count = len(report.problem.mesh.points)
     if report.modes is not None:
         pairs = zip(report.modes.frequencies, report.shapes[MODES].errors, strict=True)
-        told = [
+        summary_data = [
             f"{k + 1}: {shown_number(float(f), 'Hz', 4)}{off_text(float(error))}"
             for k, (f, error) in enumerate(pairs)
         ]
         shapes = np.nan_to_num(report.modes.shapes[:count])
         yield (
-            draw_modes(report.problem, shapes, told, folder / "modes.png", f"{report.file.name}: modes").name
+            draw_modes(
+                report.problem, shapes, summary_data, folder / "modes.png", f"{report.file.name}: modes"
+            ).name
         )
     taken: set[str] = set()
     for name, buckled in report.buckling.items():
         if len(buckled.factors):
             pairs = zip(buckled.factors, report.shapes[buckling_key(name)].errors, strict=False)
-            told = [
+            summary_data = [
                 f"{k + 1}: {factor:.5g} times the loads{off_text(float(error))}"
                 for k, (factor, error) in enumerate(pairs)
             ]
-            shapes = np.nan_to_num(buckled.shapes[:count, : len(told)])
+            shapes = np.nan_to_num(buckled.shapes[:count, : len(summary_data)])
             title = f"{report.file.name}: buckling" + (f", {name}" if name else "")
             path = folder / _named("buckling", name, ".png", taken)
-            yield draw_modes(report.problem, shapes, told, path, title).name
+            yield draw_modes(report.problem, shapes, summary_data, path, title).name

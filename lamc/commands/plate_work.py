@@ -24,7 +24,7 @@ from lamc.plates.answers.modes import Modes, modes
 from lamc.plates.answers.shape_pairs import halved_buckling, halved_modes
 from lamc.plates.elements.kernels import kernels
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import Model
+from lamc.plates.solving.model import FactoredPlate
 from lamc.plates.solving.solution import Solution
 from lamc.readers.plates.problem_make import halved_problem_of, problem_of
 from lamc.readers.plates.problem_records import Output, PlateFile
@@ -52,7 +52,7 @@ def answers(
     errors. two_meshes: every case, modes and buckling once more on halved cells, for the error of outputs, frequencies
     and factors.
 
-    Raises LamcError as the mesher, `Problem` and `Model` do, and where no case can be solved.
+    Raises LamcError as the mesher, `Problem` and `FactoredPlate` do, and where no case can be solved.
     """
     with times.stage("mesh"):
         file = file.drawn_for(size)
@@ -60,36 +60,36 @@ def answers(
         problem = problem_of(file, size=size, solver=solver)
     with times.stage("element"):
         kernels(problem.dofs.element)
-    with times.stage("assemble"), origins.told():
-        model = Model(problem, solver)
+    with times.stage("assemble"), origins.located():
+        model = FactoredPlate(problem, solver)
     errors: list[LamcError] = []
     solved: dict[str, Solution] = {}
     for name in problem.cases or [""]:
-        with times.stage("solve"), _kept(errors), origins.told():
+        with times.stage("solve"), _kept(errors), origins.located():
             solved[name] = model.solve_case(name) if name else model.solve()
     if not solved:
         several = [error for error in errors if isinstance(error, DesignError)]
         raise DesignErrors(several) if len(several) == len(errors) > 1 else errors[0]
     failed = tuple(name for name in problem.cases if name not in solved)
-    with times.stage("estimate"), origins.told():
+    with times.stage("estimate"), origins.located():
         cases = [_case(name, solution, file) for name, solution in solved.items()]
     finer = None
     if two_meshes:
-        with times.stage("halved cells"), _kept(errors), origins.told():
+        with times.stage("halved cells"), _kept(errors), origins.located():
             finer = halved_problem_of(file, problem, size, solver)
             note = kept_corners_text(problem) if file.drawn_for(size, 2) is file else ""
-            cases = _with_halved(cases, Model(finer, solver), note)
+            cases = _with_halved(cases, FactoredPlate(finer, solver), note)
     found = None
     if file.modes:
-        with times.stage("modes"), _kept(errors), origins.told("modes"):
+        with times.stage("modes"), _kept(errors), origins.located("modes"):
             found = modes(problem, file.modes)
     buckled: dict[str, Buckling] = {}
     for name in solved if file.buckling else ():
-        with times.stage("buckling"), _kept(errors), origins.told("buckling"):
+        with times.stage("buckling"), _kept(errors), origins.located("buckling"):
             buckled[name] = buckling(_of_case(problem, name), file.buckling)
     shapes = _shape_reports(found, buckled, {note for case in cases for note in case.notes})
     if finer is not None and shapes:
-        with times.stage("halved cells"), _kept(errors), origins.told():
+        with times.stage("halved cells"), _kept(errors), origins.located():
             shapes = _halved_shapes(shapes, found, buckled, finer)
     return PlateReport(file, source, problem, cases, found, buckled, times, errors, failed, shapes)
 
@@ -98,11 +98,11 @@ def _shape_reports(
     found: Modes | None, buckled: Mapping[str, Buckling], said: Collection[str]
 ) -> dict[str, ShapeReport]:
     """Errors and notes by `MODES` and `buckling_key`; without notes that cases have `said`."""
-    told: dict[str, Modes | Buckling] = {} if found is None else {MODES: found}
-    told |= {buckling_key(name): each for name, each in buckled.items()}
+    summary_data: dict[str, Modes | Buckling] = {} if found is None else {MODES: found}
+    summary_data |= {buckling_key(name): each for name, each in buckled.items()}
     return {
         name: ShapeReport(each.errors, [n for n in each.notes if n not in said])
-        for name, each in told.items()
+        for name, each in summary_data.items()
     }
 
 
@@ -144,25 +144,25 @@ def _case(name: str, solution: Solution, file: PlateFile) -> CaseReport:
         kept = value if abs(value) > _NOTHING * largest else 0.0
         printed.append(Printed(output, kept, VALUES[output.value]))
     strength = first_failure(solution) if fields.tsai_wu is not None else None
-    told = strength.notes if strength is not None else ()
-    notes = (*solution.report.notes, *_large(solution, found), *told)
+    summary_data = strength.notes if strength is not None else ()
+    notes = (*solution.report.notes, *_large(solution, found), *summary_data)
     return CaseReport(
         name, solution, fields, error_estimate(solution), found, tuple(printed), notes, strength
     )
 
 
-def _with_halved(cases: Sequence[CaseReport], fine: Model, note: str) -> list[CaseReport]:
+def _with_halved(cases: Sequence[CaseReport], fine: FactoredPlate, note: str) -> list[CaseReport]:
     """The cases with what halved cells say of their outputs; where there are none, of the largest displacement. `note`
     tells what they do not."""
     result = []
     for case in cases:
         solution = fine.solve_case(case.name) if case.name else fine.solve()
         printed = case.printed or [_largest(case)]
-        told = [
+        summary_data = [
             Halved(p.output, p.unit, error_of_values(p.value, value_of(solution, _on(solution, p.output))))
             for p in printed
         ]
-        result.append(replace(case, halved=told, notes=(*case.notes, *([note] if note else []))))
+        result.append(replace(case, halved=summary_data, notes=(*case.notes, *([note] if note else []))))
     return result
 
 

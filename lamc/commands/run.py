@@ -38,7 +38,7 @@ from lamc.report.loops_text import loops_data
 from lamc.report.plots import draw_angles_energy
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.defaults import DURATION, default_rows
-from lamc.run.files import books_data, write_csv, write_npz
+from lamc.run.files import energy_balance_data, write_csv, write_npz
 from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -73,7 +73,7 @@ class RunOrder:
     points: int | None  # rows; 0: one after every step; None: `default_rows`
     max_steps: int
     animation: bool
-    books: bool
+    energy_balance: bool
     out: str | None
 
 
@@ -144,7 +144,7 @@ def _simulate(
         parameters=parameters,
         max_steps=order.max_steps,
         progress=progress.part,
-        books=order.books,
+        energy_balance=order.energy_balance,
     )
 
 
@@ -248,5 +248,5 @@ def _data(report: RunReport) -> dict[str, Any]:
         "seconds": dict(report.times.seconds),
         "from_cache": report.times.from_cache,
         "energy_drift": report.drift,
-        "books": books_data(result),
+        "books": energy_balance_data(result),
     }

@@ -49,7 +49,10 @@ if TYPE_CHECKING:
 @compiler
 @precision
 @click.option(
-    "--books", is_flag=True, help="Keep the work of every effect: who stored, supplied, dissipated."
+    "--energy-balance",
+    "--books",
+    is_flag=True,
+    help="Keep the work of every effect: who stored, supplied, dissipated.",
 )
 @click.option("--no-animation", is_flag=True, help="Make no film.")
 @folder
@@ -69,7 +72,7 @@ def run(
     cc: str | None,
     fast: bool,
     precision: str,
-    books: bool,
+    energy_balance: bool,
     no_animation: bool,
     out: str | None,
     terminal: Terminal,
@@ -88,7 +91,7 @@ def run(
       lamc run pendulum.yaml --scene driven
       lamc run pendulum.yaml --accuracy '0.1 %'
       lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
-      lamc run --example pendulum --books
+      lamc run --example pendulum --energy-balance
     """
     from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
@@ -106,7 +109,7 @@ def run(
         points=points,
         max_steps=max_steps,
         animation=not no_animation,
-        books=books,
+        energy_balance=energy_balance,
         out=out,
     )
     return work(order, terminal)

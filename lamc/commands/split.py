@@ -55,8 +55,8 @@ def split(source: Source, choice: HingeChoice, out: str | None, terminal: Termin
         loaded = load_source(source, times, progress)
         name = folder_name(loaded.name)
         files: list[str] = []
-        told = f"{name}.mechanism.yaml"
-        with output_folder(out, loaded.name) as folder, renewed(folder, told, lambda _: set()) as staged:
+        reported = f"{name}.mechanism.yaml"
+        with output_folder(out, loaded.name) as folder, renewed(folder, reported, lambda _: set()) as staged:
             if isinstance(loaded.record, Design):
                 design = loaded.record
                 if choice.stiffness == "from-material":
@@ -71,8 +71,8 @@ def split(source: Source, choice: HingeChoice, out: str | None, terminal: Termin
             else:
                 mechanism = loaded.record
                 _export_mechanism(mechanism, loaded.path, (folder, staged), name, files, notes)
-            files.append(told)
-            write_mechanism(mechanism, staged / told)
+            files.append(reported)
+            write_mechanism(mechanism, staged / reported)
     text = split_text(mechanism, notes)
     data = split_data(mechanism, notes)
     loops, data["loops"] = _loops(mechanism)

@@ -90,17 +90,17 @@ class PlainProgress:
 
     def __init__(self) -> None:
         self._name = ""
-        self._told = 0.0
+        self._reported = 0.0
 
     def stage(self, name: str) -> None:
         if name != self._name:
-            self._name, self._told = name, time.monotonic()
+            self._name, self._reported = name, time.monotonic()
             tell(f"{name} …")
 
     def part(self, done: float, total: float) -> None:
         now = time.monotonic()
-        if now - self._told >= _PLAIN_EVERY and total > 0.0:
-            self._told = now
+        if now - self._reported >= _PLAIN_EVERY and total > 0.0:
+            self._reported = now
             tell(f"{self._name} … {100 * done / total:.0f} %")
 
 
@@ -193,8 +193,8 @@ class Terminal:
         except (Exception, RecursionError) as error:
             if self.debug:
                 traceback.print_exc()
-            told = " ".join(f"{type(error).__name__}: {error}".split())
-            line = f"this is a bug of lamc: {told[:300]}; please report it with the output of --debug"
+            reported = " ".join(f"{type(error).__name__}: {error}".split())
+            line = f"this is a bug of lamc: {reported[:300]}; please report it with the output of --debug"
             self._complain([line], [], 1, traced=True)
             return 1
 
@@ -211,9 +211,9 @@ class Terminal:
         for line in lines:
             tell(f"error: {line}")
         if self.as_json:
-            told = [problem_data(p) for p in problems] or [{"message": line} for line in lines]
+            reported = [problem_data(p) for p in problems] or [{"message": line} for line in lines]
             with suppress(LamcError):  # stderr has it
-                print_out(json.dumps({"ok": False, "exit_code": code, "errors": told}, indent=2))
+                print_out(json.dumps({"ok": False, "exit_code": code, "errors": reported}, indent=2))
 
 
 def problem_data(error: LamcError) -> dict[str, Any]:

@@ -54,9 +54,9 @@ def circle(x: float, y: float, radius: float, segments: int = CIRCLE_SEGMENTS) -
     check_coordinates([x, y, radius], "the circle")
     if not radius > 0.0:
         raise DesignError(f"the circle at ({x:g}, {y:g}) m has radius {radius:g} m; it must be above 0")
-    turn = 2.0 * math.pi / segments
-    corner = radius * math.sqrt(turn / math.sin(turn))
-    angles = turn * np.arange(segments)
+    angle = 2.0 * math.pi / segments
+    corner = radius * math.sqrt(angle / math.sin(angle))
+    angles = angle * np.arange(segments)
     points = np.column_stack([x + corner * np.cos(angles), y + corner * np.sin(angles)])
     return _checked(Polygon(points), "circle")
 

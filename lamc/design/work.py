@@ -154,8 +154,8 @@ def _crossings(sides: Geometries, owner: Numbers, most: int) -> int:
 def _parted(lines: Array, others: Array) -> NDArray[np.bool_]:
     """Which of the segments `others` (k, 2, 2) have an end on either side of the lines through those of `lines`."""
     along, offset = lines[:, 1] - lines[:, 0], others - lines[:, :1]
-    turn = along[:, None, 0] * offset[..., 1] - along[:, None, 1] * offset[..., 0]
-    return np.asarray(np.sign(turn[:, 0]) * np.sign(turn[:, 1]) < 0.0)
+    rotation = along[:, None, 0] * offset[..., 1] - along[:, None, 1] * offset[..., 0]
+    return np.asarray(np.sign(rotation[:, 0]) * np.sign(rotation[:, 1]) < 0.0)
 
 
 def _share(a: Array, b: Array) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""The fixed bodies moved as told: by expressions in time, as on a shaker or a turntable."""
+"""The fixed bodies moved as prescribed: by expressions in time, as on a shaker or a turntable."""
 
 import math
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from lamc.mechanics.loads import Loads
 from lamc.symbolic.expression import stage
 from lamc.symbolic.scalars import Scalar
 
-Told = float | str
+Prescribed = float | str
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,16 @@ class BaseMotion(RegisteredEffect):
     """
 
     displacement: Annotated[
-        tuple[Told, Told, Told],
+        tuple[Prescribed, Prescribed, Prescribed],
         Unit(
             "m",
             "along world x, y and z: numbers, or expressions in t (s) and inputs of the scene, such as "
             "0.01*sin(2*pi*50*t)",
         ),
     ] = (0.0, 0.0, 0.0)
-    angle: Annotated[Told, Unit("rad", "of a turn about the axis: a number, or such an expression")] = 0.0
+    angle: Annotated[Prescribed, Unit("rad", "of a turn about the axis: a number, or such an expression")] = (
+        0.0
+    )
     axis: Annotated[Vector, Unit("1", "of that turn, world, as drawn; made a unit vector")] = (0.0, 0.0, 1.0)
     point: Annotated[Vector, Unit("m", "of the axis, world, as drawn")] = (0.0, 0.0, 0.0)
 
@@ -83,12 +85,12 @@ class BaseMotion(RegisteredEffect):
 
     def drives(self) -> tuple[Drive, ...]:
         """The displacements and the angle that are expressions."""
-        told = {
+        reported = {
             f"the {axis} displacement": value for axis, value in zip("xyz", self.displacement, strict=True)
         }
-        told |= {"the angle": self.angle}
+        reported |= {"the angle": self.angle}
         return tuple(
             Drive(f"{name} of base_motion", value, smooth=True)
-            for name, value in told.items()
+            for name, value in reported.items()
             if isinstance(value, str)
         )

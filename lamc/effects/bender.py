@@ -185,15 +185,15 @@ class PiezoBender(RegisteredEffect):
             )
         length = math.dist(self.tip, self.root)
         along = np.subtract(self.tip, self.root) / length
-        turn = float(np.cross(np.divide(self.normal, math.hypot(*self.normal)), along) @ joint.axis)
+        sense = float(np.cross(np.divide(self.normal, math.hypot(*self.normal)), along) @ joint.axis)
         rest = float(np.subtract(self.tip, joint.point) @ along)
-        if abs(abs(turn) - 1.0) > _SQUARE or not -_SQUARE * length <= rest <= (1.0 + _SQUARE) * length:
+        if abs(abs(sense) - 1.0) > _SQUARE or not -_SQUARE * length <= rest <= (1.0 + _SQUARE) * length:
             raise DesignError(
                 f"{what} is not crossed by the hinge line at right angles between root and tip; turn or move the strip"
             )
         curvature, rigidity = self._section
         stiffness = rigidity * (12.0 * rest * rest - 12.0 * length * rest + 4.0 * length * length) / length**3
-        side = math.copysign(1.0, turn) if joint.parent == self.body_a else -math.copysign(1.0, turn)
+        side = math.copysign(1.0, sense) if joint.parent == self.body_a else -math.copysign(1.0, sense)
         return stiffness, side * curvature * rigidity
 
     def contribute(self, loads: Loads) -> None:

@@ -12,7 +12,7 @@ from pydantic import PlainValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError, LamcError
-from lamc.basics.fields import Model, Unit, inner, part
+from lamc.basics.fields import StrictModel, Unit, inner, part
 
 if TYPE_CHECKING:
     from lamc.plates.laminates.laminate import Laminate
@@ -32,12 +32,12 @@ _UNITS = {
 
 
 @lru_cache(maxsize=1)
-def _numbers() -> type[Model]:
+def _numbers() -> type[StrictModel]:
     """The model of a material's numbers; made when it is needed, since it takes a while."""
     texts = dict.fromkeys(("name", "source"), (str | None, None))
     units = {name: (Annotated[float | None, Unit(unit)], None) for name, unit in _UNITS.items()}
     fields: dict[str, Any] = {**texts, **units}
-    return create_model("MaterialNumbers", __base__=Model, **fields)
+    return create_model("MaterialNumbers", __base__=StrictModel, **fields)
 
 
 def _made(make: Callable[[], T]) -> T:
@@ -77,7 +77,7 @@ def _material(data: Any, info: ValidationInfo) -> "Material":
     return _made(lambda: Material(**values))
 
 
-class _PlyData(Model):
+class _PlyData(StrictModel):
     """A ply of a file."""
 
     material: Annotated[

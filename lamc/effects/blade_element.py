@@ -156,7 +156,7 @@ class BladeElementDrag(RegisteredEffect):
             )
         density = self._parameter(loads, "density", self.air_density, "kg/m³", "density of the air")
         rotation = loads.rotation(self.body)
-        axes = [_turned(rotation, axis) for axis in flat.axes]
+        axes = [_rotated(rotation, axis) for axis in flat.axes]
         linear, spin = loads.velocity(self.body, flat.origin), loads.angular_velocity(self.body)
         own = _Motion(_components(axes, linear), _components(axes, spin))
         wind = _components(axes, self._wind(loads)) if self.wind is not None else ZERO
@@ -275,7 +275,7 @@ def _moved_by_wind(matrix: list[list[float]], own: _Motion, met: _Motion) -> tup
     return force, moment
 
 
-def _turned(rotation: Matrix3, vector: Vector3) -> Vector3:
+def _rotated(rotation: Matrix3, vector: Vector3) -> Vector3:
     x, y, z = (dot(row, vector) for row in rotation)
     return (x, y, z)
 

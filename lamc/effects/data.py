@@ -20,7 +20,7 @@ from pydantic import Field, ValidationError, create_model
 
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError, DesignErrors, LamcError
-from lamc.basics.fields import FOLDER, LENGTH_UNIT, Model, Path, problem_text
+from lamc.basics.fields import FOLDER, LENGTH_UNIT, Path, StrictModel, problem_text
 
 MOST_MODELS = 256  # that are remembered
 
@@ -53,7 +53,7 @@ def file_context(length_unit: str | None = None, folder: FilePath | None = None)
 
 
 @lru_cache(maxsize=MOST_MODELS)
-def model_of(kind: Any) -> type[Model]:
+def model_of(kind: Any) -> type[StrictModel]:
     """The model of a dataclass's fields."""
     hints = get_type_hints(kind, include_extras=True)
     parts: dict[str, Any] = {}
@@ -61,7 +61,7 @@ def model_of(kind: Any) -> type[Model]:
         made = each.default_factory
         default = ... if each.default is MISSING else each.default
         parts[each.name] = (hints[each.name], default if made is MISSING else Field(default_factory=made))
-    return create_model(kind.__name__, __base__=Model, **parts)
+    return create_model(kind.__name__, __base__=StrictModel, **parts)
 
 
 def is_map(kind: type, field: str) -> bool:
@@ -107,7 +107,7 @@ def validated(
     else:
         return {name: getattr(made, name) for name in model.model_fields}
     missing = [item["loc"][0] for item in items if item["type"] == "missing" and len(item["loc"]) == 1]
-    found = [_told(kind, item, where, skip) for item in items if item["loc"][0] not in missing]
+    found = [_reported(kind, item, where, skip) for item in items if item["loc"][0] not in missing]
     if missing:
         label = getattr(kind, "name", kind.__name__)
         problem = f"{label} needs {' and '.join(map(str, missing))}: give {listed(kind)}"
@@ -133,7 +133,7 @@ def listed(kind: type) -> str:
     return ", ".join(needed) + (f", and {', '.join(others)} if wished" if others else "")
 
 
-def _told(kind: type, item: Any, where: str, skip: int) -> DataError:
+def _reported(kind: type, item: Any, where: str, skip: int) -> DataError:
     path: Path = tuple(item["loc"])
     if item["type"] == "extra_forbidden":
         name, label = str(path[-1]), getattr(kind, "name", kind.__name__)

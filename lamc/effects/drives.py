@@ -106,8 +106,8 @@ def _check_instants(drive: Drive, t_end: float, given: _Given) -> None:
     found = _on_the_way(drive, t_end, given) if np.isfinite(t_end) else None
     if found is not None:
         at = t_end * found.index / (INSTANTS - 1)
-        told = "".join(f", {name} = {value:.6g}" for name, value in given)
-        raise _refusal(drive, found, f"at t = {at:.6g} s{told}, within the run of {t_end:g} s")
+        reported = "".join(f", {name} = {value:.6g}" for name, value in given)
+        raise _refusal(drive, found, f"at t = {at:.6g} s{reported}, within the run of {t_end:g} s")
 
 
 def _check_smooth(drive: Drive, t_end: float, given: _Given) -> None:

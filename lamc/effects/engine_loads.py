@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from lamc.basics.errors import DesignError, about
 from lamc.records.effect import claims_of, overrides
 from lamc.records.mechanism import Mechanism
-from lamc.records.network import some
+from lamc.records.network import listed_names
 
 if TYPE_CHECKING:
     from lamc.effects.contact_points import ContactPoint
@@ -125,7 +125,7 @@ class EngineLoads:
         """What acts on the joint so far. Raises DesignError if it is not there."""
         names = [each.name for each in self.mechanism.joints]
         if joint not in names:
-            raise DesignError(f"no joint is named {joint!r}; the joints are {some(sorted(names))}")
+            raise DesignError(f"no joint is named {joint!r}; the joints are {listed_names(sorted(names))}")
         return self.hinges.get(joint, HingeLoads())
 
     def hinge_spring(self, joint: str, stiffness: float) -> None:
@@ -183,7 +183,7 @@ class EngineLoads:
         names = [body.name for body in self.mechanism.bodies]
         for name, _ in (end_a, end_b):
             if name not in names:
-                raise DesignError(f"no body is named {name!r}; the bodies are {some(sorted(names))}")
+                raise DesignError(f"no body is named {name!r}; the bodies are {listed_names(sorted(names))}")
         self.springs.append(PointSpring(*end_a, *end_b, stiffness, rest_length, damping))
 
     def add_ground(

@@ -26,7 +26,7 @@ _MOST = 50  # modes of one body
 _CELLS = 5  # across a plate as wide as its area over half its border, if no size is given
 _KEPT = 64  # reductions that are remembered
 _FORMS = (1, 3, 6)  # modes of other forms
-_STRAIGHT = 0.05  # relative: modes that are higher by more, as an edge stays straight, are told
+_STRAIGHT = 0.05  # relative: modes that are higher by more, as an edge stays straight, are reported
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -109,20 +109,20 @@ class FlexibleLinks(RegisteredEffect):
         from lamc.plates.answers.straight_edges import straight_modes
 
         inboard = {link.body.name: link.joint for link in tree.links}
-        told = []
+        reported = []
         for name, plate, reduced in self.reductions(tree):
             hinge = inboard[name]
             found = straight_modes(reduced, plate.clamped, hinge.stiffness)
             worst = max(range(len(found)), key=lambda k: found[k].excess)
             if found[worst].excess > _STRAIGHT:
                 here, free = (omega / (2.0 * math.pi) for omega in (found[worst].omega, found[worst].free))
-                told.append(
+                reported.append(
                     f"flexible_links: the edge of body {name!r} stays straight at hinge {hinge.name!r}, and on a hinge "
                     f"so soft it would bend: alone on it, mode {worst + 1} of the body is at {here:.4g} Hz in place of "
                     f"{free:.4g} Hz, {100.0 * found[worst].excess:.2g} % too high; take motion that twists it for as "
                     "uncertain as that, or hinge it as narrow strips"
                 )
-        return tuple(told)
+        return tuple(reported)
 
     def contribute(self, loads: Loads) -> None:
         """Nothing: the stiffness of what `arrange` adds comes with it."""
@@ -131,7 +131,7 @@ class FlexibleLinks(RegisteredEffect):
         """With fewer and with more modes, and on meshes with cells of twice and of half the size."""
         counts = {f"{count} mode{'s' if count > 1 else ''}": count for count in _FORMS if count != self.modes}
         return {
-            **{words: replace(self, modes=count) for words, count in counts.items()},
+            **{text: replace(self, modes=count) for text, count in counts.items()},
             "coarser mesh": replace(self, refinement=0.5 * self.refinement),
             "finer mesh": replace(self, refinement=2.0 * self.refinement),
         }

@@ -11,7 +11,7 @@ from lamc.basics.fields import Unit, Vector
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging, FloatingBase
 from lamc.mechanics.loads import Loads
-from lamc.mechanism.turns import snap
+from lamc.mechanism.rotations import snap
 from lamc.records.mechanism import Array, Body
 
 if TYPE_CHECKING:

@@ -121,10 +121,10 @@ class JointLimits(RegisteredEffect):
 
     def check_start(self, mechanism: Mechanism, angles: Mapping[str, float]) -> None:
         """Refuses a start beyond a limit: a stop would fling the joint back, and an impact would never come."""
-        told = outside_limits(mechanism, angles)
-        if told:
+        reported = outside_limits(mechanism, angles)
+        if reported:
             raise DesignError(
-                f"{'; '.join(told)}: start within them, widen them, or leave {self.name} out of the scene"
+                f"{'; '.join(reported)}: start within them, widen them, or leave {self.name} out of the scene"
             )
 
     def _hold(self, loads: Loads, hinge: Hinge, side: int, limit: float) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
 from lamc.basics.fields import Name, Unit
+from lamc.basics.moved import superseded
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging
@@ -41,7 +42,7 @@ _MEANINGS = {
 
 
 @dataclass(frozen=True, eq=False)
-class MotorBooks:
+class MotorBalance:
     """Where the power of a motor went, row by row, shape (m,): electrical = mechanical + heat."""
 
     voltage: Array  # V
@@ -138,9 +139,9 @@ class LinearMotor(RegisteredEffect):
             rotor = loads.parameter(
                 f"{label}.rotor_inertia", self.rotor_inertia, "kg·m²", "inertia of the motor's rotor"
             )
-            self._turn_rotor(loads, hinge.joint, ratio * ratio * rotor)
+            self._accelerate_rotor(loads, hinge.joint, ratio * ratio * rotor)
 
-    def _turn_rotor(self, loads: Loads, joint: Joint, inertia: Scalar) -> None:
+    def _accelerate_rotor(self, loads: Loads, joint: Joint, inertia: Scalar) -> None:
         """The body that turns has the inertia about the joint's axis besides its own."""
         parent, child = (loads.mechanism.body(name) for name in (joint.parent, joint.child))
         what = f"the rotor_inertia of the motor on joint {self.joint!r}"
@@ -159,7 +160,12 @@ class LinearMotor(RegisteredEffect):
             rows[3 + i][3 + j] = inertia * (axis[i] * axis[j])
         loads.added_inertia(child.name if parent.fixed else parent.name, tuple(joint.point), rows)
 
-    def books(self, result: "Result", label: str = "") -> MotorBooks:
+    def books(self, result: "Result", label: str = "") -> MotorBalance:
+        """The old name of `energy_balance`."""
+        superseded("LinearMotor.books", "LinearMotor.energy_balance")
+        return self.energy_balance(result, label)
+
+    def energy_balance(self, result: "Result", label: str = "") -> MotorBalance:
         """What the motor took, gave and lost along a run, with the parameters of that run.
 
         label  of the motor's parameters, e.g. "h1.motor.2" for the second motor on a joint; the first one's if empty
@@ -180,7 +186,9 @@ class LinearMotor(RegisteredEffect):
         k, resistance = (_plain(value) for value in winding(constants))
         current = (voltage - k * ratio * rate) / resistance
         torque = ratio * k * current
-        return MotorBooks(voltage, current, torque, voltage * current, torque * rate, resistance * current**2)
+        return MotorBalance(
+            voltage, current, torque, voltage * current, torque * rate, resistance * current**2
+        )
 
     @property
     def _given(self) -> tuple[str, ...]:

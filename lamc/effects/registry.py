@@ -47,7 +47,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
 )
 
 
-MOST_CLAIMS_TOLD = 3
+MOST_CLAIMS_REPORTED = 3
 ADDED = "added by the scene"
 
 
@@ -132,7 +132,7 @@ def _with_claims(choice: Choice) -> Choice:
     claims = claims_of(choice.effect) if choice.effect is not None else ()
     if not claims:
         return choice
-    more = f" and {len(claims) - MOST_CLAIMS_TOLD} more" if len(claims) > MOST_CLAIMS_TOLD else ""
+    more = f" and {len(claims) - MOST_CLAIMS_REPORTED} more" if len(claims) > MOST_CLAIMS_REPORTED else ""
     return choice._replace(
-        reason=f"{choice.reason}; it alone gives the {', the '.join(claims[:MOST_CLAIMS_TOLD])}{more}"
+        reason=f"{choice.reason}; it alone gives the {', the '.join(claims[:MOST_CLAIMS_REPORTED])}{more}"
     )

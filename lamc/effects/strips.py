@@ -148,11 +148,11 @@ def _line(mechanism: Mechanism, body: str, line: Corners | None) -> tuple[Array,
 
 def _smaller_side(shape: BaseGeometry, point: Array, ahead: Array, body: str) -> Array:
     """`ahead` or its opposite, whichever has less of the wing."""
-    turned = _in_axes(shape, point, np.array([-ahead[1], ahead[0]]), ahead)
-    low, back, high, front = turned.bounds
-    fore = turned.intersection(shapely.box(low, 0.0, high, max(front, 0.0))).area
-    aft = turned.intersection(shapely.box(low, min(back, 0.0), high, 0.0)).area
-    if abs(fore - aft) <= SIDES_ALIKE * turned.area:
+    rotated = _in_axes(shape, point, np.array([-ahead[1], ahead[0]]), ahead)
+    low, back, high, front = rotated.bounds
+    fore = rotated.intersection(shapely.box(low, 0.0, high, max(front, 0.0))).area
+    aft = rotated.intersection(shapely.box(low, min(back, 0.0), high, 0.0)).area
+    if abs(fore - aft) <= SIDES_ALIKE * rotated.area:
         raise DesignError(
             f"the line that the wing {body!r} pitches about halves it, so that no edge is the leading one: give the "
             "direction towards it as leading"

@@ -95,8 +95,8 @@ class TwistCompliance(RegisteredEffect):
     def arrange(self, arranging: Arranging) -> None:
         """Makes the hinges yield, in the order of the mechanism's joints."""
         joints = {joint.name: joint for joint in arranging.tree.mechanism.joints}
-        told = (n for field in _SIZES if isinstance(m := getattr(self, field), Mapping) for n in m)
-        for name in (*(self.joints or ()), *told):
+        reported = (n for field in _SIZES if isinstance(m := getattr(self, field), Mapping) for n in m)
+        for name in (*(self.joints or ()), *reported):
             if name not in joints:
                 raise DesignError(
                     f"twist_compliance: no joint is named {name!r}; {did_you_mean(name, sorted(joints))}"
@@ -127,8 +127,8 @@ class TwistCompliance(RegisteredEffect):
             for kind in ("twist", "slide")
         }
         return {
-            words: replace(self, freedoms=kept)
-            for words, kept in kinds.items()
+            text: replace(self, freedoms=kept)
+            for text, kept in kinds.items()
             if 0 < len(kept) < len(self.freedoms)
         }
 

@@ -72,8 +72,10 @@ def write_folder(
         else:
             _create(folder, contents, origin)
     except (OSError, ValueError) as error:  # a null character in the path is a ValueError
-        told = getattr(error, "strerror", None) or error
-        raise ExportError(f"the folder {str(folder)!r} cannot be written: {told}; {_ELSEWHERE}") from error
+        reported = getattr(error, "strerror", None) or error
+        raise ExportError(
+            f"the folder {str(folder)!r} cannot be written: {reported}; {_ELSEWHERE}"
+        ) from error
     return (*contents, MANIFEST)
 
 
@@ -151,10 +153,10 @@ def _check_place(folder: Path, path: str, kept: _Kept, force: bool) -> None:
     if force or not (place.exists() or place.is_symlink()) or _is_own(folder, path, kept):
         return
     if path in kept.digests and not place.is_symlink():
-        told = "was edited since lamc wrote it"
+        reported = "was edited since lamc wrote it"
     else:
-        told = "was not written by lamc"
-    raise ExportError(f"{str(place)!r} {told}; move it, {_ELSEWHERE}, or replace it with {_FORCE}")
+        reported = "was not written by lamc"
+    raise ExportError(f"{str(place)!r} {reported}; move it, {_ELSEWHERE}, or replace it with {_FORCE}")
 
 
 def _is_own(folder: Path, path: str, kept: _Kept) -> bool:

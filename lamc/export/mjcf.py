@@ -13,7 +13,7 @@ import numpy as np
 
 from lamc.basics._version import __version__
 from lamc.basics.errors import UnsupportedError
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.effects.engine_loads import Stop
 from lamc.export.engine_inertia import freedoms, principal_inertia
 from lamc.export.engine_losses import check_losses
@@ -47,7 +47,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     Raises UnsupportedError for what MJCF cannot hold (all of it, unless options.lossy) and for bodies too light for
     MuJoCo, and DesignError where the scene does not fit the mechanism.
     """
-    with told_at(scene.places):
+    with located_at(scene.places):
         model = engine_model(mechanism, scene, options.prefix)
         check_losses("MJCF", model.lost, options)
     _check_inertia(model)
@@ -111,12 +111,12 @@ def _body(parent: Element, model: EngineModel, index: int) -> Element:
     piece = model.pieces[index]
     body = SubElement(parent, "body", name=piece.name, pos=row(piece.origin - model.origin(piece.parent)))
     # Not `fullinertia`, which MuJoCo itself turns to principal axes: in 3.3 only to 1e-8.
-    moments, turn = principal_inertia(piece.inertia)
+    moments, rotation = principal_inertia(piece.inertia)
     inertial = SubElement(
         body, "inertial", pos=row(piece.com), mass=number(piece.mass), diaginertia=row(moments)
     )
-    if np.any(turn[1:]):
-        inertial.set("quat", row(turn))
+    if np.any(rotation[1:]):
+        inertial.set("quat", row(rotation))
     if piece.joint is None:
         (name,) = engine_names([f"{piece.name}_free"], reserved=model.joint_names.values())
         SubElement(body, "freejoint", name=name)

@@ -83,8 +83,10 @@ class ExportOptions:
             check_prefix(self.prefix)
         for name, allowed in (("precision", PRECISIONS), ("integrator", tuple(NUMBERS))):
             if getattr(self, name) not in allowed:
-                told = ", ".join(map(repr, allowed))
-                raise ExportError(f"{named(name)} is {shown(getattr(self, name))}; it must be one of {told}")
+                reported = ", ".join(map(repr, allowed))
+                raise ExportError(
+                    f"{named(name)} is {shown(getattr(self, name))}; it must be one of {reported}"
+                )
         self._check_positive("step", "seconds")
         self._check_positive("edge_length", "metres")
         if self.fmi not in (None, 2, 3) or not isinstance(self.fmi, int | None):

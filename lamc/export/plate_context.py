@@ -137,7 +137,7 @@ def plate_context(
         ],
         "work_megabytes": f"{counts['work'] * 8e-6:.1f}",
         "told": "w" if element.bends else "u",
-        "told_climates": _told(kinds),
+        "told_climates": _reported(kinds),
         "near": tables.near,
         "outside": f"{max(tables.near.outside, tables.near.inside):.2g}",
         "near_numbers": {
@@ -216,13 +216,15 @@ def _climate_rows(problem: Problem, tables: PlateTables) -> list[str]:
             found += [f"{t.moisture[c, r]:g} of moisture"] * (Moisture in t.kinds)
             plies = len(problem.laminates[r].plies)
             own = t.fields[t.begins[k] : t.begins[k] + plies]
-            told = f"field[{t.begins[k]}] to [{t.begins[k] + plies - 1}], ply by ply: "
-            found += [told + " ".join(f"{field:g}" for field in own) + " V/m"] * (ElectricField in t.kinds)
+            reported = f"field[{t.begins[k]}] to [{t.begins[k] + plies - 1}], ply by ply: "
+            found += [reported + " ".join(f"{field:g}" for field in own) + " V/m"] * (
+                ElectricField in t.kinds
+            )
             rows.append(", ".join(found))
     return rows
 
 
-def _told(kinds: Sequence[type]) -> str:
+def _reported(kinds: Sequence[type]) -> str:
     """What the list of climates is about."""
     whole = [f"`{EXPANSIONS[kind][1]}`" for kind in kinds if kind is not ElectricField]
     of_plies = ["`field` of its plies"] * (ElectricField in kinds)

@@ -182,8 +182,8 @@ def _springs(made: System, free: sp.csr_array, fixed: Array) -> SpringTables:
             if value == 0.0:
                 continue
             own = np.flatnonzero(springs.owners == owner)
-            rows.append(sp.csr_array(springs.turns[own] @ free))
-            offsets.append(springs.turns[own] @ fixed)
+            rows.append(sp.csr_array(springs.rotations[own] @ free))
+            offsets.append(springs.rotations[own] @ fixed)
             lengths.append(springs.stiffness[own] / value)
             groups.append(np.full(len(own), len(names)))
             names.append(_spring_name(records[owner], owner, is_hinge=springs is made.hinge_springs))

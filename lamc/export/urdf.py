@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Comment, Element, SubElement
 
 from lamc.basics._version import __version__
 from lamc.basics.errors import TopologyError
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.effects.engine_loads import Loss
 from lamc.export.engine_losses import check_losses
 from lamc.export.engine_model import EngineJoint, EngineModel, Piece, engine_model
@@ -23,7 +23,7 @@ from lamc.export.meshes import body_meshes
 from lamc.export.options import ExportOptions
 from lamc.mechanism.tree import WORLD
 from lamc.records.mechanism import Array, Mechanism
-from lamc.records.network import some
+from lamc.records.network import listed_names
 from lamc.records.scene import Scene
 from lamc.report.palette import body_colours
 
@@ -41,7 +41,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     Raises TopologyError for loops, UnsupportedError for what URDF cannot hold (all of it, unless options.lossy), and
     DesignError where the scene does not fit the mechanism.
     """
-    with told_at(scene.places):
+    with located_at(scene.places):
         model = engine_model(mechanism, scene, options.prefix)
         _check_tree(model)
         lost = (*model.lost, *_own_losses(model))
@@ -61,7 +61,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
 
 def _check_tree(model: EngineModel) -> None:
     if model.cuts:
-        names, count = some([repr(name) for name in model.cuts]), len(model.cuts)
+        names, count = listed_names([repr(name) for name in model.cuts]), len(model.cuts)
         closing = f"joint {names} closes a loop" if count == 1 else f"joints {names} close {count} loops"
         raise TopologyError(
             f"URDF holds trees only, and {closing}: export to MJCF, which closes loops by welds (--to mjcf), or leave "
@@ -77,7 +77,7 @@ def _own_losses(model: EngineModel) -> list[Loss]:
         ("torque", [h for h in model.hinges if h.loads.has_torque]),
     ):
         if among:
-            names = some([repr(h.joint.name) for h in among])
+            names = listed_names([repr(h.joint.name) for h in among])
             lost.append(Loss(f"the {what} of hinge{'s' if len(among) > 1 else ''} {names}"))
     lost += [Loss(f"the spring between {s.body_a!r} and {s.body_b!r}") for s in model.springs]
     if model.ground is not None:

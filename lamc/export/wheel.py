@@ -183,18 +183,18 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
 
 def _readme(source: CSource, options: ExportOptions, wheel: str) -> str:
     program = source.program
-    told = {
+    reported = {
         "title_md": markdown(program.name),
         "wheel": wheel,
         "coordinates_md": [{"name": markdown(c.name), "unit": markdown(c.unit)} for c in program.coordinates],
-        "inputs_md": _told(source, source.inputs),
-        "parameters_md": _told(source, source.parameters),
+        "inputs_md": _reported(source, source.inputs),
+        "parameters_md": _reported(source, source.parameters),
     }
     template = environment().get_template("export/wheel/README.md.j2")
-    return template.render(_context(source, options) | told)
+    return template.render(_context(source, options) | reported)
 
 
-def _told(source: CSource, members: Sequence[CMember]) -> list[dict[str, str]]:
+def _reported(source: CSource, members: Sequence[CMember]) -> list[dict[str, str]]:
     """Rows of a table, text of the design as text of Markdown."""
     numbers = [source.program.parameters[member.slot] for member in members]
     return [

@@ -60,7 +60,7 @@ def shortest(
     jobs take turns, so that a busy machine disturbs all alike; cheap ones first, for as long as `seconds` of wall time
     allow. first: a first timing of each, s.
     """
-    best, turns = list(first), [1] * len(jobs)
+    best, repeats = list(first), [1] * len(jobs)
     order = sorted(range(len(jobs)), key=lambda k: first[k])
     until = time.perf_counter() + seconds
     for _ in range(_MOST_TURNS):
@@ -70,5 +70,5 @@ def shortest(
                 continue
             for _ in range(calls):
                 best[k] = min(best[k], processor_seconds(jobs[k]))
-            turns[k] += calls
-    return list(zip(best, turns, strict=True))
+            repeats[k] += calls
+    return list(zip(best, repeats, strict=True))

@@ -30,7 +30,7 @@ Told = Callable[[float, float], None]
 
 @dataclass(frozen=True)
 class Setting:
-    """How the runs are made whose cost is told."""
+    """How the runs are made whose cost is reported."""
 
     integrator: str
     rtol: float

@@ -18,7 +18,7 @@ from lamc.basics.errors import LamcError
 from lamc.ledger.clock import Clock, OutOfTime
 from lamc.ledger.records import Sweep
 from lamc.ledger.runners import ATOL, MOST_STEPS, Own, Runner, Trace, grid
-from lamc.reference.inputs import told
+from lamc.reference.inputs import with_inputs
 from lamc.reference.kinematics import Link, walk
 from lamc.reference.loads import NumericLoads, numeric_loads
 from lamc.run.request import Array
@@ -123,7 +123,7 @@ class Mujoco:
         if simulator.cut_joints:
             raise LamcError("it holds loops by soft constraints, which converge to another motion")
         inputs = {name: each.default for name, each in simulator.scene.inputs.items()}
-        effects = told(simulator.mechanism, simulator.effects, inputs)
+        effects = with_inputs(simulator.mechanism, simulator.effects, inputs)
         loads = numeric_loads(simulator.mechanism, effects, simulator.joints)
         if loads.torques or loads.at_points:
             raise LamcError("torques by formula and forces at points are not translated for it")

@@ -50,7 +50,7 @@ class Output:
 class Reference:
     """The run that errors are measured against, and how far it can be trusted.
 
-    uncertainty        largest difference of the two runs that agree best, relative: the floor of what can be told
+    uncertainty        largest difference of the two runs that agree best, relative: the floor of what can be reported
     rates_uncertainty  the same of the rates
     growth             how much a small change of the start has grown by the end, at most; None: not known
     sensitive_after    s, when that growth passes 1000; None: it never does

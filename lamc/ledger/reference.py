@@ -6,7 +6,7 @@ motion itself makes of a small change of its start is measured too: where that i
 The tolerance is a thousandth of the tightest in the sweep, or the least that double precision allows. Where fewer than
 two methods arrive in time, as with contact, whose many events keep a run from becoming cheap, they are tried again
 looser and for longer, as much as what they reached says is needed: a reference that is less exact says so, none says
-nothing. Where only one method arrives at any tolerance, it is held against itself at a looser one, which is told.
+nothing. Where only one method arrives at any tolerance, it is held against itself at a looser one, which is reported.
 """
 
 import math
@@ -118,7 +118,7 @@ class _Search:
         self._rtol = max(MIN_RTOL, TIGHTER * min(sweep.tolerances))
         self._found: dict[str, _Arrived] = {}
         self._needed: dict[str, float] = {}  # s of wall time, of others; infinite: they broke down
-        self._told = ""
+        self._reported = ""
 
     def pair(self) -> _Pair:
         """The two runs that agree best. Raises as `make_reference` does."""
@@ -140,7 +140,7 @@ class _Search:
             end = self._times[-1]
             raise SimulationError(
                 f"there is no reference to measure against: at rtol {self._rtol:g}, and looser down to {rtol:g}, no "
-                f"method reaches t = {end:g} s in time ({self._told}); shorten it with --t-end or raise --budget"
+                f"method reaches t = {end:g} s in time ({self._reported}); shorten it with --t-end or raise --budget"
             )
         return self._best()
 
@@ -163,7 +163,7 @@ class _Search:
             self._found[name] = _Arrived(name, trace.result, spent)
             self._needed.pop(name, None)
             return
-        self._told = f"{name}: {trace.note}"
+        self._reported = f"{name}: {trace.note}"
         part = math.nan if trace.reached is None else max(trace.reached / float(self._times[-1]), _LEAST_PART)
         self._needed[name] = math.inf if math.isnan(part) else seconds / part
 

@@ -74,12 +74,12 @@ def _cheapest_line(each: Cheapest, points: Sequence[Point], reference: Reference
 def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sweep: Sweep) -> str:
     limit = percent(sweep.accuracy)
     unknown = [", ".join(row.effects) for row in account.rows if _is_open(row)]
-    told = f"; not known of {', '.join(unknown)}" if unknown else ""
+    reported = f"; not known of {', '.join(unknown)}" if unknown else ""
     if not idle and unknown:
         known = sum(not row.is_added and not row.form for row in account.rows) - len(unknown)
         if not known:
-            return f"no effect was left out to see what changes{told}"
-        return f"no effect of the {known} measured changes the outputs by less than {limit}{told}"
+            return f"no effect was left out to see what changes{reported}"
+        return f"no effect of the {known} measured changes the outputs by less than {limit}{reported}"
     if not idle:
         return f"every effect changes the outputs by {limit} or more: none can be left out"
     names = ", ".join(idle)
@@ -90,7 +90,7 @@ def _effects_line(account: Account, idle: Sequence[str], saved: float | None, sw
     saves = (
         f"saves {100 * saved:.0f} % of the time" if saved is not None and saved >= 0.01 else "saves no time"
     )
-    return f"{names}: changes the outputs by less than {limit}{change}; leaving it out {saves}{told}"
+    return f"{names}: changes the outputs by less than {limit}{change}; leaving it out {saves}{reported}"
 
 
 def _is_open(row: EffectRow) -> bool:

@@ -66,13 +66,13 @@ class LoopGeometry:
 
     def poses(self, angles: Array) -> Poses:
         """Poses of all bodies by the tree joints of `angles` (n,)."""
-        turns, shifts = self._turns(angles)
+        rotations, shifts = self._turns(angles)
         count = self.tree_count
         rotation = np.concatenate([np.zeros((count, 3, 3)), np.eye(3)[None]])
         shift = np.zeros((count + 1, 3))
         for index in range(count):
             inner = self.near[index]
-            rotation[index] = rotation[inner] @ turns[index]
+            rotation[index] = rotation[inner] @ rotations[index]
             shift[index] = rotation[inner] @ shifts[index] + shift[inner]
         return Poses(rotation, shift)
 
@@ -99,11 +99,11 @@ class LoopGeometry:
         from where the cut joint at its angle holds it.
         """
         poses = self.poses(angles)
-        turns, shifts = self._turns(angles)
+        rotations, shifts = self._turns(angles)
         residual = np.zeros((self.loops, 6))
         for row, cut in enumerate(self.tree.cuts):
             index = self.tree_count + row
-            held = poses.rotation[cut.parent.link] @ turns[index]
+            held = poses.rotation[cut.parent.link] @ rotations[index]
             held_shift = poses.rotation[cut.parent.link] @ shifts[index] + poses.shift[cut.parent.link]
             error = poses.rotation[cut.child.link] @ held.T
             moved = error @ (self.origin - held_shift) + poses.shift[cut.child.link] - self.origin
@@ -134,8 +134,8 @@ class LoopGeometry:
         zero = np.zeros_like(x)
         cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
         sine, versine = np.sin(angles), 2.0 * np.sin(0.5 * angles) ** 2
-        turns = np.eye(3) + sine[:, None, None] * cross + versine[:, None, None] * (cross @ cross)
-        return turns, self.point - np.einsum("jab,jb->ja", turns, self.point)
+        rotations = np.eye(3) + sine[:, None, None] * cross + versine[:, None, None] * (cross @ cross)
+        return rotations, self.point - np.einsum("jab,jb->ja", rotations, self.point)
 
 
 def rotation_vector(rotation: Array) -> Array:

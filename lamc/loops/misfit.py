@@ -89,6 +89,6 @@ def length(value: float) -> str:
 
 
 def rounded_up(value: float) -> float:
-    """`value` > 0 to two digits, upwards, so that what is told as a limit is none too small."""
+    """`value` > 0 to two digits, upwards, so that what is reported as a limit is none too small."""
     exponent = math.floor(math.log10(value)) - 1
     return float(f"{math.ceil(value / 10.0**exponent * (1.0 - 1e-12))}e{exponent}")

@@ -18,7 +18,7 @@ from lamc.basics.errors import DesignError
 from lamc.loops.closing import CLOSED, EXACT, SMALL
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
-from lamc.loops.places import Place, ramped_places, scattered_places, walked_places
+from lamc.loops.positions import LoopPosition, ramped_positions, scattered_positions, walked_positions
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 
@@ -72,9 +72,9 @@ def count_loops(tree: Tree, tolerance: float | None = None, known: Sequence[Arra
         return LoopCount(0, 0, 0, len(tree.links))
     geometry = LoopGeometry(tree)
     allowed = TOLERANCE * geometry.size if tolerance is None else tolerance
-    ramped = ramped_places(geometry)
-    closed = [Place.at(geometry, angles) for angles in (np.zeros(len(geometry.names)), *known)]
-    closed += [place for place in ramped if place.error <= CLOSED] + scattered_places(geometry)
+    ramped = ramped_positions(geometry)
+    closed = [LoopPosition.at(geometry, angles) for angles in (np.zeros(len(geometry.names)), *known)]
+    closed += [place for place in ramped if place.error <= CLOSED] + scattered_positions(geometry)
     judged = closed + _open_ramps(geometry, ramped)
     rank = max(place.rank(EXACT) for place in judged)
     # Closed places of smaller rank are other branches of the motion, and no misfit.
@@ -93,12 +93,12 @@ def count_loops(tree: Tree, tolerance: float | None = None, known: Sequence[Arra
     return LoopCount(geometry.loops, 6 * geometry.loops, rank, count - rank, values, misfit, allowed)
 
 
-def _open_ramps(geometry: LoopGeometry, ramped: Sequence[Place]) -> list[Place]:
+def _open_ramps(geometry: LoopGeometry, ramped: Sequence[LoopPosition]) -> list[LoopPosition]:
     """Places of ramps that stay open, where most do and small steps do not close either: these loops fit badly.
 
     Where small steps close, the ramps asked a joint to turn farther than it can; then come the places of the steps."""
     nearly = [place for place in ramped if place.error > CLOSED]
-    return (walked_places(geometry) or nearly) if len(nearly) > len(ramped) / 2 else []
+    return (walked_positions(geometry) or nearly) if len(nearly) > len(ramped) / 2 else []
 
 
 def check_freedom(count: LoopCount) -> None:

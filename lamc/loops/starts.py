@@ -14,7 +14,7 @@ from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tange
 from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount, check_freedom, count_loops
-from lamc.loops.words import counted, listed, named, ratios
+from lamc.loops.texts import counted, listed, named, ratios
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
@@ -151,9 +151,11 @@ class Starter:
         """The place that `settle` reaches, and the gap there, m; 0 where the loops count as closed."""
         angles, error = settle(self.geometry, guess, free, self.cutoff)
         gap = float(self.geometry.gaps(angles).max())
-        turned = error * self.geometry.size  # a gap may be nil while a cut hinge is away from its given angle
-        closed = error <= CLOSED or max(gap, turned) <= self.count.accepted_gap
-        return angles, 0.0 if closed else max(gap, turned)
+        rotated = (
+            error * self.geometry.size
+        )  # a gap may be nil while a cut hinge is away from its given angle
+        closed = error <= CLOSED or max(gap, rotated) <= self.count.accepted_gap
+        return angles, 0.0 if closed else max(gap, rotated)
 
     def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
         """As `_closed`, from the drawn position by small steps of what is given: the same way of assembly."""

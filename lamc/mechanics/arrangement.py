@@ -24,7 +24,7 @@ from lamc.mechanics.compliant_hinge import check_bushing
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.tree import Cut, Tree
 from lamc.records.effect import hooked
-from lamc.records.network import some
+from lamc.records.network import listed_names
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class FloatingBase:
 
 @dataclass(frozen=True, eq=False)
 class PrescribedBase:
-    """The fixed bodies, moved as told: a drawn point d is at point + Rot(axis, angle) (d - point) + displacement.
+    """The fixed bodies, moved as prescribed: a drawn point d is at point + Rot(axis, angle) (d - point) + displacement.
 
     motion       stages the displacement (x, y, z), m, world, and the angle, rad, for a staged time, s, and the staged
                  inputs of the scene by name
@@ -189,7 +189,7 @@ class Arranging:
         self._inverse_dynamics = False
 
     def move_base(self, base: FloatingBase | PrescribedBase) -> None:
-        """The fixed bodies move, freely or as told."""
+        """The fixed bodies move, freely or as prescribed."""
         if self._base is not None:
             raise DesignError(
                 f"effects {self._base.effect!r} and {self.effect!r} both move the fixed bodies; leave one out"
@@ -200,7 +200,9 @@ class Arranging:
         """A hinge yields across its axis: in the tree it gains coordinates, if it closes a loop it is a bushing."""
         joints = {joint.name: joint for joint in self.tree.mechanism.joints}
         if hinge.joint not in joints:
-            raise DesignError(f"no joint is named {hinge.joint!r}; the joints are {some(sorted(joints))}")
+            raise DesignError(
+                f"no joint is named {hinge.joint!r}; the joints are {listed_names(sorted(joints))}"
+            )
         if hinge.joint in self._compliant:
             raise DesignError(f"two effects make joint {hinge.joint!r} compliant; leave one out")
         if not np.allclose(hinge.axes[:, 2], joints[hinge.joint].axis, rtol=0.0, atol=1e-9):
@@ -213,7 +215,9 @@ class Arranging:
         """A body of the tree bends in the modes given."""
         moving = {link.body.name for link in self.tree.links}
         if body.body not in moving:
-            raise DesignError(f"no moving body is named {body.body!r}; they are {some(sorted(moving))}")
+            raise DesignError(
+                f"no moving body is named {body.body!r}; they are {listed_names(sorted(moving))}"
+            )
         if body.body in self._flexible:
             raise DesignError(f"two effects make body {body.body!r} flexible; leave one out")
         self._flexible[body.body] = replace(body, effect=self.effect)

@@ -136,7 +136,7 @@ def _powers(
     loads: Loads,
     speeds: Mapping[Value, Scalar],
 ) -> dict[str, Scalar]:
-    """Of the effects' loads, and of what moves a base as told."""
+    """Of the effects' loads, and of what moves a base as prescribed."""
     placement, rates = loads.placement, arrangement.rates
     kinematics, base = placement.kinematics, placement.base
     store = kinematics.store

@@ -1,6 +1,6 @@
 """Where points of bodies are and how they move, staged: what effects ask about.
 
-Goes in: a placement, rates, and points by body as drawn. Comes out: world components. It books nothing.
+Goes in: a placement, rates, and points by body as drawn. Comes out: world components. It records nothing.
 """
 
 from collections.abc import Sequence

@@ -13,14 +13,25 @@ import numpy as np
 from lamc.basics.checks import Array
 from lamc.mechanics import chains
 from lamc.mechanics.arrangement import Arrangement, CompliantHinge
-from lamc.mechanics.chains import Going, Rotation, Shift, Step, Wrench
+from lamc.mechanics.chains import LinkState, Rotation, Shift, Step, Wrench
 from lamc.mechanics.flexible import FlexibleBody
-from lamc.mechanics.kinematics import Kinematics, Motion
+from lamc.mechanics.kinematics import Kinematics, LinkVelocity
 from lamc.mechanics.moving_base import STILL, MovingBase, Twist
 from lamc.mechanics.placement import numeric, rotate, rotate_back
+from lamc.mechanism.rotations import snap
 from lamc.mechanism.tree import WORLD, Link
-from lamc.mechanism.turns import snap
-from lamc.symbolic.algebra import ZERO, Matrix3, Turn, Vector3, add, cross, dot, inward, outward, scale
+from lamc.symbolic.algebra import (
+    ZERO,
+    AxisRotation,
+    Matrix3,
+    Vector3,
+    add,
+    cross,
+    dot,
+    inward,
+    outward,
+    scale,
+)
 from lamc.symbolic.scalars import Scalar, cos, sin
 from lamc.symbolic.staging import Store
 
@@ -62,7 +73,7 @@ class ChainKinematics(Kinematics):
             for i, link in enumerate(self.tree.links):
                 store.link = i
                 self.chains.append(tuple(self._chain(i, link, compliant.get(link.joint.name))))
-            self.turns = [chains.turns(chain) for chain in self.chains]
+            self.rotations = [chains.rotations(chain) for chain in self.chains]
             self.offset = [chains.offset(chain) for chain in self.chains]
 
     def on_still_base(self) -> "ChainKinematics":
@@ -84,13 +95,13 @@ class ChainKinematics(Kinematics):
         if link.parent != WORLD:
             yield from self._ride(link)
             if link.twist != (1.0, 0.0):
-                yield Rotation(self._constant_turn("z", link.twist), {})
+                yield Rotation(self._constant_rotation("z", link.twist), {})
             if link.fold != (1.0, 0.0):
-                yield Rotation(self._constant_turn("x", link.fold), {})
+                yield Rotation(self._constant_rotation("x", link.fold), {})
         if hinge is not None:
             yield from self._yield(link, hinge)
         angle = link.angle_sign * self._q[i] + self.store.constant(link.angle_offset)
-        yield Rotation(Turn("z", cos(angle), sin(angle)), {i: link.angle_sign})
+        yield Rotation(AxisRotation("z", cos(angle), sin(angle)), {i: link.angle_sign})
 
     def _ride(self, link: Link) -> Iterator[Step]:
         """From the parent's frame to the hinge's origin, which rides on the parent's deflection and its slopes."""
@@ -169,12 +180,14 @@ class ChainKinematics(Kinematics):
         force, moment = rotate(frame, wrench[0]), rotate(frame, wrench[1])
         return force, add(moment, cross(self.base.arm(self.drawn_origin(link)), force))
 
-    def motions(self, u: Sequence[Scalar]) -> list[Motion]:
+    def motions(self, u: Sequence[Scalar]) -> list[LinkVelocity]:
         """Angular velocities and velocities of the origins, in the world."""
         with self.store.section("Velocities", source="eq. 13-14"):
-            return [Motion(g.omega, g.velocity) for g in self._outwards(u, None, STILL)]
+            return [LinkVelocity(g.omega, g.velocity) for g in self._outwards(u, None, STILL)]
 
-    def goings(self, u: Sequence[Scalar], udot: Sequence[Scalar] | None, field: Vector3) -> list[Going]:
+    def link_states(
+        self, u: Sequence[Scalar], udot: Sequence[Scalar] | None, field: Vector3
+    ) -> list[LinkState]:
         """Velocities and accelerations; a uniform field, m/s², world axes, is an acceleration the other way."""
         with self.store.section("Velocities and accelerations", source="eq. 13-14"):
             return self._outwards(u, udot, self.base_acceleration(udot, field))
@@ -182,28 +195,28 @@ class ChainKinematics(Kinematics):
     def base_acceleration(self, udot: Sequence[Scalar] | None, field: Vector3) -> Twist:
         """Of the base's reference less the field, axes of the base."""
         base = self.base
-        told = base.acceleration(udot) if base is not None else STILL
+        prescribed = base.acceleration(udot) if base is not None else STILL
         pull = rotate_back(base.rotation, field) if base is not None else field
-        return Twist(told.angular, add(told.linear, (-pull[0], -pull[1], -pull[2])))
+        return Twist(prescribed.angular, add(prescribed.linear, (-pull[0], -pull[1], -pull[2])))
 
-    def _outwards(self, u: Sequence[Scalar], udot: Sequence[Scalar] | None, base: Twist) -> list[Going]:
-        result: list[Going] = []
+    def _outwards(self, u: Sequence[Scalar], udot: Sequence[Scalar] | None, base: Twist) -> list[LinkState]:
+        result: list[LinkState] = []
         velocity = self.base.velocity if self.base is not None else STILL
         for i, link in enumerate(self.tree.links):
             self.store.link = i
             if link.parent == WORLD:
-                going = Going(velocity.angular, velocity.linear, base.angular, base.linear)
+                link_state = LinkState(velocity.angular, velocity.linear, base.angular, base.linear)
                 if self.base is not None:
                     arm = self.base.arm(self._constants(link.origin))
-                    going = chains.through(going, Shift(arm, {}), u, udot)
+                    link_state = chains.through(link_state, Shift(arm, {}), u, udot)
                 frame = self.drawn_frame(link)
-                parts = (going.omega, going.velocity, going.alpha, going.acceleration)
-                going = Going(*(rotate_back(frame, part) for part in parts))
+                parts = (link_state.omega, link_state.velocity, link_state.alpha, link_state.acceleration)
+                link_state = LinkState(*(rotate_back(frame, part) for part in parts))
             else:
-                going = result[link.parent]
+                link_state = result[link.parent]
             for step in self.chains[i]:
-                going = chains.through(going, step, u, udot)
-            result.append(going)
+                link_state = chains.through(link_state, step, u, udot)
+            result.append(link_state)
         return result
 
     def inwards(self, wrenches: Sequence[Wrench]) -> tuple[dict[int, Scalar], Wrench]:
@@ -234,7 +247,7 @@ class ChainKinematics(Kinematics):
     def directed(self, index: int, direction: Vector3, place: Array) -> Vector3:
         """A direction fixed to the plate at a place of the link, as the slopes there turn it."""
         if index in self.modes:
-            for turn in reversed(chains.turns(self._to_surface(index, ZERO, place))):
+            for turn in reversed(chains.rotations(self._to_surface(index, ZERO, place))):
                 direction = inward(turn, direction)
         return direction
 
@@ -245,14 +258,14 @@ class ChainKinematics(Kinematics):
             return ZERO
         return scale(dot(self._shape(index, place), modes.rates(u)), modes.normal)
 
-    def landed(
+    def wrench_at_origin(
         self, index: int, force: Vector3, moment: Vector3, local: Vector3, work: MutableMapping[int, Scalar]
     ) -> Wrench:
         """A wrench at a point of the link, given by numbers, about the link's origin; all in the link's axes."""
         steps: list[Step] = [Shift(local, {})]
         if index in self.modes:
             steps = list(self._to_surface(index, local, np.array(local, dtype=np.float64)))
-        for turn in chains.turns(steps):
+        for turn in chains.rotations(steps):
             force, moment = outward(turn, force), outward(turn, moment)
         wrench: Wrench = (force, moment)
         for step in reversed(steps):

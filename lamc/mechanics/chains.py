@@ -12,8 +12,8 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.mechanics.kinematics import acceleration_gradient
-from lamc.mechanism.turns import constant_turns, snap
-from lamc.symbolic.algebra import ZERO, Turn, Vector3, add, cross, dot, inward, outward, scale
+from lamc.mechanism.rotations import constant_rotations, snap
+from lamc.symbolic.algebra import ZERO, AxisRotation, Vector3, add, cross, dot, inward, outward, scale
 from lamc.symbolic.scalars import Scalar, cos, sin
 from lamc.symbolic.staging import Store
 
@@ -32,7 +32,7 @@ class Shift:
 class Rotation:
     """The frame turns about its own x or z, by an angle that changes by partials[k] with coordinate k."""
 
-    turn: Turn
+    rotation: AxisRotation
     partials: Mapping[int, Scalar]
 
 
@@ -40,7 +40,7 @@ Step = Shift | Rotation
 
 
 @dataclass(frozen=True)
-class Going:
+class LinkState:
     """Motion of a frame, components in that frame: rad/s, m/s of the origin, rad/s², m/s²."""
 
     omega: Vector3
@@ -49,25 +49,30 @@ class Going:
     acceleration: Vector3
 
 
-def through(going: Going, step: Step, u: Sequence[Scalar], udot: Sequence[Scalar] | None) -> Going:
+def through(
+    link_state: LinkState, step: Step, u: Sequence[Scalar], udot: Sequence[Scalar] | None
+) -> LinkState:
     """The motion of the frame after a step; udot None: rates do not change."""
     if isinstance(step, Shift):
-        return _through_shift(going, step, u, udot)
+        return _through_shift(link_state, step, u, udot)
     w, v, alpha, a = (
-        outward(step.turn, part) for part in (going.omega, going.velocity, going.alpha, going.acceleration)
+        outward(step.rotation, part)
+        for part in (link_state.omega, link_state.velocity, link_state.alpha, link_state.acceleration)
     )
     rate, change = _combined(step.partials, u), _combined(step.partials, udot)
-    if step.turn.axis == "z":
+    if step.rotation.axis == "z":
         alpha = (alpha[0] + w[1] * rate, alpha[1] - w[0] * rate, alpha[2] + change)
         w = (w[0], w[1], w[2] + rate)
     else:
         alpha = (alpha[0] + change, alpha[1] + w[2] * rate, alpha[2] - w[1] * rate)
         w = (w[0] + rate, w[1], w[2])
-    return Going(w, v, alpha, a)
+    return LinkState(w, v, alpha, a)
 
 
-def _through_shift(going: Going, step: Shift, u: Sequence[Scalar], udot: Sequence[Scalar] | None) -> Going:
-    w, v, alpha, a = going.omega, going.velocity, going.alpha, going.acceleration
+def _through_shift(
+    link_state: LinkState, step: Shift, u: Sequence[Scalar], udot: Sequence[Scalar] | None
+) -> LinkState:
+    w, v, alpha, a = link_state.omega, link_state.velocity, link_state.alpha, link_state.acceleration
     r = step.vector
     if step.partials:
         rate = total_vector([scale(u[k], p) for k, p in step.partials.items()])
@@ -80,7 +85,7 @@ def _through_shift(going: Going, step: Shift, u: Sequence[Scalar], udot: Sequenc
         v = add(v, cross(w, r))
         rows = acceleration_gradient(w, alpha)
         a = add(a, (dot(rows[0], r), dot(rows[1], r), dot(rows[2], r)))
-    return Going(w, v, alpha, a)
+    return LinkState(w, v, alpha, a)
 
 
 def back(wrench: Wrench, step: Step, work: MutableMapping[int, Scalar]) -> Wrench:
@@ -90,10 +95,10 @@ def back(wrench: Wrench, step: Step, work: MutableMapping[int, Scalar]) -> Wrenc
         for k, partial in step.partials.items():
             work[k] = work.get(k, 0) + dot(partial, force)
         return force, add(moment, cross(step.vector, force))
-    about = moment[2] if step.turn.axis == "z" else moment[0]
+    about = moment[2] if step.rotation.axis == "z" else moment[0]
     for k, p in step.partials.items():
         work[k] = work.get(k, 0) + p * about
-    return inward(step.turn, force), inward(step.turn, moment)
+    return inward(step.rotation, force), inward(step.rotation, moment)
 
 
 def together(first: Wrench, second: Wrench) -> Wrench:
@@ -105,32 +110,32 @@ def offset(chain: Sequence[Step]) -> Vector3:
     """From the first frame's origin to the last one's, m, axes of the first."""
     result = ZERO
     for step in reversed(chain):
-        result = add(step.vector, result) if isinstance(step, Shift) else inward(step.turn, result)
+        result = add(step.vector, result) if isinstance(step, Shift) else inward(step.rotation, result)
     return result
 
 
 def constant_rotation(store: Store, rotation: Array) -> Iterator[Rotation]:
     """A constant rotation (columns: the new axes) as up to three elementary turns."""
-    twist, fold, angle, _ = constant_turns(snap(rotation, 1.0))
+    twist, fold, angle, _ = constant_rotations(snap(rotation, 1.0))
     for axis, pair in (("z", twist), ("x", fold), ("z", (math.cos(angle), math.sin(angle)))):
         c, s = (float(v) for v in snap(np.array(pair), 1.0))
         if (c, s) != (1.0, 0.0):
-            yield Rotation(Turn(axis, store.constant(c), store.constant(s)), {})
+            yield Rotation(AxisRotation(axis, store.constant(c), store.constant(s)), {})
 
 
 def elementary(axis: str, partials: Mapping[int, Scalar], q: Sequence[Scalar]) -> Iterator[Rotation]:
     """A turn about x, y or z by Σ partials·q; one about y is one about x between quarter turns about z."""
     angle = _combined(partials, q)
     if axis == "y":
-        yield Rotation(Turn("z", 0, 1), {})
-    yield Rotation(Turn("z" if axis == "z" else "x", cos(angle), sin(angle)), dict(partials))
+        yield Rotation(AxisRotation("z", 0, 1), {})
+    yield Rotation(AxisRotation("z" if axis == "z" else "x", cos(angle), sin(angle)), dict(partials))
     if axis == "y":
-        yield Rotation(Turn("z", 0, -1), {})
+        yield Rotation(AxisRotation("z", 0, -1), {})
 
 
-def turns(chain: Iterable[Step]) -> tuple[Turn, ...]:
+def rotations(chain: Iterable[Step]) -> tuple[AxisRotation, ...]:
     """The turns of a chain, in order."""
-    return tuple(step.turn for step in chain if isinstance(step, Rotation))
+    return tuple(step.rotation for step in chain if isinstance(step, Rotation))
 
 
 def total_vector(vectors: Sequence[Vector3]) -> Vector3:

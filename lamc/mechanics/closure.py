@@ -10,7 +10,7 @@ Residuals are in metres: those of direction are the sine of the angle between th
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.mechanics.kinematics import Kinematics, Motion
+from lamc.mechanics.kinematics import Kinematics, LinkVelocity
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanism.tree import WORLD, Cut, Side
 from lamc.records.mechanism import Array
@@ -76,7 +76,7 @@ def close(hinges: Sequence[CutHinge], q: Sequence[Value], u: Sequence[Value]) ->
     return Closure(tuple(hinges), tuple(residual), jacobian, tuple(bias))
 
 
-def _cut_hinge(placement: Placement, cut: Cut, motions: list[Motion], size: Scalar) -> CutHinge:
+def _cut_hinge(placement: Placement, cut: Cut, motions: list[LinkVelocity], size: Scalar) -> CutHinge:
     kinematics = placement.kinematics
     common = _last_common(kinematics, cut.parent.link, cut.child.link)
     point_a, (xa, ya, _) = _seen(placement, cut.parent, common)
@@ -123,7 +123,7 @@ def _seen(placement: Placement, side: Side, common: int) -> tuple[Vector3, tuple
     return point, (x, y, z)
 
 
-def _spin(kinematics: Kinematics, side: Side, motions: list[Motion]) -> Scalar:
+def _spin(kinematics: Kinematics, side: Side, motions: list[LinkVelocity]) -> Scalar:
     """Angular velocity of a side about the hinge, rad/s."""
     if side.link == WORLD:
         return 0

@@ -13,8 +13,8 @@ from lamc.mechanics.closure import CutHinge, constants
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.placement import Placement, rotate
+from lamc.mechanism.rotations import snap
 from lamc.mechanism.tree import WORLD, Side
-from lamc.mechanism.turns import snap
 from lamc.symbolic.algebra import Vector3, add, dot, total
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.scalars import Scalar, Value, call

@@ -116,7 +116,7 @@ def _pushes(step: Step, body: Inertia) -> list[tuple[int, Wrench]]:
         return [(k, (scale(body.mass, p), cross(h, p))) for k, p in step.partials.items()]
     force: Vector3 = (0, -h[2], h[1])
     moment: Vector3 = (j.yy + j.zz, -j.xy, -j.xz)
-    if step.turn.axis == "z":
+    if step.rotation.axis == "z":
         force, moment = (-h[1], h[0], 0), (-j.xz, -j.yz, body.axial)
     return [(k, (scale(p, force), scale(p, moment))) for k, p in step.partials.items()]
 
@@ -125,9 +125,9 @@ def _before(step: Step, body: Inertia) -> Inertia:
     """The same body in the frame before a step."""
     if isinstance(step, Shift):
         return _shifted(body, step.vector)
-    second = inward_symmetric(step.turn, body.second)
-    axial = body.axial if step.turn.axis == "z" else second.xx + second.yy
-    return Inertia(body.mass, inward(step.turn, body.first), second, axial)
+    second = inward_symmetric(step.rotation, body.second)
+    axial = body.axial if step.rotation.axis == "z" else second.xx + second.yy
+    return Inertia(body.mass, inward(step.rotation, body.first), second, axial)
 
 
 def _shifted(body: Inertia, r: Vector3) -> Inertia:
@@ -142,12 +142,12 @@ def _shifted(body: Inertia, r: Vector3) -> Inertia:
 def _on_base(kinematics: ChainKinematics, base: StagedFloat, link: Link, body: Inertia) -> Inertia:
     """What a link on the base carries, about the base's reference, axes of the base."""
     axes = kinematics.drawn_frame(link)
-    second = _turned(axes, body.second)
-    turned = Inertia(body.mass, rotate(axes, body.first), second, second.xx + second.yy)
-    return _shifted(turned, base.arm(kinematics.drawn_origin(link)))
+    second = _rotated(axes, body.second)
+    rotated = Inertia(body.mass, rotate(axes, body.first), second, second.xx + second.yy)
+    return _shifted(rotated, base.arm(kinematics.drawn_origin(link)))
 
 
-def _turned(axes: Matrix3, a: Symmetric) -> Symmetric:
+def _rotated(axes: Matrix3, a: Symmetric) -> Symmetric:
     """A a Aᵀ."""
     rows = a.rows()
     half = [[dot(axis, column) for column in rows] for axis in axes]

@@ -99,8 +99,9 @@ class Equations:
 
     @lazy
     def powers(self) -> Mapping[str, Scalar]:
-        """Power of all loads of an effect, W, by its name, in terms of t, q, u and u̇; of what moves a base as told
-        too. Their sum is the rate of the kinetic energy. Scalars of a fork, unless these equations are one."""
+        """Power of all loads of an effect, W, by its name, in terms of t, q, u and u̇; of what moves a base as
+        prescribed too. Their sum is the rate of the kinetic energy. Scalars of a fork, unless these equations are
+        one."""
         return self.forked().powers if self.store.is_frozen else self.account_for_powers()
 
     @property

@@ -12,8 +12,8 @@ parent (and by the world in the end) without changing any acceleration; base par
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
+from lamc.mechanism.rotations import ROUND_OFF
 from lamc.mechanism.tree import WORLD, Link, Tree
-from lamc.mechanism.turns import ROUND_OFF
 from lamc.symbolic.algebra import Symmetric, Vector3
 from lamc.symbolic.scalars import Scalar
 from lamc.symbolic.staging import Store

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.chain_kinematics import ChainKinematics
-from lamc.mechanics.chains import Going, Wrench, together
+from lamc.mechanics.chains import LinkState, Wrench, together
 from lamc.mechanics.composite import composite_mass_matrix
 from lamc.mechanics.elimination import inertia_wrench
 from lamc.mechanics.inertia import Inertia
@@ -57,7 +57,7 @@ class InverseDynamics:
         return result
 
     def base_power(self, accelerations: Sequence[Scalar]) -> Scalar:
-        """Power, W, of what moves the base as told."""
+        """Power, W, of what moves the base as prescribed."""
         base = self.kinematics.base
         assert base is not None
         _, (force, moment) = self._passed(accelerations)
@@ -85,13 +85,13 @@ class InverseDynamics:
     def _passed(self, accelerations: Sequence[Scalar] | None) -> tuple[dict[int, Scalar], Wrench]:
         """Generalised inertia forces less those of wrenches, by coordinate; the wrench that reaches the base."""
         kinematics, loads = self.kinematics, self._loads
-        goings = kinematics.goings(self._u, accelerations, loads.field)
+        link_states = kinematics.link_states(self._u, accelerations, loads.field)
         own: dict[int, Scalar] = {}
         wrenches: list[Wrench] = []
         with kinematics.store.section("Inertia forces and applied loads", source="eq. 18"):
-            for i, going in enumerate(goings):
+            for i, link_state in enumerate(link_states):
                 kinematics.store.link = i
-                wrench = self._inertia_wrench(i, going, accelerations, own)
+                wrench = self._inertia_wrench(i, link_state, accelerations, own)
                 wrenches.append(_less(wrench, loads.wrenches.get(i)))
             at_base: Wrench = _less((ZERO, ZERO), loads.wrenches.get(WORLD))
             for added in loads.added:
@@ -99,7 +99,7 @@ class InverseDynamics:
                     if added.link == WORLD:
                         at_base = together(at_base, self._added_on_base(added, accelerations))
                     else:
-                        wrench = self._added_on_link(added, goings[added.link])
+                        wrench = self._added_on_link(added, link_states[added.link])
                         wrenches[added.link] = together(wrenches[added.link], wrench)
         work, carried = kinematics.inwards(wrenches)
         for k, value in own.items():
@@ -107,34 +107,36 @@ class InverseDynamics:
         return work, together(at_base, carried)
 
     def _inertia_wrench(
-        self, i: int, going: Going, accelerations: Sequence[Scalar] | None, own: dict[int, Scalar]
+        self, i: int, link_state: LinkState, accelerations: Sequence[Scalar] | None, own: dict[int, Scalar]
     ) -> Wrench:
         """Of one link about its origin; `own` gains the inertia forces of its modes."""
-        gradient = acceleration_gradient(going.omega, going.alpha)
+        gradient = acceleration_gradient(link_state.omega, link_state.alpha)
         modal, inertia = self._masses.modal.get(i), self._masses.inertias[i]
         if modal is None:
-            return inertia_wrench(inertia, Bias(going.acceleration, gradient))
+            return inertia_wrench(inertia, Bias(link_state.acceleration, gradient))
         rates = modal.modes.rates(self._u)
         changes = modal.modes.rates(accelerations) if accelerations is not None else None
-        own |= modal.equations(going, gradient, changes)
-        rigid = inertia_wrench(modal.of(inertia), Bias(going.acceleration, gradient))
-        return together(rigid, modal.wrench(going, rates, changes))
+        own |= modal.equations(link_state, gradient, changes)
+        rigid = inertia_wrench(modal.of(inertia), Bias(link_state.acceleration, gradient))
+        return together(rigid, modal.wrench(link_state, rates, changes))
 
-    def _added_on_link(self, added: AddedInertia, going: Going) -> Wrench:
+    def _added_on_link(self, added: AddedInertia, link_state: LinkState) -> Wrench:
         link = self.kinematics.tree.links[added.link]
         arm = local_point(link, added.point)
         field = rotate_back(self._loads.placement.carrier(added.link), self._loads.field)
         axes = self.kinematics.drawn_frame(link)
-        force, moment = _added_wrench(added, going, arm, field, axes)
+        force, moment = _added_wrench(added, link_state, arm, field, axes)
         return force, add(moment, cross(arm, force))
 
     def _added_on_base(self, added: AddedInertia, accelerations: Sequence[Scalar] | None) -> Wrench:
         base = self.kinematics.base
         assert base is not None
         x, y, z = (float(v) for v in added.point)
-        arm, told = base.arm((x, y, z)), base.acceleration(accelerations)
-        going = Going(base.velocity.angular, base.velocity.linear, told.angular, told.linear)
-        force, moment = _added_wrench(added, going, arm, ZERO, _DRAWN)
+        arm, prescribed = base.arm((x, y, z)), base.acceleration(accelerations)
+        link_state = LinkState(
+            base.velocity.angular, base.velocity.linear, prescribed.angular, prescribed.linear
+        )
+        force, moment = _added_wrench(added, link_state, arm, ZERO, _DRAWN)
         return force, add(moment, cross(arm, force))
 
     def _base_balance(
@@ -154,13 +156,15 @@ class InverseDynamics:
         return [*linear, *angular]
 
 
-def _added_wrench(added: AddedInertia, going: Going, arm: Vector3, field: Vector3, axes: Matrix3) -> Wrench:
+def _added_wrench(
+    added: AddedInertia, link_state: LinkState, arm: Vector3, field: Vector3, axes: Matrix3
+) -> Wrench:
     """About the point at `arm`. going: of the origin, less the field; axes: drawn from those of going."""
-    velocity = add(going.velocity, cross(going.omega, arm))
-    rows = acceleration_gradient(going.omega, going.alpha)
+    velocity = add(link_state.velocity, cross(link_state.omega, arm))
+    rows = acceleration_gradient(link_state.omega, link_state.alpha)
     moved = (dot(rows[0], arm), dot(rows[1], arm), dot(rows[2], arm))
-    acceleration = add(add(going.acceleration, field), moved)
-    parts = (velocity, going.omega, acceleration, going.alpha)
+    acceleration = add(add(link_state.acceleration, field), moved)
+    parts = (velocity, link_state.omega, acceleration, link_state.alpha)
     force, moment = added.wrench(*(rotate(axes, part) for part in parts))
     return rotate_back(axes, force), rotate_back(axes, moment)
 

@@ -17,9 +17,9 @@ from lamc.basics.checks import Array
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.symbolic.algebra import (
     ZERO,
+    AxisRotation,
     Matrix3,
     Symmetric,
-    Turn,
     Vector3,
     add,
     cross,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Motion:
+class LinkVelocity:
     """Velocity state of one link, carrier components.
 
     omega     angular velocity, rad/s
@@ -77,8 +77,8 @@ class Kinematics:
             link.parallel or any(tree.links[c].parallel for c in tree.children(i))
             for i, link in enumerate(tree.links)
         ]
-        self.spin: list[Turn | None] = []  # own turn of a link of a run within its carrier
-        self.turns: list[tuple[Turn, ...]] = []  # from the parent's carrier to the link's
+        self.spin: list[AxisRotation | None] = []  # own turn of a link of a run within its carrier
+        self.rotations: list[tuple[AxisRotation, ...]] = []  # from the parent's carrier to the link's
         self.offset: list[Vector3] = []  # of the origin from the parent's, in the parent's carrier
         heading: list[Scalar] = []
         with store.section("Rotation about the hinges", source="eq. 1-4"):
@@ -88,52 +88,52 @@ class Kinematics:
                 if link.parallel:
                     angle = heading[link.parent] + angle
                 heading.append(angle)
-                self._place(link, self.in_run[i], Turn("z", cos(angle), sin(angle)))
+                self._place(link, self.in_run[i], AxisRotation("z", cos(angle), sin(angle)))
 
-    def _place(self, link: Link, in_run: bool, own: Turn) -> None:
+    def _place(self, link: Link, in_run: bool, own: AxisRotation) -> None:
         parent_spin = None if link.parent == WORLD else self.spin[link.parent]
         self.spin.append(own if in_run else None)
-        turns: list[Turn] = []
+        rotations: list[AxisRotation] = []
         if not link.parallel:
             twist = (
-                _join(parent_spin, self._constant_turn("z", link.twist))
+                _join(parent_spin, self._constant_rotation("z", link.twist))
                 if link.twist != (1.0, 0.0)
                 else parent_spin
             )
             if twist is not None:
-                turns.append(twist)
+                rotations.append(twist)
             if link.fold != (1.0, 0.0):
-                turns.append(self._constant_turn("x", link.fold))
+                rotations.append(self._constant_rotation("x", link.fold))
             if not in_run:
-                turns.append(own)
-        self.turns.append(tuple(turns))
+                rotations.append(own)
+        self.rotations.append(tuple(rotations))
         x, y, z = (self.store.constant(float(v)) for v in link.offset)
         offset: Vector3 = (x, y, z)
         self.offset.append(inward(parent_spin, offset) if parent_spin else offset)
 
-    def _constant_turn(self, axis: str, cos_sin: tuple[float, float]) -> Turn:
-        return Turn(axis, self.store.constant(cos_sin[0]), self.store.constant(cos_sin[1]))
+    def _constant_rotation(self, axis: str, cos_sin: tuple[float, float]) -> AxisRotation:
+        return AxisRotation(axis, self.store.constant(cos_sin[0]), self.store.constant(cos_sin[1]))
 
     def to_child(self, index: int, v: Vector3) -> Vector3:
         """Components in the link's carrier of a vector given in its parent's."""
-        for turn in self.turns[index]:
-            v = outward(turn, v)
+        for rotation in self.rotations[index]:
+            v = outward(rotation, v)
         return v
 
     def to_parent(self, index: int, v: Vector3) -> Vector3:
         """Components in the parent's carrier of a vector given in the link's."""
-        for turn in reversed(self.turns[index]):
-            v = inward(turn, v)
+        for rotation in reversed(self.rotations[index]):
+            v = inward(rotation, v)
         return v
 
     def symmetric_to_parent(self, index: int, a: Symmetric) -> Symmetric:
-        for turn in reversed(self.turns[index]):
-            a = inward_symmetric(turn, a)
+        for rotation in reversed(self.rotations[index]):
+            a = inward_symmetric(rotation, a)
         return a
 
     def matrix_to_parent(self, index: int, m: Matrix3) -> Matrix3:
-        for turn in reversed(self.turns[index]):
-            m = inward_matrix(turn, m)
+        for rotation in reversed(self.rotations[index]):
+            m = inward_matrix(rotation, m)
         return m
 
     def in_carrier(self, index: int, v: Vector3) -> Vector3:
@@ -153,7 +153,7 @@ class Kinematics:
         """Velocity, m/s, of a point of the link within its frame; a rigid link has none."""
         return ZERO
 
-    def landed(
+    def wrench_at_origin(
         self, index: int, force: Vector3, moment: Vector3, local: Vector3, work: MutableMapping[int, Scalar]
     ) -> tuple[Vector3, Vector3]:
         """A wrench at a point of the link, given by numbers, about the link's origin; all in carrier components.
@@ -166,9 +166,9 @@ class Kinematics:
         spin = self.spin[index]
         return inward_symmetric(spin, a) if spin else a
 
-    def motions(self, u: Sequence[Scalar]) -> list[Motion]:
+    def motions(self, u: Sequence[Scalar]) -> list[LinkVelocity]:
         """Angular velocities and velocities of the origins."""
-        motions: list[Motion] = []
+        motions: list[LinkVelocity] = []
         with self.store.section("Velocities", source="eq. 13-14"):
             for i, link in enumerate(self.tree.links):
                 self.store.link = i
@@ -179,7 +179,7 @@ class Kinematics:
                     omega = self.to_child(i, parent.omega)
                     velocity = self.to_child(i, velocity)
                 omega = (omega[0], omega[1], omega[2] + link.angle_sign * u[i])
-                motions.append(Motion(omega, velocity))
+                motions.append(LinkVelocity(omega, velocity))
         return motions
 
     def biases(
@@ -224,11 +224,11 @@ def acceleration_gradient(w: Vector3, alpha: Vector3) -> Matrix3:
     )
 
 
-def _join(first: Turn | None, second: Turn) -> Turn:
+def _join(first: AxisRotation | None, second: AxisRotation) -> AxisRotation:
     """Two turns about z in a row as one."""
     if first is None:
         return second
-    return Turn(
+    return AxisRotation(
         "z",
         first.cos * second.cos - first.sin * second.sin,
         first.sin * second.cos + first.cos * second.sin,

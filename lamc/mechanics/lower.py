@@ -63,8 +63,8 @@ CUTS = (
 
 
 @collector_paused
-def lower(equations: Equations, *, books: bool = False) -> Program:
-    """The program of `equations`; with the power of every effect where `books` are to be kept."""
+def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
+    """The program of `equations`; with the power of every effect where the `energy_balance` is to be kept."""
     equations = equations.forked()
     store = equations.store
     jobs = [
@@ -72,7 +72,7 @@ def lower(equations: Equations, *, books: bool = False) -> Program:
         (ENERGY, tuple(equations.energies.values())),
         (POSES, equations.poses),
         *_event_jobs(equations),
-        *([(POWER, tuple(equations.powers.values()))] if books else []),
+        *([(POWER, tuple(equations.powers.values()))] if energy_balance else []),
     ]
     modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
     constants: dict[int, int] = {
@@ -105,7 +105,7 @@ def lower(equations: Equations, *, books: bool = False) -> Program:
             for g in (terms.guard for terms in equations.guards)
         ),
         drawn=_drawn(equations),
-        powers=tuple(equations.powers) if books else (),
+        powers=tuple(equations.powers) if energy_balance else (),
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.closure_rank,
         tolerance=equations.loops.accepted_gap,

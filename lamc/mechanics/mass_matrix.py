@@ -47,7 +47,7 @@ def _moved(kinematics: Kinematics, index: int, body: Inertia) -> Inertia:
     hn = (h[0] + body.mass * r[0], h[1] + body.mass * r[1], h[2] + body.mass * r[2])
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     second = Symmetric(*(j.entry(a, b) + (r[a] * hn[b] + h[a] * r[b]) for a, b in pairs))
-    if any(turn.axis == "x" for turn in kinematics.turns[index]):
+    if any(rotation.axis == "x" for rotation in kinematics.rotations[index]):
         axial = second.xx + second.yy
     else:
         axial = body.axial + (r[0] * hn[0] + h[0] * r[0]) + (r[1] * hn[1] + h[1] * r[1])

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from lamc.mechanics.chain_kinematics import Modes
-from lamc.mechanics.chains import Going, Wrench, total_vector
+from lamc.mechanics.chains import LinkState, Wrench, total_vector
 from lamc.mechanics.inertia import Inertia
-from lamc.mechanics.kinematics import Motion
+from lamc.mechanics.kinematics import LinkVelocity
+from lamc.mechanism.rotations import snap
 from lamc.mechanism.tree import Link
-from lamc.mechanism.turns import snap
 from lamc.symbolic.algebra import Matrix3, Symmetric, Vector3, add, cross, dot, scale, total
 from lamc.symbolic.scalars import Scalar
 from lamc.symbolic.staging import Store
@@ -47,10 +47,12 @@ class ModalInertia:
         first = add(rigid.first, scale(dot(self.moment, eta), n))
         return replace(rigid, first=first, second=second, axial=second.xx + second.yy)
 
-    def wrench(self, going: Going, rates: Sequence[Scalar], changes: Sequence[Scalar] | None) -> Wrench:
+    def wrench(
+        self, link_state: LinkState, rates: Sequence[Scalar], changes: Sequence[Scalar] | None
+    ) -> Wrench:
         """Inertia force and moment about the origin that come with η̇ and η̈, beside those of `of`."""
         n, eta = self.normal, self.modes.deflection
-        sweep = cross(going.omega, n)
+        sweep = cross(link_state.omega, n)
         force = scale(2 * dot(self.moment, rates), sweep)
         carried = total_vector([scale(r, x) for r, x in zip(rates, self.first, strict=True)])
         carried = add(carried, scale(dot(eta, self._times(rates)), n))
@@ -62,7 +64,7 @@ class ModalInertia:
         return force, moment
 
     def equations(
-        self, going: Going, gradient: Matrix3, changes: Sequence[Scalar] | None
+        self, link_state: LinkState, gradient: Matrix3, changes: Sequence[Scalar] | None
     ) -> dict[int, Scalar]:
         """Generalised inertia forces of the modes, by coordinate."""
         n = self.normal
@@ -72,10 +74,10 @@ class ModalInertia:
         for k, (s, x, g, own) in enumerate(zip(self.moment, self.first, bent, inertia, strict=True)):
             place = add(x, scale(g, n))
             across = (dot(gradient[0], place), dot(gradient[1], place), dot(gradient[2], place))
-            result[self.modes.first + k] = s * dot(n, going.acceleration) + dot(n, across) + own
+            result[self.modes.first + k] = s * dot(n, link_state.acceleration) + dot(n, across) + own
         return result
 
-    def kinetic(self, motion: Motion, rates: Sequence[Scalar]) -> Scalar:
+    def kinetic(self, motion: LinkVelocity, rates: Sequence[Scalar]) -> Scalar:
         """What η̇ adds to the kinetic energy, J."""
         n = self.normal
         carried = total_vector([scale(r, x) for r, x in zip(rates, self.first, strict=True)])
@@ -105,10 +107,10 @@ def modal_inertia(store: Store, modes: Modes, link: Link, com: Vector3) -> Modal
     """The integrals as constants; com: of the undeformed link in its frame, m."""
     constant, body = store.constant, modes.body
     moment = tuple(constant(float(s)) for s in body.moment)
-    turned = body.first_moment @ link.frame
-    size = float(abs(turned).max(initial=0.0))
+    rotated = body.first_moment @ link.frame
+    size = float(abs(rotated).max(initial=0.0))
     first: list[Vector3] = []
-    for s, row in zip(moment, snap(turned, size), strict=True):
+    for s, row in zip(moment, snap(rotated, size), strict=True):
         x, y, z = (constant(float(v)) for v in row)
         first.append(add((x, y, z), scale(s, com)))
     mass = tuple(tuple(constant(float(g)) for g in row) for row in body.mass)

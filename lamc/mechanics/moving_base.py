@@ -1,4 +1,4 @@
-"""The fixed bodies in motion, staged: freely, with a quaternion, or as told by expressions in time.
+"""The fixed bodies in motion, staged: freely, with a quaternion, or as prescribed by expressions in time.
 
 Goes in: what `arrange` says of the base, and symbols. Comes out: where the base is, and its velocity and acceleration
 as twists in its own (drawn) axes. It knows no link.
@@ -72,12 +72,12 @@ class StagedFloat(MovingBase):
 
 @dataclass(frozen=True)
 class StagedMotion(MovingBase):
-    """A base that moves as told."""
+    """A base that moves as prescribed."""
 
-    told: Twist  # acceleration
+    prescribed: Twist  # acceleration
 
     def acceleration(self, accelerations: Sequence[Scalar] | None) -> Twist:
-        return self.told
+        return self.prescribed
 
 
 def float_base(
@@ -110,17 +110,17 @@ def float_base(
 def prescribe_base(
     store: Store, base: PrescribedBase, time: Value, inputs: Mapping[str, Scalar]
 ) -> StagedMotion:
-    """The base that moves as told, with velocities and accelerations by differentiation in time; `inputs` of the scene
-    stand still."""
+    """The base that moves as prescribed, with velocities and accelerations by differentiation in time; `inputs` of the
+    scene stand still."""
     with store.section(
         "Motion of the base", effect=base.effect, source="as told, and its derivatives in time"
     ):
-        told = list(base.motion(time, inputs))
-        rates = derivatives(told, {time: 1})
+        prescribed = list(base.motion(time, inputs))
+        rates = derivatives(prescribed, {time: 1})
         seconds = derivatives(rates, {time: 1})
         axis, point = constant_vector(store, base.axis), constant_vector(store, base.point)
-        rotation = turn_about(store, base.axis, told[3])
-        position = add(point, (told[0], told[1], told[2]))
+        rotation = rotation_about(store, base.axis, prescribed[3])
+        position = add(point, (prescribed[0], prescribed[1], prescribed[2]))
 
         def twist(values: Sequence[Scalar]) -> Twist:
             x, y, z, turning = values
@@ -157,7 +157,7 @@ def quaternion_rates(quaternion: Sequence[Scalar], omega: Vector3) -> tuple[Scal
     )
 
 
-def turn_about(store: Store, axis: Array, angle: Scalar) -> Matrix3:
+def rotation_about(store: Store, axis: Array, angle: Scalar) -> Matrix3:
     """Rot(axis, angle) for a constant unit vector: A Rz(angle) Aᵀ with the axis as third column of A."""
     if not isinstance(angle, Value) and angle == 0:
         return ((1, 0, 0), (0, 1, 0), (0, 0, 1))

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.inverse_dynamics import Masses
-from lamc.mechanics.kinematics import Kinematics, Motion
+from lamc.mechanics.kinematics import Kinematics, LinkVelocity
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import Placement, potential_of_field, rotate
@@ -65,7 +65,9 @@ def poses_of(placement: Placement, coms: Sequence[Vector3], arrangement: Arrange
                     yield from row
 
 
-def _kinetic(kinematics: Kinematics, masses: Masses, i: int, motion: Motion, u: Sequence[Scalar]) -> Scalar:
+def _kinetic(
+    kinematics: Kinematics, masses: Masses, i: int, motion: LinkVelocity, u: Sequence[Scalar]
+) -> Scalar:
     inertia, modal, w, v = masses.inertias[i], masses.modal.get(i), motion.omega, motion.velocity
     if modal is not None:
         inertia = modal.of(inertia)

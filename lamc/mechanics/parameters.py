@@ -44,7 +44,7 @@ class Parameters:
         return self.store.symbol(name, Space.PARAMETER, index)
 
     def from_outside(self) -> tuple[Value, ...]:
-        """The symbols of inputs that effects bring and that are zero unless told otherwise."""
+        """The symbols of inputs that effects bring and that are zero unless set otherwise."""
         return tuple(
             self.store.symbol(each.name, Space.PARAMETER, index)
             for index, each in enumerate(self.records)

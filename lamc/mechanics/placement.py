@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.mechanics.kinematics import Kinematics
+from lamc.mechanism.rotations import ROUND_OFF
 from lamc.mechanism.tree import WORLD, Link
-from lamc.mechanism.turns import ROUND_OFF
 from lamc.records.mechanism import Array
-from lamc.symbolic.algebra import ZERO, Matrix3, Turn, Vector3, add, dot
+from lamc.symbolic.algebra import ZERO, AxisRotation, Matrix3, Vector3, add, dot
 from lamc.symbolic.scalars import Scalar
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ class Placement:
             if i not in self._carriers:
                 link = self.links[i]
                 matrix = self._on_base(link) if link.parent == WORLD else self._carriers[link.parent]
-                for turn in self.kinematics.turns[i]:
-                    matrix = _turned(matrix, turn)
+                for turn in self.kinematics.rotations[i]:
+                    matrix = _rotated(matrix, turn)
                 self._carriers[i] = matrix
         return self._carriers[index]
 
@@ -71,7 +71,7 @@ class Placement:
         matrix = self.carrier(index)
         spin = self.kinematics.spin[index]
         if spin is not None:
-            matrix = _turned(matrix, spin)
+            matrix = _rotated(matrix, spin)
         store = self.kinematics.store
         axes = numeric(self.links[index].frame)
         rows: list[Vector3] = []
@@ -99,7 +99,7 @@ class Placement:
         return path[::-1]
 
 
-def _turned(matrix: Matrix3, turn: Turn) -> Matrix3:
+def _rotated(matrix: Matrix3, turn: AxisRotation) -> Matrix3:
     """matrix · R(turn)."""
     c, s = turn.cos, turn.sin
 

@@ -4,8 +4,8 @@ Goes in: loads as they were booked, by effect, and the motion of what they act o
 effect that applies any load, in terms of t, q, u and u̇. It is made when it is asked for; nothing here takes part in
 the motion.
 
-Together with the power of what moves a base as told, these are the rate of the kinetic energy: the closure of loops
-does no work, and neither do the hinges.
+Together with the power of what moves a base as prescribed, these are the rate of the kinetic energy: the closure of
+loops does no work, and neither do the hinges.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.scalars import Scalar, Value
 
 if TYPE_CHECKING:
-    from lamc.mechanics.kinematics import Motion
+    from lamc.mechanics.kinematics import LinkVelocity
     from lamc.mechanics.loads import Loads
 
 
@@ -38,13 +38,13 @@ class Account:
     generalised: dict[int, Scalar] = field(default_factory=dict)
     wrenches: dict[int, tuple[Vector3, Vector3]] = field(default_factory=dict)
 
-    def turn(self, index: int, torque: Scalar) -> None:
+    def rotation_power(self, index: int, torque: Scalar) -> None:
         self.torques[index] = self.torques.get(index, 0) + torque
 
     def generalise(self, coordinate: int, force: Scalar) -> None:
         self.generalised[coordinate] = self.generalised.get(coordinate, 0) + force
 
-    def book(self, index: int, force: Vector3, moment: Vector3) -> None:
+    def record_power(self, index: int, force: Vector3, moment: Vector3) -> None:
         before = self.wrenches.get(index, (ZERO, ZERO))
         self.wrenches[index] = (add(before[0], force), add(before[1], moment))
 
@@ -94,7 +94,7 @@ def powers_of(loads: "Loads", moving: Moving) -> dict[str, Scalar]:
     return result
 
 
-def _of_account(account: Account, moving: Moving, motions: "Sequence[Motion]") -> Scalar:
+def _of_account(account: Account, moving: Moving, motions: "Sequence[LinkVelocity]") -> Scalar:
     store = moving.placement.kinematics.store
     power: Scalar = 0
     for forces in (account.torques, account.generalised):
@@ -108,7 +108,7 @@ def _of_account(account: Account, moving: Moving, motions: "Sequence[Motion]") -
     return power
 
 
-def _twist(index: int, moving: Moving, motions: "Sequence[Motion]") -> tuple[Vector3, Vector3]:
+def _twist(index: int, moving: Moving, motions: "Sequence[LinkVelocity]") -> tuple[Vector3, Vector3]:
     """Velocity of the origin and angular velocity of a link, carrier components, or of the base."""
     if index != WORLD:
         return motions[index].velocity, motions[index].omega
@@ -117,7 +117,7 @@ def _twist(index: int, moving: Moving, motions: "Sequence[Motion]") -> tuple[Vec
     return base.velocity.linear, base.velocity.angular
 
 
-def _of_field(acceleration: Vector3, moving: Moving, motions: "Sequence[Motion]") -> Scalar:
+def _of_field(acceleration: Vector3, moving: Moving, motions: "Sequence[LinkVelocity]") -> Scalar:
     placement = moving.placement
     power: Scalar = 0
     for index, (mass, motion) in enumerate(zip(moving.masses, motions, strict=True)):
@@ -131,7 +131,7 @@ def _of_field(acceleration: Vector3, moving: Moving, motions: "Sequence[Motion]"
     return power
 
 
-def _of_added(added: AddedInertia, moving: Moving, motions: "Sequence[Motion]") -> Scalar:
+def _of_added(added: AddedInertia, moving: Moving, motions: "Sequence[LinkVelocity]") -> Scalar:
     """wᵀ A dw/dt, components in axes of the body: the terms with ω × (p, l) do no work."""
     velocity, omega = point_motion(moving.placement, added, motions)
     w = (*velocity, *omega)
@@ -140,7 +140,7 @@ def _of_added(added: AddedInertia, moving: Moving, motions: "Sequence[Motion]") 
 
 
 def point_motion(
-    placement: Placement, added: AddedInertia, motions: "Sequence[Motion]"
+    placement: Placement, added: AddedInertia, motions: "Sequence[LinkVelocity]"
 ) -> tuple[Vector3, Vector3]:
     """Velocity of the point of added inertia and angular velocity of its body, which is rigid; its drawn axes."""
     base = placement.base

@@ -8,9 +8,9 @@ more constant turn about z.
 
 import numpy as np
 
+from lamc.mechanism.rotations import ROUND_OFF
 from lamc.mechanism.spanning import Step
 from lamc.mechanism.tree import WORLD
-from lamc.mechanism.turns import ROUND_OFF
 from lamc.records.mechanism import Array, Mechanism
 
 # An origin is slid along its hinge at most this many mechanism sizes: nearly parallel lines meet far away, and a

@@ -13,12 +13,12 @@ ROUNDING = 1e-9
 
 def outside_limits(mechanism: Mechanism, angles: Mapping[str, float]) -> tuple[str, ...]:
     """One phrase for each joint whose angle (rad) lies outside its limits; joints without limits have none."""
-    told = []
+    reported = []
     for joint in mechanism.joints:
         lower, upper = joint.limits
         angle = angles.get(joint.name, 0.0)
         if joint.is_limited and not lower - ROUNDING <= angle <= upper + ROUNDING:
-            told.append(
+            reported.append(
                 f"joint {joint.name!r} starts at {angle:.4g} rad, outside its limits ({lower:.4g}, {upper:.4g})"
             )
-    return tuple(told)
+    return tuple(reported)

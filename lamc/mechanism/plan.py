@@ -6,9 +6,9 @@ Goes in: a Mechanism. Comes out: a Tree. It never looks at effects.
 import numpy as np
 
 from lamc.mechanism.hinge_frames import cross, hinge_axes, hinge_normals, hinge_origins, perpendicular
+from lamc.mechanism.rotations import constant_rotations, snap
 from lamc.mechanism.spanning import Step, depth_first, geometric_key, least_depth
 from lamc.mechanism.tree import WORLD, Cut, Link, Side, Tree
-from lamc.mechanism.turns import constant_turns, snap
 from lamc.records.mechanism import Array, Joint, Mechanism
 from lamc.records.network import loose_ends
 
@@ -73,7 +73,7 @@ def _link(
     if step.parent != WORLD:
         parent = links[step.parent]
         offset = snap(parent.frame.T @ (origin - parent.origin), size)
-        twist, fold, angle, parallel = constant_turns(parent.frame.T @ frame)
+        twist, fold, angle, parallel = constant_rotations(parent.frame.T @ frame)
     body = mechanism.body(step.body)
     return Link(
         body=body,

@@ -22,7 +22,7 @@ _SAME = 1e-6  # of the size of a cell: sides that differ by less are equal
 _SLIVER = 40.0  # longest side over height
 _FEW_DIGITS = 1e-9
 _LINEAR = ("cst", "q4")  # membranes
-_TOLD = 0.01  # of the deflection
+_REPORTED = 0.01  # of the deflection
 
 
 def notes(problem: Problem, loads: Sequence[LoadRecord], accuracy: Accuracy) -> tuple[str, ...]:
@@ -118,7 +118,7 @@ def _membrane_texts(problem: Problem) -> list[str]:
     strength = np.array([_coupling(laminate) for laminate in problem.laminates])[mesh.regions]
     excess = 0.1 * np.average(strength * (np.pi * steps / span) ** 2, weights=mesh.areas)
     lost = float(excess / (1.0 + excess))
-    if lost < _TOLD:
+    if lost < _REPORTED:
         return []
     out = "take 'dkt+lst', " if mesh.corner_count == 3 else "take triangles and 'dkt+lst', "
     return [

@@ -197,8 +197,8 @@ def _checked_edges(element: Element, places: Sequence[Place], corners: int) -> l
         for edge in range(corners)
     ]
     first = sorted(kinds[0])
-    turned = sorted((1 - along, dofs) for along, dofs in first)
-    if turned != first or any(sorted(kind) != first for kind in kinds):
+    rotated = sorted((1 - along, dofs) for along, dofs in first)
+    if rotated != first or any(sorted(kind) != first for kind in kinds):
         raise DesignError(
             f"element {shown(element.name)} does not have the same nodes on every edge, seen from either end; cells "
             "would not fit together: give every edge the same, symmetric about its middle"

@@ -14,7 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
-from lamc.plates.places import Places
+from lamc.plates.locator import MeshLocator
 from lamc.plates.supports import Where, where_text
 
 # Of the mean length of edges on a support: an area that reaches less beyond what is held is as good as followed, as
@@ -24,7 +24,7 @@ _CHORD = 0.07  # of a chord's length: height of the arc above it where both ends
 _LEAST = 1e-9  # of the plate's size: round-off of overlays
 
 
-def check_followed(places: Places, where: Where, what: str) -> None:
+def check_followed(places: MeshLocator, where: Where, what: str) -> None:
     """Raises DesignError, naming `what`, unless nodes lie on all points of `where`, edges along all lines of it that
     are on the plate, and cells or edges cover its areas there."""
     if isinstance(where, str):
@@ -43,7 +43,7 @@ def check_followed(places: Places, where: Where, what: str) -> None:
             _check_area(places, where, place, what)
 
 
-def _check_points(places: Places, where: BaseGeometry, what: str) -> None:
+def _check_points(places: MeshLocator, where: BaseGeometry, what: str) -> None:
     points = shapely.get_parts(where)
     on_plate = shapely.dwithin(points, places.covered, places.tolerance)  # of others a note tells, see `idle`
     lost = points[on_plate & ~shapely.dwithin(points, MultiPoint(places.dofs.points), places.tolerance)]
@@ -54,7 +54,7 @@ def _check_points(places: Places, where: BaseGeometry, what: str) -> None:
         )
 
 
-def _check_line(places: Places, where: BaseGeometry, line: BaseGeometry, what: str) -> None:
+def _check_line(places: MeshLocator, where: BaseGeometry, line: BaseGeometry, what: str) -> None:
     slack = _slack(places)
     # Edge by edge, then joined: a chain of thousands grown in one go by so little takes GEOS many seconds.
     held = shapely.union_all(shapely.buffer(shapely.get_parts(_edges(places, line)), slack))
@@ -66,7 +66,7 @@ def _check_line(places: Places, where: BaseGeometry, line: BaseGeometry, what: s
         _refuse(where, shapely.get_coordinates(at) if len(at) else beside, what)
 
 
-def _beside(places: Places, line: BaseGeometry) -> Array:
+def _beside(places: MeshLocator, line: BaseGeometry) -> Array:
     """Middles of edges (k, 2) from one point of the line to another that keep beside it, as chords of a curve do."""
     mesh, tolerance = places.dofs.mesh, places.tolerance
     ends = mesh.points[
@@ -78,7 +78,7 @@ def _beside(places: Places, line: BaseGeometry) -> Array:
     return np.asarray(middles[(off > tolerance) & (off < _CHORD * length)])
 
 
-def _check_area(places: Places, where: BaseGeometry, area: BaseGeometry, what: str) -> None:
+def _check_area(places: MeshLocator, where: BaseGeometry, area: BaseGeometry, what: str) -> None:
     edges = _edges(places, area)
     held = shapely.union_all([edges, MultiPoint(places.dofs.points[places.nodes(area, what)])])
     rim = shapely.intersection(area.boundary, places.covered)
@@ -95,14 +95,14 @@ def _check_area(places: Places, where: BaseGeometry, area: BaseGeometry, what: s
         _refuse(where, corners[far[:1]], what)
 
 
-def _edges(places: Places, where: BaseGeometry) -> BaseGeometry:
+def _edges(places: MeshLocator, where: BaseGeometry) -> BaseGeometry:
     """The edges that lie on `where`, whole, as lines."""
     mesh = places.dofs.mesh
     cells, sides = places.edges_on(where).T
     return shapely.union_all(shapely.linestrings(mesh.points[mesh.edges[mesh.cell_edges[cells, sides]]]))
 
 
-def _slack(places: Places) -> float:
+def _slack(places: MeshLocator) -> float:
     low, high = places.dofs.mesh.points.min(axis=0), places.dofs.mesh.points.max(axis=0)
     return max(2.0 * places.tolerance, _LEAST * float(np.hypot(*(high - low))))
 

@@ -17,8 +17,8 @@ from shapely.geometry.base import BaseGeometry
 from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, UnsupportedError, about
 from lamc.plates.elements.definition import CORNERS, Element
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.places import Places
 from lamc.plates.solving.edge_parts import edge_parts_on
 from lamc.plates.supports import checked_where, where_text
 
@@ -69,7 +69,7 @@ class HingeLine:
         return f"{self.title} at {where_text(self.where)}"
 
 
-def hinge_edges(places: Places, hinges: Sequence[HingeLine]) -> tuple[Integers, ...]:
+def hinge_edges(places: MeshLocator, hinges: Sequence[HingeLine]) -> tuple[Integers, ...]:
     """For every hinge the numbers of the mesh's edges on it, ascending.
 
     Raises DesignError for a line off the plate, along its edge, beside the mesh's edges or upon another hinge line, and
@@ -101,7 +101,7 @@ def hinge_edges(places: Places, hinges: Sequence[HingeLine]) -> tuple[Integers, 
     return tuple(found)
 
 
-def _edges_of(places: Places, hinge: HingeLine) -> Integers:
+def _edges_of(places: MeshLocator, hinge: HingeLine) -> Integers:
     mesh = places.dofs.mesh
     parts = edge_parts_on(places, hinge.where, hinge.title)
     cells, local = parts.edges.T

@@ -12,8 +12,8 @@ from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.materials import strain_rotation
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.checks import place
-from lamc.plates.places import Places
 from lamc.plates.supports import Where
 
 _COUPLED = 1e-6  # of the root of the diagonal terms' product, as a coefficient of correlation
@@ -21,7 +21,7 @@ _ONE_LINE = 1.0  # degrees between edges of one straight line, whose points are 
 _TERMS = ((0, 2, "16"), (1, 2, "26"))
 
 
-def check_mirror(places: Places, laminates: tuple[Laminate, ...], where: Where) -> None:
+def check_mirror(places: MeshLocator, laminates: tuple[Laminate, ...], where: Where) -> None:
     """Raises DesignError where a symmetry at `where` lies along a laminate that couples across it."""
     element, mesh = places.dofs.element, places.dofs.mesh
     parts = (("A", element.stretches), ("B", element.stretches and element.bends), ("D", element.bends))
@@ -46,8 +46,8 @@ def check_mirror(places: Places, laminates: tuple[Laminate, ...], where: Where) 
 def coupling(laminate: Laminate, name: str, degrees: float) -> tuple[str, float]:
     """The larger of the terms 16 and 26 of A, B or D in axes along `degrees`, and its size over the root of the
     product of the diagonal terms, those of A and D for B: at most 1."""
-    turn = strain_rotation(-degrees)
-    A, B, D = (turn.T @ matrix @ turn for matrix in (laminate.A, laminate.B, laminate.D))
+    rotation = strain_rotation(-degrees)
+    A, B, D = (rotation.T @ matrix @ rotation for matrix in (laminate.A, laminate.B, laminate.D))
     rows, columns = {"A": (A, A), "B": (A, D), "D": (D, D)}[name]
     matrix = {"A": A, "B": B, "D": D}[name]
     sizes = {

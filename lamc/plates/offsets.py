@@ -10,7 +10,7 @@ from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
 
 _SAME = 1e-6  # of the thickness: heights nearer to each other are one
-_MOST = 3  # pairs that are told
+_MOST = 3  # pairs that are reported
 
 
 def offset_texts(problem: Problem) -> tuple[str, ...]:

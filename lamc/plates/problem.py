@@ -20,10 +20,10 @@ from lamc.plates.foundations import ElasticFoundation
 from lamc.plates.hinge_lines import HingeLine, hinge_edges
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.loads import LOADS, EdgeLoad, EdgeMoment, LoadRecord, PointLoad, Pressure, SelfWeight
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers, Mesh
 from lamc.plates.mirrors import check_mirror
 from lamc.plates.pinches import check_pinches
-from lamc.plates.places import Places
 from lamc.plates.solving.climate import climates, pulls
 from lamc.plates.solving.edge_parts import edge_parts_on
 from lamc.plates.solving.sections import couples
@@ -48,7 +48,7 @@ class Problem:
     tolerance  of `where`, over the mesh's size (the diagonal of its bounding box)
     hinges     records of `hinge_lines.py`: lines inside the plate along which it may fold
     foundations  records of `foundations.py`: elastic ground under the plate
-    remarks    sentences that are told with every solution, such as why this element
+    remarks    sentences that are reported with every solution, such as why this element
 
     laminates  (regions,), in the order of the mesh's regions
     dofs       unknowns of the element that was chosen: `problem.dofs.element`
@@ -68,7 +68,7 @@ class Problem:
     remarks: Sequence[str] = ()
     laminates: tuple[Laminate, ...] = field(init=False, repr=False)
     dofs: Dofs = field(init=False, repr=False)
-    places: Places = field(init=False, repr=False)
+    places: MeshLocator = field(init=False, repr=False)
     hinge_edges: tuple[Integers, ...] = field(
         init=False, repr=False
     )  # of each hinge, numbers of `mesh.edges`
@@ -110,7 +110,7 @@ class Problem:
 
     def _number(self, dofs: Dofs) -> None:
         self._put("dofs", dofs)
-        self._put("places", Places(dofs, self.tolerance * self.size))
+        self._put("places", MeshLocator(dofs, self.tolerance * self.size))
 
     @property
     def all_loads(self) -> tuple[LoadRecord, ...]:
@@ -168,7 +168,7 @@ class Problem:
         nodes = self.places.nodes(support.where, what)
         check_followed(self.places, support.where, what)
         if isinstance(support, Symmetry):
-            self.places.some_edges_on(support.where, what)
+            self.places.checked_edges_on(support.where, what)
             check_mirror(self.places, self.laminates, support.where)
         if isinstance(support, Hinged) and support.stiffness > 0.0:
             cells, local = edge_parts_on(self.places, support.where, what).edges.T

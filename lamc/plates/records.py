@@ -8,8 +8,8 @@ from lamc.plates.answers.choice import Choice
 from lamc.plates.answers.convergence import Convergence, ConvergenceRow, QuantityError
 from lamc.plates.answers.estimate import ErrorEstimate
 from lamc.plates.answers.failure import PlateFailure
+from lamc.plates.answers.hinge_rotations import HingeRotation
 from lamc.plates.answers.hinge_stiffness import HingeStiffness
-from lamc.plates.answers.hinge_turns import HingeTurn
 from lamc.plates.answers.modes import Modes
 from lamc.plates.answers.shape_pairs import ShapePair
 from lamc.plates.designs.from_design import DesignPlate
@@ -38,8 +38,8 @@ __all__ = [
     "ErrorEstimate",
     "FirstPlyFailure",
     "HingeEdge",
+    "HingeRotation",
     "HingeStiffness",
-    "HingeTurn",
     "Memory",
     "MeshReport",
     "Modes",

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
 from lamc.basics import units
 from lamc.basics.errors import DesignError
 from lamc.basics.fields import LENGTH_UNIT as LENGTH_UNIT
-from lamc.basics.fields import Model as Model
+from lamc.basics.fields import StrictModel as StrictModel
 from lamc.basics.fields import Unit
 from lamc.basics.fields import custom as custom
 from lamc.basics.units import length_unit

@@ -18,7 +18,7 @@ from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, nam
 from lamc.readers.popupcad_layers import LayerSpec
 from lamc.records.design import Layer, Line
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
-from lamc.records.network import faults, loose_ends, some
+from lamc.records.network import faults, listed_names, loose_ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +115,7 @@ def _check_ids(definition: JointDefinition) -> None:
             if end not in seen:
                 raise TopologyError(
                     f"a joint joins body {end[:40]!r}, which the file does not have; "
-                    f"its bodies are {some(sorted(seen))}",
+                    f"its bodies are {listed_names(sorted(seen))}",
                     joint.place,
                 )
         if joint.bodies[0] == joint.bodies[1]:

@@ -81,13 +81,13 @@ def _matrix(start: Line, end: Line, how: Placing) -> list[float]:
     """[a, b, d, e, xoff, yoff] of shapely: to the start's frame, scaled along and across it, to the end's frame."""
     (x0, y0), (x1, y1) = start
     (u0, v0), (u1, v1) = end
-    length, turn = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
+    length, angle = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
     goal, to = math.hypot(u1 - u0, v1 - v0), math.atan2(v1 - v0, u1 - u0)
     if not (length > 0.0 and goal > 0.0):
         raise DesignError("a line by which a laminate is placed has no length; draw it between two points")
     sx = goal / length if how.scale_x is None else how.scale_x
     sy = goal / length if how.scale_y is None else how.scale_y
-    c, s, cc, ss = math.cos(turn), math.sin(turn), math.cos(to), math.sin(to)
+    c, s, cc, ss = math.cos(angle), math.sin(angle), math.cos(to), math.sin(to)
     a, b = cc * sx * c + ss * sy * s, cc * sx * s - ss * sy * c
     d, e = ss * sx * c - cc * sy * s, ss * sx * s + cc * sy * c
     return [a, b, d, e, u0 - a * x0 - b * y0, v0 - d * x0 - e * y0]

@@ -161,8 +161,8 @@ class _Reader:
             step = self.models[step].like
         if step in chain:
             ring = [*chain[chain.index(step) :], step]
-            told = ", which is like ".join(repr(each) for each in ring[:6])
-            self.problems.add(("scenes", chain[-1], "like"), f"{told}: a scene cannot be like itself")
+            reported = ", which is like ".join(repr(each) for each in ring[:6])
+            self.problems.add(("scenes", chain[-1], "like"), f"{reported}: a scene cannot be like itself")
             self.said.update(dict.fromkeys(chain))
         for each in reversed(chain):
             if each in self.said:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from lamc.readers.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, Model, SpacePoint
+from lamc.readers.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, SpacePoint, StrictModel
 
 _CALLED: dict[str, Any] = {"type": ["object", "array", "null"]}
 _INPUT_FIELDS = {
@@ -29,7 +29,7 @@ _INPUTS: dict[str, Any] = {
 _SAYS = "effects by name with their values, as a map, or as a list of names and one-entry maps"
 
 
-class OutputPointModel(Model):
+class OutputPointModel(StrictModel):
     """A point of a rigid body; its x, y and z, world, are outputs."""
 
     name: str = Field(description="of the point")
@@ -50,7 +50,7 @@ class _OrName:
         return {"anyOf": [{"type": "string"}, handler(schema)]}
 
 
-class SceneModel(Model):
+class SceneModel(StrictModel):
     """What acts, how the mechanism starts, how long it runs. Without `effects`: what the design itself asks for."""
 
     like: str | None = Field(
@@ -95,7 +95,7 @@ ScenesModel = Annotated[
 ]
 
 
-class SceneFileModel(Model):
+class SceneFileModel(StrictModel):
     """Scenes in a file of their own, for `lamc run DESIGN --scene FILE:NAME`."""
 
     kind: Literal["scene"] = "scene"

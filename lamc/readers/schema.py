@@ -26,17 +26,17 @@ from lamc.readers.fields import (
     Length,
     LengthUnit,
     Mass,
-    Model,
     Modulus,
     Point,
     Poisson,
     SpacePoint,
     Stiffness,
+    StrictModel,
 )
 from lamc.readers.scene_schema import LoneSceneModel, SceneFileModel, SceneModel, ScenesModel
 
 
-class MaterialModel(Model):
+class MaterialModel(StrictModel):
     """A sheet material; one or none of the flags is usual."""
 
     density: Density
@@ -50,7 +50,7 @@ class MaterialModel(Model):
     conductive: bool = False
 
 
-class LayerModel(Model):
+class LayerModel(StrictModel):
     """One sheet of the laminate; layers are listed from bottom to top."""
 
     name: str
@@ -59,12 +59,12 @@ class LayerModel(Model):
     angle: Angle = 0.0
 
 
-class CircleModel(Model):
+class CircleModel(StrictModel):
     center: Point
     radius: Length
 
 
-class OutlineModel(Model):
+class OutlineModel(StrictModel):
     """A region: exactly one of rect, polygon (with holes) and circle."""
 
     rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
@@ -100,7 +100,7 @@ class ShapeModel(RegionModel):
     cut: OutlineModel | None = None
 
 
-class HingeModel(Model):
+class HingeModel(StrictModel):
     """One hinge line, or several that share their properties.
 
     The joint's axis points from the start of a line to its end, and its angle is positive by the right hand.
@@ -132,7 +132,7 @@ class HingeModel(Model):
         return self
 
 
-class NamedBodyModel(Model):
+class NamedBodyModel(StrictModel):
     """A point inside the body that gets the name, and the layer to look in where bodies lie above one another."""
 
     at: Point
@@ -150,7 +150,7 @@ BodyPoint = Annotated[
 ]
 
 
-class DesignModel(Model):
+class DesignModel(StrictModel):
     """A laminate design."""
 
     kind: Literal["design"] = "design"
@@ -172,7 +172,7 @@ class DesignModel(Model):
     scenes: ScenesModel = Field(default={})
 
 
-class PlateModel(Model):
+class PlateModel(StrictModel):
     """One flat piece of a body's outline, between two heights."""
 
     polygon: list[Point]
@@ -180,7 +180,7 @@ class PlateModel(Model):
     z: tuple[Coordinate, Coordinate]
 
 
-class BodyModel(Model):
+class BodyModel(StrictModel):
     """A rigid body in the drawn configuration, world axes."""
 
     name: str
@@ -191,7 +191,7 @@ class BodyModel(Model):
     outline: list[PlateModel] = Field(default=[])
 
 
-class JointModel(Model):
+class JointModel(StrictModel):
     """A hinge from parent to child about `axis` through `point`."""
 
     name: str
@@ -205,7 +205,7 @@ class JointModel(Model):
     limits: tuple[AnyAngle, AnyAngle] | None = None
 
 
-class MechanismModel(Model):
+class MechanismModel(StrictModel):
     """Bodies and joints without a drawing."""
 
     kind: Literal["mechanism"] = "mechanism"
@@ -221,7 +221,7 @@ class MechanismModel(Model):
     scenes: ScenesModel = Field(default={})
 
 
-FILES: dict[str, type[Model]] = {
+FILES: dict[str, type[StrictModel]] = {
     "Design": DesignModel,
     "Mechanism": MechanismModel,
     "Scene": LoneSceneModel,
@@ -229,7 +229,7 @@ FILES: dict[str, type[Model]] = {
 }
 
 
-def json_schema(files: Mapping[str, type[Model]] = FILES) -> dict[str, Any]:
+def json_schema(files: Mapping[str, type[StrictModel]] = FILES) -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of native files: any of `files`, which have names that differ from their parts'."""
     parts = [m.model_json_schema(ref_template="#/$defs/{model}") for m in files.values()]
     shared: dict[str, Any] = {}

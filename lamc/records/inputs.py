@@ -34,7 +34,7 @@ _MEANS = {
 class Input:
     """A number from outside.
 
-    default  its value until told otherwise, in `unit`
+    default  its value until set otherwise, in `unit`
     unit     SI, such as "N*m"; "1" for a plain number
     meaning  what it is, in a few words
 

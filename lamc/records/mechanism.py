@@ -18,7 +18,7 @@ from lamc.basics.checks import checked_flag, checked_range, checked_records, sho
 from lamc.basics.checks import checked_name as checked_name
 from lamc.basics.checks import checked_number as checked_number
 from lamc.basics.errors import DesignError, TopologyError
-from lamc.records.network import faults, some
+from lamc.records.network import faults, listed_names
 from lamc.records.scene import Scene, checked_scenes
 
 if TYPE_CHECKING:
@@ -227,4 +227,4 @@ def _named(items: "Sequence[Named]", name: str, what: str) -> "Named":
     for item in items:
         if item.name == name:
             return item
-    raise KeyError(f"no {what} is named {name!r}; there are {some([i.name for i in items])}")
+    raise KeyError(f"no {what} is named {name!r}; there are {listed_names([i.name for i in items])}")

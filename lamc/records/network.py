@@ -37,7 +37,7 @@ def faults(bodies: "Sequence[Body]", joints: "Sequence[Joint]") -> Iterator[Faul
             if end not in names:
                 text = (
                     f"joint {joint.name!r} joins body {end!r}, which the mechanism does not have; "
-                    f"its bodies are {some(sorted(names))}"
+                    f"its bodies are {listed_names(sorted(names))}"
                 )
                 yield Fault(("joints", index, key), TopologyError(text))
     yield from _same_hinges(joints)
@@ -64,13 +64,13 @@ def loose_ends(bodies: "Sequence[Body]", joints: "Sequence[Joint]") -> Iterator[
         name, index = lost[0]
         more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
         text = (
-            f"body {name!r}{more} has no path of hinges to a fixed body ({some(sorted(fixed))}); "
+            f"body {name!r}{more} has no path of hinges to a fixed body ({listed_names(sorted(fixed))}); "
             "add a hinge, fix the body or remove it"
         )
         yield Fault(("bodies", index), TopologyError(text))
 
 
-def some(names: Sequence[str], count: int = 8) -> str:
+def listed_names(names: Sequence[str], count: int = 8) -> str:
     """A few names, then how many there are."""
     shown = ", ".join(names[:count])
     return shown + (f", … ({len(names)} in all)" if len(names) > count else "")

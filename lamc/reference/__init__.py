@@ -1,11 +1,11 @@
-"""The independent voices: numeric paths that share no code with the symbolic one, and the interpreter.
+"""The independent cross-checks: numeric paths that share no code with the symbolic one, and the interpreter.
 
 `lamc.reference.sympy_kane` (sympy's own KanesMethod) is not imported here, because sympy.physics takes long.
 """
 
 from lamc.reference.check import check
 from lamc.reference.check_report import Report
-from lamc.reference.integrate import Run, fixed_steps, initial_state, simulate, voice
+from lamc.reference.integrate import Run, cross_check, fixed_steps, initial_state, simulate
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.lagrange import Lagrange
 from lamc.reference.maximal import MaximalCoordinates
@@ -19,8 +19,8 @@ __all__ = [
     "Report",
     "Run",
     "check",
+    "cross_check",
     "fixed_steps",
     "initial_state",
     "simulate",
-    "voice",
 ]

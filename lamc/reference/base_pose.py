@@ -1,4 +1,4 @@
-"""The pose of fixed bodies that move, freely or as told, as a matrix along a motion. Numbers only.
+"""The pose of fixed bodies that move, freely or as prescribed, as a matrix along a motion. Numbers only.
 
 In: the effect's own numbers, a state and a time. Out: a `Curve` from drawn to world coordinates.
 """
@@ -25,11 +25,11 @@ def base_pose(effect: Any, fixed: Sequence[Body], q: Array, u: Array, t: float) 
         return _floating(q, u) @ still(_placed(np.eye(3), -centre), count)
     axis, point = np.array(effect.axis) / np.linalg.norm(effect.axis), np.array(effect.point)
     shift, angle = [jet(x, t) for x in effect.displacement], jet(effect.angle, t)
-    spin, turned = skew(axis), rodrigues(axis, angle.value)
-    first = angle.first * spin @ turned
-    second = angle.second * spin @ turned + angle.first * spin @ first
+    spin, rotated = skew(axis), rodrigues(axis, angle.value)
+    first = angle.first * spin @ rotated
+    second = angle.second * spin @ rotated + angle.first * spin @ first
     moved = Curve(
-        _placed(turned, point + [x.value for x in shift], 1.0),
+        _placed(rotated, point + [x.value for x in shift], 1.0),
         _placed(first, np.array([x.first for x in shift]), 0.0),
         _placed(second, np.array([x.second for x in shift]), 0.0),
         np.zeros((count, 4, 4)),

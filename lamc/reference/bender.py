@@ -17,7 +17,7 @@ from lamc.basics.errors import DesignError
 from lamc.records.mechanism import Joint
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import cross
-from lamc.reference.point_loads import Place, Push
+from lamc.reference.point_loads import BodyState, Push
 
 Array = npt.NDArray[np.float64]
 _UNIT, _WEIGHT = (0.5 * x for x in np.polynomial.legendre.leggauss(3))  # exact for degree 5, on (-1/2, 1/2)
@@ -41,7 +41,7 @@ def section(effect: Any) -> Section:
         material, bottom = ply.material, bottom + ply.gap
         c, s = math.cos(math.radians(ply.angle)), math.sin(math.radians(ply.angle))
         # Strains along and across the fibres from those along x and y; the last one is the shear angle.
-        turn = np.array(
+        rotation = np.array(
             [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
         )
         soft = np.diag([1.0 / material.E1, 1.0 / material.E2, 1.0 / material.G12])
@@ -50,7 +50,9 @@ def section(effect: Any) -> Section:
         free = polarity / ply.thickness * np.array([material.d31, material.d32, 0.0])  # per volt
         for place, weight in zip(_UNIT, _WEIGHT, strict=True):
             z = bottom + (0.5 + place) * ply.thickness
-            rows = turn @ np.hstack([np.eye(3), -z * np.eye(3)])  # of the strain, and of (w_xx, w_yy, 2 w_xy)
+            rows = rotation @ np.hstack(
+                [np.eye(3), -z * np.eye(3)]
+            )  # of the strain, and of (w_xx, w_yy, 2 w_xy)
             stiffness += weight * ply.thickness * rows.T @ hard @ rows
             push += weight * ply.thickness * rows.T @ hard @ free
         bottom += ply.thickness
@@ -74,17 +76,17 @@ class PushingBender:
 
     effect = "piezo_bender"
 
-    def pushes(self, t: float, place: Place) -> list[Push]:
+    def pushes(self, t: float, place: BodyState) -> list[Push]:
         """Two forces on one line, that of the tip of the second body: the first body is pushed there as a rigid one."""
         normal, apart, beyond = self._state(t, place)
         force = -self.stiffness * beyond * normal
         first, second = self.bodies
         return [Push(second, self.tip, force), Push(first, self.tip, -force, cross(apart, -force))]
 
-    def stored(self, t: float, place: Place) -> float:
+    def stored(self, t: float, place: BodyState) -> float:
         return 0.5 * self.stiffness * self._state(t, place)[2] ** 2
 
-    def _state(self, t: float, place: Place) -> tuple[Array, Array, float]:
+    def _state(self, t: float, place: BodyState) -> tuple[Array, Array, float]:
         """The normal, the way between the tips of both bodies, m, and the deflection beyond the free one, m."""
         here, there = (place.point(body, self.tip)[0] for body in self.bodies)
         normal = place.direction(self.bodies[0], self.normal)
@@ -124,9 +126,9 @@ def folding_bender(effect: Any, joints: Sequence[Joint]) -> tuple[int, Formula, 
     own, along = section(effect), np.subtract(effect.tip, effect.root)
     length = float(np.linalg.norm(along))
     sense = 1.0 if joint.parent == effect.body_a else -1.0
-    turned = sense * cross(joint.axis, np.subtract(effect.tip, joint.point))  # by one radian; of the tip, m
+    rotated = sense * cross(joint.axis, np.subtract(effect.tip, joint.point))  # by one radian; of the tip, m
     up = np.array(effect.normal) / np.linalg.norm(effect.normal)
-    rise, slope = float(turned @ up), float(sense * cross(joint.axis, along / length) @ up)
+    rise, slope = float(rotated @ up), float(sense * cross(joint.axis, along / length) @ up)
     x = 0.5 + _UNIT
     second = ((6.0 - 12.0 * x) * rise / length + (6.0 * x - 2.0) * slope) / length  # w_xx of that cubic
     weights = own.rigidity * _WEIGHT * length

@@ -17,7 +17,7 @@ from lamc.mechanics.compliant_hinge import CompliantHinge
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.records.mechanism import Body
 from lamc.reference.base_pose import base_pose
-from lamc.reference.curves import Amount, Curve, about, slide, turn
+from lamc.reference.curves import Amount, Curve, about, rotation_curve, slide
 from lamc.reference.kinematics import Array, Link
 
 
@@ -104,7 +104,7 @@ class Placed:
         first /= np.linalg.norm(first)
         second = np.cross(record.normal, first)
         for axis, along in ((first, slopes @ second), (second, -slopes @ first)):
-            steps.append(_turned(axis, along, self._q[modes], self._u[modes], modes, count))
+            steps.append(_rotated(axis, along, self._q[modes], self._u[modes], modes, count))
         return self.poses[body] @ about(drawn, count, *steps)
 
     def _through(self, link: Link) -> Curve:
@@ -115,12 +115,12 @@ class Placed:
             i = chain.index[name]
             return Amount(link.sign * self._q[i], link.sign * self._u[i], i, link.sign)
 
-        opened = turn(joint.axis, amount(joint.name), count)
+        opened = rotation_curve(joint.axis, amount(joint.name), count)
         hinge = chain.yielding.get(joint.name)
         if hinge is None:
             return about(joint.point, count, opened)
         steps = []
-        for kind, make in (("slide", slide), ("twist", turn)):
+        for kind, make in (("slide", slide), ("twist", rotation_curve)):
             for k, letter in enumerate("xyz"):
                 if f"{kind}_{letter}" in hinge.freedoms:
                     steps.append(make(hinge.axes[:, k], amount(f"{joint.name}.{kind}_{letter}"), count))
@@ -142,9 +142,9 @@ def _shifted(rise: Curve) -> Curve:
     return Curve(*parts)
 
 
-def _turned(axis: Array, shares: Array, q: Array, u: Array, modes: Sequence[int], count: int) -> Curve:
+def _rotated(axis: Array, shares: Array, q: Array, u: Array, modes: Sequence[int], count: int) -> Curve:
     """Rotation by the sum of shares of several coordinates."""
-    whole = turn(axis, Amount(float(shares @ q), float(shares @ u), 0), count)
+    whole = rotation_curve(axis, Amount(float(shares @ q), float(shares @ u), 0), count)
     partials = np.zeros_like(whole.partials)
     partials[list(modes)] = shares[:, None, None] * whole.partials[0]
     return Curve(whole.value, whole.first, whole.second, partials)

@@ -1,6 +1,6 @@
-"""Compares the three voices: a compiled simulator in, a report of the largest differences out.
+"""Compares the three cross-checks: a compiled simulator in, a report of the largest differences out.
 
-The voices are the generated C, the same Program interpreted in Python, and Newton-Euler on the Mechanism
+The cross-checks are the generated C, the same Program interpreted in Python, and Newton-Euler on the Mechanism
 (with maximal coordinates beside it). Each comparison has a limit and a reason; nothing is printed here.
 """
 
@@ -14,14 +14,14 @@ from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.check_general import check_general
-from lamc.reference.check_loops import closures, cut_hinges, unchecked_turns
+from lamc.reference.check_loops import closures, cut_hinges, unchecked_rotations
 from lamc.reference.check_motion import Budget, Progress, motions
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.closing import WELL_CONDITIONED, State, random_states
-from lamc.reference.inputs import told
+from lamc.reference.inputs import with_inputs
 from lamc.reference.integrate import Acceleration
 from lamc.reference.interpreter import Interpreter
-from lamc.reference.loads import told_apart
+from lamc.reference.loads import known_effects
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.symbolic.program import Program
@@ -32,9 +32,9 @@ SAME_PROGRAM = 1e-12
 INDEPENDENT = 1e-10
 ROWS = 21  # times along the run that are compared
 MAXIMAL_BODIES = 30  # joints; dense systems of 11 n unknowns beyond this take seconds
-EVALUATIONS = 240_000  # of the Newton-Euler voice for one run, times the number of bodies and a few
+EVALUATIONS = 240_000  # of the Newton-Euler cross-check for one run, times the number of bodies and a few
 STATEMENTS = 4_000_000  # interpreted for one run
-SECONDS = 6.0  # for each of the three runs of other voices
+SECONDS = 6.0  # for each of the three runs of other cross-checks
 
 _SAME = "same operations in the same order; only a library function's last digit may differ"
 _SOLVED = (
@@ -64,14 +64,15 @@ def check(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Report:
-    """Compares the voices at `states` random states and along a run of `t_end` seconds.
+    """Compares the cross-checks at `states` random states and along a run of `t_end` seconds.
 
-    Random states of loops are closed. `progress` is told the stage and how far it is. The runs of the other voices
-    end after a few seconds each, and the report says how far they came. Effects that the independent voices do not
-    know are named in its notes, and only the C and the interpreter are then compared in what they act on.
+    Random states of loops are closed. `progress` is told the stage and how far it is. The runs of the other
+    cross-checks end after a few seconds each, and the report says how far they came. Effects that the independent
+    cross-checks do not know are named in its notes, and only the C and the interpreter are then compared in what they
+    act on.
 
     Where fixed bodies move, hinges yield, bodies bend or air goes with them, the run of the C is not repeated by other
-    voices.
+    cross-checks.
     """
     program = simulator.program
     tell = progress or (lambda _stage, _fraction: None)
@@ -83,26 +84,26 @@ def check(
     interpreter = Interpreter(program)
     constants = interpreter.constants()
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
-    known, unknown = told_apart(told(simulator.mechanism, simulator.effects, inputs))
+    known, unknown = known_effects(with_inputs(simulator.mechanism, simulator.effects, inputs))
     newton = NewtonEuler(simulator.mechanism, known, joints)
-    voices: dict[str, Acceleration] = {
+    cross_checks: dict[str, Acceleration] = {
         "C": simulator.acceleration,
         "interpreter": lambda q, u, t: interpreter.acceleration(t, q, u, constants),
     }
     notes: list[str] = []
     if unknown:
         notes.append(
-            f"the independent voices do not know {unknown}; accelerations, energies and motion are compared "
+            f"the independent cross-checks do not know {unknown}; accelerations, energies and motion are compared "
             "between the C and the interpreter only"
         )
     else:
-        voices["Newton-Euler"] = newton.acceleration
+        cross_checks["Newton-Euler"] = newton.acceleration
         if len(simulator.mechanism.joints) <= MAXIMAL_BODIES:
             maximal = MaximalCoordinates(simulator.mechanism, known, joints)
-            voices["maximal"] = maximal.acceleration
+            cross_checks["maximal"] = maximal.acceleration
         else:
             notes.append(
-                f'the voice "maximal" is left out: {len(simulator.mechanism.joints)} joints are above the '
+                f'the cross-check "maximal" is left out: {len(simulator.mechanism.joints)} joints are above the '
                 f"{MAXIMAL_BODIES} it takes"
             )
     tell("run the C", 0.0)
@@ -116,21 +117,21 @@ def check(
             f"{singular} of {len(result.t)} states of the run are near a singular position, where accelerations are "
             "not compared"
         )
-    sizes = [np.abs(voices["interpreter"](q, u, t)).max(initial=0.0) for t, q, u in random]
+    sizes = [np.abs(cross_checks["interpreter"](q, u, t)).max(initial=0.0) for t, q, u in random]
     typical = float(np.median([size for size in sizes if np.isfinite(size)] or [0.0]))
-    comparisons = _accelerations(voices, newton, random, "random states", typical, tell)
-    comparisons += _accelerations(voices, newton, regular, "states of the run", typical, tell)
+    comparisons = _accelerations(cross_checks, newton, random, "random states", typical, tell)
+    comparisons += _accelerations(cross_checks, newton, regular, "states of the run", typical, tell)
     comparisons += _energies_and_poses(interpreter, constants, newton, result, bool(unknown))
     if program.cuts:
         limits, reasons = (SAME_PROGRAM, INDEPENDENT), (_SAME, _OTHER)
         comparisons += closures(simulator, interpreter, constants, newton, random, limits, reasons)
         comparisons += cut_hinges(interpreter, constants, newton, result, limits, reasons)
-        comparisons += unchecked_turns(program.watched)
-    others = {name: budget for name, budget in _budgets(program).items() if name in voices}
+        comparisons += unchecked_rotations(program.watched)
+    others = {name: budget for name, budget in _budgets(program).items() if name in cross_checks}
     if any(guard.mode < 0 for guard in program.guards):
-        notes.append("the motion is not compared: the other voices' runs know no impacts")
+        notes.append("the motion is not compared: the other cross-checks' runs know no impacts")
     else:
-        motion, missed = motions(voices, others, newton, result, tell)
+        motion, missed = motions(cross_checks, others, newton, result, tell)
         comparisons += motion
         notes += missed
     return Report(program.name, tuple(comparisons), (*notes, *_not_finite(comparisons)))
@@ -152,20 +153,20 @@ def _regular(newton: NewtonEuler, result: Any) -> tuple[list[State], int]:
 
 
 def _not_finite(comparisons: Sequence[Comparison]) -> list[str]:
-    """A line per quantity that is no number somewhere, whichever pairs of voices met it."""
+    """A line per quantity that is no number somewhere, whichever pairs of cross-checks met it."""
     found: dict[tuple[str, str, str], set[str]] = {}
     for c in comparisons:
         if c.infinite:
             found.setdefault((c.quantity, c.at, c.where), set()).update(c.infinite)
     return [
-        f"{quantity}: not finite at {where}, {at}, by {', '.join(sorted(voices))}; "
+        f"{quantity}: not finite at {where}, {at}, by {', '.join(sorted(cross_checks))}; "
         "an effect has no value there"
-        for (quantity, at, where), voices in found.items()
+        for (quantity, at, where), cross_checks in found.items()
     ]
 
 
 def _accelerations(
-    voices: dict[str, Acceleration],
+    cross_checks: dict[str, Acceleration],
     newton: NewtonEuler,
     states: Sequence[State],
     title: str,
@@ -175,11 +176,13 @@ def _accelerations(
     """`typical`, rad/s²: where the mechanism nearly rests, accelerations are left-overs of such terms."""
     same = (INDEPENDENT, _SOLVED) if newton.cuts else (SAME_PROGRAM, _SAME)
     pairs = [("C", "interpreter", *same)]
-    pairs += [("C", name, INDEPENDENT, _OTHER) for name in ("Newton-Euler", "maximal") if name in voices]
+    pairs += [
+        ("C", name, INDEPENDENT, _OTHER) for name in ("Newton-Euler", "maximal") if name in cross_checks
+    ]
     largest = {pair: Largest(newton.joints, (pair[0], pair[1])) for pair in pairs}
     for k, (t, q, u) in enumerate(states):
         tell(f"compare {title}", k / len(states))
-        values = {name: np.asarray(voice(q, u, t)) for name, voice in voices.items()}
+        values = {name: np.asarray(cross_check(q, u, t)) for name, cross_check in cross_checks.items()}
         for pair in pairs:
             largest[pair].add(values[pair[0]], values[pair[1]], f"state {k}, t = {t:.3g} s", typical)
     return [largest[pair].comparison(f"accelerations, {title}", pair[2], pair[3]) for pair in pairs]
@@ -194,7 +197,7 @@ def _energies_and_poses(
     both = ("C", "Newton-Euler")
     split, total = Largest(names, ("interpreter", "Newton-Euler")), Largest(("total",), both)
     read = Largest(("total",), ("C", "interpreter"))
-    centres, turns = Largest(newton.bodies, both), Largest(newton.bodies, both)
+    centres, rotations = Largest(newton.bodies, both), Largest(newton.bodies, both)
     poses = {body: result.pose(body) for body in newton.bodies}
     for k, t in enumerate(result.t.tolist()):
         where = f"t = {t:.3g} s"
@@ -208,7 +211,7 @@ def _energies_and_poses(
         centre, rotation = newton.poses(q)
         if newton.bodies:
             centres.add(np.array([poses[b][0][k] for b in newton.bodies]), centre, where)
-            turns.add(np.array([poses[b][1][k] for b in newton.bodies]), rotation, where)
+            rotations.add(np.array([poses[b][1][k] for b in newton.bodies]), rotation, where)
     energies = [
         split.comparison("energies by effect", INDEPENDENT, _OTHER),
         total.comparison("energy", INDEPENDENT, _OTHER),
@@ -216,7 +219,7 @@ def _energies_and_poses(
     return [
         *([read.comparison("energy", SAME_PROGRAM, _SAME)] if is_partial else energies),
         centres.comparison("centres of mass", INDEPENDENT, _OTHER),
-        turns.comparison("rotations", INDEPENDENT, _OTHER),
+        rotations.comparison("rotations", INDEPENDENT, _OTHER),
     ]
 
 

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from lamc.reference.check_motion import Progress
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.general_states import general_states, regular
-from lamc.reference.inputs import told
+from lamc.reference.inputs import with_inputs
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.lagrange import ARRANGED, Lagrange
-from lamc.reference.loads import told_apart
+from lamc.reference.loads import known_effects
 from lamc.reference.modal_integrals import modal_integrals
 from lamc.reference.moving_base import MOVING, MovingNewtonEuler
 from lamc.reference.strip_springs import strip_springs
@@ -34,7 +34,7 @@ _SOLVED = "same equations, two solvers of M u̇ = f; round-off times the conditi
 _OTHER = "other operations altogether; round-off times the condition of the mass matrix"
 
 
-class Voice(Protocol):
+class CrossCheck(Protocol):
     """What is asked of an independent formulation."""
 
     @property
@@ -47,7 +47,7 @@ class Voice(Protocol):
 def check_general(
     simulator: Any, general: Sequence[str], states: int, t_end: float, seed: int, tell: Progress
 ) -> Report:
-    """Compares the voices at `states` random states and along a run of `t_end` seconds.
+    """Compares the cross-checks at `states` random states and along a run of `t_end` seconds.
 
     general  names of the effects that go beyond hinges on a fixed world
     """
@@ -55,19 +55,20 @@ def check_general(
     interpreter = Interpreter(program)
     constants = interpreter.constants()
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
-    effects = told(simulator.mechanism, simulator.effects, inputs)
-    known, unknown = told_apart(effects, ARRANGED)
+    effects = with_inputs(simulator.mechanism, simulator.effects, inputs)
+    known, unknown = known_effects(effects, ARRANGED)
     names = tuple(rate.name for rate in program.rates)
     lagrange = Lagrange(simulator.mechanism, effects, program.joints, names, known)
-    voices: dict[str, Voice] = {"Lagrange": lagrange}
+    cross_checks: dict[str, CrossCheck] = {"Lagrange": lagrange}
     if set(general) <= set(MOVING):
-        voices["Newton-Euler"] = MovingNewtonEuler(simulator.mechanism, known, program.joints)
+        cross_checks["Newton-Euler"] = MovingNewtonEuler(simulator.mechanism, known, program.joints)
     notes = [
         f"{', '.join(sorted(general))}: the motion is not integrated a second time, its accelerations are compared"
     ]
     if unknown:
         notes.append(
-            f"the independent voices do not know {unknown}; accelerations and energies are compared between the C and "
+            f"the independent cross-checks do not know {unknown}; accelerations and energies are compared between "
+            f"the C and "
             "the interpreter only"
         )
     tell("run the C", 0.0)
@@ -83,7 +84,7 @@ def check_general(
     for title, rows in (("random states", random), ("states of the run", regular(lagrange, along))):
         tell(f"compare {title}", 0.5)
         read = Largest(names, ("C", "interpreter"))
-        others = {name: Largest(names, ("C", name)) for name in ([] if unknown else voices)}
+        others = {name: Largest(names, ("C", name)) for name in ([] if unknown else cross_checks)}
         for k, (t, q, u) in enumerate(rows):
             where, found = f"state {k}, t = {t:.3g} s", simulator.acceleration(q, u, t)
             least = max(1.0, lagrange.elastic_acceleration(q, ROUNDED / INDEPENDENT))
@@ -91,39 +92,39 @@ def check_general(
                 least = max(least, SOLVERS * lagrange.rounded(q, u, t) / INDEPENDENT)
             read.add(found, interpreter.acceleration(t, q, u, constants), where, least)
             for name, other in others.items():
-                other.add(found, voices[name].acceleration(q, u, t), where, least)
+                other.add(found, cross_checks[name].acceleration(q, u, t), where, least)
         comparisons.append(read.comparison(f"accelerations, {title}", SOLVED, _SOLVED))
         comparisons += [o.comparison(f"accelerations, {title}", INDEPENDENT, _OTHER) for o in others.values()]
-    for name, voice in voices.items():
-        comparisons += _energies_and_poses(interpreter, constants, (name, voice), result, bool(unknown))
+    for name, cross_check in cross_checks.items():
+        comparisons += _energies_and_poses(interpreter, constants, (name, cross_check), result, bool(unknown))
     return Report(program.name, tuple(comparisons), tuple(notes))
 
 
 def _energies_and_poses(
-    interpreter: Interpreter, constants: Array, named: tuple[str, Voice], result: Any, is_partial: bool
+    interpreter: Interpreter, constants: Array, named: tuple[str, CrossCheck], result: Any, is_partial: bool
 ) -> list[Comparison]:
-    names, (other, voice) = interpreter.program.energies, named
+    names, (other, cross_check) = interpreter.program.energies, named
     both = ("C", other)
     total = Largest(("total",), ("C", "interpreter") if is_partial else both)
     parts = Largest(names, ("interpreter", other))
-    centres, turns = Largest(voice.bodies, both), Largest(voice.bodies, both)
-    poses = {body: result.pose(body) for body in voice.bodies}
+    centres, rotations = Largest(cross_check.bodies, both), Largest(cross_check.bodies, both)
+    poses = {body: result.pose(body) for body in cross_check.bodies}
     for k, t in enumerate(result.t.tolist()):
         where, q, u = f"t = {t:.3g} s", result.q[k], result.u[k]
         ours = interpreter.energy(t, q, u, constants)
         size = float(np.abs(ours).sum())
         expected = float(ours.sum())
         if not is_partial:
-            theirs = voice.energy(q, u, t)
+            theirs = cross_check.energy(q, u, t)
             parts.add(ours, np.array([theirs.get(name, 0.0) for name in names]), where, size)
             expected = sum(theirs.values())
         total.add(np.array([result.energy[k]]), np.array([expected]), where, size)
-        centre, rotation = voice.poses(q, t)
-        centres.add(np.array([poses[b][0][k] for b in voice.bodies]), centre, where)
-        turns.add(np.array([poses[b][1][k] for b in voice.bodies]), rotation, where)
+        centre, rotation = cross_check.poses(q, t)
+        centres.add(np.array([poses[b][0][k] for b in cross_check.bodies]), centre, where)
+        rotations.add(np.array([poses[b][1][k] for b in cross_check.bodies]), rotation, where)
     return [
         *([] if is_partial else [parts.comparison("energies by effect", INDEPENDENT, _OTHER)]),
         total.comparison("energy", INDEPENDENT, _OTHER),
         centres.comparison("centres of mass", INDEPENDENT, _OTHER),
-        turns.comparison("rotations", INDEPENDENT, _OTHER),
+        rotations.comparison("rotations", INDEPENDENT, _OTHER),
     ]

@@ -1,7 +1,7 @@
-"""What `check` compares of loops: residuals, Jacobian and hinges of the closure. Voices in, comparisons out.
+"""What `check` compares of loops: residuals, Jacobian and hinges of the closure. Cross-checks in, comparisons out.
 
-The voices choose their equations differently, in other frames and with other rows left out where nothing moves them.
-What does not depend on that choice is compared: lengths of the residuals, and the products JᵀJ.
+The cross-checks choose their equations differently, in other frames and with other rows left out where nothing moves
+them. What does not depend on that choice is compared: lengths of the residuals, and the products JᵀJ.
 """
 
 import math
@@ -66,12 +66,12 @@ def closures(
     ]
 
 
-def unchecked_turns(watched: Sequence[str]) -> list[Comparison]:
-    """What no voice can say of joints that close loops and whose angle forces read."""
+def unchecked_rotations(watched: Sequence[str]) -> list[Comparison]:
+    """What no cross-check can say of joints that close loops and whose angle forces read."""
     if not watched:
         return []
     names = ", ".join(repr(name) for name in watched)
-    why = "all voices tell these angles within ±180° alike: unchecked; a run ends there"
+    why = "all cross-checks tell these angles within ±180° alike: unchecked; a run ends there"
     return [
         Comparison(f"{names} beyond ±180°", ("C", "Newton-Euler"), math.nan, 0.0, "", "", why, compared=False)
     ]
@@ -100,8 +100,10 @@ def cut_hinges(
         walked = np.column_stack(newton.cut_states(q, u))[order]
         pace = float(np.abs(u).max(initial=0.0))
         for which, values in enumerate((read, walked)):
-            turn = np.remainder(found[:, 0] - values[:, 0] + np.pi, 2.0 * np.pi) - np.pi  # ±π is one place
-            angles[which].add(turn, np.zeros(len(names)), where, scale=1.0)
+            difference = (
+                np.remainder(found[:, 0] - values[:, 0] + np.pi, 2.0 * np.pi) - np.pi
+            )  # ±π is one place
+            angles[which].add(difference, np.zeros(len(names)), where, scale=1.0)
             rates[which].add(found[:, 1], values[:, 1], where, scale=pace)
         gap = np.abs(newton.gaps(q)[0]).max(initial=0.0)
         closed.add(np.array([gap]), np.zeros(1), where, newton.size)

@@ -1,7 +1,7 @@
-"""Runs of the reference voices beside the run of the C, within a bound of time.
+"""Runs of the reference cross-checks beside the run of the C, within a bound of time.
 
-In: the C's result and the accelerations of the other voices. Out: comparisons of the angles, and notes on what could
-not be compared and why. Clocks are read here to bound the work; they never enter a comparison.
+In: the C's result and the accelerations of the other cross-checks. Out: comparisons of the angles, and notes on what
+could not be compared and why. Clocks are read here to bound the work; they never enter a comparison.
 """
 
 import math
@@ -33,7 +33,7 @@ _REASON = "errors of two integrators, times what the motion itself makes of a sm
 
 @dataclass(frozen=True)
 class Budget:
-    """What one run of another voice may cost: evaluations and seconds, whichever ends first."""
+    """What one run of another cross-check may cost: evaluations and seconds, whichever ends first."""
 
     evaluations: int
     seconds: float
@@ -43,9 +43,9 @@ class Watched:
     """An acceleration that tells how far the run is and ends it when its budget is spent or nothing is finite."""
 
     def __init__(
-        self, voice: Acceleration, budget: Budget, t_end: float, tell: Callable[[float], None]
+        self, cross_check: Acceleration, budget: Budget, t_end: float, tell: Callable[[float], None]
     ) -> None:
-        self._voice, self._budget, self._t_end, self._tell = voice, budget, t_end, tell
+        self._cross_check, self._budget, self._t_end, self._tell = cross_check, budget, t_end, tell
         self._started = time.perf_counter()
         self._calls = self._missing = 0
         self.why = ""
@@ -60,7 +60,7 @@ class Watched:
             raise EndOfRun
         self._calls += 1
         self._tell(min(1.0, max(spent, t / self._t_end if t < self._t_end else 1.0)))
-        value = self._voice(q, u, t)
+        value = self._cross_check(q, u, t)
         if not np.isfinite(value).all():
             self._missing += 1
             self.why = f"its accelerations are not finite at t = {t:.3g} s"
@@ -70,31 +70,31 @@ class Watched:
 
 
 def motions(
-    voices: dict[str, Acceleration],
+    cross_checks: dict[str, Acceleration],
     budgets: dict[str, Budget],
     newton: NewtonEuler,
     result: Any,
     tell: Progress,
 ) -> tuple[list[Comparison], list[str]]:
-    """Angles of the C's run against scipy's DOP853 on the voices of `budgets`.
+    """Angles of the C's run against scipy's DOP853 on the cross-checks of `budgets`.
 
     How much a small change of the start grows is found with the last of them, which gives the limit.
     """
     joints, main = newton.joints, list(budgets)[-1]
     rank = max(newton.condition(q)[0] for q in result.q)
-    voices = {name: on_closure(newton, voice, rank) for name, voice in voices.items()}
+    cross_checks = {name: on_closure(newton, cross_check, rank) for name, cross_check in cross_checks.items()}
     notes = [] if result.success else [f"the run of the C did not reach its end: {result.message}"]
     start = np.concatenate([result.q[0], result.u[0]])
-    plain, why = _run(main, voices, budgets, start, joints, result.t, tell)
+    plain, why = _run(main, cross_checks, budgets, start, joints, result.t, tell)
     aside = plain
     if len(plain.t) > 1:
         moved = nudged(newton, start, NUDGE)
-        aside, _ = _run(main, voices, budgets, moved, joints, result.t, tell)
+        aside, _ = _run(main, cross_checks, budgets, moved, joints, result.t, tell)
     comparisons: list[Comparison] = []
     for name in budgets:
         run, reason = plain, why
         if name != main:
-            run, reason = _run(name, voices, budgets, start, joints, result.t[: len(aside.t)], tell)
+            run, reason = _run(name, cross_checks, budgets, start, joints, result.t[: len(aside.t)], tell)
             reason = reason or why
         rows = min(len(run.t), len(plain.t), len(aside.t), len(result.t))
         if rows < 2:
@@ -116,15 +116,15 @@ def motions(
 
 def _run(
     name: str,
-    voices: dict[str, Acceleration],
+    cross_checks: dict[str, Acceleration],
     budgets: dict[str, Budget],
     start: Array,
     joints: Sequence[str],
     times: Array,
     tell: Progress,
 ) -> tuple[Run, str]:
-    """The run of one voice as far as it came, and why it ended before the last of `times`."""
-    watched = Watched(voices[name], budgets[name], float(times[-1]), lambda f: tell(f"run {name}", f))
+    """The run of one cross-check as far as it came, and why it ended before the last of `times`."""
+    watched = Watched(cross_checks[name], budgets[name], float(times[-1]), lambda f: tell(f"run {name}", f))
     n = len(joints)
     at_start = Run(times[:1], start[None, :n], start[None, n:], tuple(joints), 0)
     if len(times) < 2:

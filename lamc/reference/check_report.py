@@ -1,4 +1,4 @@
-"""What a comparison of voices found, as records, text and plain data.
+"""What a comparison of cross-checks found, as records, text and plain data.
 
 In: differences that `check` measured. Out: a table for people, a dictionary for JSON. It compares nothing itself.
 """
@@ -16,16 +16,16 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Comparison:
-    """One quantity of two voices: the largest difference, relative to the largest value at that state.
+    """One quantity of two cross-checks: the largest difference, relative to the largest value at that state.
 
     at        the joint, body or energy where it is; empty if there is no difference at all
     where     the state where it is
-    infinite  the voices whose values are not finite there
+    infinite  the cross-checks whose values are not finite there
     compared  False if there was nothing to compare; `reason` then says why, and the difference is NaN
     """
 
     quantity: str
-    voices: tuple[str, str]
+    cross_checks: tuple[str, str]
     difference: float
     limit: float
     at: str
@@ -46,7 +46,7 @@ class Comparison:
 
     def cells(self) -> tuple[str, ...]:
         """The row of the table."""
-        pair = " / ".join(self.voices)
+        pair = " / ".join(self.cross_checks)
         if not self.compared:
             return self.quantity, pair, "", f"{self.limit:.0e}", "not compared", "", self.reason
         said = "not finite" if self.infinite else f"{self.difference:.1e}"
@@ -55,7 +55,8 @@ class Comparison:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data; `passed` and `difference` are None where nothing was compared."""
-        data = {**asdict(self), "voices": list(self.voices), "infinite": list(self.infinite)}
+        data = {**asdict(self), "infinite": list(self.infinite)}
+        data["voices"] = list(data.pop("cross_checks"))  # the key that programs read
         data["difference"] = self.difference if math.isfinite(self.difference) else None
         return {**data, "passed": self.passed if self.compared else None}
 
@@ -92,8 +93,8 @@ class Report:
 class Largest:
     """Keeps the largest relative difference of arrays and what it belongs to."""
 
-    def __init__(self, names: Sequence[str], voices: tuple[str, str]) -> None:
-        self.names, self.voices = names, voices
+    def __init__(self, names: Sequence[str], cross_checks: tuple[str, str]) -> None:
+        self.names, self.cross_checks = names, cross_checks
         self.difference, self.at, self.where = 0.0, "", ""
         self.infinite: tuple[str, ...] = ()
 
@@ -105,7 +106,7 @@ class Largest:
         if not (finite[0].all() and finite[1].all()):
             self.difference, self.where = math.nan, where
             self.at = self.names[int(np.argmin(finite[0] & finite[1]))]
-            self.infinite = tuple(v for v, f in zip(self.voices, finite, strict=True) if not f.all())
+            self.infinite = tuple(v for v, f in zip(self.cross_checks, finite, strict=True) if not f.all())
             return
         size = max(float(np.abs(expected).max()), scale)
         gaps = np.abs(found - expected).reshape(len(self.names), -1).max(axis=1)
@@ -117,5 +118,5 @@ class Largest:
     def comparison(self, quantity: str, limit: float, reason: str) -> Comparison:
         """What was found, against a limit."""
         return Comparison(
-            quantity, self.voices, self.difference, limit, self.at, self.where, reason, self.infinite
+            quantity, self.cross_checks, self.difference, limit, self.at, self.where, reason, self.infinite
         )

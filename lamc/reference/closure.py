@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.records.mechanism import Joint, Mechanism
-from lamc.reference.kinematics import Array, Link, Motion, cross, skew
+from lamc.reference.kinematics import Array, Link, TreeState, cross, skew
 
 ROWS = 5  # equations of one hinge
 
@@ -56,7 +56,7 @@ class Closure:
         self.names = tuple(hinge.joint.name for hinge in self.hinges)
         self.ways = [self._way(i) for i in range(len(links))]
 
-    def at(self, state: Motion) -> "ClosureState":
+    def at(self, state: TreeState) -> "ClosureState":
         """The hinges at the motion of the bodies."""
         sides = [(self._side(h, h.parent, state), self._side(h, h.child, state)) for h in self.hinges]
         return ClosureState(self, state, sides)
@@ -69,14 +69,14 @@ class Closure:
             index = self.links[index].inner
         return tuple(way)
 
-    def _side(self, hinge: CutHinge, place: int, state: Motion) -> _Side:
+    def _side(self, hinge: CutHinge, place: int, state: TreeState) -> _Side:
         drawn = np.vstack([hinge.across, hinge.joint.axis])
         if place < 0:
             still, none = np.zeros(3), np.zeros((3, 3))
             return _Side(hinge.joint.point, still, drawn, none, none, still)
         rotation, spin = state.rotation[place], state.spin[place]
-        turn, turn_rate = skew(spin), skew(state.spin_rate[place])
-        bend = turn_rate + turn @ turn  # of every vector of the body, without joint accelerations
+        turn, rotation_rate = skew(spin), skew(state.spin_rate[place])
+        bend = rotation_rate + turn @ turn  # of every vector of the body, without joint accelerations
         arm = rotation @ (hinge.joint.point - self.links[place].body.com)
         directions = drawn @ rotation.T
         return _Side(
@@ -98,7 +98,7 @@ class ClosureState:
     """
 
     closure: Closure
-    state: Motion
+    state: TreeState
     sides: Sequence[tuple[_Side, _Side]]  # parent, child
 
     def residual(self) -> Array:

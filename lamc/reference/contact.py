@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from lamc.effects.contact_points import contact_points
 from lamc.records.mechanism import Mechanism
-from lamc.reference.point_loads import Place, Push
+from lamc.reference.point_loads import BodyState, Push
 
 Array = npt.NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Ground:
 
     effect = "ground_contact"
 
-    def pushes(self, t: float, place: Place) -> list[Push]:
+    def pushes(self, t: float, place: BodyState) -> list[Push]:
         """On each point that touches."""
         found = []
         for body, point in zip(self.bodies, self.points, strict=True):
@@ -53,7 +53,7 @@ class Ground:
                 found.append(Push(body, point, push * self.normal - push * self._drag(along)))
         return found
 
-    def stored(self, t: float, place: Place) -> float:
+    def stored(self, t: float, place: BodyState) -> float:
         """J."""
         places = [place.point(body, point)[0] for body, point in zip(self.bodies, self.points, strict=True)]
         depths = [max(self.height - float(self.normal @ position), 0.0) for position in places]

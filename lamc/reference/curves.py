@@ -39,8 +39,8 @@ class Curve:
         return Curve(a.value - b.value, a.first - b.first, a.second - b.second, a.partials - b.partials)
 
     def transposed(self) -> "Curve":
-        turned = self.partials.swapaxes(1, 2)
-        return Curve(self.value.T, self.first.T, self.second.T, turned)
+        rotated = self.partials.swapaxes(1, 2)
+        return Curve(self.value.T, self.first.T, self.second.T, rotated)
 
     def times(self, numbers: Array) -> "Curve":
         """Its product with numbers, (c,) or (c, d)."""
@@ -74,7 +74,7 @@ def still(matrix: Array, count: int) -> Curve:
     return Curve(matrix, none, none, np.zeros((count, *matrix.shape)))
 
 
-def turn(axis: Array, angle: Amount, count: int) -> Curve:
+def rotation_curve(axis: Array, angle: Amount, count: int) -> Curve:
     """Rotation about a unit vector through the origin."""
     spin, value = np.zeros((4, 4)), np.eye(4)
     spin[:3, :3], value[:3, :3] = skew(axis), rodrigues(axis, angle.value)

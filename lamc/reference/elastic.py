@@ -33,7 +33,7 @@ class Spring:
     amounts: Array
     rates: Array
     partials: Array
-    turns: Array
+    is_rotation: Array
     from_poses: bool = False
 
     def force(self) -> Array:
@@ -80,7 +80,7 @@ class Elastic:
                 if not column.any() or self._chain.rates[place] in joints:
                     continue
                 most, load = _LARGEST[1] * self._size, weight
-                if spring.turns[i]:
+                if spring.is_rotation[i]:
                     most, load = _LARGEST[0], weight * self._size
                 K, C = spring.stiffness[i, i], spring.damping[i, i]
                 q[place] = min(most, load / K) if K > 0.0 else most
@@ -94,7 +94,7 @@ class Elastic:
         """
         columns = [np.zeros((len(mass), 1))]
         for spring in springs:
-            more = gap * np.where(spring.turns, 1.0, self._size) if spring.from_poses else 0.0
+            more = gap * np.where(spring.is_rotation, 1.0, self._size) if spring.from_poses else 0.0
             columns.append(spring.partials @ (spring.stiffness * (np.abs(spring.amounts) + more)))
         return float(np.abs(np.linalg.solve(mass, np.hstack(columns))).max())
 
@@ -103,14 +103,14 @@ _TURNS = np.repeat([True, False], 3)  # of FREEDOMS
 
 
 def _along(
-    effect: str, K: Array, C: Array, places: Sequence[int | None], turns: Array, q: Array, u: Array
+    effect: str, K: Array, C: Array, places: Sequence[int | None], is_rotation: Array, q: Array, u: Array
 ) -> Spring:
     """Of amounts that are coordinates, at these places of q and u; None: nought."""
     partials = np.zeros((len(u), len(places)))
     for i, place in enumerate(places):
         if place is not None:
             partials[place, i] = 1.0
-    return Spring(effect, K, C, partials.T @ q[: len(u)], partials.T @ u, partials, turns)
+    return Spring(effect, K, C, partials.T @ q[: len(u)], partials.T @ u, partials, is_rotation)
 
 
 def _damping(record: FlexibleBody) -> Array:

@@ -1,7 +1,7 @@
 """Random states of mechanisms whose bases move, hinges yield and bodies bend, for comparisons. Numbers only.
 
-In: the voice, which knows what there is, and a start. Out: states with forces of every kind of about one size, so that
-none hides another; closed where joints close loops rigidly.
+In: the cross-check, which knows what there is, and a start. Out: states with forces of every kind of about one size, so
+that none hides another; closed where joints close loops rigidly.
 """
 
 from collections.abc import Sequence
@@ -20,34 +20,36 @@ _ROUNDS = 20  # of Gauss-Newton, from small deflections
 
 
 def general_states(
-    voice: Lagrange, mechanism: Mechanism, start: State, count: int, t_end: float, seed: int
+    cross_check: Lagrange, mechanism: Mechanism, start: State, count: int, t_end: float, seed: int
 ) -> list[State]:
     """Joints at random, closed where there are loops; deflections at which elastic forces are as large as weights; with
     any pose and motion of a floating base, at any time. They may be fewer than `count`."""
-    loose = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in voice.held))
+    loose = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in cross_check.held))
     rng = np.random.default_rng(seed)
-    n, (_, q0, u0) = len(voice.joints), start
-    most_q, most_u = voice.typical()
-    own = len(u0) - 6 * voice.floats
+    n, (_, q0, u0) = len(cross_check.joints), start
+    most_q, most_u = cross_check.typical()
+    own = len(u0) - 6 * cross_check.floats
     found: list[State] = []
     # Where stiffness closes a loop, states that close it rigidly are near those that it is in, if there are any.
-    rigid = [NewtonEuler(each, (), voice.joints) for each in (mechanism, loose)[: 1 + bool(voice.held)]]
+    rigid = [
+        NewtonEuler(each, (), cross_check.joints) for each in (mechanism, loose)[: 1 + bool(cross_check.held)]
+    ]
     tries = (random_states(still, q0[:n], count, t_end, seed) for still in rigid)
     for t, angles, rates in next((states for states in tries if states), []):
         q = np.append(angles, rng.uniform(-1.0, 1.0, own - n) * most_q[n:own])
         u = np.append(rates, rng.uniform(-1.0, 1.0, own - n) * most_u[n:own])
         pose, motion = rng.normal(size=len(q0) - own), rng.uniform(-3.0, 3.0, len(u0) - own)
-        state = _closed(voice, t, np.append(q, pose), np.append(u, motion))
+        state = _closed(cross_check, t, np.append(q, pose), np.append(u, motion))
         if state is not None:
             found.append(state)
-    return regular(voice, found)
+    return regular(cross_check, found)
 
 
-def regular(voice: Lagrange, states: Sequence[State]) -> list[State]:
+def regular(cross_check: Lagrange, states: Sequence[State]) -> list[State]:
     """States where the closure determines the accelerations well."""
-    if not voice.cuts:
+    if not cross_check.cuts:
         return list(states)
-    parts = [split(voice.gaps(q)[1]) for _, q, _ in states]
+    parts = [split(cross_check.gaps(q)[1]) for _, q, _ in states]
     full = max((p.rank for p in parts), default=0)
     return [
         state
@@ -56,14 +58,14 @@ def regular(voice: Lagrange, states: Sequence[State]) -> list[State]:
     ]
 
 
-def _closed(voice: Lagrange, t: float, q: Array, u: Array) -> State | None:
+def _closed(cross_check: Lagrange, t: float, q: Array, u: Array) -> State | None:
     """The state with its loops closed by the least change of coordinates; None where they do not close. A base moves no
     loop: its columns are nought."""
-    if not voice.cuts:
+    if not cross_check.cuts:
         return t, q, u
     for _ in range(_ROUNDS):
-        residual, jacobian = voice.gaps(q)
-        if np.abs(residual).max() <= CLOSED * voice.size:
+        residual, jacobian = cross_check.gaps(q)
+        if np.abs(residual).max() <= CLOSED * cross_check.size:
             free = split(jacobian).free
             return t, q, free @ (free.T @ u)
         q = q + np.append(split(jacobian).least(-residual), np.zeros(len(q) - len(u)))

@@ -30,29 +30,29 @@ def apart(parent: Curve, child: Curve, axes: Array, point: Array, size: float) -
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = axes, point
     a, b = parent.times(frame), child.times(frame)
-    turned = a.block(0, 3).transposed() @ b.block(0, 3)
+    rotated = a.block(0, 3).transposed() @ b.block(0, 3)
     moved = a.block(0, 3).transposed() @ (b - a).block(3, 4)
-    R = turned.value
+    R = rotated.value
     twist_x = math.atan2(-R[1, 2], R[2, 2])
     twist_y = math.atan2(R[0, 2], math.hypot(R[1, 2], R[2, 2]))
     angle = math.atan2(-R[0, 1], R[0, 0])
     # Angular velocity in the parent's axes is the sum of three turns about axes that the ones before have moved.
     about = np.column_stack([[1.0, 0.0, 0.0], [0.0, math.cos(twist_x), math.sin(twist_x)], R[:, 2]])
-    turns = np.linalg.solve(
-        about, np.array([_spin(turned.first @ R.T), *(_spin(p @ R.T) for p in turned.partials)]).T
+    rotations = np.linalg.solve(
+        about, np.array([_spin(rotated.first @ R.T), *(_spin(p @ R.T) for p in rotated.partials)]).T
     )
     slides = moved.value[:, 0]
-    partials = np.concatenate([turns[:, 1:].T, moved.partials[:, :, 0]], axis=1)
+    partials = np.concatenate([rotations[:, 1:].T, moved.partials[:, :, 0]], axis=1)
     amounts = np.array([twist_x, twist_y, angle, *slides])
-    rates = np.concatenate([turns[:, 0], moved.first[:, 0]])
+    rates = np.concatenate([rotations[:, 0], moved.first[:, 0]])
     gap = Curve(
         *(
             np.concatenate([shift[..., :, 0], size * tilt[..., :2, 2]], axis=-1)
             for shift, tilt in (
-                (moved.value, turned.value),
-                (moved.first, turned.first),
-                (moved.second, turned.second),
-                (moved.partials, turned.partials),
+                (moved.value, rotated.value),
+                (moved.first, rotated.first),
+                (moved.second, rotated.second),
+                (moved.partials, rotated.partials),
             )
         )
     )

@@ -1,7 +1,7 @@
-"""Inputs of a scene for the independent voices: effects with numbers written where inputs stand.
+"""Inputs of a scene for the independent cross-checks: effects with numbers written where inputs stand.
 
-In: effects, and values of inputs by name. Out: effects that hold none, so that no voice has to know of inputs. The
-names are replaced in the text itself, before any parser reads it.
+In: effects, and values of inputs by name. Out: effects that hold none, so that no cross-check has to know of inputs.
+The names are replaced in the text itself, before any parser reads it.
 """
 
 import re
@@ -16,7 +16,7 @@ from lamc.records.mechanism import Mechanism
 _NAME = re.compile(r"(?<![\w.])[A-Za-z]\w*", re.ASCII)
 
 
-def told(mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[str, float]) -> tuple[Any, ...]:
+def with_inputs(mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[str, float]) -> tuple[Any, ...]:
     """The effects as they act while `inputs` have these values; a torque from outside that has none is zero."""
     effects = tuple(effects)
     if not inputs:
@@ -24,10 +24,10 @@ def told(mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[str, floa
     constant = {
         name for e in effects if e.name == "torque" for name, v in e.torques.items() if not isinstance(v, str)
     }
-    return tuple(_told(mechanism, effect, inputs, constant) for effect in effects)
+    return tuple(_with_inputs(mechanism, effect, inputs, constant) for effect in effects)
 
 
-def _told(mechanism: Mechanism, effect: Any, inputs: Mapping[str, float], constant: set[str]) -> Any:
+def _with_inputs(mechanism: Mechanism, effect: Any, inputs: Mapping[str, float], constant: set[str]) -> Any:
     if effect.name == "external_torque":
         joints = effect.joints or [joint.name for joint in mechanism.joints]
         return Torque({name: inputs.get(f"{name}.torque", 0.0) for name in joints if name not in constant})

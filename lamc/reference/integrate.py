@@ -1,4 +1,4 @@
-"""Runs of the reference voices: a right-hand side in, angles and rates at requested times out.
+"""Runs of the reference cross-checks: a right-hand side in, angles and rates at requested times out.
 
 scipy's solvers by name, and a fixed-step Dormand-Prince of our own in plain numpy, whose order can be
 observed. Neither shares code with the C runtime.
@@ -14,7 +14,7 @@ from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 from lamc.basics.errors import DesignError, SimulationError
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.reference.inputs import told
+from lamc.reference.inputs import with_inputs
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
@@ -60,7 +60,7 @@ class Run:
         return self.u[:, self.joints.index(joint)]
 
 
-def voice(
+def cross_check(
     name: str,
     mechanism: Mechanism,
     scene: Scene,
@@ -70,15 +70,19 @@ def voice(
 ) -> Acceleration:
     """The acceleration (q, u, t) → du/dt of "interpreter", "newton-euler" or "maximal".
 
-    The numeric voices need `scene.effects` stated (not None). Raises DesignError for another name.
+    The numeric cross-checks need `scene.effects` stated (not None). Raises DesignError for another name.
     """
-    effects = told(mechanism, scene.effects or (), {n: each.default for n, each in scene.inputs.items()})
+    effects = with_inputs(
+        mechanism, scene.effects or (), {n: each.default for n, each in scene.inputs.items()}
+    )
     if name == "newton-euler":
         return NewtonEuler(mechanism, effects, joints).acceleration
     if name == "maximal":
         return MaximalCoordinates(mechanism, effects, joints).acceleration
     if name != "interpreter" or interpreter is None:
-        raise DesignError(f"no voice {name!r}; there are interpreter (with a program), newton-euler, maximal")
+        raise DesignError(
+            f"no cross-check {name!r}; there are interpreter (with a program), newton-euler, maximal"
+        )
     program, constants = interpreter, interpreter.constants(parameters)
     return lambda q, u, t: program.acceleration(t, q, u, constants)
 

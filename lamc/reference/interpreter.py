@@ -1,4 +1,4 @@
-"""Runs a `Program` in Python: the voice that tests printer, compiler and binding.
+"""Runs a `Program` in Python: the cross-check that tests printer, compiler and binding.
 
 A `Program` goes in, numbers come out, one state at a time or a batch of states at once. The meaning of each
 operation comes from `operations.py`; nothing is shared with the C printer, and no text is made on the way.

@@ -1,4 +1,4 @@
-"""Formulas in t with their first two derivatives, as numbers: the motion of a base, for the independent voice.
+"""Formulas in t with their first two derivatives, as numbers: the motion of a base, for the independent cross-check.
 
 Text goes in, (value, first, second) comes out: arithmetic on truncated Taylor series, by the rules of school. Nothing
 is shared with the staged derivatives of the compiler.
@@ -95,6 +95,7 @@ def _walk(node: ast.expr, text: str, t: float) -> Jet:
             inside = _walk(argument, text, t)
             return inside.through(_FUNCTIONS[name](inside.value))
     raise UnsupportedError(
-        f"the independent voice has no derivatives of {ast.unparse(node)[:60]!r} in the motion {text[:60]!r}; leave "
+        f"the independent cross-check has no derivatives of {ast.unparse(node)[:60]!r} in the motion {text[:60]!r}; "
+        f"leave "
         "the effect out of the scene to check the rest"
     )

@@ -35,7 +35,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Motion:
+class TreeState:
     """Kinematics at one state; row i belongs to link i of the walk; m, rad/s, world axes.
 
     rotation (n, 3, 3): drawn axes to world; centre, point (hinge), spin (angular velocity), velocity (of the
@@ -75,7 +75,7 @@ def walk(mechanism: Mechanism, joints: Sequence[str]) -> tuple[Link, ...]:
             inner, outer = (joint.parent, joint.child) if outward else (joint.child, joint.parent)
             if outer in reached:
                 raise UnsupportedError(
-                    f"joint {joint.name!r} closes a loop; this voice takes trees only: leave the joint out"
+                    f"joint {joint.name!r} closes a loop; this cross-check takes trees only: leave the joint out"
                 )
             reached[outer] = len(links)
             links.append(Link(mechanism.body(outer), joint, k, 1.0 if outward else -1.0, known[inner]))
@@ -89,7 +89,7 @@ def walk(mechanism: Mechanism, joints: Sequence[str]) -> tuple[Link, ...]:
     return tuple(links)
 
 
-def motion(links: Sequence[Link], q: Array, u: Array) -> Motion:
+def motion(links: Sequence[Link], q: Array, u: Array) -> TreeState:
     """Positions, velocities and bias accelerations at angles q and rates u, both shape (n,)."""
     n = len(links)
     rotation = np.zeros((n, 3, 3))
@@ -120,7 +120,7 @@ def motion(links: Sequence[Link], q: Array, u: Array) -> Motion:
         centre[i] = point[i] + arm
         velocity[i] = point_velocity + turning
         acceleration[i] = point_acceleration + cross(spin_rate[i], arm) + cross(spin[i], turning)
-    return Motion(rotation, centre, point, axis, spin, velocity, spin_rate, acceleration)
+    return TreeState(rotation, centre, point, axis, spin, velocity, spin_rate, acceleration)
 
 
 def rodrigues(axis: Array, angle: float) -> Array:

@@ -40,7 +40,7 @@ class Lagrange:
     acting  effects among these whose loads are known here; None: all, and another one is refused
 
     `bodies` names the moving bodies in the order of `poses`; `cuts` the joints that close loops rigidly, `held` those
-    that do so by stiffness. Raises UnsupportedError for an effect that this voice does not know.
+    that do so by stiffness. Raises UnsupportedError for an effect that this cross-check does not know.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Lagrange:
         self.held = tuple(self._bushings)
         moving = [link.body for link in links]
         self.bodies = tuple(body.name for body in (*moving, *(fixed if mover is not None else ())))
-        # What moves as told needs no force for itself.
+        # What moves as prescribed needs no force for itself.
         self.floats = mover is not None and mover.name == "free_base"
         self._inertias = [
             (body, _inertia(body, self._bending.get(body.name)))
@@ -217,8 +217,8 @@ class Lagrange:
             change = float(normal.first @ velocity + normal.value @ moved.second)
             along = moved.partials @ normal.value
             mass += fluid.mass * np.outer(along, along)
-            turned = moved.partials @ normal.first - normal.partials @ velocity
-            force -= fluid.mass * (change * along + speed * turned)
+            rotated = moved.partials @ normal.first - normal.partials @ velocity
+            force -= fluid.mass * (change * along + speed * rotated)
 
 
 def _solved(mass: Array, force: Array, jacobian: Array, bias: Array) -> Array:

@@ -17,8 +17,8 @@ from lamc.reference import hinge_laws
 from lamc.reference.bender import folding_bender, pushing_bender
 from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
-from lamc.reference.kinematics import Link, Motion
-from lamc.reference.point_loads import Place, PointLoad, Push, spring, wrenches
+from lamc.reference.kinematics import Link, TreeState
+from lamc.reference.point_loads import BodyState, PointLoad, Push, spring, wrenches
 from lamc.reference.wing import FluidMass, wing_in_air
 
 Array = npt.NDArray[np.float64]
@@ -37,7 +37,7 @@ class NumericLoads:
     torques      (index of the joint, formula in t, angle and rate, N·m), those of nonlinear stiffness among them
     laws         (name of the effect, index of the joint, formula of the energy that goes with such a torque, J)
     at_points    what acts on points of bodies
-    fluid        mass of the air that goes with bodies; only voices that know it may take such loads
+    fluid        mass of the air that goes with bodies; only cross-checks that know it may take such loads
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -60,17 +60,17 @@ class NumericLoads:
             torque[k] += formula({"t": t, "angle": float(q[k]), "rate": float(u[k])})
         return torque
 
-    def point_wrenches(self, t: float, links: Sequence[Link], state: Motion) -> tuple[Array, Array]:
+    def point_wrenches(self, t: float, links: Sequence[Link], state: TreeState) -> tuple[Array, Array]:
         """Of what acts on points: forces, N, and moments about the centres of mass, N·m, on the bodies of the walk;
         both (n, 3), world."""
         return wrenches(self.at_points, t, links, state)
 
-    def pushes(self, t: float, place: Place) -> Iterator[Push]:
+    def pushes(self, t: float, place: BodyState) -> Iterator[Push]:
         """Of what acts on points."""
         for load in self.at_points:
             yield from load.pushes(t, place)
 
-    def stored(self, t: float, q: Array, moment: Array, place: Place) -> dict[str, float]:
+    def stored(self, t: float, q: Array, moment: Array, place: BodyState) -> dict[str, float]:
         """Stored energy by effect, J, at angles q (n,); moment (3,): Σ m r of the bodies, kg·m, world."""
         values = dict.fromkeys(self.energies, 0.0) | {
             "gravity": -float(moment @ self.gravity),
@@ -102,10 +102,10 @@ KNOWN = (
 )
 
 
-def told_apart(effects: Iterable[Any], more: Iterable[str] = ()) -> tuple[tuple[Any, ...], str]:
+def known_effects(effects: Iterable[Any], more: Iterable[str] = ()) -> tuple[tuple[Any, ...], str]:
     """The effects that have a numeric meaning, and the others in words: "the effect 'wind'", or nothing.
 
-    more  names of effects that the voice knows besides loads
+    more  names of effects that the cross-check knows besides loads
     """
     effects, names_known = tuple(effects), {*KNOWN, *more}
     known = tuple(effect for effect in effects if effect.name in names_known)
@@ -155,7 +155,7 @@ def numeric_loads(
                     else:
                         applied[k] += torque
             case "external_torque":
-                pass  # zero; `inputs.told` puts torques that are told in its place
+                pass  # zero; `inputs.told` puts torques that are reported in its place
             case "nonlinear_stiffness":
                 more, stored = hinge_laws.laws(effect.laws, records)
                 torques += more
@@ -189,7 +189,7 @@ def numeric_loads(
                 energies += ["blade_element_drag"] * bool(air.fluid)
             case other:
                 raise UnsupportedError(
-                    f"the independent voice cannot check the effect {other!r}: it has no numeric meaning "
+                    f"the independent cross-check cannot check the effect {other!r}: it has no numeric meaning "
                     "for it; leave the effect out of the scene to check the rest"
                 )
     return NumericLoads(
@@ -210,11 +210,12 @@ def numeric_loads(
 def rigid_loads(
     mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str], moving: Sequence[str] | None = None
 ) -> NumericLoads:
-    """As `numeric_loads`, for voices of rigid bodies in vacuum. Raises UnsupportedError for air that goes with one."""
+    """As `numeric_loads`, for cross-checks of rigid bodies in vacuum. Raises UnsupportedError for air that goes with
+    one."""
     loads = numeric_loads(mechanism, effects, joints, moving)
     if loads.fluid:
         raise UnsupportedError(
-            f"this voice has no mass of the air around body {loads.fluid[0].body!r}; take `Lagrange` of "
+            f"this cross-check has no mass of the air around body {loads.fluid[0].body!r}; take `Lagrange` of "
             "lamc.reference.lagrange, or set added_mass to false"
         )
     return loads

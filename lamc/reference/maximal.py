@@ -2,7 +2,7 @@
 
 A state goes in, joint accelerations come out of M a = F + Jᵀ λ under J a + bias = 0 for the accelerations a of the
 bodies. All hinges are alike, those that close loops too, and their equations may be redundant. The kinematics at the
-state are shared with the Newton-Euler voice; the dynamics are not: no recursion, no mass matrix in joint angles.
+state are shared with the Newton-Euler cross-check; the dynamics are not: no recursion, no mass matrix in joint angles.
 Small mechanisms, for tests and `check`.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.closure import Closure, perpendicular
 from lamc.reference.constrained import constrained
-from lamc.reference.kinematics import Array, Motion, cross, motion, skew, walk
+from lamc.reference.kinematics import Array, TreeState, cross, motion, skew, walk
 from lamc.reference.loads import rigid_loads
 
 
@@ -63,7 +63,7 @@ class MaximalCoordinates:
         solution = scale * found
         return np.array([self._opening(hinge, state, solution) for hinge in self._hinges])
 
-    def _opening(self, hinge: _Hinge, state: Motion, solution: Array) -> Array:
+    def _opening(self, hinge: _Hinge, state: TreeState, solution: Array) -> Array:
         """Acceleration of a joint, rad/s², from those of the bodies: the rest of the difference of the two spin rates
         is across the axis."""
         spin_rate = np.zeros(3)
@@ -72,12 +72,12 @@ class MaximalCoordinates:
                 spin_rate = spin_rate + sign * solution[6 * place + 3 : 6 * place + 6]
         return self._axis(hinge, state) @ spin_rate
 
-    def _axis(self, hinge: _Hinge, state: Motion) -> Array:
+    def _axis(self, hinge: _Hinge, state: TreeState) -> Array:
         """The joint's axis in the world, from the inner to the outer body."""
         drawn = hinge.axis_sign * hinge.joint.axis
         return drawn if hinge.inner < 0 else state.rotation[hinge.inner] @ drawn
 
-    def _bodies(self, t: float, state: Motion, torques: Array) -> tuple[Array, Array]:
+    def _bodies(self, t: float, state: TreeState, torques: Array) -> tuple[Array, Array]:
         """Mass matrix (6n, 6n) and applied plus gyroscopic forces (6n,), per body force then moment."""
         n = len(self.links)
         mass, force = np.zeros((6 * n, 6 * n)), np.zeros(6 * n)
@@ -96,7 +96,7 @@ class MaximalCoordinates:
                     force[6 * place + 3 : 6 * place + 6] += sign * moment
         return mass, force
 
-    def _constraints(self, state: Motion) -> tuple[Array, Array]:
+    def _constraints(self, state: TreeState) -> tuple[Array, Array]:
         """Hinge constraints on accelerations, J a + bias = 0: J (5h, 6n) and bias (5h,).
 
         Per hinge three rows, m/s², keep its two points together, and two, rad/s² times the size, keep the relative

@@ -25,7 +25,7 @@ _ENTRIES = np.triu_indices(3)
 LIMIT = 1e-12  # of sums in which nothing cancels
 ROUND_OFF = 2.2e-16  # a unit in the last place, of the sum of sizes where much cancels
 _REASON = "quadrature against exact integrals; round-off of a sum over cells, times what cancels in it"
-_VOICES = ("equations", "quadrature")
+_CROSS_CHECKS = ("equations", "quadrature")
 
 
 def modal_integrals(mechanism: Mechanism, effects: Iterable[Any]) -> list[Comparison]:
@@ -60,7 +60,7 @@ def modal_integrals(mechanism: Mechanism, effects: Iterable[Any]) -> list[Compar
 
 def _compared(title: str, body: str, found: Array, expected: Array, limit: float) -> Comparison:
     modes = tuple(f"{body}.mode_{k + 1}" for k in range(len(found)))
-    largest = Largest(modes, _VOICES)
+    largest = Largest(modes, _CROSS_CHECKS)
     largest.add(found, expected, "", 1.0)
     return largest.comparison(title, limit, _REASON)
 

@@ -1,8 +1,8 @@
-"""Newton and Euler for mechanisms whose fixed bodies move: freely, or as told. Numbers only.
+"""Newton and Euler for mechanisms whose fixed bodies move: freely, or as prescribed. Numbers only.
 
-The second voice of floating and moved bases. The motion of the bodies relative to the base is that of `kinematics.py`;
-the base's is put on top by the rules of relative motion. Forces and masses are projected by the Jacobians of all
-bodies: no recursion, no frame of a link, and no fixed bodies taken together.
+The second cross-check of floating and moved bases. The motion of the bodies relative to the base is that of
+`kinematics.py`; the base's is put on top by the rules of relative motion. Forces and masses are projected by the
+Jacobians of all bodies: no recursion, no frame of a link, and no fixed bodies taken together.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,9 +15,9 @@ from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.closure import Closure, ClosureState
 from lamc.reference.constrained import constrained
 from lamc.reference.jets import jet
-from lamc.reference.kinematics import Array, Link, Motion, cross, motion, rodrigues, skew, walk
+from lamc.reference.kinematics import Array, Link, TreeState, cross, motion, rodrigues, skew, walk
 from lamc.reference.loads import rigid_loads
-from lamc.reference.point_loads import RigidPlace
+from lamc.reference.point_loads import RigidBodyState
 
 MOVING = ("free_base", "base_motion")
 
@@ -43,7 +43,7 @@ class MovingNewtonEuler:
     position and quaternion; u their rates, then velocity, world axes, and angular velocity, axes of the base.
 
     `bodies` names the moving bodies in the order of `poses`: those of the walk, then the fixed ones. Raises
-    UnsupportedError for an effect that this voice does not know.
+    UnsupportedError for an effect that this cross-check does not know.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str]) -> None:
@@ -54,7 +54,7 @@ class MovingNewtonEuler:
         self.links = walk(mechanism, self.joints)
         fixed = [body for body in mechanism.bodies if body.fixed]
         if not self.floats:
-            # What moves as told needs no force for itself: its own mass is no part of the equations.
+            # What moves as prescribed needs no force for itself: its own mass is no part of the equations.
             fixed = [replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in fixed]
         nowhere = Joint("fixed", "a", "b")
         self._all = (*self.links, *(Link(body, nowhere, -1, 1.0, -1) for body in fixed))
@@ -108,7 +108,7 @@ class MovingNewtonEuler:
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin, self._drawn, spin))
         angles = np.append(q[:n], self.closure.at(relative).angles())
-        place = RigidPlace(self._all, state)
+        place = RigidBodyState(self._all, state)
         return {"kinetic": kinetic, **self._loads.stored(t, angles, self._mass @ state.centre, place)}
 
     def gaps(self, q: Array) -> Array:
@@ -130,9 +130,9 @@ class MovingNewtonEuler:
             rotation = np.eye(3) + 2.0 * w * turn + 2.0 * turn @ turn
             still = np.zeros(3)
             return _Base(self._reference, rotation, q[-7:-4], u[-6:-3], rotation @ u[-3:], still, still)
-        told = self._mover
-        axis, point = np.array(told.axis) / np.linalg.norm(told.axis), np.array(told.point)
-        shift, angle = [jet(x, t) for x in told.displacement], jet(told.angle, t)
+        prescribed = self._mover
+        axis, point = np.array(prescribed.axis) / np.linalg.norm(prescribed.axis), np.array(prescribed.point)
+        shift, angle = [jet(x, t) for x in prescribed.displacement], jet(prescribed.angle, t)
         return _Base(
             reference=point,
             rotation=rodrigues(axis, angle.value),
@@ -143,7 +143,7 @@ class MovingNewtonEuler:
             spin_rate=angle.second * axis,
         )
 
-    def _moved(self, relative: Motion, base: _Base) -> Motion:
+    def _moved(self, relative: TreeState, base: _Base) -> TreeState:
         """The motion of all bodies in the world, the fixed ones last."""
         fixed = [link.body.com for link in self._all[len(self.links) :]]
         count = len(fixed)
@@ -157,9 +157,9 @@ class MovingNewtonEuler:
         velocity, spin = rows(relative.velocity), rows(relative.spin)
         omega = np.broadcast_to(base.spin, arms.shape)
         alpha = np.broadcast_to(base.spin_rate, arms.shape)
-        turned = np.concatenate([relative.rotation, np.tile(np.eye(3), (count, 1, 1))])
-        return Motion(
-            rotation=base.rotation @ turned,
+        rotated = np.concatenate([relative.rotation, np.tile(np.eye(3), (count, 1, 1))])
+        return TreeState(
+            rotation=base.rotation @ rotated,
             centre=base.position + arms,
             point=base.position + rows(relative.point - base.reference),
             axis=rows(relative.axis),
@@ -173,7 +173,7 @@ class MovingNewtonEuler:
             + rows(relative.acceleration),
         )
 
-    def _jacobians(self, state: Motion, base: _Base) -> tuple[Array, Array]:
+    def _jacobians(self, state: TreeState, base: _Base) -> tuple[Array, Array]:
         """Angular and linear velocities of all bodies by the rates, both (b, nu, 3), world axes."""
         n, count = len(self.links), len(self._all)
         turning = np.zeros((count, n, 3))

@@ -1,6 +1,6 @@
 """Recursive Newton-Euler on the `Mechanism`: a state in, accelerations, energies and poses out. Numbers only.
 
-The second voice: it shares no code with the symbolic derivation. The bias comes from one outward and one
+The second cross-check: it shares no code with the symbolic derivation. The bias comes from one outward and one
 inward pass in world axes (Luh, Walker and Paul 1980); the mass matrix from the Jacobians of the bodies, which
 checks the recursion against a second road; the solve is numpy's. Joints outside the tree hold by equations.
 """
@@ -13,9 +13,9 @@ import numpy as np
 from lamc.records.mechanism import Mechanism
 from lamc.reference.closure import Closure
 from lamc.reference.constrained import constrained, split
-from lamc.reference.kinematics import Array, Motion, cross, motion, walk
+from lamc.reference.kinematics import Array, TreeState, cross, motion, walk
 from lamc.reference.loads import rigid_loads
-from lamc.reference.point_loads import RigidPlace
+from lamc.reference.point_loads import RigidBodyState
 
 
 class NewtonEuler:
@@ -27,8 +27,8 @@ class NewtonEuler:
                 their order
 
     `bodies` names the moving bodies in the order of `poses`, `cuts` the joints that close loops. Accelerations are
-    those of closed states. Raises UnsupportedError for a loop among `joints` and for an effect that this voice does
-    not know, TopologyError for a body with no path to the world.
+    those of closed states. Raises UnsupportedError for a loop among `joints` and for an effect that this cross-check
+    does not know, TopologyError for a body with no path to the world.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class NewtonEuler:
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin_drawn, self._inertia_drawn, spin_drawn))
         angles = np.append(q, self.closure.at(state).angles())
-        place = RigidPlace(self.links, state)
+        place = RigidBodyState(self.links, state)
         return {"kinetic": kinetic, **self._loads.stored(t, angles, self._mass @ state.centre, place)}
 
     def gaps(self, q: Array) -> tuple[Array, Array]:
@@ -96,7 +96,7 @@ class NewtonEuler:
         state = self.still(q)
         return state.centre, state.rotation
 
-    def still(self, q: Array) -> Motion:
+    def still(self, q: Array) -> TreeState:
         """The bodies at rest at angles q (n,)."""
         return motion(self.links, np.asarray(q, dtype=np.float64), np.zeros(len(self.links)))
 
@@ -108,11 +108,11 @@ class NewtonEuler:
                 mask[i] += mask[link.inner]
         return mask
 
-    def _inertia_world(self, state: Motion) -> Array:
+    def _inertia_world(self, state: TreeState) -> Array:
         inertia: Array = state.rotation @ self._inertia_drawn @ state.rotation.transpose(0, 2, 1)
         return inertia
 
-    def _mass_matrix(self, state: Motion) -> Array:
+    def _mass_matrix(self, state: TreeState) -> Array:
         arms = state.centre[:, None, :] - state.point[None, :, :]
         turning = self._supports[:, :, None] * state.axis[None, :, :]
         moving = cross(turning, arms)
@@ -121,7 +121,7 @@ class NewtonEuler:
         matrix += np.tensordot(momenta, turning, axes=([0, 2], [0, 2]))
         return matrix
 
-    def _bias(self, state: Motion, forces: Array, moments: Array) -> Array:
+    def _bias(self, state: TreeState, forces: Array, moments: Array) -> Array:
         """Hinge torques that hold the joint accelerations at zero, N·m, under gravity and forces and moments about
         the centres of mass, (n, 3), N and N·m."""
         momentum = np.einsum("bij,bj->bi", self._inertia_world(state), state.spin)

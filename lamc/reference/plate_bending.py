@@ -29,7 +29,7 @@ _MIDDLES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])  # of these edges, ξ 
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class CellMap:
     """The map from natural coordinates, at one point of every cell."""
 
     jacobian: Numbers  # (m, 2, 2), rows the derivatives of (x, y) by ξ and by η, m
@@ -46,13 +46,13 @@ class Bending:
     curvature: Numbers  # (m, 3, n), -(w_xx, w_yy, 2 w_xy)
 
 
-def frame(geometry: Polynomials, corners: Numbers, xi: Numbers) -> Frame:
+def frame(geometry: Polynomials, corners: Numbers, xi: Numbers) -> CellMap:
     """The map at `xi` (m, 2) of the cells with these corners (m, c, 2)."""
     jacobian = geometry.gradient(xi) @ corners
     (a, b), (c, d) = jacobian[:, 0].T, jacobian[:, 1].T
     area = a * d - b * c
     adjugate = np.stack([np.stack([d, -c], axis=1), np.stack([-b, a], axis=1)], axis=1)
-    return Frame(jacobian, adjugate / area[:, None, None], area)
+    return CellMap(jacobian, adjugate / area[:, None, None], area)
 
 
 class BendingShapes:
@@ -64,7 +64,7 @@ class BendingShapes:
         self._quadratic = membrane_polynomials("triangle", "lst")
         self._bubbles = bubbles()
 
-    def __call__(self, at: Frame, corners: Numbers, xi: Numbers) -> Bending:
+    def __call__(self, at: CellMap, corners: Numbers, xi: Numbers) -> Bending:
         """At `xi` (m, 2), where the map is `at`. For DKT w is the cubic of BCIZ; its slopes are not the gradient."""
         nodal = self._natural_unknowns(at)
         smooth = _in_plate_axes(at, self._deflection, xi, nodal)
@@ -77,7 +77,7 @@ class BendingShapes:
             return Bending(smooth.w, *self._discrete_kirchhoff(at, corners, xi))
         return smooth
 
-    def _natural_unknowns(self, at: Frame) -> Numbers:
+    def _natural_unknowns(self, at: CellMap) -> Numbers:
         """From (w, w_x, w_y[, w_xy]) to (w, w_ξ, w_η[, w_ξη]) at the corners, (m, n, n); w_xy on rectangles only."""
         size, count = (4, 4) if self.name == "bfs" else (3, 3)
         node = np.zeros((len(at.area), size, size), dtype=at.area.dtype)
@@ -87,7 +87,7 @@ class BendingShapes:
         blocks = np.einsum("kl,mij->mkilj", np.eye(count, dtype=node.dtype), node)
         return np.asarray(blocks.reshape(-1, size * count, size * count))
 
-    def _bubble_weights(self, at: Frame, xi: Numbers) -> Numbers:
+    def _bubble_weights(self, at: CellMap, xi: Numbers) -> Numbers:
         """What each of the nine cubics takes of Specht's bubbles L1 L2 L3 Li, (m, 3, 9).
 
         Across the edge Lk = 0 only the bubbles of its two ends have a slope, each with the mean |∇Lk| / 12. The slope
@@ -110,7 +110,7 @@ class BendingShapes:
             sums[:, k] = 8.0 * np.einsum("ma,mia,min->mn", across, at.inverse, gap)
         return np.asarray(0.5 * sums.sum(axis=1, keepdims=True) - sums)
 
-    def _discrete_kirchhoff(self, at: Frame, corners: Numbers, xi: Numbers) -> tuple[Numbers, Numbers]:
+    def _discrete_kirchhoff(self, at: CellMap, corners: Numbers, xi: Numbers) -> tuple[Numbers, Numbers]:
         """Slopes (m, 2, 9) and curvature (m, 3, 9): quadratics between the slopes at corners and edge middles."""
         nodes = np.zeros((len(xi), 6, 2, 9), dtype=xi.dtype)
         identity = np.eye(2, dtype=xi.dtype)
@@ -131,7 +131,7 @@ class BendingShapes:
         return slopes, -np.stack([second[:, 0, 0], second[:, 1, 1], twice], axis=1)
 
 
-def _in_plate_axes(at: Frame, shapes: Polynomials, xi: Numbers, weights: Numbers) -> Bending:
+def _in_plate_axes(at: CellMap, shapes: Polynomials, xi: Numbers, weights: Numbers) -> Bending:
     """Polynomials, weighted by `weights` (m, k, n), with derivatives by x and y; the map must be affine."""
     slopes = np.einsum("mia,mik->mak", at.inverse, shapes.gradient(xi))
     second = np.einsum("mia,mjb,mijk->mabk", at.inverse, at.inverse, shapes.hessian(xi))

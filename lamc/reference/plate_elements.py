@@ -1,6 +1,6 @@
 """Plate and membrane elements by numeric quadrature: corner coordinates in, element matrices out. Numbers only.
 
-The third voice of the plate half: it shares no code with the symbolic derivation and takes another road.
+The third cross-check of the plate half: it shares no code with the symbolic derivation and takes another road.
 
 κ = -(w_xx, w_yy, 2 w_xy). Strain rows are (ε_x, ε_y, γ_xy), then κ. The unique entries of a symmetric 3 × 3 are in the
 order 11, 12, 16, 22, 26, 66; a coupled section has those of A, B and D. Quadrature is exact for affine cells; on other

@@ -1,4 +1,4 @@
-"""Triangles with shear through the thickness by numeric quadrature: the third voice of "dkmt".
+"""Triangles with shear through the thickness by numeric quadrature: the third cross-check of "dkmt".
 
 In: corners, sections, unknowns. Out: matrices. Never: sympy, code of the symbolic derivation, its formulas.
 
@@ -163,8 +163,10 @@ class ReferenceShearElement:
             nodes[:, k, 0, 3 * k + 1] = nodes[:, k, 1, 3 * k + 2] = 1.0
         nodes[:, 3:] = edges.middle
         by = np.einsum("mib,mik->mbk", at.inverse, self._quadratic.gradient(xi))
-        turn = np.einsum("mbk,mkan->mabn", by, nodes)  # slope a by axis b
-        curvature = -np.stack([turn[:, 0, 0], turn[:, 1, 1], turn[:, 0, 1] + turn[:, 1, 0]], axis=1)
+        rotation = np.einsum("mbk,mkan->mabn", by, nodes)  # slope a by axis b
+        curvature = -np.stack(
+            [rotation[:, 0, 0], rotation[:, 1, 1], rotation[:, 0, 1] + rotation[:, 1, 0]], axis=1
+        )
         rows = np.zeros((len(x), 3 + 3 * self.stretches, len(self.dofs)))
         rows[:, -3:, self._bent] = curvature
         if self.stretches:

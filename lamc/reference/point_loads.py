@@ -1,7 +1,7 @@
 """What acts on points of bodies: springs, contacts, benders and air give pushes; here is what a push is.
 
 In: where the points of bodies are and how fast they move. Out: forces, N, and moments, N·m, world axes. How bodies move
-is the business of each voice, which hands in a `Place`.
+is the business of each cross-check, which hands in a `BodyState`.
 """
 
 from collections.abc import Sequence
@@ -13,12 +13,12 @@ import numpy.typing as npt
 
 from lamc.basics.errors import DesignError
 from lamc.records.mechanism import Mechanism
-from lamc.reference.kinematics import Link, Motion, cross
+from lamc.reference.kinematics import Link, TreeState, cross
 
 Array = npt.NDArray[np.float64]
 
 
-class Place(Protocol):
+class BodyState(Protocol):
     """Bodies at a state, by name."""
 
     def point(self, body: str, drawn: Array) -> tuple[Array, Array]:
@@ -43,8 +43,8 @@ class PointLoad(Protocol):
 
     @property
     def effect(self) -> str: ...
-    def pushes(self, t: float, place: Place) -> list[Push]: ...
-    def stored(self, t: float, place: Place) -> float: ...
+    def pushes(self, t: float, place: BodyState) -> list[Push]: ...
+    def stored(self, t: float, place: BodyState) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class PointSpring:
 
     effect = "spring"
 
-    def pushes(self, t: float, place: Place) -> list[Push]:
+    def pushes(self, t: float, place: BodyState) -> list[Push]:
         (point_a, velocity_a), (point_b, velocity_b) = map(place.point, self.bodies, self.points)
         line = point_b - point_a
         length = float(np.linalg.norm(line))
@@ -70,7 +70,7 @@ class PointSpring:
         ends = zip(self.bodies, self.points, (1.0, -1.0), strict=True)
         return [Push(body, point, sign * pull * direction) for body, point, sign in ends]
 
-    def stored(self, t: float, place: Place) -> float:
+    def stored(self, t: float, place: BodyState) -> float:
         (point_a, _), (point_b, _) = map(place.point, self.bodies, self.points)
         stretch = float(np.linalg.norm(point_b - point_a)) - self.rest_length
         return 0.5 * self.stiffness * stretch**2
@@ -91,10 +91,10 @@ def spring(mechanism: Mechanism, effect: Any) -> PointSpring:
     )
 
 
-class RigidPlace:
-    """A `Place` of the rigid bodies of a walk; other bodies rest."""
+class RigidBodyState:
+    """A `BodyState` of the rigid bodies of a walk; other bodies rest."""
 
-    def __init__(self, links: Sequence[Link], state: Motion) -> None:
+    def __init__(self, links: Sequence[Link], state: TreeState) -> None:
         self.index = {link.body.name: i for i, link in enumerate(links)}
         self._links, self._state = links, state
 
@@ -111,11 +111,11 @@ class RigidPlace:
 
 
 def wrenches(
-    loads: Sequence[PointLoad], t: float, links: Sequence[Link], state: Motion
+    loads: Sequence[PointLoad], t: float, links: Sequence[Link], state: TreeState
 ) -> tuple[Array, Array]:
     """Forces, N, and moments about the centres of mass, N·m, on the bodies of the walk; both (n, 3), world."""
     forces, moments = np.zeros((2, len(links), 3))
-    place = RigidPlace(links, state)
+    place = RigidBodyState(links, state)
     for load in loads:
         for push in load.pushes(t, place):
             i = place.index.get(push.body)

@@ -31,12 +31,12 @@ def strip_springs(mechanism: Mechanism, effects: Iterable[Any]) -> list[Comparis
         return []
     arrangement = arrange(plan(mechanism), effects)
     hinges = [*arrangement.compliant, *(bushing.hinge for bushing in arrangement.bushings)]
-    told = {hinge.joint: _told(yielding, hinge.joint) for hinge in hinges}
-    known = [hinge for hinge in hinges if told[hinge.joint] is not None]
+    given = {hinge.joint: _reported(yielding, hinge.joint) for hinge in hinges}
+    known = [hinge for hinge in hinges if given[hinge.joint] is not None]
     if not known:
         return []
     largest = Largest(tuple(hinge.joint for hinge in known), ("equations", "flexibilities"))
-    own = np.array([_springs(*told[hinge.joint]) for hinge in known])  # type: ignore[misc]
+    own = np.array([_springs(*given[hinge.joint]) for hinge in known])  # type: ignore[misc]
     found = np.array([hinge.stiffness for hinge in known])
     expected = np.zeros_like(found)
     expected[:, range(6), range(6)] = own
@@ -47,7 +47,7 @@ def strip_springs(mechanism: Mechanism, effects: Iterable[Any]) -> list[Comparis
     return [largest.comparison("strip stiffness", LIMIT, _REASON)]
 
 
-def _told(effect: Any, joint: str) -> tuple[float, ...] | None:
+def _reported(effect: Any, joint: str) -> tuple[float, ...] | None:
     """width, length, thickness, E, nu; None where any is left to the drawing, or torsion is beyond the polynomials."""
     values: list[float] = []
     for name in _SIZES:

@@ -15,7 +15,7 @@ import shapely
 
 from lamc.basics.errors import DesignError
 from lamc.records.mechanism import Mechanism
-from lamc.reference.point_loads import Place, Push
+from lamc.reference.point_loads import BodyState, Push
 
 Array = npt.NDArray[np.float64]
 _CHORD_POINTS = 3
@@ -61,12 +61,12 @@ class WingInAir:
     lift_point: float
     wind: Array
 
-    effect = ""  # what it stores is the fluid's kinetic energy, which the voice counts
+    effect = ""  # what it stores is the fluid's kinetic energy, which the cross-check counts
 
-    def stored(self, t: float, place: Place) -> float:
+    def stored(self, t: float, place: BodyState) -> float:
         return 0.0
 
-    def pushes(self, t: float, place: Place) -> list[Push]:
+    def pushes(self, t: float, place: BodyState) -> list[Push]:
         found = []
         for strip in self.strips:
             found.append(self._lift(strip, place))
@@ -76,7 +76,7 @@ class WingInAir:
                 )
         return found
 
-    def _drag(self, strip: Strip, ahead: float, share: float, place: Place) -> Push:
+    def _drag(self, strip: Strip, ahead: float, share: float, place: BodyState) -> Push:
         """½ ρ c U² (C_0 cos² α + C_90 sin² α) against the velocity, of a share of the strip."""
         point = strip.axis + ahead * self.chord
         speed, attack, faded, (chord, _) = self._met(point, place)
@@ -85,7 +85,7 @@ class WingInAir:
         across = place.direction(self.told.body, self.normal)
         return Push(self.told.body, point, size * (math.sin(attack) * across - math.cos(attack) * chord))
 
-    def _lift(self, strip: Strip, place: Place) -> Push:
+    def _lift(self, strip: Strip, place: BodyState) -> Push:
         """½ ρ c U² A sin 2α by the angle at the pitch axis, and ρ c² U ω k (0.75 - x0); across the velocity where lift
         acts."""
         told, c = self.told, strip.chord
@@ -102,7 +102,7 @@ class WingInAir:
         size = told.air_density * strip.width * circulation * there
         return Push(told.body, point, size * (math.sin(angle) * chord + math.cos(angle) * normal))
 
-    def _met(self, point: Array, place: Place) -> tuple[float, float, float, tuple[Array, Array]]:
+    def _met(self, point: Array, place: BodyState) -> tuple[float, float, float, tuple[Array, Array]]:
         """Speed against the air across the span, m/s, angle of attack, rad, how far forces have faded there, and the
         directions of chord and normal in the world."""
         chord, normal = (place.direction(self.told.body, d) for d in (self.chord, self.normal))
@@ -116,7 +116,7 @@ class WingInAir:
             (chord, normal),
         )
 
-    def _velocity(self, point: Array, place: Place) -> Array:
+    def _velocity(self, point: Array, place: BodyState) -> Array:
         return place.point(self.told.body, point)[1] - self.wind
 
     @property

@@ -35,13 +35,13 @@ def hinge_table(account: "Sequence[MaterialHinge]") -> str:
         ]
         for hinge in account
     ]
-    told = [
+    reported = [
         "hinge stiffness from material, of a strip of the flexible layer: t thick, L = 2 hinge widths from link to "
         "link, b along the axis; fibres from across the axis",
         table(heads, rows),
         *_notes(account),
     ]
-    return "\n\n".join(told)
+    return "\n\n".join(reported)
 
 
 def _notes(account: "Sequence[MaterialHinge]") -> list[str]:

@@ -55,7 +55,7 @@ def draw_stack(laminate: Laminate, path: str | os.PathLike[str], title: str = ""
     _draw_reference(axis, laminate, bottoms, heights)
     _draw_axis(axis, laminate, bottoms, heights)
     count = len(laminate.plies)
-    lines = [f"{count} {'ply' if count == 1 else 'plies'}, {_told(laminate.thickness, laminate)} thick"]
+    lines = [f"{count} {'ply' if count == 1 else 'plies'}, {_reported(laminate.thickness, laminate)} thick"]
     if title:
         lines[0] = f"{shortened(title, 50)}: {lines[0]}"
     if not _is_true(laminate, heights):
@@ -151,8 +151,8 @@ def _holds_reference(laminate: Laminate) -> bool:
 def _where_reference_is(laminate: Laminate) -> str:
     low, high = float(laminate.heights[0, 0]), float(laminate.heights[-1, 1])
     if low > 0.0:
-        return f"the reference surface, z = 0, lies {_told(low, laminate)} below"
-    return f"the reference surface, z = 0, lies {_told(-high, laminate)} above"
+        return f"the reference surface, z = 0, lies {_reported(low, laminate)} below"
+    return f"the reference surface, z = 0, lies {_reported(-high, laminate)} above"
 
 
 def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array) -> None:
@@ -165,7 +165,7 @@ def _draw_labels(axis: Axes, laminate: Laminate, bottoms: Array, heights: Array)
         axis.text(
             0.5,
             low + 0.5 * height,
-            f"{k + 1}   {_told(ply.thickness, laminate)}   {direction}",
+            f"{k + 1}   {_reported(ply.thickness, laminate)}   {direction}",
             ha="center",
             va="center",
             fontsize=8 if len(laminate.plies) < 30 else 6,
@@ -194,7 +194,7 @@ def _unit(laminate: Laminate) -> tuple[float, str]:
     return (1e3, "mm") if laminate.thickness >= 1e-3 else (1e6, "µm")
 
 
-def _told(metres: float, laminate: Laminate) -> str:
+def _reported(metres: float, laminate: Laminate) -> str:
     scale, unit = _unit(laminate)
     return f"{metres * scale:.4g} {unit}"
 

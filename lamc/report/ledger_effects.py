@@ -98,9 +98,9 @@ def _draw_savings(axis: Axes, account: Account, rows: Sequence[EffectRow], place
 
 
 def _row_name(row: EffectRow) -> str:
-    words = " and ".join(name.replace("_", " ") for name in row.effects)
-    words += f": {row.form}" if row.form else ""
-    return shortened(("with " if row.is_added else "") + words, 32)
+    names = " and ".join(name.replace("_", " ") for name in row.effects)
+    names += f": {row.form}" if row.form else ""
+    return shortened(("with " if row.is_added else "") + names, 32)
 
 
 def _change_text(row: EffectRow) -> str:

@@ -76,8 +76,8 @@ def _relative_to(ledger: Ledger) -> str:
         return (
             f"of {', '.join(o.name for o in ledger.outputs[:6])} relative to {shown_number(scale, unit, 3)}"
         )
-    told = ", ".join(f"{o.name} {shown_number(o.scale, o.unit, 3)}" for o in ledger.outputs[:6])
-    return f"relative to the range of each output ({told})"
+    reported = ", ".join(f"{o.name} {shown_number(o.scale, o.unit, 3)}" for o in ledger.outputs[:6])
+    return f"relative to the range of each output ({reported})"
 
 
 def _verdict(ledger: Ledger) -> str:
@@ -111,11 +111,11 @@ def _prices(ledger: Ledger) -> str:
     body = aligned([[row[k] for k in shown] for row in [head, *rows]])
     scales = {"closure": "closure over the size", "drift": "drift over the largest kinetic energy"}
     scaled = ", ".join(scales[head[k]] for k in shown if head[k] in scales)
-    told = f" Of the tightest runs: {scaled}." if scaled else ""
+    reported = f" Of the tightest runs: {scaled}." if scaled else ""
     return (
         f"{body}\n"
         "Processor time of one warm run that keeps its end; all peers but MuJoCo call lamc's equations from Python.\n"
-        f"Order: of the error over steps.{told}"
+        f"Order: of the error over steps.{reported}"
     )
 
 

@@ -23,7 +23,7 @@ def body_colours(mechanism: Mechanism) -> dict[str, str]:
             colours[body.name] = WORLD
             continue
         near = {colours[name] for name in neighbours[body.name] if name in colours}
-        turned = [PALETTE[(moving + k) % len(PALETTE)] for k in range(len(PALETTE))]
-        colours[body.name] = next((c for c in turned if c not in near), turned[0])
+        rotated = [PALETTE[(moving + k) % len(PALETTE)] for k in range(len(PALETTE))]
+        colours[body.name] = next((c for c in rotated if c not in near), rotated[0])
         moving += 1
     return colours

@@ -93,8 +93,8 @@ def fill(
 
 def _path(polygon: Polygon, scale: float) -> Path:
     """A compound path; exterior and holes run opposite ways, so that holes stay open."""
-    turned = orient(polygon)
-    rings = (turned.exterior, *turned.interiors)
+    rotated = orient(polygon)
+    rings = (rotated.exterior, *rotated.interiors)
     return Path.make_compound_path(*(Path(np.array(r.coords)[:, :2] * scale, closed=True) for r in rings))
 
 

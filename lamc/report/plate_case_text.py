@@ -10,14 +10,14 @@ import numpy as np
 from lamc.basics.numbers import place_text, prefixed, shown_number
 from lamc.plates.answers.corner_fields import Extreme
 from lamc.plates.answers.estimate import ErrorEstimate
-from lamc.plates.answers.hinge_turns import HingeTurn
+from lamc.plates.answers.hinge_rotations import HingeRotation
 from lamc.report.failure_text import failure_text
 from lamc.report.plan_view import shortened
 from lamc.report.plate_marks import load_text, vector_text
 from lamc.report.plate_records import CaseReport, Halved
 
 _DIGITS = 5
-_HINGES = 12  # lines that are told
+_HINGES = 12  # lines that are reported
 
 
 def case_rows(case: CaseReport) -> list[tuple[str, str]]:
@@ -82,11 +82,11 @@ def _extreme_text(unit: str, low: Extreme, high: Extreme, size: float) -> str:
         return f"{shown_number(high.value, unit)} everywhere"
     scale, name = prefixed(largest, unit)
     decimals = _DIGITS - 1 - math.floor(math.log10(largest / scale))
-    told = []
+    reported = []
     for each in (low, high):
         value = f"{round(each.value / scale, decimals) + 0.0:.{_DIGITS}g} {name}".rstrip()
-        told.append(f"{value} at {place_text(each.at, size)}")
-    return " to ".join(told)
+        reported.append(f"{value} at {place_text(each.at, size)}")
+    return " to ".join(reported)
 
 
 def _reactions(case: CaseReport) -> str:
@@ -96,12 +96,12 @@ def _reactions(case: CaseReport) -> str:
         return "no supports"
     total = np.sum([r.force for r in solution.reactions], axis=0)
     least = max(case.fields.smallest_force, 1e-9 * float(np.abs(total).max()))
-    told = vector_text([_kept(float(part), least) for part in total], "N")
+    reported = vector_text([_kept(float(part), least) for part in total], "N")
     balance = solution.report.accuracy.backward_error
-    return f"{told} in all; out of balance by {balance:.0e} of what acts"
+    return f"{reported} in all; out of balance by {balance:.0e} of what acts"
 
 
-def _hinge(turn: HingeTurn, number: int) -> str:
+def _hinge(turn: HingeRotation, number: int) -> str:
     """How far a hinge line turns, and what its spring holds."""
     name = shortened(turn.hinge.name, 24) or f"line {number}"
     rotation = turn.largest

@@ -72,7 +72,7 @@ def draw_contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: S
         low, high = (0.0, high) if high > -low else (low, 0.0)
         shown = np.clip(shown, *((0.0, None) if high > 0.0 else (None, 0.0)))
     drawn = triangulation(mesh, scale) if values.ndim == 1 else _loose(mesh, scale)
-    told = f"{field.name} [{unit}]" if unit else field.name
+    reported = f"{field.name} [{unit}]" if unit else field.name
     if same:
         axis.tripcolor(drawn, shown.ravel(), cmap=colours, norm=norm, shading="gouraud")
         bar = figure.colorbar(
@@ -93,8 +93,8 @@ def draw_contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: S
         least, largest = float(shown.min()), float(shown.max())
         ends = ((least, least < levels[0]), (largest, largest > levels[-1]))
         peaks = [f"{value:.4g}" for value, beyond in ends if beyond]
-        told += f"\npeaks beyond the bar: {' and '.join(peaks)}" if peaks else ""
-    axis.set_title(told, fontsize=9)
+        reported += f"\npeaks beyond the bar: {' and '.join(peaks)}" if peaks else ""
+    axis.set_title(reported, fontsize=9)
     bar.set_label(unit, fontsize=8)
     bar.ax.tick_params(labelsize=7)
     draw_outline(axis, mesh, scale, lines=len(mesh.cells) <= 2 * _LINES**2)

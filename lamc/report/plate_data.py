@@ -99,13 +99,13 @@ def _case_data(case: CaseReport) -> dict[str, Any]:
         "strain_energy": solution.strain_energy,
         "hinges": [
             {
-                "name": turn.hinge.name,
-                "stiffness": turn.hinge.stiffness,
-                "length": turn.length,
-                "rotation": turn.largest,
-                "energy": turn.energy,
+                "name": rotation.hinge.name,
+                "stiffness": rotation.hinge.stiffness,
+                "length": rotation.length,
+                "rotation": rotation.largest,
+                "energy": rotation.energy,
             }
-            for turn in solution.hinges
+            for rotation in solution.hinges
         ],
         "reactions": [{"force": r.force.tolist(), "moment": r.moment.tolist()} for r in solution.reactions],
         "relative_error": case.estimate.relative,

@@ -202,29 +202,29 @@ def load_text(load: LoadRecord) -> str:
     """What acts, in a few words."""
     match load:
         case PointLoad(force=force):
-            told = vector_text(force, "N")
+            reported = vector_text(force, "N")
         case EdgeLoad(force=force):
-            told = vector_text(force, "N/m")
+            reported = vector_text(force, "N/m")
         case EdgeMoment(moment=moment):
-            told = f"moment {shown_number(moment, 'N·m/m')}"
+            reported = f"moment {shown_number(moment, 'N·m/m')}"
         case Pressure(intensity=intensity):
-            told = f"pressure {_amount(intensity, lambda value: shown_number(value, 'Pa'))}"
+            reported = f"pressure {_amount(intensity, lambda value: shown_number(value, 'Pa'))}"
         case SelfWeight(acceleration=acceleration):
-            told = f"gravity {vector_text(acceleration, 'm/s²')}"
+            reported = f"gravity {vector_text(acceleration, 'm/s²')}"
         case Temperature(rise=rise):
-            told = (
+            reported = (
                 f"temperature change {_amount(rise, lambda value: f'{value:+g}')} K{_slope_text(load, 'K/m')}"
             )
         case Moisture(content=content):
-            told = f"moisture {_amount(content, lambda value: f'{value:g}')}{_slope_text(load, '1/m')}"
+            reported = f"moisture {_amount(content, lambda value: f'{value:g}')}{_slope_text(load, '1/m')}"
         case ElectricField(field=field):
             each = field if isinstance(field, Sequence) else [field]
             values = [_amount(one, lambda value: shown_number(value, "V/m")) for one in each]
-            told = f"electric field {', '.join(values)}"
+            reported = f"electric field {', '.join(values)}"
         case _:
-            told = type(load).__name__
+            reported = type(load).__name__
     region = getattr(load, "region", None)
-    return f"{told} on {region!r}" if region else told
+    return f"{reported} on {region!r}" if region else reported
 
 
 def _slope_text(load: Temperature | Moisture, unit: str) -> str:
@@ -234,9 +234,9 @@ def _slope_text(load: Temperature | Moisture, unit: str) -> str:
     return f" and {_amount(load.gradient, lambda value: f'{value:+g}')} {unit} upwards"
 
 
-def _amount(amount: Intensity, told: Callable[[float], str]) -> str:
+def _amount(amount: Intensity, reported: Callable[[float], str]) -> str:
     """A number in words; of a function its text, where it has one."""
-    return str(getattr(amount, "text", "varies")) if callable(amount) else told(amount)
+    return str(getattr(amount, "text", "varies")) if callable(amount) else reported(amount)
 
 
 def _place(

@@ -4,7 +4,7 @@ In: a `PlateReport`. Out: rows of a label and a text. It measures nothing and pr
 """
 
 from lamc.basics.numbers import shown_number
-from lamc.plates.answers.shape_errors import TOLD
+from lamc.plates.answers.shape_errors import REPORTED
 from lamc.plates.answers.shape_pairs import ShapePair
 from lamc.report.plate_records import MODES, PlateReport, ShapeReport, buckling_key
 
@@ -29,8 +29,8 @@ def _trust(shape: ShapeReport, count: int, what: str, unit: str) -> list[tuple[s
     """How far off the first `count` are."""
     if not count:
         return []
-    told = ", ".join(percent(float(error)) for error in shape.errors[:count])
-    rows = [("error", f"about {told} %, by the energy of the error of their shapes")]
+    reported = ", ".join(percent(float(error)) for error in shape.errors[:count])
+    rows = [("error", f"about {reported} %, by the energy of the error of their shapes")]
     rows += [("halved", _halved_text(pair, what, unit)) for pair in shape.halved]
     return rows + [("note", note) for note in shape.notes]
 
@@ -42,7 +42,7 @@ def percent(error: float) -> str:
 
 def off_text(error: float) -> str:
     """What a picture says of an error where a note is due, such as " (16 % off)"."""
-    return f" ({percent(error)} % off)" if error > TOLD else ""
+    return f" ({percent(error)} % off)" if error > REPORTED else ""
 
 
 def _halved_text(pair: ShapePair, what: str, unit: str) -> str:

@@ -27,9 +27,9 @@ REST = "#9A9A9A"  # the edge where nothing has moved
 _AXES = 0.09  # of the view's width: arrows along x, y and z
 
 
-def _directions(turn: float, tilt: float) -> tuple[Array, Array]:
+def _directions(rotation: float, tilt: float) -> tuple[Array, Array]:
     """Rows that take (x, y, z) to the picture's right and up, (2, 3); and the direction away from the eye, (3,)."""
-    s, c = math.sin(math.radians(turn)), math.cos(math.radians(turn))
+    s, c = math.sin(math.radians(rotation)), math.cos(math.radians(rotation))
     up, flat = math.cos(math.radians(tilt)), math.sin(math.radians(tilt))
     return np.array([[c, -s, 0.0], [s * flat, c * flat, up]]), np.array([s * up, c * up, -flat])
 

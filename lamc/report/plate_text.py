@@ -150,12 +150,12 @@ def by_region(problem: Problem) -> list[tuple[str, Laminate]]:
 
 def _laminates(problem: Problem) -> list[str]:
     """A line for each that differs; regions are named where there are several."""
-    told: dict[str, list[str]] = {}
+    reported: dict[str, list[str]] = {}
     for name, laminate in by_region(problem):
-        told.setdefault(laminate_text(laminate), []).append(name or "the rest")
-    if len(told) == 1:
-        return list(told)
-    return [f"{_listed(names)}: {text}" for text, names in told.items()]
+        reported.setdefault(laminate_text(laminate), []).append(name or "the rest")
+    if len(reported) == 1:
+        return list(reported)
+    return [f"{_listed(names)}: {text}" for text, names in reported.items()]
 
 
 def laminate_text(laminate: Laminate) -> str:

@@ -54,8 +54,8 @@ def mesh_figure(problem: Problem, title: str, loads: Sequence[Any] = ()) -> Figu
     visible = len(mesh.cells) <= _VISIBLE
     draw_outline(axis, mesh, scale, lines=visible)
     handles += draw_supports(axis, problem, scale) + draw_loads(axis, problem, loads, scale)
-    told = f"{title}: {len(mesh.cells)} {_cells(mesh)}{'' if visible else ', too small to be drawn'}"
-    _finish(figure, axis, mesh, scale, told, handles)
+    reported = f"{title}: {len(mesh.cells)} {_cells(mesh)}{'' if visible else ', too small to be drawn'}"
+    _finish(figure, axis, mesh, scale, reported, handles)
     return figure
 
 
@@ -123,9 +123,9 @@ def draw_modes(problem: Problem, shapes: Array, titles: Sequence[str], path: Pat
     axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     for axis in axes[count:]:
         axis.set_axis_off()
-    for axis, shape, told in zip(axes, shapes.T, titles, strict=False):
+    for axis, shape, reported in zip(axes, shapes.T, titles, strict=False):
         bent(axis, mesh, shape, signed=True)
-        axis.set_title(told, fontsize=9, parse_math=False)
+        axis.set_title(reported, fontsize=9, parse_math=False)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
     figure.supxlabel("purple: up, orange: down, grey: at rest; amplitudes are arbitrary", fontsize=8)
     return save(figure, path)

@@ -81,7 +81,7 @@ def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     rows += [("note", note) for note in report.notes]
     rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_accuracy(report.result)]
     rows += _happenings(report.result)
-    rows += [("books", line) for line in books_lines(report.result)]
+    rows += [("books", line) for line in energy_balance_lines(report.result)]
     rows += [("times", _times(report.times))]
     if report.drift is not None:
         rows.append(("energy", _drift(report)))
@@ -198,33 +198,36 @@ def _happenings(result: Result) -> list[tuple[str, str]]:
 
 def _times(times: Times) -> str:
     """The stages in order; what came from the cache was not compiled."""
-    told = {"load from cache": "fetch from cache"} | (
+    reported = {"load from cache": "fetch from cache"} | (
         {"compile": "find in cache"} if times.from_cache else {}
     )
     kept = [name for name in _STAGES if name in times.seconds]
     if "compile" in kept:
         kept.remove("load from cache")  # it looked, and found nothing
-    return ", ".join(f"{told.get(name, name)} {duration(times.seconds[name])}" for name in kept)
+    return ", ".join(f"{reported.get(name, name)} {duration(times.seconds[name])}" for name in kept)
 
 
-def books_lines(result: Result) -> list[str]:
-    """Who stored, supplied and dissipated how much over the run; nothing where no books were kept."""
+def energy_balance_lines(result: Result) -> list[str]:
+    """Who stored, supplied and dissipated how much over the run; nothing where no energy balance was kept."""
     if result.kept is None or not len(result.t):
         return []
-    books = result.books
-    noise = max(10.0 * books.balance, 1e-12) * books.scale  # what is not worth a digit
+    energy_balance = result.energy_balance
+    noise = max(10.0 * energy_balance.balance, 1e-12) * energy_balance.scale  # what is not worth a digit
     rows = [
         ("", "stored", "supplied", "dissipated"),
-        ("kinetic", _joules(float(books.kinetic[-1]), noise) or "0 J", "", ""),
+        ("kinetic", _joules(float(energy_balance.kinetic[-1]), noise) or "0 J", "", ""),
     ]
-    for entry in books.entries:
+    for entry in energy_balance.entries:
         gave = _joules(entry.supplied, noise) if entry.supplied > 0.0 else ""
         took = _joules(-entry.supplied, noise) if entry.supplied < 0.0 else ""
         stored = _joules(entry.stored, noise) or ("" if gave or took else "0 J")
         rows.append((entry.effect, stored, gave, took))
     width = max(len(row[0]) for row in rows)
     lines = [f"{row[0]:<{width}}" + "".join(f"{cell:>14}" for cell in row[1:]).rstrip() for row in rows]
-    return [*lines, f"they balance within {books.balance:.1e} of the {books.scale:.4g} J in play"]
+    return [
+        *lines,
+        f"they balance within {energy_balance.balance:.1e} of the {energy_balance.scale:.4g} J in play",
+    ]
 
 
 def _joules(energy: float, noise: float) -> str:

@@ -133,8 +133,8 @@ def _covers(plate: Slab, z: float, up: bool, finest: float) -> bool:
 
 def _sides(index: int, plate: Slab) -> Iterator[Face]:
     """The upright faces; they look to the right of their ring's direction."""
-    turned = orient(plate.polygon)
-    for ring in (turned.exterior, *turned.interiors):
+    rotated = orient(plate.polygon)
+    for ring in (rotated.exterior, *rotated.interiors):
         bottom, top = _raised(ring.coords, plate.z_bottom), _raised(ring.coords, plate.z_top)
         for k in range(len(bottom) - 1):
             dx, dy, _ = bottom[k + 1] - bottom[k]

@@ -109,8 +109,8 @@ def _count(things: Sized, noun: str) -> str:
 def _draw_device(axis: Axes, steps: SplitSteps, view: View) -> str:
     layers = steps.design.layers
     thick = length_text(sum(layer.thickness for layer in layers))
-    told = f"{_count(layers, 'layer')}, {thick} thick in all, {_count(steps.hinges, 'hinge line')}"
-    _headline(axis, f"1  device: {told}")
+    reported = f"{_count(layers, 'layer')}, {thick} thick in all, {_count(steps.hinges, 'hinge line')}"
+    _headline(axis, f"1  device: {reported}")
     for layer in steps.design.layers:
         alpha = 0.25 + 0.6 / len(steps.design.layers)
         fill(axis, layer.geometry.geoms, view, face=MATERIAL, alpha=alpha, edge="#5A6B76", line=0.5)

@@ -162,16 +162,16 @@ class Stage:
                 spread = MultiPoint(shapely.points(flat)).convex_hull.area
                 visible = 1.0
                 if areas.sum() > 0.0:
-                    facing = [np.abs(self._turned_normals(k) @ axes[2]) @ areas for k in instants]
+                    facing = [np.abs(self._rotated_normals(k) @ axes[2]) @ areas for k in instants]
                     visible = float(np.mean(facing)) / float(areas.sum())
                 score = spread * (0.15 + visible)
                 if score > best * (1 + 1e-9):
                     best, found = score, axes
         return found
 
-    def _turned_normals(self, instant: int) -> Array:
-        turned: Array = np.einsum("nij,nj->ni", self.poses.rotations[instant][self._faces_of], self._normals)
-        return turned
+    def _rotated_normals(self, instant: int) -> Array:
+        rotated: Array = np.einsum("nij,nj->ni", self.poses.rotations[instant][self._faces_of], self._normals)
+        return rotated
 
     def draw(self, instant: int) -> Pixels:
         """The picture of one instant, (height, width, 3)."""
@@ -181,7 +181,7 @@ class Stage:
         for sheet in self._sheets:
             sheet.draw(canvas, camera, [[placed[s] for s in rings] for rings in self._rings])
         vertices = camera.project(placed)
-        normals = self._turned_normals(instant) @ np.stack([camera.right, camera.up, camera.towards], axis=1)
+        normals = self._rotated_normals(instant) @ np.stack([camera.right, camera.up, camera.towards], axis=1)
         shades = 0.62 + 0.38 * np.clip(normals @ _LIGHT, 0.0, 1.0)
         for k in np.flatnonzero(normals[:, 2] > 1e-6):
             colour = self._colours[self._faces_of[k]] * shades[k]

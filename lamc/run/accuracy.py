@@ -286,12 +286,12 @@ def _kept(result: Result, times: Array | None) -> Rows:
 
 
 def _message(result: Result, facts: Accuracy) -> str:
-    told = f"the outputs are known to {facts.error:.1e} of their range"
+    reported = f"the outputs are known to {facts.error:.1e} of their range"
     if facts.reached:
-        return f"{result.message}; {told}"
+        return f"{result.message}; {reported}"
     why = (
         ""
         if facts.proportionality is not None
         else ", and tighter tolerances change them as much as loose ones"
     )
-    return f"{result.message}; {told}{why}: an accuracy of {facts.asked:g} was not reached"
+    return f"{result.message}; {reported}{why}: an accuracy of {facts.asked:g} was not reached"

@@ -53,23 +53,23 @@ def titles(
 def _other_titles(
     count: int, coordinates: "Sequence[Coordinate]", rates: "Sequence[Coordinate]"
 ) -> list[tuple[str, str]]:
-    """Title and unit of each coordinate and rate beyond the first `count`. A rate named as its coordinate is told
+    """Title and unit of each coordinate and rate beyond the first `count`. A rate named as its coordinate is reported
     apart by the word."""
     known = {c.name for c in coordinates}
     others = [(c.name, c.unit) for c in coordinates[count:]]
     return others + [(f"{r.name} rate" if r.name in known else r.name, r.unit) for r in rates[count:]]
 
 
-def books_data(result: "Result") -> dict[str, Any] | None:
-    """The books of the whole run as plain data, J; None where none were kept."""
+def energy_balance_data(result: "Result") -> dict[str, Any] | None:
+    """The energy balance of the whole run as plain data, J; None where none were kept."""
     if result.kept is None:
         return None
-    books = result.books
+    energy_balance = result.energy_balance
     return {
-        "kinetic": float(books.kinetic[-1]) if len(books.kinetic) else 0.0,
-        "effects": [asdict(entry) for entry in books.entries],
-        "balance": books.balance,
-        "scale": books.scale,
+        "kinetic": float(energy_balance.kinetic[-1]) if len(energy_balance.kinetic) else 0.0,
+        "effects": [asdict(entry) for entry in energy_balance.entries],
+        "balance": energy_balance.balance,
+        "scale": energy_balance.scale,
     }
 
 
@@ -130,7 +130,7 @@ def _write_manifest(result: "Result", path: Path, contents: list[str]) -> None:
         "status": result.status.name.lower(),
         "message": result.message,
         **asdict(result.provenance),
-        "books": books_data(result),
+        "books": energy_balance_data(result),
         "stats": asdict(result.stats),
     }
     place = path.with_name(path.name + ".manifest.json")

@@ -36,7 +36,7 @@ def input_digest(
     options: CompileOptions,
     inputs: Mapping[str, Input] = NO_INPUTS,
     *,
-    books: bool = False,
+    energy_balance: bool = False,
     common: bytes | None = None,
 ) -> str | None:
     """None if an effect is not lamc's own, as it may change between two runs under the same name, or holds a function.
@@ -46,8 +46,8 @@ def input_digest(
     """
     closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)
-    words = (*parts, "with books" if books else "without books")
-    return _digest(words, common or common_digest(mechanism, effects), inputs.items())
+    texts = (*parts, "with books" if energy_balance else "without books")
+    return _digest(texts, common or common_digest(mechanism, effects), inputs.items())
 
 
 def loops_digest(
@@ -74,12 +74,12 @@ def common_digest(mechanism: Mechanism, effects: tuple[Effect, ...]) -> bytes | 
         return None
 
 
-def _digest(words: Iterable[str], common: bytes | None, more: Iterable[object]) -> str | None:
+def _digest(texts: Iterable[str], common: bytes | None, more: Iterable[object]) -> str | None:
     if common is None:
         return None
-    told = [part.encode() for part in (__version__, _own_sources(), *words)]
+    reported = [part.encode() for part in (__version__, _own_sources(), *texts)]
     try:
-        return _hash([*told, common, *_pieces(tuple(more))]).hexdigest()
+        return _hash([*reported, common, *_pieces(tuple(more))]).hexdigest()
     except _NoTellingError:
         return None
 
@@ -95,8 +95,8 @@ def _pieces(value: Any) -> list[bytes]:
     geometries: list[tuple[int, Any]] = []
     _gather(value, pieces, geometries)
     # All at once: one call for each would be half of the digest of a mechanism of many plates.
-    for (at, _), told in zip(geometries, shapely.to_wkb([shape for _, shape in geometries]), strict=True):
-        pieces[at] = told
+    for (at, _), reported in zip(geometries, shapely.to_wkb([shape for _, shape in geometries]), strict=True):
+        pieces[at] = reported
     return pieces
 
 
@@ -107,8 +107,8 @@ def _gather(value: Any, pieces: list[bytes], geometries: list[tuple[int, Any]]) 
         pieces.append(repr(value).encode())
     elif kind == "record":
         pieces.append(type(value).__name__.encode())
-        for name, told in names:
-            pieces.append(told)
+        for name, reported in names:
+            pieces.append(reported)
             _gather(getattr(value, name), pieces, geometries)
     elif kind == "mapping":
         for key, item in value.items():
@@ -129,7 +129,7 @@ def _gather(value: Any, pieces: list[bytes], geometries: list[tuple[int, Any]]) 
 
 @cache
 def _kind(of: type) -> tuple[str, tuple[tuple[str, bytes], ...]]:
-    """How values of a type are told; of records also the fields, with their names in bytes."""
+    """How values of a type are reported; of records also the fields, with their names in bytes."""
     if is_dataclass(of):
         return "record", tuple((entry.name, entry.name.encode()) for entry in fields(of))
     for kind, holds in (

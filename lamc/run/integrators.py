@@ -18,8 +18,10 @@ def integrate(name: str, motion: Motion, request: Request) -> tuple[str, Traject
         raise RequestError(f"no integrator is named {name!r}; {did_you_mean(name, NAMES)}")
     if name in NUMBERS:
         return native.integrate(motion, request, name)
-    if request.books:
-        raise RequestError(f"integrator {name!r} keeps no books; use one of lamc's own, such as 'auto'")
+    if request.energy_balance:
+        raise RequestError(
+            f"integrator {name!r} keeps no energy balance; use one of lamc's own, such as 'auto'"
+        )
     if motion.model.has_impacts:
         raise RequestError(f"integrator {name!r} finds no impacts, and the scene has some; use 'auto'")
     from lamc.run import scipy_methods  # half a second to load, and most runs do not need it

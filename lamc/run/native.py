@@ -104,7 +104,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     """The same on a `lamc_motion` that is this run's alone."""
     ffi, lib = model.ffi, model.lib
     ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion))
-    if not request.books:
+    if not request.energy_balance:
         ode.integral_count = 0
     size = lib.lamc_run_work_size(ode, NUMBERS[method])
     work = np.empty(max(size, 1))
@@ -146,7 +146,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
         accepted=int(run.accepted),
         rejected=int(run.rejected),
         last_step=float(run.h_last),
-        work=kept_work if request.books else None,
+        work=kept_work if request.energy_balance else None,
         effort=run.evaluations + run.jacobians * ode.jacobian_cost + run.factorisations * LINEAR_ALGEBRA,
         events=rows.events,
         switches=switches,

@@ -153,7 +153,7 @@ class _Probe:
             t_end=end,
             t_eval=np.linspace(window.t, end, _ROWS),
             progress=None,
-            books=False,
+            energy_balance=False,
         )
         self._tolerances = (rtol, rtol / _FINER)
         self._ratio = request.atol / request.rtol

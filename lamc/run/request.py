@@ -50,7 +50,7 @@ class Request:
     max_steps: int
     max_step: float  # s; infinite: no limit
     progress: Progress | None
-    books: bool = False  # whether the work of effects is kept
+    energy_balance: bool = False  # whether the work of effects is kept
     t_start: float = 0.0  # s, of y0
 
 
@@ -71,7 +71,7 @@ class Trajectory:
     accepted: int
     rejected: int | None  # None: not told by this integrator
     last_step: float  # s
-    work: Array | None = None  # (m, effects and impacts), J, where books are kept
+    work: Array | None = None  # (m, effects and impacts), J, where the energy balance is kept
     effort: float = 0.0  # evaluations, with those that Jacobians and factorisations would pay for
     events: tuple[tuple[float, int], ...] = ()  # s and which guard
     switches: tuple[tuple[float, str], ...] = ()  # s and the integrator taken from there on
@@ -87,7 +87,7 @@ def checked_request(
     max_steps: int,
     max_step: float | None,
     progress: Progress | None,
-    books: bool = False,
+    energy_balance: bool = False,
 ) -> Request:
     """The request, or RequestError with the argument, its value and the rule."""
     end = finite(t_end, "t_end", "a time in seconds, zero or later")
@@ -108,10 +108,10 @@ def checked_request(
         raise RequestError(f"max_steps is {shown(max_steps)}; it must be a whole number above zero")
     if progress is not None and not callable(progress):
         raise RequestError(f"progress is {shown(progress)}; it must be a function of (t, t_end), or None")
-    if not isinstance(books, bool):
-        raise RequestError(f"books is {shown(books)}; it must be True or False")
+    if not isinstance(energy_balance, bool):
+        raise RequestError(f"books is {shown(energy_balance)}; it must be True or False")
     steps = min(int(max_steps), 2**62)  # what the C counter holds
-    return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress, books)
+    return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress, energy_balance)
 
 
 def finite(value: object, name: str, rule: str) -> float:

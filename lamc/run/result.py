@@ -16,12 +16,13 @@ import numpy.typing as npt
 
 from lamc.basics.errors import RequestError
 from lamc.basics.files import checked_path
+from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint
 from lamc.run import doubts, files, frames
 from lamc.run.accuracy_record import Accuracy
-from lamc.run.books import IMPACTS, Books, Kept, books_of
+from lamc.run.energy_balance import IMPACTS, EnergyBalance, Kept, energy_balance_of
 from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
@@ -68,7 +69,7 @@ class Result(Unchanging):
     points: tuple[OutputPoint, ...] = ()
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
-    kept: Kept | None = field(default=None, repr=False)  # where the run kept books
+    kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):
@@ -162,7 +163,7 @@ class Result(Unchanging):
     @lazy
     def powers(self) -> Mapping[str, Array]:
         """Power of all loads of each effect, conservative ones too, each of shape (m,), W. With that of impacts, and of
-        what moves a base as told, the rate of the kinetic energy.
+        what moves a base as prescribed, the rate of the kinetic energy.
 
         The first time, this takes a compile of its own."""
         if self.telling is None:
@@ -176,23 +177,29 @@ class Result(Unchanging):
     def work(self) -> Mapping[str, Array]:
         """Work of all loads of each effect since t = 0, each of shape (m,), J; of "impacts" too where they can happen.
 
-        Raises RequestError unless the run kept books."""
+        Raises RequestError unless the run kept the energy balance."""
         if self.kept is None:
-            raise RequestError("the run kept no books: run it with books=True")
+            raise RequestError("the run kept no energy balance: run it with energy_balance=True")
         model = self.motion.model
         names = (*model.powers, *((IMPACTS,) if model.has_impacts else ()))
         return MappingProxyType({name: self.kept.work[:, i] for i, name in enumerate(names)})
 
     @lazy
-    def books(self) -> Books:
+    def energy_balance(self) -> EnergyBalance:
         """Who stored, dissipated and supplied how much energy, and how well it balances. Raises RequestError unless the
-        run kept books."""
+        run kept the energy balance."""
         work = self.work
         assert self.kept is not None
         first = self.motion.energies(np.zeros(1), self.kept.start.reshape(1, -1))[0]
-        return books_of(
+        return energy_balance_of(
             work, self.energies, dict(zip(self.motion.model.energies, first.tolist(), strict=True))
         )
+
+    @property
+    def books(self) -> EnergyBalance:
+        """The old name of `energy_balance`."""
+        superseded("Result.books", "Result.energy_balance")
+        return self.energy_balance
 
     @lazy
     def constraint_error(self) -> Array:

@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from lamc.basics._version import __version__
 from lamc.basics.errors import RequestError
+from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
-from lamc.basics.places import told_at
+from lamc.basics.places import located_at
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
@@ -30,8 +31,8 @@ from lamc.records.scene import OutputPoint, Scene
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate, drawn_start
-from lamc.run.books import Kept
 from lamc.run.ending import message
+from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
@@ -74,7 +75,7 @@ class Simulator(Evaluations):
         program: "Program | Callable[[], Program]",
         module: CompiledModule,
         loops: LoopCount | None = None,
-        books: Callable[[], CompiledModule] | None = None,
+        energy_balance: Callable[[], CompiledModule] | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
@@ -90,7 +91,7 @@ class Simulator(Evaluations):
         self._program = program
         self._module = module
         self._loops = loops
-        self._books = books
+        self._energy_balance = energy_balance
         known = (*self.joints, *self.cut_joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [*(c.name for c in self.coordinates), *self.cut_joints]
@@ -120,7 +121,7 @@ class Simulator(Evaluations):
         if self._model.cuts:
             start = self._starter.state(self.scene)
         else:
-            with told_at(self.scene.places):
+            with located_at(self.scene.places):
                 refuse_branch(self.scene)
             yields = len(self.joints) + len(self._model.cuts) < len(self.mechanism.joints)
             start = (
@@ -132,7 +133,7 @@ class Simulator(Evaluations):
             count = len(self.joints)
             start = np.concatenate(self._arrangement.start(start[:count].tolist(), start[count:].tolist()))
         start.flags.writeable = False
-        with told_at(self.scene.places):
+        with located_at(self.scene.places):
             check_start(self.effects, self.mechanism, self._default_motion, start)
         return start
 
@@ -175,8 +176,9 @@ class Simulator(Evaluations):
         max_step: float | None = None,
         progress: Progress | None = None,
         baumgarte: float | None = None,
-        books: bool = False,
+        energy_balance: bool = False,
         accuracy: float | None = None,
+        books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end (s).
 
@@ -193,34 +195,40 @@ class Simulator(Evaluations):
         baumgarte   rate, 1/s, at which loops that drift apart are pulled together (Baumgarte's stabilisation, for
                     comparison, and for a fixed cost per step: with rtol=1, atol=1e6 and a max_step all steps but
                     the first are of that length); None: each step is projected on closure, with nothing to choose
-        books       whether the work of each effect is kept along the run, for `Result.work` and `Result.books`. The
-                    first time that takes a compile of its own; the motion is the same to the last bit, and
-                    `Result.nfev` counts what the books take as well
+        energy_balance  whether the work of each effect is kept along the run, for `Result.work` and
+                    `Result.energy_balance`. The first time that takes a compile of its own; the motion is the same to
+                    the last bit, and `Result.nfev` counts what the energy balance takes as well
         accuracy    error of the scene's outputs (None: of all coordinates) that is wanted at all rows, relative to the
                     range of each over the run, instead of rtol and atol. Short probes choose the integrator, runs at
                     falling tolerances follow until three of them bear it out, and the tightest is the result, with
                     `Result.error_estimate` and `Result.accuracy`. It takes three to five times the work of the last run
                     alone. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the message says
                     so, and what was
+        books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
         `message`), keeps every row up to there and adds the last state reached; so does Ctrl-C.
         Raises RequestError for arguments that make no run, and DesignError for limits that leave the start outside.
         """
+        if books is not None:
+            superseded("run(books=...)", "run(energy_balance=...)")
+            energy_balance = books
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
         tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
         request = checked_request(
-            self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, books
+            self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, energy_balance
         )
         rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
-        motion = self._motion(parameters, rate) if not books else self._telling.motion(parameters, rate)
-        with told_at(self.scene.places):
+        motion = (
+            self._motion(parameters, rate) if not energy_balance else self._telling.motion(parameters, rate)
+        )
+        with located_at(self.scene.places):
             limited = with_limits(self.mechanism, parameters)
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
             check_driven(self.effects, motion, self.start, request.t_end)
             check_poses(self.effects, self.mechanism, motion, self.start)
-        telling = (lambda: motion) if books else (lambda: self._telling.motion(parameters, rate))
+        telling = (lambda: motion) if energy_balance else (lambda: self._telling.motion(parameters, rate))
 
         def run(name: str, asked: Request) -> tuple[Result, float]:
             return self._integrated(name, asked, motion, telling)
@@ -281,9 +289,9 @@ class Simulator(Evaluations):
     @lazy
     def _telling(self) -> Model:
         """The model that tells powers."""
-        if self._books is None:
+        if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        return Model(self._books())
+        return Model(self._energy_balance())
 
     @lazy
     def _arrangement(self) -> Arrangement:

@@ -34,7 +34,7 @@ class Symmetric(NamedTuple):
 _SLOT = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
 
 
-class Turn(NamedTuple):
+class AxisRotation(NamedTuple):
     """A rotation about one coordinate axis, "x" or "z", by the angle with this cosine and sine."""
 
     axis: str
@@ -70,29 +70,29 @@ def skew(v: Vector3) -> Matrix3:
     return ((0, -v[2], v[1]), (v[2], 0, -v[0]), (-v[1], v[0], 0))
 
 
-def outward(turn: Turn, v: Vector3) -> Vector3:
+def outward(rotation: AxisRotation, v: Vector3) -> Vector3:
     """Components in the turned frame of a vector given in the frame before the turn."""
-    c, s = turn.cos, turn.sin
-    if turn.axis == "z":
+    c, s = rotation.cos, rotation.sin
+    if rotation.axis == "z":
         return (c * v[0] + s * v[1], c * v[1] - s * v[0], v[2])
     return (v[0], c * v[1] + s * v[2], c * v[2] - s * v[1])
 
 
-def inward(turn: Turn, v: Vector3) -> Vector3:
+def inward(rotation: AxisRotation, v: Vector3) -> Vector3:
     """Components in the frame before the turn of a vector given in the turned frame."""
-    c, s = turn.cos, turn.sin
-    if turn.axis == "z":
+    c, s = rotation.cos, rotation.sin
+    if rotation.axis == "z":
         return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
     return (v[0], c * v[1] - s * v[2], s * v[1] + c * v[2])
 
 
-def inward_symmetric(turn: Turn, a: Symmetric) -> Symmetric:
+def inward_symmetric(rotation: AxisRotation, a: Symmetric) -> Symmetric:
     """R a Rᵀ, with the 2×2 block by w = s (a - d) + 2 c b: (a - s w, d + s w, c w - b), 4 products for 7.
 
     2 c is shared by all tensors that take the same turn, and of a fold it is a constant.
     """
-    c, s = turn.cos, turn.sin
-    if turn.axis == "z":
+    c, s = rotation.cos, rotation.sin
+    if rotation.axis == "z":
         w = s * (a.xx - a.yy) + (2 * c) * a.xy
         sw = s * w
         return Symmetric(a.xx - sw, a.yy + sw, a.zz, c * w - a.xy, c * a.xz - s * a.yz, s * a.xz + c * a.yz)
@@ -101,10 +101,10 @@ def inward_symmetric(turn: Turn, a: Symmetric) -> Symmetric:
     return Symmetric(a.xx, a.yy - sw, a.zz + sw, c * a.xy - s * a.xz, s * a.xy + c * a.xz, c * w - a.yz)
 
 
-def inward_matrix(turn: Turn, m: Matrix3) -> Matrix3:
+def inward_matrix(rotation: AxisRotation, m: Matrix3) -> Matrix3:
     """R m Rᵀ for any 3×3 matrix, in the same manner."""
-    c, s = turn.cos, turn.sin
-    if turn.axis == "z":
+    c, s = rotation.cos, rotation.sin
+    if rotation.axis == "z":
         w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
         sw, cw = s * w, c * w
         return (

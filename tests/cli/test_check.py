@@ -65,13 +65,13 @@ def failed(report: Report) -> set[str]:
 
 
 @pytest.mark.parametrize("kind", ["space", "mixed"])
-def test_voices_agree_on_a_random_tree(kind: str) -> None:
+def test_cross_checks_agree_on_a_random_tree(kind: str) -> None:
     n = 4
     report = check(
         Interpreted(random_tree(n, seed=8, kind=kind), np.linspace(-0.5, 0.5, 2 * n)), states=5, t_end=0.3
     )
     assert report.passed, report.table()
-    assert {c.voices[1] for c in report.comparisons} >= {"interpreter", "Newton-Euler", "maximal"}
+    assert {c.cross_checks[1] for c in report.comparisons} >= {"interpreter", "Newton-Euler", "maximal"}
 
 
 def test_a_mechanism_at_rest_in_its_equilibrium_passes() -> None:
@@ -126,17 +126,20 @@ def test_the_report_prints_and_goes_to_json() -> None:
     assert all(c["reason"] for c in data["comparisons"])
 
 
-def test_effects_that_the_numeric_voices_do_not_know_are_named_and_the_rest_is_compared() -> None:
+def test_effects_that_the_numeric_cross_checks_do_not_know_are_named_and_the_rest_is_compared() -> None:
     subject = Interpreted(chain(1, "space", seed=1), np.zeros(2))
     subject.effects = (*ALL_PASSIVE, SimpleNamespace(name="wind"), SimpleNamespace(name="rain"))
     report = check(subject, states=2, t_end=0.1)
     assert report.passed, report.table()
     (note,) = report.notes
     assert "do not know the effects 'rain', 'wind'" in note
-    compared = {(c.quantity, c.voices) for c in report.comparisons}
+    compared = {(c.quantity, c.cross_checks) for c in report.comparisons}
     assert ("accelerations, random states", ("C", "interpreter")) in compared
     assert ("angles of the run", ("C", "interpreter")) in compared
-    assert {q for q, voices in compared if "Newton-Euler" in voices} == {"centres of mass", "rotations"}
+    assert {q for q, cross_checks in compared if "Newton-Euler" in cross_checks} == {
+        "centres of mass",
+        "rotations",
+    }
 
 
 def test_a_run_that_is_too_slow_is_not_called_exact(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,7 +159,7 @@ def test_a_run_that_is_too_slow_is_not_called_exact(monkeypatch: pytest.MonkeyPa
     assert {"compare random states", "compare states of the run"} <= set(stages)
 
 
-def test_a_value_that_is_not_finite_is_told_with_its_place() -> None:
+def test_a_value_that_is_not_finite_is_reported_with_its_place() -> None:
     subject = Interpreted(chain(1, "space", seed=1), np.zeros(2))
     plain = subject.acceleration
 
@@ -171,8 +174,8 @@ def test_a_value_that_is_not_finite_is_told_with_its_place() -> None:
     assert "slow" not in report.table()
 
 
-def test_a_voice_that_is_left_out_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cross_check_that_is_left_out_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.import_module("lamc.reference.check"), "MAXIMAL_BODIES", 1)
     report = check(Interpreted(chain(2, "space", seed=1), np.zeros(4)), states=1, t_end=0.01)
     assert any('"maximal" is left out' in note for note in report.notes)
-    assert "maximal" not in {c.voices[1] for c in report.comparisons}
+    assert "maximal" not in {c.cross_checks[1] for c in report.comparisons}

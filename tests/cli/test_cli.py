@@ -89,7 +89,7 @@ def test_help_does_not_load_sympy_or_matplotlib() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def test_version_is_told() -> None:
+def test_version_is_reported() -> None:
     assert lamc.__version__ in call("--version").stdout
 
 
@@ -132,7 +132,7 @@ def test_run_swings_as_a_pendulum_does(tmp_path: Path) -> None:
     # Small swings about the hanging position: T = 2 pi sqrt((I + m l^2) / (m g l)), half a period between crossings.
     half = np.pi * np.sqrt((0.1 + 1 * 0.5**2) / (1 * 9.81 * 0.5))
     assert np.diff(times).mean() == pytest.approx(half, abs=2e-3)  # rows are 1 ms apart, at either end
-    assert "it changes by at most" in result.stdout  # nothing is damped, so the drift is told
+    assert "it changes by at most" in result.stdout  # nothing is damped, so the drift is reported
 
 
 def test_json_is_all_that_run_puts_on_stdout(tmp_path: Path) -> None:
@@ -253,7 +253,7 @@ def test_default_rows_grow_with_the_run_up_to_a_limit() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         ((), "name a FILE"),
         (("--example", "pendulm"), "did you mean 'pendulum'"),
@@ -289,7 +289,7 @@ def test_default_rows_grow_with_the_run_up_to_a_limit() -> None:
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2_and_leaves_nothing(
-    tmp_path: Path, words: tuple[str, ...], told: str
+    tmp_path: Path, words: tuple[str, ...], reported: str
 ) -> None:
     pendulum(tmp_path / "p.yaml")
     result = call("run", *words, "--quiet")
@@ -297,7 +297,7 @@ def test_bad_input_is_one_line_and_exit_code_2_and_leaves_nothing(
     assert result.stdout == ""
     (line,) = result.stderr.splitlines()
     assert line.startswith("error: ")
-    assert told in line
+    assert reported in line
     assert [p.name for p in tmp_path.iterdir()] == ["p.yaml"]
 
 
@@ -328,7 +328,7 @@ def test_no_compiler_is_exit_code_4(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["p.yaml"]
 
 
-def test_books_tell_who_stored_supplied_and_dissipated(tmp_path: Path) -> None:
+def test_energy_balance_tell_who_stored_supplied_and_dissipated(tmp_path: Path) -> None:
     """A damped pendulum that falls: gravity gives back what it stored, the damper keeps what it took."""
     file = pendulum(tmp_path / "p.yaml")
     result = run(str(file), "--t-end", "0.5", "--books", "--out", "out")
@@ -341,12 +341,14 @@ def test_books_tell_who_stored_supplied_and_dissipated(tmp_path: Path) -> None:
         "hinge_stiffness",
         "gravity",
     ]
-    books = json.loads(Path("out/manifest.json").read_text(encoding="utf-8"))["books"]
-    entries = {entry["effect"]: entry for entry in books["effects"]}
+    energy_balance = json.loads(Path("out/manifest.json").read_text(encoding="utf-8"))["books"]
+    entries = {entry["effect"]: entry for entry in energy_balance["effects"]}
     assert entries["hinge_damping"]["supplied"] < 0.0
-    assert abs(entries["gravity"]["supplied"]) < 1e-8 * books["scale"]  # conservative, at a tolerance of 1e-9
+    assert (
+        abs(entries["gravity"]["supplied"]) < 1e-8 * energy_balance["scale"]
+    )  # conservative, at a tolerance of 1e-9
     total = sum(entry["work"] for entry in entries.values())
-    assert total == pytest.approx(books["kinetic"], abs=1e-8 * books["scale"])
+    assert total == pytest.approx(energy_balance["kinetic"], abs=1e-8 * energy_balance["scale"])
     with Path("out/results.csv").open(encoding="utf-8") as lines:
         assert "hinge_damping work (J)" in next(csv.reader(lines))
 
@@ -435,7 +437,9 @@ def test_check_prints_a_table_and_passes(tmp_path: Path) -> None:
     assert "C / Newton-Euler" in result.stdout
 
 
-def test_check_ends_with_3_where_the_voices_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_check_ends_with_3_where_the_cross_checks_differ(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pendulum(tmp_path / "p.yaml")
     # The package shows the function of the same name in place of its module.
     monkeypatch.setattr(importlib.import_module("lamc.reference.check"), "INDEPENDENT", -1.0)

@@ -92,7 +92,7 @@ def test_it_replaces_its_own_files_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("--example", "flaps", "--to", "nix"), "no target is named 'nix'"),
         (("--example", "flaps", "--prefix", "3d"), "--prefix (prefix) is '3d'"),
@@ -106,14 +106,14 @@ def test_it_replaces_its_own_files_only(tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2_and_leaves_nothing(
-    tmp_path: Path, words: tuple[str, ...], told: str
+    tmp_path: Path, words: tuple[str, ...], reported: str
 ) -> None:
     (tmp_path / "file").write_text("mine")
     result = call(*words, "--quiet")
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
     assert line.startswith("error: ")
-    assert told in line
+    assert reported in line
     assert content(tmp_path) == {"file": b"mine"}
 
 
@@ -196,7 +196,7 @@ def test_it_ends_with_what_acts_and_what_comes_next(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("pendulum", "--to", "mjcf"), "python -m mujoco.viewer --mjcf=here/pendulum.xml"),
         (("pendulum", "--to", "urdf", "--lossy"), "colcon build --paths here"),
@@ -205,10 +205,10 @@ def test_it_ends_with_what_acts_and_what_comes_next(tmp_path: Path) -> None:
         (("strip", "--size", "5 mm"), "cd here && cc -O2 -std=c99 example_main.c strip.c -lm"),
     ],
 )
-def test_each_target_tells_its_next_step(words: tuple[str, ...], told: str) -> None:
+def test_each_target_tells_its_next_step(words: tuple[str, ...], reported: str) -> None:
     result = call("--example", *words, "--out", "here")
     assert result.exit_code == 0, result.stderr
-    assert result.stdout.splitlines()[-1].startswith(f"next      {told}")
+    assert result.stdout.splitlines()[-1].startswith(f"next      {reported}")
 
 
 def test_help_begins_with_every_target() -> None:

@@ -225,7 +225,7 @@ def test_the_same_size_gives_the_same_text() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "reported"),
     [
         ("brikard", "did you mean 'bricard'"),
         ("../../x", "there is no example"),
@@ -239,8 +239,8 @@ def test_the_same_size_gives_the_same_text() -> None:
         ("sarrus:2", "only these are made to a size: miura, n_four_bar"),
     ],
 )
-def test_a_name_that_is_no_example_is_told_the_way_out(name: str, told: str) -> None:
-    with pytest.raises(DesignError, match=told.replace("(", r"\(")):
+def test_a_name_that_is_no_example_is_told_the_way_out(name: str, reported: str) -> None:
+    with pytest.raises(DesignError, match=reported.replace("(", r"\(")):
         examples.find(name)
 
 
@@ -267,7 +267,7 @@ def test_the_list_names_every_example_with_its_loops_and_freedoms() -> None:
     assert all(any(line.startswith(f"{name} ") for line in out.splitlines()) for name in rows)
 
 
-def test_a_story_is_told_and_the_file_copied_once(tmp_path: Path) -> None:
+def test_a_story_is_reported_and_the_file_copied_once(tmp_path: Path) -> None:
     code, out, _ = run("examples", "sarrus")
     assert code == 0
     assert str(examples.path("sarrus")) in out

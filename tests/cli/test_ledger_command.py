@@ -54,7 +54,7 @@ def test_ledger_writes_what_it_prints(design: str) -> None:
     assert "verdict 1 % of the range" in found.output
     assert "hinge_damping" in found.output
     head = next(line for line in found.output.splitlines() if line.startswith("time to reach"))
-    for column in ("closure", "drift"):  # what is told below a table is about a column of it
+    for column in ("closure", "drift"):  # what is reported below a table is about a column of it
         assert (f"{column} over" in found.output) == (column in head)
     ledger = read_ledger((Path("out") / "rod" / "ledger.json").read_text(encoding="utf-8"))
     assert ledger.verdict.idle == ("hinge_damping",)
@@ -74,7 +74,7 @@ def test_json_is_the_record(design: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("--t-end", "0"), "--t-end is 0 s"),
         (("--accuracy", "200 %"), "--accuracy is '200 %'"),
@@ -86,11 +86,11 @@ def test_json_is_the_record(design: str) -> None:
     ],
 )
 def test_words_that_make_no_sweep_are_refused_in_one_line(
-    design: str, words: tuple[str, str], told: str
+    design: str, words: tuple[str, str], reported: str
 ) -> None:
     found = call(design, *words)
     assert found.exit_code == 2
-    assert told in found.stderr
+    assert reported in found.stderr
     assert len(found.stderr.strip().splitlines()) == 1
 
 
@@ -106,15 +106,15 @@ def test_schema_describes_the_record() -> None:
     assert {"points", "account", "verdict"} <= set(json.loads(found.stdout)["properties"])
 
 
-def interrupted_after(told: str, *words: str) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a process that gets SIGINT once its progress has a line with `told`."""
+def interrupted_after(reported: str, *words: str) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a process that gets SIGINT once its progress has a line with `reported`."""
     command = [sys.executable, "-m", "lamc", "ledger", "rod.yaml", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         lines = []
         for line in process.stderr:
             lines.append(line)
-            if told in line:
+            if reported in line:
                 break
         process.send_signal(signal.SIGINT)
         out, rest = process.communicate(timeout=60)

@@ -25,14 +25,14 @@ def test_a_full_disk_under_stdout_is_no_bug_of_lamc(arguments: list[str]) -> Non
             text=True,
             check=False,
         )
-    told = [line for line in done.stderr.splitlines() if not line.endswith("…")]
+    reported = [line for line in done.stderr.splitlines() if not line.endswith("…")]
     reason = os.strerror(28)  # ENOSPC
-    assert told == [f"error: standard output cannot be written: {reason}; send it elsewhere"]
+    assert reported == [f"error: standard output cannot be written: {reason}; send it elsewhere"]
     assert done.returncode == 2
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "reported"),
     [
         (
             ["--set", "left.stiffness=1", "--set", "left.stiffness=2"],
@@ -43,10 +43,10 @@ def test_a_full_disk_under_stdout_is_no_bug_of_lamc(arguments: list[str]) -> Non
     ],
 )
 def test_an_option_that_says_two_things_of_one_name_is_refused(
-    options: list[str], told: str, tmp_path: Path
+    options: list[str], reported: str, tmp_path: Path
 ) -> None:
     arguments = ["run", "--example", "flaps", "--t-end", "0", "--no-animation", "--quiet"]
     result = CliRunner().invoke(main, [*arguments, "--out", str(tmp_path / "o"), *options])
     assert result.exit_code == 2
-    assert told in result.output
+    assert reported in result.output
     assert "keep one of them" in result.output

@@ -88,8 +88,8 @@ def test_the_square_tends_to_the_series_with_the_square_of_the_cells() -> None:
     assert 0.0 < errors[1] < 2e-3
     # Of second order with a logarithm, as curvatures are infinite under the force: 4 ln 20 / ln 40 = 3.2.
     assert 3.1 < errors[0] / errors[1] < 4.0
-    told = coarse["cases"][""]["outputs"][0]
-    assert told["expected"] == pytest.approx(NAVIER, rel=1e-12)
+    reported = coarse["cases"][""]["outputs"][0]
+    assert reported["expected"] == pytest.approx(NAVIER, rel=1e-12)
 
 
 def test_the_table_tells_the_error_against_the_series() -> None:
@@ -269,12 +269,12 @@ def test_a_run_writes_pictures_fields_and_a_summary(tmp_path: Path) -> None:
     result = call(square(tmp_path / "s.yaml"), "--modes", "2", "--out", "o", "--quiet")
     assert result.exit_code == 0, result.output
     assert result.output == ""
-    told = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
-    assert sorted(told["files"]) == sorted(p.name for p in Path("o").iterdir())
+    reported = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
+    assert sorted(reported["files"]) == sorted(p.name for p in Path("o").iterdir())
     pictures = {"mesh.png", "stack.png", "deflection.png", "moments.png", "stress.png", "modes.png"}
-    assert pictures | {"fields.csv", "fields.vtu", "summary.json"} == set(told["files"])
+    assert pictures | {"fields.csv", "fields.vtu", "summary.json"} == set(reported["files"])
     table = np.genfromtxt("o/fields.csv", delimiter=",", names=True)
-    assert table["w_m"].max() == pytest.approx(middle(told), rel=1e-15)
+    assert table["w_m"].max() == pytest.approx(middle(reported), rel=1e-15)
 
 
 def test_pictures_of_an_earlier_run_do_not_pass_for_this_ones(tmp_path: Path) -> None:
@@ -298,8 +298,8 @@ def test_cases_have_files_of_their_own_whatever_their_names(tmp_path: Path) -> N
 
 def test_json_is_all_on_stdout_and_equals_the_summary(tmp_path: Path) -> None:
     data = answer(square(tmp_path / "s.yaml"), "--out", "o")
-    told = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
-    assert data == told | {"folder": "o"}
+    reported = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
+    assert data == reported | {"folder": "o"}
 
 
 # --- words --------------------------------------------------------------------------------------------------------
@@ -342,7 +342,7 @@ def test_examples_are_listed_and_copied_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         ((), "name a FILE"),
         (("s.yaml", "--example", "square"), "not both"),
@@ -366,7 +366,7 @@ def test_examples_are_listed_and_copied_once() -> None:
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(
-    tmp_path: Path, words: tuple[str, ...], told: str
+    tmp_path: Path, words: tuple[str, ...], reported: str
 ) -> None:
     square(tmp_path / "s.yaml", n=2)
     text = SQUARE.format(
@@ -381,7 +381,7 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(
     assert result.stdout == ""
     (line,) = result.stderr.splitlines()
     assert line.startswith("error: ")
-    assert told in line
+    assert reported in line
     assert not Path("out").exists()
 
 
@@ -397,7 +397,7 @@ def test_every_problem_of_a_file_is_a_line_with_its_place(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("supports", "loads", "line", "told"),
+    ("supports", "loads", "line", "reported"),
     [
         ("  - clamped: left\n  - clamped: {point: [5, 5]}\n", "  - pressure: 1\n", 6, "touches no node"),
         ("  - clamped: left\n  - {fixed: [w], where: left, value: 1}\n", "", 6, "contradict"),
@@ -408,17 +408,19 @@ def test_every_problem_of_a_file_is_a_line_with_its_place(tmp_path: Path) -> Non
     ],
 )
 def test_what_shows_only_when_the_plate_is_solved_has_its_place_in_the_file(
-    tmp_path: Path, supports: str, loads: str, line: int | None, told: str
+    tmp_path: Path, supports: str, loads: str, line: int | None, reported: str
 ) -> None:
     head = "kind: plate\nlaminate: {material: steel, thickness: 1 mm}\ngeometry: {rect: [0, 0, 1, 1], grid: [2, 2]}\n"
     file = tmp_path / "p.yaml"
     file.write_text(f"{head}supports:\n{supports}" + (f"loads:\n{loads}" if loads else ""), encoding="utf-8")
     (error,) = json.loads(call(str(file), "--json").stdout)["errors"]
-    assert told in error["message"]
+    assert reported in error["message"]
     assert (error["file"], error["line"]) == (str(file), line)
 
 
-def test_a_mesh_that_cannot_be_is_told_at_its_geometry_unless_an_option_asked_for_it(tmp_path: Path) -> None:
+def test_a_mesh_that_cannot_be_is_reported_at_its_geometry_unless_an_option_asked_for_it(
+    tmp_path: Path,
+) -> None:
     file = tmp_path / "p.yaml"
     text = "kind: plate\nlaminate: {material: steel, thickness: 1 mm}\ngeometry: {rect: [0, 0, 1, 1], size: 1 um}\n"
     file.write_text(text, encoding="utf-8")
@@ -430,12 +432,12 @@ def test_deflections_and_modes_are_told_before_the_error_of_buckling(tmp_path: P
     file = square(tmp_path / "s.yaml", n=4, loads="loads: [{pressure: 1}]\nmodes: 2\nbuckling: 1")
     result = call(file, "--json", "--no-pictures", "--out", "o")
     assert result.exit_code == 2
-    told = json.loads(result.stdout)
-    assert not told["ok"]
-    assert len(told["modes"]["frequencies"]) == 2
-    assert middle(told) > 0.0
-    assert told["buckling"] == {}
-    (error,) = told["errors"]
+    reported = json.loads(result.stdout)
+    assert not reported["ok"]
+    assert len(reported["modes"]["frequencies"]) == 2
+    assert middle(reported) > 0.0
+    assert reported["buckling"] == {}
+    (error,) = reported["errors"]
     assert "no membrane forces" in error["message"]
     assert error["line"] == 8
     assert json.loads((tmp_path / "o/summary.json").read_text())["errors"] == [error]
@@ -455,13 +457,13 @@ def test_a_case_that_cannot_be_solved_does_not_take_the_others_with_it(tmp_path:
     file.write_text(HALF_HELD + "\n".join(cases) + "\n", encoding="utf-8")
     result = call(str(file), "--json", "--no-pictures", "--out", "o")
     assert result.exit_code == 3
-    told = json.loads(result.stdout)
-    assert not told["ok"]
-    assert told["failed_cases"] == ["pull"]
-    assert list(told["cases"]) == ["up"]
+    reported = json.loads(result.stdout)
+    assert not reported["ok"]
+    assert reported["failed_cases"] == ["pull"]
+    assert list(reported["cases"]) == ["up"]
     # Timoshenko and Woinowsky-Krieger 1959, table 8: 0.00406 q a⁴ / D; four cells a side are some per cent off.
-    assert told["cases"]["up"]["extremes"]["w"]["largest"] == pytest.approx(0.00406 / STEEL, rel=0.1)
-    (error,) = told["errors"]
+    assert reported["cases"]["up"]["extremes"]["w"]["largest"] == pytest.approx(0.00406 / STEEL, rel=0.1)
+    (error,) = reported["errors"]
     assert error["message"].startswith("case 'pull': the plate is not held")
     assert json.loads((tmp_path / "o/summary.json").read_text(encoding="utf-8"))["failed_cases"] == ["pull"]
     words = call(str(file), "--no-pictures", "--out", "o")
@@ -483,7 +485,7 @@ def test_cases_none_of_which_can_be_solved_are_all_told(tmp_path: Path) -> None:
     assert not (tmp_path / "o").exists()
 
 
-def test_a_plate_that_nothing_acts_on_is_told_in_a_line_and_still_vibrates(tmp_path: Path) -> None:
+def test_a_plate_that_nothing_acts_on_is_reported_in_a_line_and_still_vibrates(tmp_path: Path) -> None:
     file = square(tmp_path / "s.yaml", n=4, loads="modes: 1")
     words = call(file, "--no-pictures", "--out", "o").stdout
     assert "loads     none, and nothing is prescribed: the plate stays as it is\n\nmodes " in words
@@ -493,9 +495,9 @@ def test_a_plate_that_nothing_acts_on_is_told_in_a_line_and_still_vibrates(tmp_p
 def test_a_second_mesh_tells_how_far_outputs_are_off(tmp_path: Path) -> None:
     loads = "loads: [{point: [0.1, 0.1], force: 10 N}]\noutputs: [{name: middle, at: [0.1, 0.1]}]"
     file = square(tmp_path / "s.yaml", n=16, loads=loads)
-    told = answer(file, "--two-meshes", "--out", "o")
-    (found,) = told["cases"][""]["two_meshes"]
-    assert found["is"] == value(told, "middle")
+    reported = answer(file, "--two-meshes", "--out", "o")
+    (found,) = reported["cases"][""]["two_meshes"]
+    assert found["is"] == value(reported, "middle")
     assert found["finer"] == value(
         answer(square(tmp_path / "f.yaml", n=32, loads=loads), "--out", "f"), "middle"
     )
@@ -510,7 +512,7 @@ def test_a_second_mesh_tells_how_far_outputs_are_off(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("kind: plat\ngeometry: {}\n", "1:7: kind: 'plat' is unknown; did you mean 'plate'?"),
         ("kind: [plate]\n", "1:7: kind: a word is expected here"),
@@ -520,13 +522,13 @@ def test_a_second_mesh_tells_how_far_outputs_are_off(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_neither_plate_nor_design_is_not_called_a_design(
-    tmp_path: Path, text: str, told: str
+    tmp_path: Path, text: str, reported: str
 ) -> None:
     file = tmp_path / "p.yaml"
     file.write_text(text, encoding="utf-8")
     result = call(str(file), "--quiet")
     assert result.exit_code == 2
-    assert f"error: {file}:{told}" in result.stderr
+    assert f"error: {file}:{reported}" in result.stderr
 
 
 def test_interrupted_work_ends_with_130_and_leaves_no_folder(
@@ -541,7 +543,7 @@ def test_interrupted_work_ends_with_130_and_leaves_no_folder(
     assert not Path("o").exists()
 
 
-def test_what_was_written_before_an_interruption_is_told(
+def test_what_was_written_before_an_interruption_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def stop(*args: object, **more: object) -> None:
@@ -551,7 +553,7 @@ def test_what_was_written_before_an_interruption_is_told(
     result = call(square(tmp_path / "s.yaml", n=4), "--out", "o")
     assert result.exit_code == 130
     assert "see o" in result.stderr
-    told = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
-    assert told["interrupted"]
-    assert set(told["files"]) == {p.name for p in Path("o").iterdir()}
-    assert "deflection.png" in told["files"]
+    reported = json.loads(Path("o/summary.json").read_text(encoding="utf-8"))
+    assert reported["interrupted"]
+    assert set(reported["files"]) == {p.name for p in Path("o").iterdir()}
+    assert "deflection.png" in reported["files"]

@@ -28,7 +28,7 @@ HELD = plate.Problem(
             "the laminate of a hinge is None; it must be a Laminate",
         ),
         (lambda: plate.solve(None), "the problem is None; it must be a Problem"),
-        (lambda: plate.Model(SQUARE), r"the problem is Mesh\(.*; it must be a Problem"),
+        (lambda: plate.FactoredPlate(SQUARE), r"the problem is Mesh\(.*; it must be a Problem"),
         (
             lambda: plate.mesh_report(None),
             "the mesh of a report is None; it must be a Mesh: make one by plate.grid",
@@ -116,7 +116,7 @@ def test_what_loads_leave_is_free_of_round_off() -> None:
         (Polygon([(5, 5), (7, 5), (6, 8)]), r"the Support at the area between \(5, 5\) and \(7, 8\) touches"),
     ],
 )
-def test_places_are_told_in_numbers_of_the_plane(where: Where, words: str) -> None:
+def test_places_are_reported_in_numbers_of_the_plane(where: Where, words: str) -> None:
     with pytest.raises(DesignError, match=words) as caught:
         plate.Problem(SQUARE, isotropic(), supports=[plate.Support(where, ("w",))])
     assert "Support support" not in str(caught.value)

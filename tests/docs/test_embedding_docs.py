@@ -108,5 +108,5 @@ def test_the_program_in_rust_gets_the_bits_of_python(tmp_path: Path) -> None:
     result = lamc.compile(mechanism_of("pendulum")).run(10.0, t_eval=[0.0, 0.5])
     assert (t, angle) == (0.5, result.q[1, 0])
     (room,) = re.findall(r"rest: \[u64; (\d+)\]", program)
-    (told,) = re.findall(r"one instance \| (\d+) bytes", exported("pendulum")["README.md"].decode())
-    assert 7 * 8 + 8 * int(room) >= int(told)
+    (reported,) = re.findall(r"one instance \| (\d+) bytes", exported("pendulum")["README.md"].decode())
+    assert 7 * 8 + 8 * int(room) >= int(reported)

@@ -163,7 +163,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "reported"),
     [
         ({"prefix": "double"}, "C, C"),
         ({"prefix": "_x"}, "letter first"),
@@ -177,8 +177,8 @@ def test_the_same_design_gives_the_same_bytes() -> None:
         ({"speed": 1}, "no option 'speed'"),
     ],
 )
-def test_options_that_cannot_be(values: dict[str, object], told: str) -> None:
-    with pytest.raises(ExportError, match=told):
+def test_options_that_cannot_be(values: dict[str, object], reported: str) -> None:
+    with pytest.raises(ExportError, match=reported):
         options_from(**values)
 
 

@@ -126,12 +126,12 @@ def test_a_step_to_infinity_is_too_long_and_a_slope_that_is_infinite_is_not_fini
     """Accelerations go with the square of rates: 1e18 rad/s give 1e36 rad/s^2, and no float at the next stage; 1e20
     rad/s give none at the start, which no step mends."""
     model = single("pendulum", tmp_path)
-    for rate, told in ((1e18, "STEP_TOO_LONG"), (1e20, "NOT_FINITE")):
+    for rate, reported in ((1e18, "STEP_TOO_LONG"), (1e20, "NOT_FINITE")):
         it = model.instance()
         q, u = model.ffi.new("float[3]", [0.3, 0.2, 0.1]), model.ffi.new("float[3]", [rate, 0.0, 0.0])
         assert model.call("start", it, 0.0, q, u) == 0
         before = model.state(it)
-        assert model.call("step_fixed", it, 1e-3) == model.status(told)
+        assert model.call("step_fixed", it, 1e-3) == model.status(reported)
         assert model.state(it) == before
 
 

@@ -77,8 +77,8 @@ class TestEveryKind:
         variables = root.find("ModelVariables")
         for variable in variables:
             (real,) = variable if fmi == 2 else [variable]
-            told = f"<tr><td><code>{variable.get('name')}</code></td><td>"
-            (row,) = [line for line in page.splitlines() if line.startswith(told)]
+            reported = f"<tr><td><code>{variable.get('name')}</code></td><td>"
+            (row,) = [line for line in page.splitlines() if line.startswith(reported)]
             assert f"<td>{real.get('unit', '')}</td>" in row
             assert row.endswith(f"<td>{variable.get('description')}</td></tr>")
         assert ("adjoint" in page) == (flags.get("providesAdjointDerivatives") == "true")
@@ -225,11 +225,11 @@ class TestDerivatives:
         y = np.array(fmu.get(*states))
         unknowns = [f"der({joint}.rate)" for joint in simulator.joints]
         seed = np.array([0.3, -1.0, 0.5, 0.2, 0.7, -0.4])
-        told = np.array(fmu.derivative(unknowns, states, seed))
+        reported = np.array(fmu.derivative(unknowns, states, seed))
         h = 1e-4  # error of this formula: h⁴ f⁽⁵⁾ / 30, some 1e-16 f⁽⁵⁾, and round-off of 1e-16 / h
         values = [simulator.acceleration(*np.split(y + k * h * seed, [n]), t) for k in (-2, -1, 1, 2)]
         expected = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
-        assert told == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
+        assert reported == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
 
     def test_poses_turn_about_the_first_hinge(self, fmu, fmi):
         """∂r/∂q = axis × (r - point) for all that hangs on a hinge that is fixed in the world."""
@@ -238,10 +238,10 @@ class TestDerivatives:
         for body in (b.name for b in simulator.mechanism.bodies if not b.fixed):
             names = [f"{body}.position[{i}]" for i in (1, 2, 3)]
             r = np.array(fmu.get(*names))
-            told = fmu.derivative(names, [f"{joint.name}.angle"], [1.0])
+            reported = fmu.derivative(names, [f"{joint.name}.angle"], [1.0])
             axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
             # central differences over 6e-6: h² / 6 of the arm, and round-off of 1e-16 / h
-            assert told == pytest.approx(np.cross(axis, r - np.array(joint.point)), abs=1e-9)
+            assert reported == pytest.approx(np.cross(axis, r - np.array(joint.point)), abs=1e-9)
 
     def test_energy_changes_by_the_power_of_the_dampers(self, fmu, fmi):
         simulator, fmu = fmu
@@ -259,10 +259,12 @@ class TestDerivatives:
         simulator, fmu = fmu
         name = simulator.joints[1]
         angle, k = fmu.get(f"{name}.angle", f"{name}.stiffness")
-        told = fmu.derivative(["energy.hinge_stiffness"], [f"{name}.stiffness"], [2.0])
-        assert told == pytest.approx([angle**2], rel=1e-9)  # linear in k: round-off of 1e-16 / 6e-6 is left
-        told = fmu.derivative(["energy.hinge_stiffness"], [f"{name}.angle"], [1.0])
-        assert told == pytest.approx([k * angle], rel=1e-8)
+        reported = fmu.derivative(["energy.hinge_stiffness"], [f"{name}.stiffness"], [2.0])
+        assert reported == pytest.approx(
+            [angle**2], rel=1e-9
+        )  # linear in k: round-off of 1e-16 / 6e-6 is left
+        reported = fmu.derivative(["energy.hinge_stiffness"], [f"{name}.angle"], [1.0])
+        assert reported == pytest.approx([k * angle], rel=1e-8)
 
     def test_the_adjoint_is_the_transpose(self, fmu, fmi):
         if fmi == 2:
@@ -272,10 +274,10 @@ class TestDerivatives:
         unknowns = [f"der({joint}.rate)" for joint in simulator.joints] + ["energy.total"]
         matrix = np.array([fmu.derivative(unknowns, [state], [1.0]) for state in states]).T
         seed = [1.0, -2.0, 0.5, 3.0]
-        told = fmu.fmu.getAdjointDerivative(
+        reported = fmu.fmu.getAdjointDerivative(
             fmu.references(unknowns), fmu.references(states), seed, nSensitivity=len(states)
         )
-        assert told == pytest.approx(np.array(seed) @ matrix, rel=1e-12, abs=1e-12 * np.abs(matrix).max())
+        assert reported == pytest.approx(np.array(seed) @ matrix, rel=1e-12, abs=1e-12 * np.abs(matrix).max())
 
     def test_they_change_nothing(self, fmu, fmi):
         simulator, fmu = fmu

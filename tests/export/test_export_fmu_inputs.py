@@ -58,10 +58,10 @@ def test_a_torque_in_steps_turns_a_wheel_by_parabolas(opened, fmi):
         rate += torque / inertia * 0.25
         t = 0.25 * (k + 1)
         # Runge-Kutta is exact for parabolas, but for round-off
-        told = fmu.get(f"{joint.name}.angle", f"{joint.name}.rate")
-        assert told == pytest.approx([angle, rate], abs=1e-13)
-    told = fmu.derivative([f"der({joint.name}.rate)"], [name], [2.0])
-    assert told == pytest.approx([2.0 / inertia], rel=1e-9)  # a difference over 6e-6 of what is linear
+        reported = fmu.get(f"{joint.name}.angle", f"{joint.name}.rate")
+        assert reported == pytest.approx([angle, rate], abs=1e-13)
+    reported = fmu.derivative([f"der({joint.name}.rate)"], [name], [2.0])
+    assert reported == pytest.approx([2.0 / inertia], rel=1e-9)  # a difference over 6e-6 of what is linear
     fmu.free()
 
 

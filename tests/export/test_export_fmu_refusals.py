@@ -138,13 +138,13 @@ class TestRefusals:
         fmu.fmu.freeFMUState(state)
         damaged = bytes(content[:-9]) + bytes([content[-9] ^ 1]) + bytes(content[-8:])
         foreign = bytes([content[1] ^ 1]) + bytes(content[1:])
-        for told, word in (
+        for reported, word in (
             (damaged, "damaged"),
             (foreign, "no state of"),
             (bytes(content[:100]), "100 bytes"),
         ):
             with fmu.refusing(word):
-                fmu.fmu.deserializeFMUState(told)
+                fmu.fmu.deserializeFMUState(reported)
 
     def test_nothing_instead_of_an_instance(self, fmu, fmi):
         """Null where the standard has an instance: refused, not followed."""
@@ -215,14 +215,14 @@ class TestTuning:
         fmu.put({f"{a}.angle": 0.1})
         fmu.begin(stop=1.0)
         fmu.step(0.0, 0.5)
-        told = fmu.get(f"{a}.angle", f"{b}.angle", f"{a}.rate", f"{b}.rate")
+        reported = fmu.get(f"{a}.angle", f"{b}.angle", f"{a}.rate", f"{b}.rate")
         fmu.put({name: 4.0})
         assert fmu.get(name) == [4.0]
         fmu.step(0.5, 0.5)
         there = Scene(
             effects=simulator.scene.effects,
-            angles=dict(zip((a, b), told[:2], strict=True)),
-            rates=dict(zip((a, b), told[2:], strict=True)),
+            angles=dict(zip((a, b), reported[:2], strict=True)),
+            rates=dict(zip((a, b), reported[2:], strict=True)),
         )
         result = lamc.compile(simulator.mechanism, there).run(0.5, parameters={name: 4.0})
         # steps differ: 1e-9 per step, some 100 of them, on angles and rates of 1
@@ -260,9 +260,9 @@ class TestTuning:
         assert fmu.get("time") == [100.0]
         fmu.step(100.0, 1.0)
         result = simulator.run(1.0)  # nothing in the scene depends on time
-        told = fmu.get(*(f"{j}.angle" for j in simulator.joints))
+        reported = fmu.get(*(f"{j}.angle" for j in simulator.joints))
         # steps end at other times by the round-off of 100 s, 1e-14 s, and 1e-9 per step
-        assert told == pytest.approx(result.q[-1].tolist(), abs=1e-8)
+        assert reported == pytest.approx(result.q[-1].tolist(), abs=1e-8)
         fmu.free()
 
 

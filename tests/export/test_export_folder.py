@@ -92,10 +92,10 @@ def test_files_of_somebody_else_and_edited_files_are_refused_by_name(tmp_path: P
     out = tmp_path / "out"
     out.mkdir()
     (out / "pend.c").write_text("my own")
-    told = refused(out)
-    assert str(out / "pend.c") in told
-    assert "was not written by lamc" in told
-    assert "--force" in told
+    reported = refused(out)
+    assert str(out / "pend.c") in reported
+    assert "was not written by lamc" in reported
+    assert "--force" in reported
     (out / "pend.c").unlink()
     write_folder(out, FILES, ORIGIN)
     with (out / "pend.c").open("ab") as file:
@@ -209,13 +209,13 @@ def test_a_manifest_that_is_a_link_a_folder_or_huge_is_not_read(
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
-def test_a_read_only_folder_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_read_only_folder_is_reported_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "ro").mkdir(mode=0o500)
     for out in (tmp_path / "ro", tmp_path / "ro" / "new"):
         assert "Permission denied" in refused(out)
 
 
-def test_a_folder_that_may_not_be_written_is_told_in_one_line(
+def test_a_folder_that_may_not_be_written_is_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The same for the superuser, whom no mode bits stop."""
@@ -226,14 +226,14 @@ def test_a_folder_that_may_not_be_written_is_told_in_one_line(
     (tmp_path / "ro").mkdir()
     monkeypatch.setattr(folder_module, "fresh_folder", failing)
     for out in (tmp_path / "ro", tmp_path / "new"):
-        told = refused(out)
-        assert "Permission denied" in told
-        assert str(out) in told
-        assert "--out" in told
+        reported = refused(out)
+        assert "Permission denied" in reported
+        assert str(out) in reported
+        assert "--out" in reported
 
 
 @pytest.mark.parametrize("name", ["a\0b", "x" * 5000])
-def test_paths_that_cannot_be_are_told_in_one_line(tmp_path: Path, name: str) -> None:
+def test_paths_that_cannot_be_are_reported_in_one_line(tmp_path: Path, name: str) -> None:
     with pytest.raises(ExportError, match="cannot be written"):
         write_folder(tmp_path / name, FILES, ORIGIN)
 

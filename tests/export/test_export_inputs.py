@@ -65,7 +65,7 @@ def test_a_torque_set_after_the_integrator_ran_ahead(exported: Exported) -> None
 
 @needs_cc
 def test_what_is_set_already_leaves_the_run_alone(tmp_path: Path) -> None:
-    """A controller that says the same every millisecond: every byte is that of a run that was told once."""
+    """A controller that says the same every millisecond: every byte is that of a run that was reported once."""
     stops = Scene(effects=(JointLimits(stiffness=1.0, damping=1e-5),))  # it bounces on the upper one
     exported = Exported(c_files(flap(limits=(-0.2, 0.2)), scene=stops), tmp_path)
     parameters = exported.new("parameters")

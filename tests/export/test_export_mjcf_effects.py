@@ -159,7 +159,7 @@ def test_limits_that_strike_are_refused_and_named() -> None:
         mjcf.files(two_links(), scene, ExportOptions())
 
 
-def test_what_a_file_asks_for_and_mjcf_has_not_is_told_at_its_line() -> None:
+def test_what_a_file_asks_for_and_mjcf_has_not_is_reported_at_its_line() -> None:
     design = lamc.load(path("flapping_wing"))
     with pytest.raises(UnsupportedError, match="no place for blade_element_drag") as refusal:
         lamc.export(design, "mjcf")

@@ -49,9 +49,9 @@ def made(target: str, names: frozenset[str]) -> Files | None:
     try:
         return files_of(flap(), target, options=options_from(**{name: CHOSEN[name] for name in names}))
     except ExportError as error:
-        told = str(error)
-    assert any(re.search(rf"\({name}\)|\b{name}:", told) for name in names)
-    assert "\n" not in told
+        reported = str(error)
+    assert any(re.search(rf"\({name}\)|\b{name}:", reported) for name in names)
+    assert "\n" not in reported
     return None
 
 
@@ -87,14 +87,14 @@ def test_nor_is_one_accepted_that_others_leave_nothing_to_do(target: str) -> Non
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "told"),
+    ("first", "second", "reported"),
     [
         ("real_time", "integrator", r"--integrator \(integrator\) is 'rk45'.*--real-time \(real_time\)"),
         ("precision", "libm", r"--real-time"),
     ],
 )
-def test_a_refusal_of_two_names_both(first: str, second: str, told: str) -> None:
-    with pytest.raises(ExportError, match=told):
+def test_a_refusal_of_two_names_both(first: str, second: str, reported: str) -> None:
+    with pytest.raises(ExportError, match=reported):
         files_of(flap(), "c", options=options_from(**{name: CHOSEN[name] for name in (first, second)}))
 
 

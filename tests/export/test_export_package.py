@@ -86,10 +86,10 @@ def test_the_example_of_fixed_steps_runs_to_its_end(name: str, tmp_path: Path) -
 def test_the_header_begins_with_a_step_that_is_stable(name: str) -> None:
     """Stops push back with dampers that 1 ms is too long for; the example's step is no longer than the header's."""
     files = exported(name, real_time=True)
-    (told,) = re.findall(rf"status = {name}_step_fixed\(&it, (\S+)\);", files[f"{name}.h"].decode())
+    (reported,) = re.findall(rf"status = {name}_step_fixed\(&it, (\S+)\);", files[f"{name}.h"].decode())
     (taken,) = re.findall(r"h = \(double\)(\S+);", files["example_main.c"].decode())
-    assert float(taken) <= float(told)
-    assert (float(told) < 1e-3) == (name == "limit_stop")
+    assert float(taken) <= float(reported)
+    assert (float(reported) < 1e-3) == (name == "limit_stop")
 
 
 @pytest.mark.parametrize("options", [{}, {"real_time": True}, {"real_time": True, "precision": "float"}])
@@ -97,9 +97,9 @@ def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_pa
     """A fixed step has four right-hand sides; a call to the next row of the table has one at least, of six a step."""
     folder = put(exported("pendulum", **options), tmp_path)
     cc(folder, "-std=c99", *STRICT, "example_main.c", "pendulum.c", "-lm", "-o", "example")
-    told = does([folder / "example", "--time"], folder)
+    reported = does([folder / "example", "--time"], folder)
     numbers = re.fullmatch(
-        r"a right-hand side: (\d+) ns\na (?:step of|call to the next) \S+ s: (\d+) ns\n", told
+        r"a right-hand side: (\d+) ns\na (?:step of|call to the next) \S+ s: (\d+) ns\n", reported
     )
     assert numbers is not None
     slope, step = map(int, numbers.groups())

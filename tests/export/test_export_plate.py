@@ -301,7 +301,7 @@ EDGE = shapely.LineString([(0.0, 0.0), (0.0, SIDE)])
         ),
     ],
 )
-def test_what_cannot_be_exported_is_told_with_a_way_out(made: Callable[[], Problem], said: str) -> None:
+def test_what_cannot_be_exported_is_reported_with_a_way_out(made: Callable[[], Problem], said: str) -> None:
     with pytest.raises(ExportError, match=said):
         files_of(made(), "c")
 
@@ -356,9 +356,9 @@ def test_the_length_of_edges_that_a_refusal_tells_is_long_enough(tmp_path: Path)
         return Problem(plate.grid(SIDE, SIDE, count, count), plies, supports=[plate.Clamped(EDGE)])
 
     for count in (80, 101):
-        with pytest.raises(ExportError, match=r"at most are exported") as told:
+        with pytest.raises(ExportError, match=r"at most are exported") as reported:
             files_of(of(count), "c")
-        (length,) = re.findall(r"edge_length=(\S+)", str(told.value))
+        (length,) = re.findall(r"edge_length=(\S+)", str(reported.value))
         enough = round(SIDE / float(length))
         assert 0.9 * 77 < enough <= 77  # the finest
         check_profile(of(enough), int(profile_of(pattern_of(system(of(enough))))[1][-1]))

@@ -89,7 +89,7 @@ def test_points_inside_have_the_bits_of_lamc(load: Load, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(MAKERS))
-def test_cells_are_those_of_the_mesh_and_points_outside_are_told(load: Load, name: str) -> None:
+def test_cells_are_those_of_the_mesh_and_points_outside_are_reported(load: Load, name: str) -> None:
     own, library = problem(name), load(name)
     order = system(own).assembly.order
     points = _points(own, 300)
@@ -130,7 +130,7 @@ def test_solutions_that_are_not_finite_are_refused(load: Load) -> None:
         assert BAD_INPUT in nodes <= {0, BAD_INPUT}  # those that are held stay where they are
 
 
-def test_a_plate_with_holes_and_fine_corners_is_found_within_the_cells_that_are_told(load: Load) -> None:
+def test_a_plate_with_holes_and_fine_corners_is_found_within_the_cells_that_are_reported(load: Load) -> None:
     """The bound that the header states is that of the tables; in a hole there is no plate."""
     outline = shapely.box(0.0, 0.0, 0.2, 0.1).difference(shapely.Point(0.05, 0.05).buffer(0.02))
     fine = shapely.box(0.15, 0.0, 0.2, 0.02)

@@ -39,8 +39,8 @@ def test_the_bytes_of_an_instance_are_those_that_the_compiler_finds(
         f'int main(void) {{ printf("%d", (int)sizeof({name}_t)); return 0; }}\n'
     )
     cc(folder, "-std=c99", "size.c", "-o", "size")
-    (told,) = re.findall(r"\| one instance \| (\d+) bytes", readme(name, real_time=real_time))
-    assert told == does([folder / "size"], folder)
+    (reported,) = re.findall(r"\| one instance \| (\d+) bytes", readme(name, real_time=real_time))
+    assert reported == does([folder / "size"], folder)
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -52,10 +52,10 @@ def test_every_member_stands_in_a_table_with_its_unit_and_default(name: str) -> 
             rf"typedef struct {name}_{struct} {{\n(.*?)}} {name}_{struct};", header, re.DOTALL
         )
         members = re.findall(r"^  double (\w+); /\* (\S+):", body, re.MULTILINE)
-        told = {cells[0].strip("`"): cells for cells in rows(readme(name), r"\w+")}
+        reported = {cells[0].strip("`"): cells for cells in rows(readme(name), r"\w+")}
         assert members
         for field, parameter in members:
-            _, default, unit, meaning = told[field]
+            _, default, unit, meaning = reported[field]
             assert meaning.startswith(parameter)
             if parameter in simulator.parameters:  # torques from outside are the export's own
                 assert float(default) == pytest.approx(simulator.parameters[parameter], rel=1e-5)  # 6 digits
@@ -66,10 +66,12 @@ def test_every_member_stands_in_a_table_with_its_unit_and_default(name: str) -> 
 
 def test_coordinates_say_which_body_turns_and_where_they_start() -> None:
     simulator = lamc.compile(mechanism_of("crawler"), scene_of("crawler"))
-    told = rows(readme("crawler"), r"q\[\d+\]")
-    assert [cells[1] for cells in told] == [c.name for c in simulator.coordinates]
-    assert [float(cells[4]) for cells in told] == pytest.approx(simulator.start[: len(told)], rel=1e-5)
-    assert told[0][3] == "rear_leg relative to body"
+    reported = rows(readme("crawler"), r"q\[\d+\]")
+    assert [cells[1] for cells in reported] == [c.name for c in simulator.coordinates]
+    assert [float(cells[4]) for cells in reported] == pytest.approx(
+        simulator.start[: len(reported)], rel=1e-5
+    )
+    assert reported[0][3] == "rear_leg relative to body"
 
 
 def test_the_picture_shows_this_mechanism() -> None:

@@ -236,7 +236,7 @@ def test_refusals_name_what_is_wrong_and_leave_the_simulator_as_it_was(tmp_path:
 
 
 @needs("node")
-def test_what_is_no_name_and_no_number_is_told_in_one_line(tmp_path: Path) -> None:
+def test_what_is_no_name_and_no_number_is_reported_in_one_line(tmp_path: Path) -> None:
     calls = {
         "model.create({ parms: {} })": 'there is no option "parms"; did you mean "parameters"?',
         "model.create({ inputs: {} })": 'there is no option "inputs"; there are parameters, settings',
@@ -269,10 +269,10 @@ def test_what_is_no_name_and_no_number_is_told_in_one_line(tmp_path: Path) -> No
         f"for (const call of {json.dumps(list(calls))}) {{\n"
         "  try { await eval(call); result.push(null); } catch (error) { result.push(error.message); }\n}",
     )  # fmt: skip
-    for call, told, expected in zip(calls, found, calls.values(), strict=True):
-        assert told is not None, call
-        assert told.startswith(f"pendulum: {expected}"), call
-        assert "\n" not in told
+    for call, reported, expected in zip(calls, found, calls.values(), strict=True):
+        assert reported is not None, call
+        assert reported.startswith(f"pendulum: {expected}"), call
+        assert "\n" not in reported
 
 
 @needs("node")
@@ -382,17 +382,22 @@ def test_an_emptied_field_is_named_and_the_run_goes_on_but_a_run_that_stopped_sa
         r'<pre id="told">(.*?)</pre>', in_chromium(folder, "index.html", "--dump-dom", seconds=60)
     )
     assert found is not None
-    told = json.loads(found[1])
-    assert told["fine"]["t"] > 0.0  # it plays
-    assert told["fine"] == told["fine"] | {"problem": "", "wrong": "", "invalid": None, "button": "Pause"}
-    emptied = told["emptied"]
+    reported = json.loads(found[1])
+    assert reported["fine"]["t"] > 0.0  # it plays
+    assert reported["fine"] == reported["fine"] | {
+        "problem": "",
+        "wrong": "",
+        "invalid": None,
+        "button": "Pause",
+    }
+    emptied = reported["emptied"]
     assert emptied["wrong"] == "h1.torque: it takes a number; it stays at 0.5 N·m"
     assert (emptied["invalid"], emptied["problem"], emptied["button"]) == ("true", "", "Pause")
-    stopped = told["huge"]
+    stopped = reported["huge"]
     assert stopped["problem"].startswith("Stopped at t = ")
     assert (stopped["wrong"], stopped["invalid"], stopped["button"]) == ("", None, "Play")
-    assert told["mended"]["problem"] == stopped["problem"]
-    assert told["again"]["problem"] == ""
+    assert reported["mended"]["problem"] == stopped["problem"]
+    assert reported["again"]["problem"] == ""
 
 
 @needs("node")
@@ -446,8 +451,8 @@ def test_a_hostile_name_stays_a_name(tmp_path: Path) -> None:
 
 
 def test_options_that_do_not_fit_are_refused() -> None:
-    for options, told in (({"real_time": True}, "real_time"), ({"single_header": True}, "single_header")):
-        with pytest.raises(ExportError, match=told):
+    for options, reported in (({"real_time": True}, "real_time"), ({"single_header": True}, "single_header")):
+        with pytest.raises(ExportError, match=reported):
             files_of(mechanism_of("pendulum"), "wasm", None, lamc.ExportOptions(**options))
 
 

@@ -79,7 +79,7 @@ def run(python: Path, script: str) -> Any:
     return json.loads(done.stdout)
 
 
-TOLD = """
+REPORTED = """
 def told(work, *arguments):
     try:
         work(*arguments)
@@ -109,7 +109,7 @@ def test_states_copies_inputs_and_refusals(python: Path) -> None:
     install(python, wheel_of("pendulum"), wheel_of("limit_stop"))
     found = run(
         python,
-        f"{TOLD}\nimport copy, pickle, pendulum, limit_stop\n"
+        f"{REPORTED}\nimport copy, pickle, pendulum, limit_stop\n"
         f"it = pendulum.Pendulum({{'link_3.mass': 1.5}})\nit.step(0.3)\n"
         "state, twin, sent = it.save(), copy.deepcopy(it), pickle.loads(pickle.dumps(it))\n"
         "other = pendulum.Pendulum(); other.restore(state)\n"
@@ -132,7 +132,7 @@ def test_states_copies_inputs_and_refusals(python: Path) -> None:
     assert found["same"]
     assert found["kept"]
     assert found["inputs"] == {"h1.torque": 2.0, "h2.torque": 0.0, "h3.torque": -1.0}
-    kinds = {what: tuple(told[:2]) for what, told in found["refusals"].items()}
+    kinds = {what: tuple(reported[:2]) for what, reported in found["refusals"].items()}
     assert kinds == {
         "nan": ("SimulatorError", "BAD_ARGUMENT"),
         "past": ("SimulatorError", "IN_PAST"),
@@ -156,7 +156,7 @@ def test_states_copies_inputs_and_refusals(python: Path) -> None:
     assert found["bodies"] == ["link_1", "link_2", "link_3"]
 
 
-def test_what_is_no_name_and_no_number_is_told_in_one_line(python: Path) -> None:
+def test_what_is_no_name_and_no_number_is_reported_in_one_line(python: Path) -> None:
     install(python, wheel_of("pendulum"))
     calls = {
         "pendulum.Pendulum({'h1_damping': 1})": "pendulum has no parameter 'h1_damping'; did you mean 'h1.damping'?",
@@ -175,7 +175,7 @@ def test_what_is_no_name_and_no_number_is_told_in_one_line(python: Path) -> None
     }
     found = run(
         python,
-        f"{TOLD}\nimport pendulum\nit = pendulum.Pendulum()\n"
+        f"{REPORTED}\nimport pendulum\nit = pendulum.Pendulum()\n"
         f"result = [told(lambda: eval(call)) for call in {list(calls)!r}]\n",
     )
     assert [each[2] for each in found] == list(calls.values())
@@ -209,12 +209,12 @@ def test_types_hold_for_who_checks_them(tmp_path: Path) -> None:
     pytest.importorskip("mypy")
     mypy = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache")]
     mypy += ["--no-error-summary", "--disable-error-code", "import-untyped"]
-    told = [
+    reported = [
         subprocess.run([*mypy, *what], cwd=tmp_path, capture_output=True, text=True, check=False).stdout
         for what in (["use.py"], ["-p", "pendulum"])
     ]
-    assert told[1] == ""
-    (line,) = [line for line in told[0].splitlines() if "error" in line]
+    assert reported[1] == ""
+    (line,) = [line for line in reported[0].splitlines() if "error" in line]
     assert line.startswith("use.py:5: error:")
 
 
@@ -227,9 +227,9 @@ def test_a_wheel_is_as_its_format_has_it() -> None:
     distribution, version, python_tag, abi, platform = name.removesuffix(".whl").split("-")
     assert (distribution, python_tag, abi) == ("pendulum", "py3", "none")
     info = f"{distribution}-{version}.dist-info"
-    told = files[f"{info}/WHEEL"].decode().splitlines()
-    assert f"Tag: py3-none-{platform}" in told
-    assert "Root-Is-Purelib: false" in told
+    reported = files[f"{info}/WHEEL"].decode().splitlines()
+    assert f"Tag: py3-none-{platform}" in reported
+    assert "Root-Is-Purelib: false" in reported
     metadata = files[f"{info}/METADATA"].decode()
     assert f"Version: {version}\n" in metadata
     assert [line for line in metadata.splitlines() if line.startswith("Requires-Dist")] == [

@@ -83,15 +83,15 @@ def test_matrix_of_a_rigid_body_acts_as_that_body_without_its_weight(name: str, 
         if base == "floating":
             q[-7:], u[-6:] = rng.normal(size=7), rng.normal(size=6)
             other[-7:], fast[-6:] = q[-7:], u[-6:]
-            turn = quaternion_matrix(q[-4:])
+            rotation = quaternion_matrix(q[-4:])
             arm = welded.body("ground").com - mechanism.body("ground").com
-            other[-7:-4] += turn @ arm
-            fast[-6:-3] += turn @ np.cross(u[-3:], arm)
+            other[-7:-4] += rotation @ arm
+            fast[-6:-3] += rotation @ np.cross(u[-3:], arm)
         found, expected = wet.acceleration(0.4, q, u), dry.acceleration(0.4, other, fast)
         if base == "floating":
             turning = np.cross(expected[-3:], arm) + np.cross(u[-3:], np.cross(u[-3:], arm))
             expected = expected.copy()
-            expected[-6:-3] -= turn @ turning
+            expected[-6:-3] -= rotation @ turning
         assert np.abs(found - expected).max() <= 1e-11 * np.abs(expected).max()  # round-off of two roads
         energies = wet.energies(0.4, q, u)
         assert energies["fluid"] > 0.0
@@ -115,11 +115,11 @@ def test_body_in_a_fluid_keeps_kirchhoffs_impulse() -> None:
     run = general.run(q, u, np.linspace(0.0, 5.0, 21))
 
     def integrals(row: Array, rates: Array) -> Array:
-        turn, spin = quaternion_matrix(row[-4:]), rates[-3:]
-        v = turn.T @ rates[-6:-3]
+        rotation, spin = quaternion_matrix(row[-4:]), rates[-3:]
+        v = rotation.T @ rates[-6:-3]
         momentum = added @ np.array([*v, *spin])
-        impulse = turn @ (mass * v + momentum[:3])
-        moment = turn @ (inertia @ spin + momentum[3:]) + np.cross(row[-7:-4], impulse)
+        impulse = rotation @ (mass * v + momentum[:3])
+        moment = rotation @ (inertia @ spin + momentum[3:]) + np.cross(row[-7:-4], impulse)
         return np.array([*impulse, *moment])
 
     first, energy = integrals(run.q[0], run.u[0]), general.energy(0.0, run.q[0], run.u[0])

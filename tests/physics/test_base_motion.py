@@ -1,4 +1,4 @@
-"""Bases moved as told: textbook pendulums shaken and turned, equivalence, and the power of what moves them."""
+"""Bases moved as prescribed: textbook pendulums shaken and turned, equivalence, and the power of what moves them."""
 
 import numpy as np
 import numpy.typing as npt
@@ -151,17 +151,17 @@ def test_bodies_ride_on_the_base() -> None:
 def test_loop_on_a_turning_base_has_the_closure_of_a_still_one() -> None:
     mechanism = closed_mechanism("planar", 0).mechanism
     still = equations_of(mechanism, (HingeStiffness(),))
-    turned = General(mechanism, (HingeStiffness(), BaseMotion(angle="3*t")))
-    assert turned.equations.closure is not None
+    rotated = General(mechanism, (HingeStiffness(), BaseMotion(angle="3*t")))
+    assert rotated.equations.closure is not None
     assert still.closure is not None
-    assert turned.equations.loops.rank == still.loops.rank
-    assert len(turned.equations.closure.residual) == len(still.closure.residual)
+    assert rotated.equations.loops.rank == still.loops.rank
+    assert len(rotated.equations.closure.residual) == len(still.closure.residual)
     n = len(still.joints)
-    values = [turned.system(t, np.zeros(n), np.zeros(n))[2] for t in (0.0, 0.9)]
+    values = [rotated.system(t, np.zeros(n), np.zeros(n))[2] for t in (0.0, 0.9)]
     assert np.array_equal(*values)
 
 
-def test_second_voice_knows_moved_bases() -> None:
+def test_second_cross_check_knows_moved_bases() -> None:
     moved = BaseMotion(
         ("0.1*sin(3*t)/(1 + t^2)", "exp(-t)*cos(5*t)", "sqrt(1 + t) - tanh(2*t)"), "0.4*atan(3*t) + t^3",
         (1.0, 2.0, -0.5), (0.3, -0.1, 0.2)
@@ -171,22 +171,22 @@ def test_second_voice_knows_moved_bases() -> None:
         effects = (GRAVITY, HingeStiffness(), HingeDamping(), spring, moved)
         general = General(mechanism, effects)
         joints = general.equations.joints
-        voice = MovingNewtonEuler(mechanism, effects, joints)
+        cross_check = MovingNewtonEuler(mechanism, effects, joints)
         for seed in range(3):
             q, u = random_state(len(joints), seed)
-            if voice.cuts:
+            if cross_check.cuts:
                 q, u = np.zeros((2, len(joints)))
             t = 0.3 + seed
-            found, expected = general.acceleration(t, q, u), voice.acceleration(q, u, t)
+            found, expected = general.acceleration(t, q, u), cross_check.acceleration(q, u, t)
             assert (
                 np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
             )  # two roads, condition of M
-            for name, value in voice.energy(q, u, t).items():
+            for name, value in cross_check.energy(q, u, t).items():
                 assert general.energies(t, q, u)[name] == pytest.approx(value, rel=1e-12, abs=1e-12)
 
 
 @needs_cc
-def test_check_compares_the_voices_where_the_base_is_moved() -> None:
+def test_check_compares_the_cross_checks_where_the_base_is_moved() -> None:
     moved = BaseMotion(("0.1*sin(3*t)", 0, "0.2*t^2"), "0.4*sin(2*t)", (1.0, 2.0, -0.5), (0.3, -0.1, 0.2))
     scene = Scene(effects=(GRAVITY, HingeStiffness(), moved))
     report = check(lamc.compile(chain(3), scene), states=5, t_end=0.5)

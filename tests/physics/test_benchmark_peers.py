@@ -50,9 +50,9 @@ def test_hand_written_integrator_folds_the_papers_plates_as_published(library: c
 @pytest.mark.parametrize("textbook", [False, True])
 def test_closed_form_of_the_triple_pendulum_agrees_with_newton_euler(tmp_path: Path, textbook: bool) -> None:
     peer = closed_triple.ClosedTriple(tmp_path, textbook=textbook)
-    voice = NewtonEuler(plates(3), SCENE.effects or (), ("h0", "h1", "h2"))
+    cross_check = NewtonEuler(plates(3), SCENE.effects or (), ("h0", "h1", "h2"))
     q, u = random_state(3, seed=5)
-    expected = voice.acceleration(q, u)
+    expected = cross_check.acceleration(q, u)
     # 1e-12: round-off of some 50 operations, times the condition of M, below 100
     assert np.abs(peer.accelerations(q[None], u[None])[0] - expected).max() < 1e-12 * np.abs(expected).max()
     angles, steps = peer.run(0.5, 1e-11, 1e-13)

@@ -291,7 +291,7 @@ def test_falling_plate_comes_to_its_terminal_speed(way: str) -> None:
     }[way]
     effects = (blade(outline=outline, rest_speed=1e-6), lamc.Gravity(down), lamc.FreeBase())  # type: ignore[arg-type]
     sim = lamc.compile(lone_body(mass, INERTIA), lamc.Scene(effects=effects))
-    result = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, books=True)
+    result = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, energy_balance=True)
     assert result.success, result.message
     terminal = math.sqrt(2 * mass * gravity / (AIR * chord * coefficient))
     expected = terminal * np.tanh(mass * gravity * result.t / ((mass + added) * terminal))
@@ -300,7 +300,7 @@ def test_falling_plate_comes_to_its_terminal_speed(way: str) -> None:
     # 100 rtol; the rest speed of 1e-6 lacks its square over the speed of a metre or two
     assert sign * velocity[:, axis] == pytest.approx(expected, abs=1e-8 * terminal)
     assert expected[-1] > 0.9 * terminal
-    assert result.books.balance < 1e-8
+    assert result.energy_balance.balance < 1e-8
 
 
 HINGED = 0.02  # kg·m², inertia of the plate about its hinge
@@ -374,7 +374,7 @@ def shapely_box(left: float, bottom: float, right: float, top: float) -> Polygon
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         ({"body": "wings"}, "no body is named 'wings'; the bodies are ground, wing"),
         ({"body": "ground"}, "body 'ground' has no outline"),
@@ -388,9 +388,9 @@ def shapely_box(left: float, bottom: float, right: float, top: float) -> Polygon
         ({"air_density": -1.0}, "the air density is -1 kg/m.3"),
     ],
 )
-def test_what_is_no_wing_is_refused(change: dict[str, object], told: str) -> None:
+def test_what_is_no_wing_is_refused(change: dict[str, object], reported: str) -> None:
     made = drawn(shapely_box(0.0, -0.5, 1.0, 0.3))
-    with pytest.raises(DesignError, match=told):
+    with pytest.raises(DesignError, match=reported):
         lamc.BladeElementDrag(**{"body": "wing", **change}).wing(made)  # type: ignore[arg-type]
 
 

@@ -1,5 +1,5 @@
-"""Random mechanisms with loops: freedoms as theory has them, three voices that agree, loops that stay closed, energy
-that stays, or a run that ends with a status that is true."""
+"""Random mechanisms with loops: freedoms as theory has them, three cross-checks that agree, loops that stay closed,
+energy that stays, or a run that ends with a status that is true."""
 
 import math
 from collections.abc import Sequence
@@ -47,14 +47,14 @@ def effects_of(closed: ClosedMechanism, *, damped: bool) -> tuple[Any, ...]:
 def states_of(closed: ClosedMechanism, joints: Sequence[str], seed: int) -> list[State]:
     """Closed states that no part of the road to the C had a hand in; none where a loop is so near to singular all
     around its drawn position that states there tell of round-off."""
-    voice = NewtonEuler(closed.mechanism, CONSERVATIVE, joints)
-    states = random_states(voice, np.zeros(len(joints)), 3, 1.0, seed)
+    cross_check = NewtonEuler(closed.mechanism, CONSERVATIVE, joints)
+    states = random_states(cross_check, np.zeros(len(joints)), 3, 1.0, seed)
     for _, q, _ in states:
-        assert len(joints) - voice.condition(q)[0] == closed.freedoms
+        assert len(joints) - cross_check.condition(q)[0] == closed.freedoms
     return states
 
 
-def assert_voices_agree(sim: Simulator, states: Sequence[State]) -> None:
+def assert_cross_checks_agree(sim: Simulator, states: Sequence[State]) -> None:
     newton = NewtonEuler(sim.mechanism, sim.effects, sim.joints)
     maximal = MaximalCoordinates(sim.mechanism, sim.effects, sim.joints)
     interpreter = Interpreter(sim.program)
@@ -76,7 +76,7 @@ def started(sim: Simulator, state: State) -> Simulator:
     return lamc.compile(sim.mechanism, Scene(effects=sim.effects, angles=angles, rates=rates))
 
 
-def assert_told_truly(sim: Simulator, result: Result) -> None:
+def assert_reported_truly(sim: Simulator, result: Result) -> None:
     """A run that ends early has rows that close, and ends where the closure is about to lose rank."""
     assert result.status in (Status.CLOSURE_LOST, Status.STEP_UNDERFLOW, Status.STEP_LIMIT), result.message
     assert "stopped at t =" in result.message
@@ -103,13 +103,13 @@ def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> bool:
     states = states_of(closed, sim.joints, seed)
     if not states:
         return False
-    assert_voices_agree(sim, states)
+    assert_cross_checks_agree(sim, states)
     result = started(sim, states[-1]).run(t_end=0.5, rtol=RTOL, atol=1e-2 * RTOL)
     # 1e-9 of the size: the project's bound for every row of every run
     assert result.constraint_error.max() <= 1e-9 * sim.mechanism.size
     assert_energy_is_kept(sim, result, damped=damped)
     if not result.success:
-        assert_told_truly(sim, result)
+        assert_reported_truly(sim, result)
     return True
 
 

@@ -187,8 +187,8 @@ def test_large_motions_are_those_of_particles(mechanism: Mechanism, base: str) -
 
     def told(s: complex) -> Place:
         x = t + s
-        turn, shift = about(np.array([0, 0.6, 0.8]), np.array([0.2, 0.1, 0]), 0.7 * np.sin(3 * x))
-        return turn, shift + np.array([0.3 * np.sin(2 * x), 0, 0.1 * x**3])
+        rotation, shift = about(np.array([0, 0.6, 0.8]), np.array([0.2, 0.1, 0]), 0.7 * np.sin(3 * x))
+        return rotation, shift + np.array([0.3 * np.sin(2 * x), 0, 0.1 * x**3])
 
     for _ in range(3):
         q, u = general.start(rng.uniform(-2, 2, joints).tolist(), rng.normal(size=joints).tolist())
@@ -235,7 +235,7 @@ def test_check_names_the_effect_that_it_cannot_judge() -> None:
     report = check(lamc.compile(chain(1), Scene(effects=(all_compliant(chain(1)),))), states=3, t_end=0.02)
     assert report.passed
     assert "do not know the effect 'compliance'" in " ".join(report.notes)
-    compared = {c.quantity for c in report.comparisons if c.voices == ("C", "Lagrange")}
+    compared = {c.quantity for c in report.comparisons if c.cross_checks == ("C", "Lagrange")}
     assert compared == {"centres of mass", "rotations"}
 
 

@@ -1,4 +1,5 @@
-"""Angles of joints that close loops are told within ±180°: where that matters, it is said, and never computed with."""
+"""Angles of joints that close loops are reported within ±180°: where that matters, it is said, and never computed
+with."""
 
 from dataclasses import replace
 
@@ -66,7 +67,7 @@ def test_a_run_ends_where_an_angle_that_a_spring_reads_jumps(integrator: str) ->
     assert result.status == Status.ANGLE_WRAPPED
     assert "'B'" in result.message
     assert abs(abs(result.angle("B")[-1]) - np.pi) < 1e-5  # one step after 1e-6 was not reached yet, at most
-    # the books of the spring hold up to there: nothing was computed beyond the jump
+    # the energy balance of the spring hold up to there: nothing was computed beyond the jump
     assert np.abs(result.energy - result.energy[0]).max() < 1e-5 * result.energies["kinetic"].max()
     # the same machine cut at another joint agrees
     other = spun(1, "BC")
@@ -107,7 +108,7 @@ def test_steps_of_fixed_length_say_so_too() -> None:
     assert 0.0 < t - end < 2.0 * h  # of the step over the jump
 
 
-def test_check_does_not_vouch_for_what_all_voices_share() -> None:
+def test_check_does_not_vouch_for_what_all_cross_checks_share() -> None:
     sim = spun(-1, "BC")
     report = check(sim, states=3, t_end=0.02)
     rows = [c for c in report.comparisons if not c.compared and "beyond ±180°" in c.quantity]
@@ -130,8 +131,8 @@ def test_stops_that_could_never_act_are_refused() -> None:
     assert lamc.compile(replace(mechanism, joints=joints), scene).run(t_end=0.0).success
 
 
-@pytest.mark.parametrize(("rate", "told"), [(1e-10, True), (1.0, False)])
-def test_a_rank_that_only_other_postures_have_is_a_note(rate: float, told: bool) -> None:
+@pytest.mark.parametrize(("rate", "reported"), [(1e-10, True), (1.0, False)])
+def test_a_rank_that_only_other_postures_have_is_a_note(rate: float, reported: bool) -> None:
     """A vertex of four creases, drawn flat: there two of its equations are independent, and three where it is folded.
     At 1e-10 rad/s it has turned by 1e-11 rad at the end, and is flat for all that a double can tell."""
     azimuths = np.radians([0.0, 60.0, 150.0, 270.0])  # sectors of 60, 90, 120, 90 degrees: it folds flat
@@ -157,6 +158,6 @@ def test_a_rank_that_only_other_postures_have_is_a_note(rate: float, told: bool)
     result = sim.run(t_end=0.1, t_eval=np.linspace(0.0, 0.1, 11))
     assert result.success, result.message
     notes = [note for note in result.notes if "the rank was taken from elsewhere" in note]
-    assert bool(notes) == told
-    if told:
+    assert bool(notes) == reported
+    if reported:
         assert "3 independent equations in other postures, and 2 at the 5 rows" in notes[0]

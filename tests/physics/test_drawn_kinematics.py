@@ -73,9 +73,9 @@ def test_rings_of_four_obey_freudenstein(name: str, number: int) -> None:
         for angle, length in ((crank, lengths[0]), (follower, lengths[2]))
     ]
     across = ends[1] - ends[0] + np.array([[lengths[3]], [0.0]])
-    turned = heading(a, b) - ground - np.arctan2(across[1], across[0])
+    rotated = heading(a, b) - ground - np.arctan2(across[1], across[0])
     for first, second in ((ring.crank, ring.coupler), (ring.follower, ring.closing)):
-        assert same_angle(result.angle(first[0]) + result.angle(second[0]), turned) <= ANGLE
+        assert same_angle(result.angle(first[0]) + result.angle(second[0]), rotated) <= ANGLE
 
 
 def test_the_ring_of_five_closes_as_two_circles_meet() -> None:
@@ -83,8 +83,10 @@ def test_the_ring_of_five_closes_as_two_circles_meet() -> None:
     hip_a, ankle_a, hip_b, knee, ankle_b = (0.0, NEAR), (25.0, NEAR), (-5.0, FAR), (12.0, FAR), (34.0, FAR)
     result = motion("five_bar")
 
-    def placed(at: Point, length: float, drawn: float, turn: Array) -> Array:
-        return np.array([at[0] + length * np.cos(drawn - turn), at[1] + length * np.sin(drawn - turn)])
+    def placed(at: Point, length: float, drawn: float, rotation: Array) -> Array:
+        return np.array(
+            [at[0] + length * np.cos(drawn - rotation), at[1] + length * np.sin(drawn - rotation)]
+        )
 
     lower = placed(hip_a, 25.0, heading(hip_a, ankle_a), result.angle("hip_a"))
     upper = placed(hip_b, 17.0, heading(hip_b, knee), result.angle("hip_b"))
@@ -96,20 +98,20 @@ def test_the_ring_of_five_closes_as_two_circles_meet() -> None:
     misses = []
     for side in (1.0, -1.0):
         meeting = upper + (along * gap + side * across * np.array([-gap[1], gap[0]])) / distance
-        shin_turn = heading(knee, ankle_b) - np.arctan2(*(meeting - upper)[::-1])
-        foot_turn = heading(ankle_a, ankle_b) - np.arctan2(*(meeting - lower)[::-1])
+        shin_rotation = heading(knee, ankle_b) - np.arctan2(*(meeting - upper)[::-1])
+        foot_rotation = heading(ankle_a, ankle_b) - np.arctan2(*(meeting - lower)[::-1])
         misses.append(
             max(
-                same_angle(result.angle("hip_b") + result.angle("knee_b"), shin_turn),
-                same_angle(result.angle("hip_a") + result.angle("ankle_a"), foot_turn),
-                same_angle(result.angle("ankle_b"), shin_turn - foot_turn),
+                same_angle(result.angle("hip_b") + result.angle("knee_b"), shin_rotation),
+                same_angle(result.angle("hip_a") + result.angle("ankle_a"), foot_rotation),
+                same_angle(result.angle("ankle_b"), shin_rotation - foot_rotation),
             )
         )
     assert min(misses) <= ANGLE
     assert max(misses) > 0.1  # the other meeting point is another posture
 
 
-def turn_about(direction: float, angle: float) -> Array:
+def rotation_about(direction: float, angle: float) -> Array:
     """Rotation by `angle`, rad, about a direction in the plane, degrees (Rodrigues)."""
     x, y = math.cos(math.radians(direction)), math.sin(math.radians(direction))
     k = np.array([[0.0, 0.0, y], [0.0, 0.0, -x], [-y, x, 0.0]])
@@ -123,7 +125,7 @@ def test_folds_at_a_vertex_compose_to_nothing(name: str) -> None:
     for row in range(0, ROWS, 400):
         product = np.eye(3)
         for crease, direction in DIRECTIONS[name].items():
-            product = product @ turn_about(direction, float(result.angle(crease)[row]))
+            product = product @ rotation_about(direction, float(result.angle(crease)[row]))
         assert np.abs(product - np.eye(3)).max() <= ANGLE
 
 

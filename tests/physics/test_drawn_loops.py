@@ -30,7 +30,7 @@ from tests.support.quick import slow_but
 RING = {"four_bar": (4, 4), "five_bar": (5, 5), "six_bar": (6, 7), "two_loops": (7, 8)}  # bodies, hinges
 VERTEX = {"vertex": (4, 4), "waterbomb": (6, 6)}
 COUNTS = RING | VERTEX
-SLOW = {"five_bar"}  # to the independent voices: seconds
+SLOW = {"five_bar"}  # to the independent cross-checks: seconds
 HEIGHTS = {
     "four_bar": {LOW, HIGH},
     "five_bar": {NEAR, FAR},
@@ -79,7 +79,7 @@ def test_what_the_energy_loses_is_what_the_hinges_take(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", slow_but(set(COUNTS) - SLOW, sorted(COUNTS)))
-def test_three_voices_agree_on_drawn_loops(name: str) -> None:
+def test_three_cross_checks_agree_on_drawn_loops(name: str) -> None:
     assert check(simulator(name), states=5, t_end=0.1).passed
 
 

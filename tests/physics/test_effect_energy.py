@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import lamc
 from lamc.records.effect import Effect, conserves
 from lamc.records.scene import Scene
-from lamc.run.books import IMPACTS
+from lamc.run.energy_balance import IMPACTS
 from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES, mechanism
 
@@ -51,21 +51,21 @@ def test_effects_that_say_so_keep_the_energy_and_the_others_do_not(case: str) ->
 
 
 @pytest.mark.parametrize("case", sorted(CASES))
-def test_books_balance_under_every_effect(case: str) -> None:
+def test_energy_balance_balance_under_every_effect(case: str) -> None:
     """Kinetic energy is the sum of all work, and what keeps the energy neither supplies nor dissipates any."""
     effect = CASES[case]
     company = (lamc.Gravity(),) if effect.name != "gravity" else ()
     scene = Scene(effects=(*company, effect), angles={"h1": 0.9, "h2": -0.8}, rates={"h1": 2.0, "h2": -1.5})
     parameters = FROM_OUTSIDE.get(case, {})
     result = lamc.compile(mechanism(), scene).run(
-        t_end=1.5, rtol=1e-10, atol=1e-12, books=True, parameters=parameters
+        t_end=1.5, rtol=1e-10, atol=1e-12, energy_balance=True, parameters=parameters
     )
-    books = result.books
-    assert books.balance < 1e-8
+    energy_balance = result.energy_balance
+    assert energy_balance.balance < 1e-8
     kept = conserves(effect, result.energies)
-    for name, supplied in books.supplied.items():
+    for name, supplied in energy_balance.supplied.items():
         if name not in (effect.name, IMPACTS) or kept:
-            assert np.abs(supplied).max() < 1e-8 * books.scale, name
+            assert np.abs(supplied).max() < 1e-8 * energy_balance.scale, name
 
 
 DISSIPATE = {
@@ -84,33 +84,38 @@ def test_dissipation_takes_energy_at_every_instant_from_any_start(case: str) -> 
     def every(state: tuple[float, ...]) -> None:
         angles, rates = (dict(zip(("h1", "h2"), part, strict=True)) for part in (state[:2], state[2:]))
         scene = Scene(effects=(DISSIPATE[case], lamc.Gravity()), angles=angles, rates=rates)
-        books = lamc.compile(mechanism(), scene).run(t_end=0.5, rtol=1e-9, atol=1e-11, books=True).books
-        taken = books.supplied[DISSIPATE[case].name]
-        assert (np.diff(taken) <= 1e-9 * books.scale).all()  # what integration leaves
+        energy_balance = (
+            lamc.compile(mechanism(), scene)
+            .run(t_end=0.5, rtol=1e-9, atol=1e-11, energy_balance=True)
+            .energy_balance
+        )
+        taken = energy_balance.supplied[DISSIPATE[case].name]
+        assert (np.diff(taken) <= 1e-9 * energy_balance.scale).all()  # what integration leaves
 
     every()
 
 
-def test_the_motors_own_books_are_those_of_the_run() -> None:
+def test_the_motors_own_energy_balance_are_those_of_the_run() -> None:
     motor = lamc.LinearMotor("h1", "4*sin(3*t)", torque_constant=0.3, resistance=2.0, gear_ratio=2.0)
     result = lamc.compile(mechanism(), Scene(effects=(motor,))).run(t_end=1.0, rtol=1e-9)
-    power = motor.books(result).mechanical
+    power = motor.energy_balance(result).mechanical
     assert np.abs(power).max() > 0.1
     assert result.powers["linear_motor"] == pytest.approx(power, abs=1e-12)  # round-off of some W
 
 
 def test_a_rotor_keeps_what_it_is_given() -> None:
-    """Shaft power into joint and rotor: the supply's work less its heat is what the books say was supplied."""
+    """Shaft power into joint and rotor: the supply's work less its heat is what the energy balance says was
+    supplied."""
     motor = lamc.LinearMotor(
         "h1", "4*sin(3*t)", torque_constant=0.3, resistance=2.0, gear_ratio=2.0, rotor_inertia=0.01
     )
     t = np.linspace(0.0, 1.0, 2001)
     result = lamc.compile(mechanism(), Scene(effects=(motor,))).run(
-        t_end=1.0, t_eval=t, rtol=1e-10, atol=1e-12, books=True
+        t_end=1.0, t_eval=t, rtol=1e-10, atol=1e-12, energy_balance=True
     )
-    assert result.books.balance < 1e-8
+    assert result.energy_balance.balance < 1e-8
     simpson = np.ones(len(t))
     simpson[1:-1:2], simpson[2:-1:2] = 4.0, 2.0
-    shaft = (t[1] - t[0]) / 3.0 * float(simpson @ motor.books(result).mechanical)
+    shaft = (t[1] - t[0]) / 3.0 * float(simpson @ motor.energy_balance(result).mechanical)
     # Simpson's rule at 0.5 ms for motions of some rad/s, and rtol times the steps
-    assert result.books.supplied["linear_motor"][-1] == pytest.approx(shaft, abs=1e-8)
+    assert result.energy_balance.supplied["linear_motor"][-1] == pytest.approx(shaft, abs=1e-8)

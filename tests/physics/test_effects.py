@@ -290,7 +290,7 @@ class DistanceSpring:
 
 
 def test_a_force_in_sympy_may_use_parameters_positions_and_functions() -> None:
-    """A conservative force keeps the energy that it books: sign, factor and point are right, or it drifts."""
+    """A conservative force keeps the energy that it records: sign, factor and point are right, or it drifts."""
     mechanism = chain(2, "space", seed=3)
     sim = lamc.compile(mechanism, lamc.Scene(effects=(DistanceSpring(),), rates={"h0": 1.0, "h1": -2.0}))
     assert sim.parameters["spring.stiffness"] == 3.0

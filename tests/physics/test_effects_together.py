@@ -41,17 +41,17 @@ def test_two_halves_clamped_to_a_speck_that_floats_are_a_free_beam() -> None:
     sim = lamc.compile(Mechanism(bodies, tuple(joints)), scene)
     nq, nu = len(sim.coordinates), len(sim.rates)
     by_q, _ = sim.jacobian(sim.start[:nq], sim.start[nq:])
-    turns = np.zeros((nq, nu))  # small motions: q̇ = u but for the quaternion, whose vector grows by ω / 2
-    turns[: nu - 3, : nu - 3] = np.eye(nu - 3)
-    turns[-3:, -3:] = 0.5 * np.eye(3)
-    squares = np.sort(-np.linalg.eigvals(by_q @ turns).real)
+    rotations = np.zeros((nq, nu))  # small motions: q̇ = u but for the quaternion, whose vector grows by ω / 2
+    rotations[: nu - 3, : nu - 3] = np.eye(nu - 3)
+    rotations[-3:, -3:] = 0.5 * np.eye(3)
+    squares = np.sort(-np.linalg.eigvals(by_q @ rotations).real)
     frequencies = np.sqrt(squares[squares > 100.0])[:2]
     unit = np.sqrt(MODULUS * THICK**2 / (12.0 * DENSITY)) / (2.0 * REACH) ** 2
     # the speck, a thousandth of the beam, does not bend: that and four modes of each half come to 1.2e-3
     assert frequencies == pytest.approx(np.array([4.7300, 7.8532]) ** 2 * unit, rel=2e-3)
 
 
-def test_a_robot_that_flaps_on_the_ground_moves_alike_by_all_methods_and_keeps_its_books() -> None:
+def test_a_robot_that_flaps_on_the_ground_moves_alike_by_all_methods_and_keeps_its_energy_balance() -> None:
     """Free base, ground, motors, nonlinear hinges, stops, air, which is touched and left again and again."""
     bodies = (
         slab("hull", (-0.02, 0.02), (-0.03, 0.03), 300.0, fixed=True),
@@ -80,17 +80,17 @@ def test_a_robot_that_flaps_on_the_ground_moves_alike_by_all_methods_and_keeps_i
     )
     sim = lamc.compile(Mechanism(bodies, joints), lamc.Scene(effects=effects, angles={"hl": 0.3}))
     runs = [
-        sim.run(0.3, rtol=1e-10, atol=1e-12, integrator=method, books=True)
+        sim.run(0.3, rtol=1e-10, atol=1e-12, integrator=method, energy_balance=True)
         for method in ("rk45", "dop853", "rodas5p", "radau5")
     ]
     for run in runs:
         assert run.success
-        books = run.books
-        assert books.balance < 1e-8
+        energy_balance = run.energy_balance
+        assert energy_balance.balance < 1e-8
         assert len(run.events) == len(runs[0].events) > 10
         # at a tolerance of 1e-10, over some ten contacts that each make errors grow a few times
         assert run.q[-1] == pytest.approx(runs[0].q[-1], abs=1e-6)
         for passive in ("ground_contact", "blade_element_drag", "hinge_damping", "impacts"):
-            assert books.supplied[passive].max() <= 1e-8 * books.scale
+            assert energy_balance.supplied[passive].max() <= 1e-8 * energy_balance.scale
         for conservative in ("gravity", "nonlinear_stiffness"):
-            assert np.abs(books.supplied[conservative]).max() < 1e-8 * books.scale
+            assert np.abs(energy_balance.supplied[conservative]).max() < 1e-8 * energy_balance.scale

@@ -156,9 +156,9 @@ def test_what_it_names_must_be_there(name: str) -> None:
     ]
     renamed = Mechanism(tuple(bodies), tuple(joints))
     scene = Scene(effects=(SAMPLES[name],))
-    told = outcome(lambda: equations_of(renamed, effects_of(renamed, scene)))
-    assert "\n" not in told
-    assert not told or any(word in told for word in ("named", "joint", "body"))
+    reported = outcome(lambda: equations_of(renamed, effects_of(renamed, scene)))
+    assert "\n" not in reported
+    assert not reported or any(word in reported for word in ("named", "joint", "body"))
 
 
 # ---- hostile data -------------------------------------------------------------------------------------------------
@@ -213,9 +213,9 @@ def outcome(make: Callable[[], object]) -> str:
     try:
         make()
     except DesignErrors as errors:
-        told = [str(error) for error in errors.problems]
-        assert "\n" not in "".join(told)
-        return max(told, key=len)
+        reported = [str(error) for error in errors.problems]
+        assert "\n" not in "".join(reported)
+        return max(reported, key=len)
     except LamcError as error:
         return str(error)
     return ""
@@ -224,14 +224,14 @@ def outcome(make: Callable[[], object]) -> str:
 def attempt(name: str, data: object, *, acts: bool = False) -> None:
     """From data to an effect, and on to equations where it acts; or an error of one line."""
     whole, made = mechanism(), list[Effect]()
-    told = outcome(lambda: made.append(by_name()[name].from_data(data, "scene.effects.it")))
+    reported = outcome(lambda: made.append(by_name()[name].from_data(data, "scene.effects.it")))
     if made:
         assert type(made[0]) is by_name()[name]
         assert isinstance(hash(made[0]), int)
         if acts:
-            told = outcome(lambda: equations_of(whole, effects_of(whole, Scene(effects=tuple(made)))))
-    assert "\n" not in told
-    assert len(told) < 2000
+            reported = outcome(lambda: equations_of(whole, effects_of(whole, Scene(effects=tuple(made)))))
+    assert "\n" not in reported
+    assert len(reported) < 2000
 
 
 @each_effect
@@ -257,15 +257,17 @@ def test_any_value_of_a_field_in_python_acts_or_is_an_error_of_one_line(name: st
     for field in [f.name for f in dataclasses.fields(effect)]:  # type: ignore[arg-type]
         for value in EXTREMES:
             made: list[Effect] = []
-            told = outcome(lambda f=field, v=value, m=made: m.append(dataclasses.replace(effect, **{f: v})))  # type: ignore[misc]
+            reported = outcome(
+                lambda f=field, v=value, m=made: m.append(dataclasses.replace(effect, **{f: v}))
+            )  # type: ignore[misc]
             if made:
                 assert isinstance(hash(made[0]), int)
                 with np.errstate(all="ignore"):
-                    told = outcome(
+                    reported = outcome(
                         lambda m=made: equations_of(whole, effects_of(whole, Scene(effects=(*m,))))
                     )  # type: ignore[misc]
-            assert "\n" not in told
-            assert len(told) < 1000
+            assert "\n" not in reported
+            assert len(reported) < 1000
 
 
 @each_effect
@@ -289,7 +291,7 @@ def fields_in_files(name: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", [kind.name for kind in EFFECTS if fields_in_files(kind.name)])
-def test_a_misspelt_field_is_told_with_the_nearest_name(name: str) -> None:
+def test_a_misspelt_field_is_reported_with_the_nearest_name(name: str) -> None:
     for field in fields_in_files(name):
         with pytest.raises(DesignError, match=f"did you mean '{field}'"):
             by_name()[name].from_data({**plain(name), f"{field}x": 1}, "here")

@@ -16,7 +16,7 @@ from lamc.records.effect import Effect
 from lamc.records.mechanism import Body, Joint, Mechanism
 from lamc.records.scene import Scene
 from lamc.reference.check import check
-from lamc.reference.inputs import told
+from lamc.reference.inputs import with_inputs
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.moving_base import MovingNewtonEuler
@@ -53,29 +53,31 @@ def test_a_constant_torque_turns_a_free_body_by_half_its_acceleration_times_the_
 
 
 @needs_cc
-def test_its_power_is_in_the_books_and_is_torque_times_turn() -> None:
+def test_its_power_is_in_the_energy_balance_and_is_torque_times_turn() -> None:
     scene = Scene(effects=(Gravity(), HingeDamping(), HingeStiffness(), ExternalTorque()), angles={"h1": 0.3})
     given = {"h1.torque": 0.4, "h2.torque": -0.7}
-    result = lamc.compile(mechanism(), scene).run(1.0, rtol=1e-10, atol=1e-12, parameters=given, books=True)
-    turns = {name: result.angle(name)[-1] - result.angle(name)[0] for name in ("h1", "h2")}
-    work = sum(given[f"{name}.torque"] * turns[name] for name in turns)
+    result = lamc.compile(mechanism(), scene).run(
+        1.0, rtol=1e-10, atol=1e-12, parameters=given, energy_balance=True
+    )
+    rotations = {name: result.angle(name)[-1] - result.angle(name)[0] for name in ("h1", "h2")}
+    work = sum(given[f"{name}.torque"] * rotations[name] for name in rotations)
     assert abs(work) > 0.01
     # rtol times some hundred steps, of about 1 J
     assert result.work["external_torque"][-1] == pytest.approx(work, abs=1e-8)
-    assert result.books.balance < 1e-8
+    assert result.energy_balance.balance < 1e-8
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_is_the_torque_that_a_scene_calls_for_to_the_last_bit(kind: str) -> None:
     """The same number at the same place of the equations, whether the scene gives it or who runs them."""
     made = chain(3, kind, seed=5)
-    told = {"h0": 0.3, "h1": -1.2, "h2": 0.05}
+    with_inputs = {"h0": 0.3, "h1": -1.2, "h2": 0.05}
     passive = (Gravity(), HingeStiffness(), HingeDamping())
     inside, outside = (
         Interpreter(lower(equations_of(made, (*passive, effect))))
-        for effect in (Torque(told), ExternalTorque())
+        for effect in (Torque(with_inputs), ExternalTorque())
     )
-    given = outside.constants({f"{name}.torque": value for name, value in told.items()})
+    given = outside.constants({f"{name}.torque": value for name, value in with_inputs.items()})
     rng = np.random.default_rng(1)
     for _ in range(5):
         q, u = rng.uniform(-1.0, 1.0, 3), rng.uniform(-3.0, 3.0, 3)
@@ -86,11 +88,11 @@ def test_it_is_the_torque_that_a_scene_calls_for_to_the_last_bit(kind: str) -> N
 def accelerations(made: Mechanism, effects: tuple[Effect, ...], scene: Scene) -> np.ndarray:
     """At random states; what multipliers or round-off of zero sign may do is no difference."""
     program = lower(equations_of(made, effects, inputs=scene.inputs))
-    voice, rng = Interpreter(program), np.random.default_rng(3)
-    constants = voice.constants()
+    cross_check, rng = Interpreter(program), np.random.default_rng(3)
+    constants = cross_check.constants()
     nq, nu = len(program.coordinates), len(program.rates)
     states = [(rng.uniform(-1.0, 1.0, nq), rng.uniform(-3.0, 3.0, nu)) for _ in range(3)]
-    return np.array([voice.acceleration(0.1, q, u, constants) for q, u in states])
+    return np.array([cross_check.acceleration(0.1, q, u, constants) for q, u in states])
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -139,8 +141,8 @@ def test_a_torque_acts_on_a_hinge_that_closes_a_loop() -> None:
     n = len(sim.joints)
     q, u = sim.start[:n], sim.start[n:]
     found = sim.acceleration(q, u, parameters=given)
-    for voice in (NewtonEuler, MaximalCoordinates):
-        expected = voice(made, told(made, sim.effects, given), sim.joints).acceleration(q, u)
+    for cross_check in (NewtonEuler, MaximalCoordinates):
+        expected = cross_check(made, with_inputs(made, sim.effects, given), sim.joints).acceleration(q, u)
         # other operations altogether; round-off times the condition of the mass matrix
         assert found == pytest.approx(expected, rel=1e-10, abs=1e-10 * float(np.abs(expected).max()))
     assert np.abs(found).max() > 1.0
@@ -151,17 +153,19 @@ def test_a_moving_base_feels_it(mover: str) -> None:
     made, effects = mechanism(), (SAMPLES[mover], ExternalTorque(), Gravity())
     program = lower(equations_of(made, effects))
     given = {"h1.torque": 0.8, "h2.torque": -0.3}
-    voice = Interpreter(program)
+    cross_check = Interpreter(program)
     rng = np.random.default_rng(0)
     q, u = rng.normal(size=len(program.coordinates)), rng.normal(size=len(program.rates))
-    found = voice.acceleration(0.3, q, u, voice.constants(given))
-    expected = MovingNewtonEuler(made, told(made, effects, given), program.joints).acceleration(q, u, 0.3)
+    found = cross_check.acceleration(0.3, q, u, cross_check.constants(given))
+    expected = MovingNewtonEuler(made, with_inputs(made, effects, given), program.joints).acceleration(
+        q, u, 0.3
+    )
     # other operations altogether; round-off times the condition of the mass matrix
     assert found == pytest.approx(expected, rel=1e-10, abs=1e-10 * float(np.abs(expected).max()))
 
 
 @needs_cc
-def test_three_voices_agree_with_it() -> None:
+def test_three_cross_checks_agree_with_it() -> None:
     assert check(lamc.compile(mechanism(), Scene(effects=(Gravity(), ExternalTorque())))).passed
 
 

@@ -29,7 +29,7 @@ def flapped(scene: str) -> Result:
     mechanism = mechanism_of_example(examples.find("flapping_wing"))
     times = np.linspace(0.0, PERIODS / FREQUENCY, PERIODS * ROWS + 1)
     sim = lamc.compile(mechanism, mechanism.scenes[scene])
-    result = sim.run(t_end=times[-1], rtol=1e-9, atol=1e-11, t_eval=times, books=True)
+    result = sim.run(t_end=times[-1], rtol=1e-9, atol=1e-11, t_eval=times, energy_balance=True)
     assert result.success, result.message
     return result
 
@@ -58,14 +58,14 @@ def air() -> Air:
     mechanism = result.mechanism
     flat = wing(mechanism, "wing", 8, None, None, None)
     stroke, pitch = mechanism.joint("stroke"), mechanism.joint("pitch")
-    arm_centre, arm_turn = result.pose("arm")
-    _, wing_turn = result.pose("wing")
+    arm_centre, arm_rotation = result.pose("arm")
+    _, wing_rotation = result.pose("wing")
     forces, powers = [], []
     for k in range(len(result.t) - ROWS, len(result.t)):
         swing = result.rate("stroke")[k] * stroke.axis
-        spin = swing + result.rate("pitch")[k] * (arm_turn[k] @ pitch.axis)
-        hinge = arm_centre[k] + arm_turn[k] @ (pitch.point - mechanism.body("arm").com)
-        chord, span, normal = (wing_turn[k] @ np.array(axis) for axis in flat.axes)
+        spin = swing + result.rate("pitch")[k] * (arm_rotation[k] @ pitch.axis)
+        hinge = arm_centre[k] + arm_rotation[k] @ (pitch.point - mechanism.body("arm").com)
+        chord, span, normal = (wing_rotation[k] @ np.array(axis) for axis in flat.axes)
         force, power = np.zeros(3), 0.0
 
         def velocity(
@@ -78,7 +78,7 @@ def air() -> Air:
             span: Array = span,
             chord: Array = chord,
         ) -> Array:
-            arm = wing_turn[k] @ (np.array(flat.origin) - pitch.point) + along * span + place * chord
+            arm = wing_rotation[k] @ (np.array(flat.origin) - pitch.point) + along * span + place * chord
             v = np.cross(swing, hinge - stroke.point) + np.cross(spin, arm)
             return v - (v @ span) * span  # fmt: skip
 
@@ -129,7 +129,7 @@ def test_air_takes_the_power_that_its_law_says() -> None:
     assert power.mean() == pytest.approx(air().power.mean(), rel=1e-6)
     driven = last_period(result.powers["torque"]).mean()
     assert driven == pytest.approx(-power.mean(), rel=1e-6)
-    assert result.books.balance < 1e-8
+    assert result.energy_balance.balance < 1e-8
 
 
 def test_rounding_the_law_off_changes_little() -> None:
@@ -147,6 +147,6 @@ def test_nothing_brakes_a_wing_in_vacuum() -> None:
     """All that the drive gives is in motion and springs; the stroke is none that repeats."""
     result = flapped("vacuum")
     assert "blade_element_drag" not in result.powers
-    assert result.books.balance < 1e-8
+    assert result.energy_balance.balance < 1e-8
     stroke = result.angle("stroke")
     assert np.abs(last_period(stroke) - stroke[-2 * ROWS : -ROWS]).max() > 0.1

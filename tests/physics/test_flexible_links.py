@@ -198,7 +198,7 @@ def test_energy_is_kept_by_modes_and_lost_by_their_damping() -> None:
     assert not FlexibleLinks().conservative
 
 
-def test_books_close_with_yielding_hinges_on_a_floating_base() -> None:
+def test_energy_balance_close_with_yielding_hinges_on_a_floating_base() -> None:
     """Work of all effects is what the motion has; modes lose what their damping takes, strips without it keep all."""
     made = flag(count=2)
     hub = replace(made.bodies[0], mass=0.01, inertia=1e-5 * np.eye(3))
@@ -208,14 +208,14 @@ def test_books_close_with_yielding_hinges_on_a_floating_base() -> None:
         effects=(Gravity(), HingeStiffness(), strips, bending, FreeBase()), rates={"h0": 10.0, "h1": -20.0}
     )
     sim = lamc.compile(replace(made, bodies=(hub, *made.bodies[1:])), scene)
-    books = sim.run(0.01, rtol=1e-10, atol=1e-13, books=True).books
-    assert books is not None
+    energy_balance = sim.run(0.01, rtol=1e-10, atol=1e-13, energy_balance=True).energy_balance
+    assert energy_balance is not None
     assert (
-        np.abs(books.residual).max() <= 1e-10 * books.scale
+        np.abs(energy_balance.residual).max() <= 1e-10 * energy_balance.scale
     )  # the work is integrated with the motion, at rtol
-    assert books.supplied["flexible_links"][-1] < -1e-5 * books.scale
+    assert energy_balance.supplied["flexible_links"][-1] < -1e-5 * energy_balance.scale
     for conservative in ("gravity", "hinge_stiffness", "twist_compliance"):
-        assert np.abs(books.supplied[conservative]).max() <= 1e-10 * books.scale
+        assert np.abs(energy_balance.supplied[conservative]).max() <= 1e-10 * energy_balance.scale
 
 
 def test_other_forms_have_the_frequencies_that_more_modes_and_finer_meshes_give() -> None:
@@ -247,7 +247,7 @@ def test_a_sagging_link_rests_on_the_ground_at_its_tip() -> None:
     height, k = -T / 2 - sag / 2, 1e7  # N/m^1.5: sinks in by some 1e-6 m, beside a gap of 1e-4
     ground = GroundContact(height=height, stiffness=k, friction=0.0)
     sim = lamc.compile(flag(LOCKED), replace(scene, added=(ground,)))
-    rest = sim.run(1.0, rtol=1e-8, atol=1e-12, integrator="radau5", books=True)
+    rest = sim.run(1.0, rtol=1e-8, atol=1e-12, integrator="radau5", energy_balance=True)
     assert rest.success
     assert np.abs(rest.u[-1]).max() < 1e-6
     depth = (height + T / 2) - tip(sim, rest)
@@ -256,9 +256,9 @@ def test_a_sagging_link_rests_on_the_ground_at_its_tip() -> None:
     stiffness = pushed / (sag - (sag / 2 + depth))
     plain = 3 * 70e9 * B * T**3 / 12 / A**3
     assert plain < stiffness < plain / (1 - 0.3**2)
-    assert rest.books is not None
-    assert rest.books.balance < 1e-8
-    assert rest.books.supplied["ground_contact"][-1] < 0.0
+    assert rest.energy_balance is not None
+    assert rest.energy_balance.balance < 1e-8
+    assert rest.energy_balance.supplied["ground_contact"][-1] < 0.0
 
 
 def tip(sim: lamc.Simulator, result: lamc.Result) -> float:
@@ -270,22 +270,22 @@ def tip(sim: lamc.Simulator, result: lamc.Result) -> float:
     return float(heights.mean())
 
 
-def test_what_floats_and_bends_falls_on_the_ground_with_its_books_in_order() -> None:
+def test_what_floats_and_bends_falls_on_the_ground_with_its_energy_balance_in_order() -> None:
     """The crawler thrown on the ground: contact and modes only take energy, and what acts adds up."""
     with as_file(files("lamc.examples") / "crawler.yaml") as path:
         mechanism = lamc.split(lamc.load(path))
     drop = mechanism.scenes["drop"]
     bending = FlexibleLinks(modes=1, damping_ratio=0.02)
     sim = lamc.compile(mechanism, replace(drop, added=(*drop.added, bending)))
-    result = sim.run(0.2, rtol=1e-8, atol=1e-11, integrator="rodas5p", books=True)
-    books = result.books
-    assert books is not None
+    result = sim.run(0.2, rtol=1e-8, atol=1e-11, integrator="rodas5p", energy_balance=True)
+    energy_balance = result.energy_balance
+    assert energy_balance is not None
     assert result.events  # it has touched the ground
-    assert books.balance < 1e-8
+    assert energy_balance.balance < 1e-8
     for effect in ("ground_contact", "flexible_links"):
-        assert books.supplied[effect][-1] < -1e-6 * books.scale
-        assert np.diff(books.supplied[effect]).max() <= 1e-9 * books.scale
-    assert np.abs(books.supplied["gravity"]).max() <= 1e-9 * books.scale
+        assert energy_balance.supplied[effect][-1] < -1e-6 * energy_balance.scale
+        assert np.diff(energy_balance.supplied[effect]).max() <= 1e-9 * energy_balance.scale
+    assert np.abs(energy_balance.supplied["gravity"]).max() <= 1e-9 * energy_balance.scale
 
 
 def test_steps_stay_affordable() -> None:

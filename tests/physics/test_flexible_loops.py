@@ -1,4 +1,4 @@
-"""Loops in which links bend: what closure asks of them, a run to its end, the rigid limit, independent voices."""
+"""Loops in which links bend: what closure asks of them, a run to its end, the rigid limit, independent cross-checks."""
 
 from dataclasses import replace
 from importlib.resources import files
@@ -49,7 +49,7 @@ def test_stiff_links_of_a_loop_are_rigid_ones() -> None:
 
 
 @pytest.mark.parametrize("base", [(), pytest.param((FreeBase(),), marks=pytest.mark.slow)])
-def test_a_loop_whose_links_bend_moves_as_the_independent_voice_says(base: tuple[Effect, ...]) -> None:
+def test_a_loop_whose_links_bend_moves_as_the_independent_cross_check_says(base: tuple[Effect, ...]) -> None:
     """Also at the start, where stiff modes would show any move by a last digit as an acceleration."""
     report = check(four_bar(FlexibleLinks(bodies=("arm", "link")), *base), states=4, t_end=0.05)
     assert report.passed, report.table()

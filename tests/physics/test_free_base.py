@@ -317,35 +317,35 @@ def test_bases_that_cannot_float_are_refused_by_name() -> None:
         FreeBase(spin=(1.0, 2.0))  # type: ignore[arg-type]
 
 
-def test_second_voice_knows_floating_bases() -> None:
+def test_second_cross_check_knows_floating_bases() -> None:
     """Newton and Euler by Jacobians of all bodies, beside MuJoCo and Kane above."""
     spring = Spring("ground", (0.0, 0.3, 0.0), "body1", (1.0, 0.0, 0.2), 3.0, rest_length=0.1, damping=0.2)
     for mechanism in (with_base(random_tree(5, seed=3)), with_base(closed_mechanism("spatial", 1).mechanism)):
         effects = (*ALL_PASSIVE, spring, FreeBase())
         general = General(mechanism, effects)
         joints = general.equations.joints
-        voice = MovingNewtonEuler(mechanism, effects, joints)
+        cross_check = MovingNewtonEuler(mechanism, effects, joints)
         for seed in range(3):
             q, u = random_start(general, len(joints), seed)
-            if voice.cuts:
+            if cross_check.cuts:
                 q[: len(joints)], u[: len(joints)] = 0.0, 0.0
-            found, expected = general.acceleration(0.0, q, u), voice.acceleration(q, u)
+            found, expected = general.acceleration(0.0, q, u), cross_check.acceleration(q, u)
             assert (
                 np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
             )  # two roads, condition of M
-            ours, theirs = general.energies(0.0, q, u), voice.energy(q, u)
+            ours, theirs = general.energies(0.0, q, u), cross_check.energy(q, u)
             for name, value in theirs.items():
                 assert ours.get(name, 0.0) == pytest.approx(value, rel=1e-12, abs=1e-12)
 
 
 @needs_cc
 @pytest.mark.parametrize("family", ["tree", "planar"])
-def test_check_compares_the_voices_where_the_base_floats(family: str) -> None:
+def test_check_compares_the_cross_checks_where_the_base_floats(family: str) -> None:
     mechanism = chain(3) if family == "tree" else closed_mechanism(family, 0).mechanism
     effects = (Gravity(), HingeStiffness(), FreeBase(spin=(1.0, 0.5, -0.3)))
     report = check(lamc.compile(with_base(mechanism), Scene(effects=effects)), states=5, t_end=0.5)
     assert report.passed, report.table()
-    assert sum(c.voices == ("C", "Newton-Euler") for c in report.comparisons) >= 4
+    assert sum(c.cross_checks == ("C", "Newton-Euler") for c in report.comparisons) >= 4
 
 
 @needs_cc

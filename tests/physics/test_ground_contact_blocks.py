@@ -50,8 +50,8 @@ def test_a_dropped_block_comes_to_rest_and_stays(
     touches = [event.t for event in result.events]
     assert len(touches) > 40
     assert touches[-1] < 1.0  # no corner flickers afterwards
-    turned = abs(math.remainder(float(pitch(result)[-1]), math.pi))
-    assert turned < 1e-6  # it lies on one of its faces
+    rotated = abs(math.remainder(float(pitch(result)[-1]), math.pi))
+    assert rotated < 1e-6  # it lies on one of its faces
     if t_end == 100.0:
         at_rest = result.t > 0.5 * t_end
         assert at_rest.sum() <= 5  # rows: rest is crossed in strides of many seconds
@@ -123,12 +123,12 @@ def test_a_block_tips_where_its_centre_is_beyond_its_edge(shape: float, tips: bo
     """On a slope with tan = 1/2, where friction holds, a block of length l and height h tips if h > 2 l."""
     degrees = math.degrees(math.atan(0.5))
     result = on_slope(degrees, "gravity", 5.0, length=0.04, height=shape * 0.08)
-    turned = pitch(result)
+    rotated = pitch(result)
     assert result.success
     if tips:
-        assert turned[-1] > 0.5
+        assert rotated[-1] > 0.5
     else:
-        assert abs(turned).max() < 0.02  # what the lower edge sinks in more than the upper one
+        assert abs(rotated).max() < 0.02  # what the lower edge sinks in more than the upper one
 
 
 def test_static_friction_holds_what_rests_and_lets_slide_what_slides() -> None:

@@ -1,4 +1,5 @@
-"""Free bodies on the ground, six freedoms and more: a dropped plate rests, the books balance, a crawler walks."""
+"""Free bodies on the ground, six freedoms and more: a dropped plate rests, the energy balance closes, a crawler
+walks."""
 
 import math
 from functools import cache
@@ -94,9 +95,9 @@ def test_auto_bears_friction_that_is_a_hundred_times_as_sharp() -> None:
     assert not explicit.success
 
 
-def test_the_books_of_a_fall_balance() -> None:
+def test_the_energy_balance_of_a_fall_balance() -> None:
     """What gravity gives, the ground takes, but for what it still stores."""
-    result = tossed(GroundContact()).run(3.0, rtol=1e-10, atol=1e-12, books=True)
+    result = tossed(GroundContact()).run(3.0, rtol=1e-10, atol=1e-12, energy_balance=True)
     taken = float(result.work["ground_contact"][-1] + result.energies["ground_contact"][-1])
     lost = float(result.energy[-1] - result.energy[0])
     assert taken == pytest.approx(lost, rel=1e-8)

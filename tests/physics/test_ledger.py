@@ -145,7 +145,7 @@ def test_two_peers_that_share_no_integrator_code_agree_with_the_reference(swingi
         assert tightest.path < 1e-9  # rtol 1e-12 over some hundred steps; LSODA loses two digits and more
 
 
-def test_chaos_is_told_and_the_horizon_is_not_shortened_in_silence() -> None:
+def test_chaos_is_reported_and_the_horizon_is_not_shortened_in_silence() -> None:
     mechanism = chain(
         3, "parallel", seed=4
     )  # three bodies on parallel hinges, let go high: a triple pendulum
@@ -169,7 +169,7 @@ Tried = list[tuple[str, float, float]]
 @pytest.fixture
 def slow_machine(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Tried]:
     """Makes runs take as long as their steps say, at so many steps a second; `fails`: methods that break down at
-    tolerances below the one given. What is tried is told: method, rtol, patience."""
+    tolerances below the one given. What is tried is reported: method, rtol, patience."""
     trace, tried = reference.Own.trace, []
 
     def slow(pace: float, fails: dict[str, float]) -> Tried:
@@ -218,7 +218,9 @@ def test_methods_that_break_down_at_a_tight_tolerance_are_tried_at_a_looser_one(
     assert off_the_swing(truth) < 1e-10  # ten times its tolerance
 
 
-def test_one_method_alone_is_held_against_itself_and_that_is_told(slow_machine: Callable[..., Tried]) -> None:
+def test_one_method_alone_is_held_against_itself_and_that_is_reported(
+    slow_machine: Callable[..., Tried],
+) -> None:
     slow_machine(1e9, dict.fromkeys(("rk45", "rodas5p", "radau5", "scipy:DOP853"), 1.0))
     truth = make_reference(lamc.compile(rod(), FREE), Sweep(t_end=4.0), Clock(10.0), 5.0)
     facts = truth.facts
@@ -388,7 +390,7 @@ def test_leaving_out_a_faint_damping_changes_what_it_takes_from_the_swing(swingi
     assert 1e-6 < row.change < most
 
 
-def test_effect_without_weight_is_told_and_one_with_weight_is_not(swinging: Ledger) -> None:
+def test_effect_without_weight_is_reported_and_one_with_weight_is_not(swinging: Ledger) -> None:
     assert swinging.verdict.idle == ("hinge_damping",)
     assert "hinge_damping" in swinging.verdict.lines[-1]
     assert swinging.account is not None
@@ -541,11 +543,11 @@ KEPT = sorted((ROOT / "docs" / "ledgers").glob("*.json"))
 def test_kept_ledger_has_its_picture_and_the_slopes_of_theory(path: Path) -> None:
     ledger = read_ledger(path.read_text(encoding="utf-8"))
     assert path.with_suffix(".png").is_file()
-    told = [
+    reported = [
         o for o in ledger.orders if o.integrator in OWN and o.path is not None and o.path_theory is not None
     ]
-    assert len(told) >= 3
-    for order in told:
+    assert len(reported) >= 3
+    for order in reported:
         assert order.path is not None
         assert order.path_theory is not None
         # one order: where steps are long, terms beyond the leading one count, and they make lines steeper

@@ -47,7 +47,7 @@ def test_a_motor_without_load_spins_up_exponentially(voltage: float | str, ratio
 
 @pytest.mark.parametrize("ratio", [1.0, -20.0])
 def test_the_rotor_turns_with_the_joint_times_the_gear_ratio_squared(ratio: float) -> None:
-    """(I + n² J) u̇ = n (T₀ - (T₀/ω₀) n u): spin-up with a longer time, and ½ n² J u² in the books."""
+    """(I + n² J) u̇ = n (T₀ - (T₀/ω₀) n u): spin-up with a longer time, and ½ n² J u² in the energy balance."""
     rotor = 3e-4
     sim = simulator(pendulum(), motor(NOMINAL, **LINE, gear_ratio=ratio, rotor_inertia=rotor))
     tau = (ABOUT_HINGE + ratio**2 * rotor) * SPEED / (ratio**2 * STALL)
@@ -95,25 +95,27 @@ def test_electrical_power_is_mechanical_power_and_heat() -> None:
     sim = simulator(pendulum(), Gravity((0.0, 0.0, -9.81)), the_motor)
     t = np.linspace(0.0, 1.0, 4001)
     result = sim.run(t_end=1.0, t_eval=t, rtol=1e-10, atol=1e-12)
-    books = the_motor.books(result)
-    assert books.electrical == pytest.approx(books.mechanical + books.heat, abs=1e-12)  # round-off of some W
-    assert (books.heat >= 0.0).all()
+    energy_balance = the_motor.energy_balance(result)
+    assert energy_balance.electrical == pytest.approx(
+        energy_balance.mechanical + energy_balance.heat, abs=1e-12
+    )  # round-off of some W
+    assert (energy_balance.heat >= 0.0).all()
     step = t[1] - t[0]
     simpson = np.ones(len(t))
     simpson[1:-1:2], simpson[2:-1:2] = 4.0, 2.0
-    work = step / 3.0 * float(simpson @ books.mechanical)
+    work = step / 3.0 * float(simpson @ energy_balance.mechanical)
     # Simpson's rule at 0.25 ms for motions of 20 rad/s and faster: h⁴ f'''' / 180 is some 1e-11
     assert work == pytest.approx(result.energy[-1] - result.energy[0], abs=1e-8)
 
 
-def test_the_books_use_the_parameters_of_the_run() -> None:
+def test_the_energy_balance_use_the_parameters_of_the_run() -> None:
     the_motor = motor()
     sim = simulator(pendulum(), the_motor)
     result = sim.run(t_end=0.1, parameters={"hip.motor.voltage": -2.0, "hip.motor.gear_ratio": 4.0})
-    books = the_motor.books(result)
-    assert books.voltage == pytest.approx(np.full(len(result.t), -2.0))
-    assert books.current[0] == pytest.approx(-2.0 / R)
-    assert books.torque[0] == pytest.approx(4.0 * K * -2.0 / R)
+    energy_balance = the_motor.energy_balance(result)
+    assert energy_balance.voltage == pytest.approx(np.full(len(result.t), -2.0))
+    assert energy_balance.current[0] == pytest.approx(-2.0 / R)
+    assert energy_balance.torque[0] == pytest.approx(4.0 * K * -2.0 / R)
 
 
 @given(
@@ -130,7 +132,7 @@ def test_a_shorted_motor_brakes(rate: float, ratio: float, seed: int) -> None:
     assert torque == pytest.approx(-(ratio**2) * STALL / SPEED * rate, rel=1e-12)
 
 
-def test_several_motors_act_and_agree_with_the_independent_voices() -> None:
+def test_several_motors_act_and_agree_with_the_independent_cross_checks() -> None:
     effects = (
         LinearMotor("h0", "5*cos(9*t) + angle", torque_constant=0.3, resistance=2.0, gear_ratio=4.0),
         LinearMotor("h2", -2.0, **LINE),

@@ -131,16 +131,16 @@ def test_a_loop_that_fits_badly_is_refused_with_its_misfit(cases: dict[str, Any]
 def test_an_accepted_misfit_runs_as_smoothly_as_none(cases: dict[str, Any], tilt: float) -> None:
     case = cases["fourbar_crank"]
     mechanism, scene = tilted(case, tilt)
-    told = count_loops(plan(mechanism)).misfit
-    assert told is not None
+    reported = count_loops(plan(mechanism)).misfit
+    assert reported is not None
     # An axis that is off by the tilt leaves a gap of no more than its double times the size, and no less than a tenth.
-    assert 0.1 * tilt * mechanism.size < told.gap < 2.1 * tilt * mechanism.size
+    assert 0.1 * tilt * mechanism.size < reported.gap < 2.1 * tilt * mechanism.size
     aligned = lamc.compile(*from_reference(case["spec"])).run(t_end=1.0, rtol=1e-9, atol=1e-11)
-    sim = lamc.compile(mechanism, replace(scene, closure_tolerance=1.01 * told.gap))
+    sim = lamc.compile(mechanism, replace(scene, closure_tolerance=1.01 * reported.gap))
     assert (sim.loops.rank, sim.loops.freedoms) == (3, 1)
     result = sim.run(t_end=1.0, rtol=1e-9, atol=1e-11)
     assert result.success, result.message
-    assert result.constraint_error.max() <= 1.01 * told.gap
+    assert result.constraint_error.max() <= 1.01 * reported.gap
     assert result.stats.accepted + (result.stats.rejected or 0) <= 1.1 * aligned.stats.steps
     drift = np.abs(result.energy - result.energy[0]).max() / abs(result.energy[0])
     # Positions that move across an open gap do work of the second order in it; 1e-9 is what the tolerance leaves.
@@ -159,7 +159,7 @@ def test_the_tolerance_is_the_users(cases: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("shift", [1e-6, 1e-4])
-def test_a_vertex_whose_creases_do_not_meet_is_told(shift: float) -> None:
+def test_a_vertex_whose_creases_do_not_meet_is_reported(shift: float) -> None:
     mechanism = vertex(np.radians([60.0, 75.0, 120.0, 105.0]), shift)
     count = count_loops(plan(mechanism))
     assert count.misfit is not None
@@ -267,8 +267,8 @@ def test_branches_of_flat_origami_are_directions_of_motion(cases: dict[str, Any]
         assert np.abs(geometry.jacobian(drawn) @ rates).max() <= 1e-12  # first order
         assert tangents(geometry, drawn).residual(rates) <= 1e-10  # second order
         # Along a motion the gap at a small angle is of the third order; off all branches it is of the second.
-        for turn in (1e-2, 1e-3):
-            assert np.abs(geometry.closure(turn * rates)[0]).max() <= 2.0 * turn**2
+        for rotation in (1e-2, 1e-3):
+            assert np.abs(geometry.closure(rotation * rates)[0]).max() <= 2.0 * rotation**2
 
 
 @pytest.mark.parametrize("name", FLAT)
@@ -411,10 +411,10 @@ def test_split_and_run_tell_loops_and_branches(tmp_path: Path, capsys: pytest.Ca
     write_mechanism(vertex(np.radians([60.0, 75.0, 120.0, 105.0])), path)
     out = ["--out", str(tmp_path / "out")]
     assert main(["split", str(path), *out], standalone_mode=False) == 0
-    told = capsys.readouterr().out
-    assert "1 loop: 6 equations of rank 3, 3 redundant" in told
-    assert "branch 1: c0 -0.1413, c1 +1, c2 +0.1413, c3 +1" in told  # the published ratios
-    assert "branch 2: c0 +1, c1 -0.386, c2 +1, c3 +0.386" in told
+    reported = capsys.readouterr().out
+    assert "1 loop: 6 equations of rank 3, 3 redundant" in reported
+    assert "branch 1: c0 -0.1413, c1 +1, c2 +0.1413, c3 +1" in reported  # the published ratios
+    assert "branch 2: c0 +1, c1 -0.386, c2 +1, c3 +0.386" in reported
     run = ["run", str(path), "--t-end", "0.01", "--no-animation", *out]
     assert main(run, standalone_mode=False) == 2
     assert "it has 2 branches" in capsys.readouterr().err

@@ -1,4 +1,5 @@
-"""Nonlinear stiffness against closed forms, scipy's curves and a voice that shares nothing; files and refusals."""
+"""Nonlinear stiffness against closed forms, scipy's curves and a cross-check that shares nothing; files and
+refusals."""
 
 import contextlib
 import json
@@ -156,7 +157,7 @@ def with_rests(mechanism: Mechanism) -> Mechanism:
 
 @needs_cc
 @pytest.mark.parametrize("kind", ["space", "laminate"])
-def test_every_law_agrees_with_the_independent_voices(kind: str) -> None:
+def test_every_law_agrees_with_the_independent_cross_checks(kind: str) -> None:
     mechanism = with_rests(chain(5, kind, seed=4))
     scene = Scene(effects=(lamc.Gravity(), HingeStiffness(), RestAngle(), NonlinearStiffness(LAWS)))
     report = check(lamc.compile(mechanism, scene), states=20, t_end=0.5)

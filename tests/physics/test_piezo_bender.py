@@ -214,8 +214,8 @@ def test_its_forces_are_the_gradient_of_its_energy_between_moving_bodies(seed: i
     drawn = {body.name: body.com for body in mechanism.bodies}
 
     def stored(q: Any) -> float:
-        coms, turns = interpreter.poses(q, constants)
-        at = {n: (coms[i], turns[i]) for i, n in enumerate(interpreter.bodies)}
+        coms, rotations = interpreter.poses(q, constants)
+        at = {n: (coms[i], rotations[i]) for i, n in enumerate(interpreter.bodies)}
         ends = [at[n][0] + at[n][1] @ (root + along - drawn[n]) for n in ("body0", "body2")]
         up = at["body0"][1] @ (normal / np.linalg.norm(normal))
         return 0.5 * k * float(up @ (ends[1] - ends[0]) - free) ** 2

@@ -1,4 +1,4 @@
-"""The reference voices against each other, against KanesMethod, closed forms and published answers."""
+"""The reference cross-checks against each other, against KanesMethod, closed forms and published answers."""
 
 import json
 import math
@@ -53,12 +53,12 @@ def test_newton_euler_agrees_with_maximal_coordinates_on_random_trees(
 def test_newton_euler_agrees_with_kanes_method(kind: str, n: int) -> None:
     mechanism = random_tree(n, seed=n, kind=kind)
     effects = (*ALL_PASSIVE, FORMULA) if n > 1 else ALL_PASSIVE
-    voice = NewtonEuler(mechanism, effects)
+    cross_check = NewtonEuler(mechanism, effects)
     oracle = kane(mechanism, effects).lambdified()
     for seed in range(3):
         q, u = random_state(n, seed)
         # 1e-12: the issue's limit; round-off of expressions with some 1e4 operations is 1e-14 to 1e-13.
-        assert relative(voice.acceleration(q, u, 0.3), oracle(q, u, 0.3)) < 1e-12
+        assert relative(cross_check.acceleration(q, u, 0.3), oracle(q, u, 0.3)) < 1e-12
 
 
 def test_order_of_joints_is_the_callers() -> None:
@@ -123,13 +123,13 @@ def test_spinning_rod_on_a_spinning_arm_feels_the_centrifugal_torque() -> None:
 def test_power_of_the_forces_is_the_change_of_energy() -> None:
     """dE/dt = -Σ c u² along the motion, by central differences of the energy."""
     mechanism = random_tree(5, seed=7, kind="space")
-    voice = NewtonEuler(mechanism, ALL_PASSIVE)
+    cross_check = NewtonEuler(mechanism, ALL_PASSIVE)
     q, u = random_state(5, seed=5)
-    du = voice.acceleration(q, u)
+    du = cross_check.acceleration(q, u)
     h = 1e-5  # s; the error of the difference is h² of the third derivative, some 1e-7 relative
 
     def total(s: float) -> float:
-        return sum(voice.energy(q + s * u + 0.5 * s * s * du, u + s * du).values())
+        return sum(cross_check.energy(q + s * u + 0.5 * s * s * du, u + s * du).values())
 
     damping = np.array([j.damping for j in mechanism.joints])
     lost = -float(damping @ u**2)
@@ -139,28 +139,34 @@ def test_power_of_the_forces_is_the_change_of_energy() -> None:
 def test_unit_plates_of_the_paper_fold_as_published() -> None:
     mechanism, scene = unit_plate_pendulum()
     joints = tuple(j.name for j in mechanism.joints)
-    voice = NewtonEuler(mechanism, scene.effects or (), joints)
+    cross_check = NewtonEuler(mechanism, scene.effects or (), joints)
     run = simulate(
-        voice.acceleration, initial_state(scene, joints), joints, np.array([0.5]), 1e-11, 1e-13, "DOP853"
+        cross_check.acceleration,
+        initial_state(scene, joints),
+        joints,
+        np.array([0.5]),
+        1e-11,
+        1e-13,
+        "DOP853",
     )
     # 1e-10: DOP853 at 1e-11 holds this; the published digits end at 1e-16.
     assert np.abs(run.q[0] - [0.3479767274690896, 0.1416890662362707, 0.03314863340808915]).max() < 1e-10
 
 
-@pytest.mark.parametrize("voice", [NewtonEuler, MaximalCoordinates])
+@pytest.mark.parametrize("cross_check", [NewtonEuler, MaximalCoordinates])
 @pytest.mark.parametrize(
     ("case", "last"), [("double_pendulum", 3.0), ("mass_ratio", 2.0), ("triple_stiff_e2", 0.1)]
 )
-def test_reference_cases(shared: Path, case: str, last: float, voice: Any) -> None:
+def test_reference_cases(shared: Path, case: str, last: float, cross_check: Any) -> None:
     cases = {c["id"]: c for c in json.loads((shared / "reference" / "dynamics.json").read_text())["cases"]}
     mechanism, scene = from_reference(cases[case]["spec"])
     joints = tuple(j.name for j in mechanism.joints)
     rows = [
         (e, tol) for e, tol in zip(cases[case]["expected"], cases[case]["tol"], strict=True) if e["t"] <= last
     ]
-    if voice is MaximalCoordinates:
-        rows = rows[:1]  # slow; the agreement of the two voices at every state is tested above
-    equations = voice(mechanism, scene.effects or (), joints)
+    if cross_check is MaximalCoordinates:
+        rows = rows[:1]  # slow; the agreement of the two cross-checks at every state is tested above
+    equations = cross_check(mechanism, scene.effects or (), joints)
     times = np.array([float(e["t"]) for e, _ in rows])
     run = simulate(
         equations.acceleration, initial_state(scene, joints), joints, times, 1e-12, 1e-14, "DOP853"
@@ -176,13 +182,19 @@ def test_fixed_dormand_prince_steps_have_order_five() -> None:
     mechanism, scene = unit_plate_pendulum()
     scene = Scene(effects=(Gravity(),), angles={"h0": 0.5}, rates={"h2": 1.0})
     joints = tuple(j.name for j in mechanism.joints)
-    voice = NewtonEuler(mechanism, scene.effects or (), joints)
+    cross_check = NewtonEuler(mechanism, scene.effects or (), joints)
     reference = simulate(
-        voice.acceleration, initial_state(scene, joints), joints, np.array([0.5]), 1e-13, 1e-15, "DOP853"
+        cross_check.acceleration,
+        initial_state(scene, joints),
+        joints,
+        np.array([0.5]),
+        1e-13,
+        1e-15,
+        "DOP853",
     )
     exact = np.concatenate([reference.q[0], reference.u[0]])
     errors = [
-        np.abs(fixed_steps(voice.acceleration, initial_state(scene, joints), 0.5, k) - exact).max()
+        np.abs(fixed_steps(cross_check.acceleration, initial_state(scene, joints), 0.5, k) - exact).max()
         for k in (40, 80)
     ]
     order = math.log2(errors[0] / errors[1])

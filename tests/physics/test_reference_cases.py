@@ -25,7 +25,7 @@ DOWN = Gravity((0.0, -9.81, 0.0))
 
 FOLDERS = {"test_popupcad_pendulum": "unit"}  # of tests that are not beside this one
 LOOPS = "test_loops:test_loops_move_as_computed_independently"
-VOICES = "test_three_voices:test_reference_cases_are_met_within_what_they_accept"
+CROSS_CHECKS = "test_three_cross_checks:test_reference_cases_are_met_within_what_they_accept"
 STIFF = "test_reference_cases:test_stiff_hinges_hold_a_triple_pendulum_straight"
 LIMITS = "test_joint_limits:test_a_plate_swings_against_its_stop_as_computed_independently"
 COVERED_BY = {
@@ -40,9 +40,9 @@ COVERED_BY = {
     "miura33": LOOPS,
     "bricard": LOOPS,
     "sarrus": LOOPS,
-    "double_pendulum": VOICES,
-    "mass_ratio": VOICES,
-    "triple_stiff_e2": VOICES,
+    "double_pendulum": CROSS_CHECKS,
+    "mass_ratio": CROSS_CHECKS,
+    "triple_stiff_e2": CROSS_CHECKS,
     "iftomm_A01": "test_reference_cases:test_point_mass_on_a_massless_rod_keeps_time_for_2000_s",
     "iftomm_A02_N2": "test_reference_cases:test_thin_rods_pass_their_singular_positions",
     "andrews_squeezer": "test_spring:test_andrews_squeezer_meets_the_published_digits",

@@ -9,7 +9,7 @@ from lamc import examples
 from tests.physics.test_loops import simulator
 
 
-def test_equations_let_go_near_a_singular_position_are_told(shared: Path) -> None:
+def test_equations_let_go_near_a_singular_position_are_reported(shared: Path) -> None:
     cases: dict[str, Any] = {
         c["id"]: c for c in json.loads((shared / "reference" / "dynamics.json").read_text())["cases"]
     }

@@ -209,12 +209,12 @@ def test_the_same_run_gives_the_same_bits(sim: Simulator) -> None:
     assert (a.t == b.t).all()
 
 
-def test_progress_is_told_and_ascends(sim: Simulator) -> None:
-    told: list[tuple[float, float]] = []
-    sim.run(t_end=20.0, progress=lambda t, t_end: told.append((t, t_end)))
-    assert len(told) > 1
-    assert [t for t, _ in told] == sorted(t for t, _ in told)
-    assert {t_end for _, t_end in told} == {20.0}
+def test_progress_is_reported_and_ascends(sim: Simulator) -> None:
+    reported: list[tuple[float, float]] = []
+    sim.run(t_end=20.0, progress=lambda t, t_end: reported.append((t, t_end)))
+    assert len(reported) > 1
+    assert [t for t, _ in reported] == sorted(t for t, _ in reported)
+    assert {t_end for _, t_end in reported} == {20.0}
 
 
 @pytest.mark.parametrize("integrator", NAMES)
@@ -241,7 +241,7 @@ def test_a_mechanism_without_hinges_runs(still_module: handmade.HandmadeModule, 
 # ---- ends -------------------------------------------------------------------------------------------------
 
 
-def test_a_motion_that_ends_in_infinity_is_told_and_kept(module: handmade.HandmadeModule) -> None:
+def test_a_motion_that_ends_in_infinity_is_reported_and_kept(module: handmade.HandmadeModule) -> None:
     # udot = growth u² alone: u = 1 / (1/u0 - growth t), infinite at t = 0.5
     sim = simulator(module, angle=0.0, rate=2.0)
     result = sim.run(t_end=2.0, rtol=1e-8, parameters={"growth": 1.0, "gravity": 0.0})
@@ -266,7 +266,7 @@ def test_nan_ends_the_run_and_keeps_what_there_is(sim: Simulator, integrator: st
 
 
 @pytest.mark.parametrize("integrator", NAMES)
-def test_nan_at_the_start_is_told(sim: Simulator, integrator: str) -> None:
+def test_nan_at_the_start_is_reported(sim: Simulator, integrator: str) -> None:
     result = sim.run(t_end=2.0, parameters={"nan_after": -1.0}, integrator=integrator)
     assert result.status == Status.NOT_FINITE
     assert (result.t == [0.0]).all()
@@ -361,14 +361,14 @@ def test_an_interrupt_in_the_progress_callback_cancels(sim: Simulator) -> None:
 
 def test_other_threads_run_while_the_integrator_does(sim: Simulator) -> None:
     # With the lock held, the other thread would get about one turn per slice of 20 ms.
-    turns = 0
+    rotations = 0
     done = threading.Event()
 
     def count() -> None:
-        nonlocal turns
+        nonlocal rotations
         while not done.is_set():
             time.sleep(0.001)
-            turns += 1
+            rotations += 1
 
     thread = threading.Thread(target=count)
     thread.start()
@@ -377,7 +377,7 @@ def test_other_threads_run_while_the_integrator_does(sim: Simulator) -> None:
     spent = time.perf_counter() - started
     done.set()
     thread.join()
-    assert turns > 3 * spent / 0.02
+    assert rotations > 3 * spent / 0.02
 
 
 # ---- arguments --------------------------------------------------------------------------------------------

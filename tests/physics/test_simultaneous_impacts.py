@@ -48,7 +48,7 @@ def test_a_symmetric_machine_stays_symmetric(rtol: float, integrator: str) -> No
     assert np.abs(result.energy - result.energy[0]).max() < 300.0 * rtol * scale
 
 
-def test_all_stops_of_one_instant_are_told() -> None:
+def test_all_stops_of_one_instant_are_reported() -> None:
     scene = Scene(effects=(DROPPED, JointLimits(stiffness=1.0)), rates={"j0": -4.0, "j4": -4.0})
     result = lamc.compile(five_bar(), scene).run(t_end=0.4, rtol=1e-9, atol=1e-11)
     assert sorted(e.name for e in result.events) == ["lower limit of j0"] * 2 + ["lower limit of j4"] * 2
@@ -77,10 +77,10 @@ def mass_matrix(mechanism: Mechanism) -> Array:
     count = len(mechanism.joints)
     mass = np.zeros((count, count))
     for i, body in enumerate(b for b in mechanism.bodies if not b.fixed):
-        turns = np.array([1.0 if j <= i else 0.0 for j in range(count)])
+        rotations = np.array([1.0 if j <= i else 0.0 for j in range(count)])
         arms = np.array([body.com - joint.point for joint in mechanism.joints])
-        moves = np.array([-arms[:, 1], arms[:, 0]]) * turns
-        mass += body.mass * moves.T @ moves + body.inertia[2, 2] * np.outer(turns, turns)
+        moves = np.array([-arms[:, 1], arms[:, 0]]) * rotations
+        mass += body.mass * moves.T @ moves + body.inertia[2, 2] * np.outer(rotations, rotations)
     return mass
 
 

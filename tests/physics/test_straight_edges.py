@@ -35,7 +35,7 @@ def told(mechanism: Mechanism) -> tuple[str, ...]:
     return FlexibleLinks(modes=3, laminate=SHEET).notes(plan(mechanism))
 
 
-def test_a_wide_body_on_a_soft_hinge_is_told_with_the_measure() -> None:
+def test_a_wide_body_on_a_soft_hinge_is_reported_with_the_measure() -> None:
     (note,) = told(flag(0.05, 0.05, 0.01))
     assert "the edge of body 'flag' stays straight at hinge 'h'" in note
     assert "% too high" in note

@@ -308,8 +308,8 @@ def test_a_force_at_a_point_does_virtual_work_through_its_jacobian(kind: str) ->
         step = 1e-5
         _, middle = pose(q)
         for k, e in enumerate(np.eye(n)):
-            (high, turned), (low, back) = pose(q + step * e), pose(q - step * e)
-            spin = (turned - back) @ middle.T / (2 * step)
+            (high, rotated), (low, back) = pose(q + step * e), pose(q - step * e)
+            spin = (rotated - back) @ middle.T / (2 * step)
             work[k] = force @ (high - low) / (2 * step) + moment @ [spin[2, 1], spin[0, 2], spin[1, 0]]
         # M (a' - a) = Jᵀ F, with M by the staged equations
         matrix = inertia(t, q, u, {}).reshape(n, n)

@@ -166,15 +166,19 @@ def test_energy_is_kept_by_strips_and_lost_by_their_retardation() -> None:
 
 
 @needs_cc
-def test_books_close_and_retardation_only_takes() -> None:
+def test_energy_balance_close_and_retardation_only_takes() -> None:
     """A ring on its bushing: the strips' damping, and that of the hinges, lose energy at every row."""
     effects = (Gravity(tuple(G)), HingeStiffness(), HingeDamping(), TwistCompliance(**RING, retardation=1e-4))
-    books = lamc.compile(ring(), Scene(effects=effects)).run(0.02, rtol=1e-10, atol=1e-13, books=True).books
-    assert books is not None
-    assert np.abs(books.residual).max() <= 1e-10 * books.scale
+    energy_balance = (
+        lamc.compile(ring(), Scene(effects=effects))
+        .run(0.02, rtol=1e-10, atol=1e-13, energy_balance=True)
+        .energy_balance
+    )
+    assert energy_balance is not None
+    assert np.abs(energy_balance.residual).max() <= 1e-10 * energy_balance.scale
     for dissipative in ("twist_compliance", "hinge_damping"):
-        assert (np.diff(books.supplied[dissipative]) <= 1e-14 * books.scale).all()
-        assert books.supplied[dissipative][-1] < -1e-3 * books.scale
+        assert (np.diff(energy_balance.supplied[dissipative]) <= 1e-14 * energy_balance.scale).all()
+        assert energy_balance.supplied[dissipative][-1] < -1e-3 * energy_balance.scale
 
 
 # --- loops that do not fit -------------------------------------------------------------------------------------------
@@ -222,8 +226,8 @@ class Potential:
         pa = ca + ra.apply(hinge.point - self.mechanism.body(joint.parent).com)
         pb = cb + rb.apply(hinge.point - self.mechanism.body(joint.child).com)
         axes_a, axes_b = ra.as_matrix() @ hinge.axes, rb.as_matrix() @ hinge.axes
-        turns = Rotation.from_matrix(axes_a.T @ axes_b).as_euler("XYZ")
-        return np.concatenate([turns, axes_a.T @ (pb - pa)])
+        rotations = Rotation.from_matrix(axes_a.T @ axes_b).as_euler("XYZ")
+        return np.concatenate([rotations, axes_a.T @ (pb - pa)])
 
     def pose(self, x: Array, name: str) -> tuple[Rotation, Array]:
         body = self.mechanism.body(name)
@@ -321,17 +325,17 @@ def test_given_angles_start_a_yielding_loop_nearly_closed() -> None:
     """The crank a tenth of a radian on: the others follow as rigid bars would, and the strips hold the misfit only."""
     mechanism = ring()
     effects = (HingeStiffness(), TwistCompliance(**RING))
-    rest, turned = (
+    rest, rotated = (
         lamc.compile(mechanism, Scene(effects=effects, angles=angles)) for angles in ({}, {"A": 0.1})
     )
     n = len(rest.coordinates)
-    assert turned.start[0] == 0.1
-    assert np.abs(turned.start[1:3]).min() > 0.01
-    torn = turned.start[:n].copy()
+    assert rotated.start[0] == 0.1
+    assert np.abs(rotated.start[1:3]).min() > 0.01
+    torn = rotated.start[:n].copy()
     torn[1:3] = 0.0
     still = np.zeros(n)
     # Torn, the ring gapes by a tenth of its crank, 2 mm; closed, by what 0.03 rad at C over 0.1 rad of turn leaves.
-    assert turned.energy(turned.start[:n], still) < 1e-3 * turned.energy(torn, still)
+    assert rotated.energy(rotated.start[:n], still) < 1e-3 * rotated.energy(torn, still)
 
 
 # --- refusals --------------------------------------------------------------------------------------------------------

@@ -301,10 +301,10 @@ def test_command_line_tells_where_each_stiffness_comes_from(tmp_path: Path) -> N
     assert hinge["taken"] == "plate"
     assert hinge["beam_formula"] < hinge["finite_element"] < hinge["plate_formula"]
     assert made["joints"][0]["stiffness"] == hinge["plate_formula"]  # type: ignore[index]
-    told = CliRunner().invoke(
+    reported = CliRunner().invoke(
         main, ["split", str(file), "--out", str(tmp_path / "c"), "--hinge-stiffness", "from-material"]
     )
-    assert "hinge stiffness from material, of a strip of the flexible layer" in told.output
+    assert "hinge stiffness from material, of a strip of the flexible layer" in reported.output
     written = lamc.load(tmp_path / "b" / "crease.mechanism.yaml")
     assert isinstance(written, lamc.Mechanism)
     assert written.joints[0].stiffness == hinge["plate_formula"]
@@ -344,11 +344,11 @@ def test_without_a_compiler_formulas_stand_alone(tmp_path: Path, monkeypatch: py
         return plate.hinge_stiffness(laminate, width, length, cells=0)
 
     monkeypatch.setattr(design_hinges, "hinge_stiffness", no_compiler)
-    told = split_as_json(
+    reported = split_as_json(
         "--example", "flaps", "--hinge-stiffness", "from-material", "--out", str(tmp_path / "out")
     )
-    assert [h["finite_element"] for h in told["hinge_stiffness"]] == [None, None]  # type: ignore[index]
-    assert "no finite elements stand beside the formulas" in str(told["notes"])
+    assert [h["finite_element"] for h in reported["hinge_stiffness"]] == [None, None]  # type: ignore[index]
+    assert "no finite elements stand beside the formulas" in str(reported["notes"])
 
 
 def test_split_as_drawn_does_not_wait_for_plates_to_be_imported() -> None:

@@ -344,10 +344,10 @@ def test_half_turn_changes_nothing(material: Material, angle: int) -> None:
 
 @given(laminates(), angles, vectors, vectors)
 def test_energy_does_not_depend_on_the_axes(
-    laminate: Laminate, turn: float, strain: tuple[float, ...], bend: tuple[float, ...]
+    laminate: Laminate, rotation: float, strain: tuple[float, ...], bend: tuple[float, ...]
 ) -> None:
     """Plies and deformation turned together store the same energy; the tensors are turned as matrices, R ε Rᵀ."""
-    c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+    c, s = math.cos(math.radians(rotation)), math.sin(math.radians(rotation))
     R = np.array([[c, -s], [s, c]])
 
     def turned(vector: np.ndarray) -> np.ndarray:
@@ -361,7 +361,7 @@ def test_energy_does_not_depend_on_the_axes(
     size = laminate.thickness + abs(laminate.reference_height)
     e, k = np.array(strain), np.array(bend) / size
     other = Laminate(
-        [Ply(p.material, p.thickness, p.angle + turn) for p in laminate.plies], laminate.reference
+        [Ply(p.material, p.thickness, p.angle + rotation) for p in laminate.plies], laminate.reference
     )
     # The angle of 720° at most is rounded to 1e-13°, 2e-15 rad; each term is at most the largest A.
     close(energy(other, turned(e), turned(k)), energy(laminate, e, k), 1e-12, np.abs(laminate.A).max())

@@ -184,7 +184,7 @@ def hostile_unknowns(mesh: Mesh) -> dict[str, Numbers]:
     }
 
 
-TOLD = {
+REPORTED = {
     "beyond": r"run from 0 to \d+; there are \d+",
     "negative": "run from -1",
     "torn": "must follow one another",
@@ -196,10 +196,10 @@ TOLD = {
 }
 
 
-@pytest.mark.parametrize("case", sorted(TOLD))
+@pytest.mark.parametrize("case", sorted(REPORTED))
 def test_numbers_that_c_could_not_follow_are_refused(case: str) -> None:
     mesh = meshed("dkt")
-    with pytest.raises(DesignError, match=TOLD[case]):
+    with pytest.raises(DesignError, match=REPORTED[case]):
         Assembly(kernels("dkt"), mesh, hostile_unknowns(mesh)[case])
 
 
@@ -266,8 +266,8 @@ def test_the_factor_is_guessed_within_a_half(name: str) -> None:
 def test_a_problem_that_does_not_fit_is_refused_before_it_is_made() -> None:
     """Ten million triangles take some tens of gigabytes; CHOLMOD's factor has half the size of SuperLU's."""
     dkt = ELEMENTS["dkt"]
-    told = "10000000 cells of element 'dkt' have 15000000 unknowns and take some .* GiB to solve with superlu; 4 GiB"
-    with pytest.raises(DesignError, match=told):
+    text = "10000000 cells of element 'dkt' have 15000000 unknowns and take some .* GiB to solve with superlu; 4 GiB"
+    with pytest.raises(DesignError, match=text):
         check_memory(dkt, 10_000_000, "superlu", 4 * 2**30)
     check_memory(dkt, 10_000_000, "cholmod", 64 * 2**30)
     check_memory(dkt, 100_000, "superlu", 2**30)

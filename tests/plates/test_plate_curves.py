@@ -147,7 +147,7 @@ def test_heights_and_directions_are_those_of_the_circle() -> None:
     assert len(found.nodes) == len(problem.mesh.boundary_edges)
 
 
-def test_a_curve_held_by_single_unknowns_is_told() -> None:
+def test_a_curve_held_by_single_unknowns_is_reported() -> None:
     mesh = plate.mesh(Point(0, 0).buffer(R, quad_segs=8), 0.005)
     problem = Problem(mesh, SHEET, supports=[plate.Support("boundary", ("w",))], loads=[plate.Pressure(P)])
     assert any("SimplySupported" in note for note in plate.solve(problem).report.notes)
@@ -213,16 +213,19 @@ def test_what_lies_on_circles_is_drawn_with_them() -> None:
         assert len(problem.places.edges_on(support.where)) == inner.sum()
 
 
-# --- what is told ----------------------------------------------------------------------------------------------------
+# --- what is reported
+# ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("corners", "told"), [(7, False), (8, True), (12, True), (17, True), (24, False)])
-def test_a_supported_polygon_that_may_stand_for_a_circle_is_told(corners: int, told: bool) -> None:
+@pytest.mark.parametrize(
+    ("corners", "reported"), [(7, False), (8, True), (12, True), (17, True), (24, False)]
+)
+def test_a_supported_polygon_that_may_stand_for_a_circle_is_reported(corners: int, reported: bool) -> None:
     """A circle of 12 corners is held as a polygon, and so a fifth too stiff."""
     problem = held(ring(corners), 0.02)
     wanted = f"regular polygon of {corners} corners"
-    assert any(wanted in note for note in plate.solve(problem).report.notes) == told
-    assert any(wanted in note for note in plate.modes(problem, 1).notes) == told
+    assert any(wanted in note for note in plate.solve(problem).report.notes) == reported
+    assert any(wanted in note for note in plate.modes(problem, 1).notes) == reported
 
 
 def test_other_polygons_and_edges_that_do_not_turn_go_without_a_word() -> None:

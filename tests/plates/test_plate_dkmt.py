@@ -1,4 +1,4 @@
-"""The element with shear through the thickness: three voices, patches, closed forms, thin and thick."""
+"""The element with shear through the thickness: three cross-checks, patches, closed forms, thin and thick."""
 
 import math
 from dataclasses import replace
@@ -43,7 +43,8 @@ def relative(found: Any, expected: Any) -> float:
     return float(np.abs(found - expected).max() / np.abs(expected).max())
 
 
-# --- three voices ----------------------------------------------------------------------------------------------------
+# --- three cross-checks
+# ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -353,7 +354,7 @@ def test_errors_of_modes_count_shear() -> None:
 
 
 @pytest.mark.parametrize("kind", ["force", "support"])
-def test_deflections_without_bound_are_told(kind: str) -> None:
+def test_deflections_without_bound_are_reported(kind: str) -> None:
     """By P ln 2 / 2πH with each halving: found within 10 %, from 16 to 32 cells across, of a force. A thin plate's are
     finite, but for a part of 1e-4."""
     a, P = 0.2, 100.0

@@ -35,11 +35,11 @@ def beam(count: int) -> Matrices:
             [0, 0, 0, 4 * h * h],
         ]
     )
-    turn = np.array(
+    rotation = np.array(
         [[36, 3 * h, -36, 3 * h], [0, 4 * h * h, -3 * h, -h * h], [0, 0, 36, -3 * h], [0, 0, 0, 4 * h * h]]
     )
     result = []
-    for upper, factor in ((bend, h**-3), (move, h / 420), (turn, -1 / (30 * h))):
+    for upper, factor in ((bend, h**-3), (move, h / 420), (rotation, -1 / (30 * h))):
         full = (upper + np.triu(upper, 1).T) * factor
         total = np.zeros((2 * count + 2, 2 * count + 2))
         for k in range(count):

@@ -231,9 +231,9 @@ def test_turning_the_plate_turns_its_unknowns(name: str) -> None:
     for block in blocks:
         T[at : at + len(block), at : at + len(block)] = block
         at += len(block)
-    turned = own.stiffness(corners @ rotation.T, section)
+    rotated = own.stiffness(corners @ rotation.T, section)
     # 1e-13: rounding of turned corners, amplified by third powers of their differences.
-    assert relative(T.T @ turned @ T, own.stiffness(corners, section)) < 1e-13
+    assert relative(T.T @ rotated @ T, own.stiffness(corners, section)) < 1e-13
 
 
 @pytest.mark.parametrize("name", ["dkt+cst", "bciz+lst", "bfs+q9"])

@@ -1,4 +1,4 @@
-"""Plate files: what is written is what is computed with, and whatever else a file holds is told at its place."""
+"""Plate files: what is written is what is computed with, and whatever else a file holds is reported at its place."""
 
 import math
 import re
@@ -116,7 +116,7 @@ def test_each_kind_of_support_becomes_its_record() -> None:
         "  - {hinged: right, stiffness: 3 N*mm/mm/rad}\n"
         '  - {fixed: [w], where: bottom, value: "2*x/200"}\n'
     )
-    left, soft, symmetry, spot, pushed, turned, hinge, ramp = file.supports
+    left, soft, symmetry, spot, pushed, rotated, hinge, ramp = file.supports
     assert isinstance(left, Clamped)
     assert left.where == LineString([(0, 0), (0, 0.1)])
     assert isinstance(soft, SimplySupported)
@@ -125,7 +125,7 @@ def test_each_kind_of_support_becomes_its_record() -> None:
     assert isinstance(spot.where, Polygon)
     assert spot.where.area == pytest.approx(math.pi * 1e-4, rel=1e-12)  # discs keep their area
     assert (pushed.where, pushed.dofs, pushed.value) == (Point(0.2, 0.1), ("w",), 0.002)
-    assert (turned.dofs, turned.value) == (("w_x", "w_y"), 0.01)
+    assert (rotated.dofs, rotated.value) == (("w_x", "w_y"), 0.01)
     assert isinstance(hinge, Hinged)
     assert hinge.stiffness == 3.0
     assert ramp.value(np.array([0.1]), np.zeros(1)) == pytest.approx([0.001], rel=1e-14)  # mm, as x
@@ -241,7 +241,7 @@ def test_polygons_have_holes_and_regions_with_laminates_of_their_own() -> None:
 
 
 @pytest.mark.parametrize(
-    ("shape", "told"),
+    ("shape", "reported"),
     [
         # Triangles of √3/4 (0.3 mm)² on 2e4 mm²: half a million.
         ("rect: [0, 0, 200, 100], size: 0.3", r"plate.yaml:4:.* at least \d{6} cells of element 'dkt'"),
@@ -249,7 +249,7 @@ def test_polygons_have_holes_and_regions_with_laminates_of_their_own() -> None:
     ],
 )
 def test_memory_to_solve_is_asked_for_before_meshing(
-    shape: str, told: str, monkeypatch: pytest.MonkeyPatch
+    shape: str, reported: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """On a machine with 256 MiB free, where some hundred thousand triangles would be meshed and then not solved."""
 
@@ -261,7 +261,7 @@ def test_memory_to_solve_is_asked_for_before_meshing(
     monkeypatch.setattr("lamc.readers.plates.problem_make.grid", never)
     head = "kind: plate\nunits: mm\nlaminate: {material: steel, thickness: 1}\n"
     file = plate_of_text(f"{head}geometry: {{{shape}}}\nsupports: [{{clamped: left}}]\n", "plate.yaml")
-    with pytest.raises(DesignError, match=told + ".*GiB to solve with .* mesh coarser"):
+    with pytest.raises(DesignError, match=reported + ".*GiB to solve with .* mesh coarser"):
         problem_of(file, solver="superlu")
 
 
@@ -276,7 +276,7 @@ def test_a_mesh_follows_the_lines_and_points_of_the_file() -> None:
     # The line's ends and its parts of a wanted edge each; round-off of coordinates.
     assert sum(line.distance(Point(p)) < 1e-12 for p in points) >= 1 + round(line.length / 0.02)
     assert min(np.hypot(*(points - (0.02, 0.06)).T)) < 1e-12
-    # What acts along a line is followed without being told; a grid is where it is.
+    # What acts along a line is followed without being reported; a grid is where it is.
     problem_of(plate_of_text(head + "geometry: {rect: [0, 0, 200, 100], size: 20}\n" + more, "plate.yaml"))
     with pytest.raises(DesignError, match="lies along no edge of the mesh"):
         problem_of(
@@ -285,7 +285,7 @@ def test_a_mesh_follows_the_lines_and_points_of_the_file() -> None:
 
 
 @pytest.mark.parametrize(
-    ("entry", "told"),
+    ("entry", "reported"),
     [
         (
             "{rect: [0, 0, 2, 1], grid: [2, 2], follow: [{point: [1, 1]}]}",
@@ -299,10 +299,10 @@ def test_a_mesh_follows_the_lines_and_points_of_the_file() -> None:
         ("{rect: [0, 0, 2, 1], follow: [{line: [[1, 1], [1, 1]]}]}", "the points of the line are one point"),
     ],
 )
-def test_what_a_mesh_of_a_file_cannot_follow_is_refused(entry: str, told: str) -> None:
+def test_what_a_mesh_of_a_file_cannot_follow_is_refused(entry: str, reported: str) -> None:
     (line,) = problems(base=f"kind: plate\nlaminate: {{material: steel, thickness: 1}}\ngeometry: {entry}\n")
     assert line.startswith("plate.yaml:3:")
-    assert told in line
+    assert reported in line
 
 
 def test_well_known_text_counts_in_the_files_units() -> None:
@@ -365,7 +365,7 @@ def test_materials_of_a_plate_file_replace_those_of_the_design(beside_flaps: Pat
 
 
 @pytest.mark.parametrize(
-    ("geometry", "more", "told"),
+    ("geometry", "more", "reported"),
     [
         ("body: link_9", "", "did you mean 'link_2'?"),
         ("body: []", "", "names a body"),
@@ -376,12 +376,12 @@ def test_materials_of_a_plate_file_replace_those_of_the_design(beside_flaps: Pat
     ],
 )
 def test_what_a_design_does_not_have_is_refused(
-    beside_flaps: Path, geometry: str, more: str, told: str
+    beside_flaps: Path, geometry: str, more: str, reported: str
 ) -> None:
     with pytest.raises(DesignErrors) as caught:
         of_design(beside_flaps, geometry, more)
     (problem,) = caught.value.problems
-    assert told in problem.message
+    assert reported in problem.message
     assert problem.place is not None
     assert problem.place.line in (3, 4)
 
@@ -428,7 +428,7 @@ def test_words_with_x_in_them_do_not_depend_on_the_place() -> None:
 # --- refusals -----------------------------------------------------------------------------------------------------
 
 
-def test_all_problems_of_a_file_are_told_at_once_each_at_its_place() -> None:
+def test_all_problems_of_a_file_are_reported_at_once_each_at_its_place() -> None:
     lines = problems(
         "materials:\n"
         "  a: {E: -3, nu: 0.3}\n"
@@ -447,7 +447,7 @@ def test_all_problems_of_a_file_are_told_at_once_each_at_its_place() -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "reported"),
     [
         ("supports: [{clamped: {region: r}}]", "no region is named 'r'"),
         ("supports: [{fixed: [w, w_x], where: left, value: 1}]", "different units"),
@@ -477,14 +477,14 @@ def test_all_problems_of_a_file_are_told_at_once_each_at_its_place() -> None:
         ("materials: {a: {E: 1}}", "nu missing"),
     ],
 )
-def test_what_makes_no_sense_is_refused_with_the_reason(more: str, told: str) -> None:
+def test_what_makes_no_sense_is_refused_with_the_reason(more: str, reported: str) -> None:
     (line,) = problems(more)
     assert line.startswith("plate.yaml:5:")
-    assert told in line
+    assert reported in line
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ("thickness: 1", "thickness: 0", "it must be above 0"),
         ("material: steel", "material: steal", "did you mean 'steel'?"),
@@ -508,11 +508,11 @@ def test_what_makes_no_sense_is_refused_with_the_reason(more: str, told: str) ->
         ("laminate: {material: steel, thickness: 1}\n", "", "the plate has no laminate"),
     ],
 )
-def test_a_plate_that_cannot_be_is_refused_with_the_reason(old: str, new: str, told: str) -> None:
+def test_a_plate_that_cannot_be_is_refused_with_the_reason(old: str, new: str, reported: str) -> None:
     assert old in BASE
     (line,) = problems(base=BASE.replace(old, new))
     assert line.startswith("plate.yaml:")
-    assert told in line
+    assert reported in line
 
 
 def test_a_plate_file_is_no_design(tmp_path: Path) -> None:
@@ -612,6 +612,6 @@ def test_plate_files_with_one_value_replaced_are_a_plate_or_an_error(data: st.Da
     attempt(text[: chosen.start()] + data.draw(st.sampled_from(FRAGMENTS)) + text[chosen.end() :])
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_is_reported(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="there is no such file"):
         load_plate(tmp_path / "none.yaml")

@@ -126,7 +126,7 @@ def test_a_file_has_nodes_where_a_support_of_the_boundary_ends(place: str) -> No
     assert tips[0] == pytest.approx(tips[1], rel=0.05)
 
 
-def test_a_grid_that_does_not_follow_is_told_at_its_line() -> None:
+def test_a_grid_that_does_not_follow_is_reported_at_its_line() -> None:
     with pytest.raises(DesignError, match=r"plate\.yaml:7.*asks for a grid"):
         of_file(
             "geometry: {rect: [0, 0, 100, 100], grid: [5, 5]}\nsupports: [{clamped: {line: [[40, 0], [60, 100]]}}]\n"
@@ -138,7 +138,7 @@ def test_a_load_along_a_line_inside_is_followed() -> None:
         "geometry: {rect: [0, 0, 100, 100], size: 20}\nsupports: [{clamped: left}]\n"
         "cases: {push: [{edge: {line: [[33, 0], [33, 100]]}, force: 1 N/m}]}\n"
     )
-    assert float(plate.Model(force).solve_case("push").deflection(SIDE, HALF)) > 0.0
+    assert float(plate.FactoredPlate(force).solve_case("push").deflection(SIDE, HALF)) > 0.0
 
 
 def test_lines_that_nearly_coincide_with_others_bring_no_slivers() -> None:

@@ -281,10 +281,10 @@ def test_slivers_between_edges_drawn_twice_go_to_a_neighbour() -> None:
 def test_regions_do_not_depend_on_how_polygons_are_written() -> None:
     """Another starting corner, another direction, another order of parts."""
     parts = [box(0, 0, 1, 1), box(2, 0, 3, 1)]
-    turned = [shapely.reverse(shapely.Polygon([(1, 1), (0, 1), (0, 0), (1, 0)])), parts[1]]
+    rotated = [shapely.reverse(shapely.Polygon([(1, 1), (0, 1), (0, 0), (1, 0)])), parts[1]]
     over = box(0.5, -1, 2.5, 2)
     one = overlay([MultiPolygon(parts), over], 1e-6)
-    other = overlay([MultiPolygon(turned[::-1]), over], 1e-6)
+    other = overlay([MultiPolygon(rotated[::-1]), over], 1e-6)
     assert {k: v.wkt for k, v in one.regions.items()} == {k: v.wkt for k, v in other.regions.items()}
     assert {k: v.area for k, v in one.regions.items()} == pytest.approx({(0,): 1.0, (0, 1): 1.0, (1,): 5.0})
 
@@ -336,7 +336,7 @@ def test_names_say_which_layers_there_are() -> None:
     assert stack_name((2,), names, [2]) == "film"
 
 
-def test_sheets_with_nothing_between_them_are_told() -> None:
+def test_sheets_with_nothing_between_them_are_reported() -> None:
     text = TWO_LINKS.replace("layers: upper}", "layers: glue}")
     design = load_text(text, "two.yaml")
     assert isinstance(design, Design)

@@ -33,7 +33,7 @@ def test_resultants_are_integrals_over_the_thickness(name: str) -> None:
     found = laminate.expansion(plate.Graded(T, g), plate.Graded(c, k))
     force, moment = np.zeros(3), np.zeros(3)
     for ply, (low, high) in zip(laminate.plies, laminate.heights, strict=True):
-        turn, m = strain_rotation(ply.angle), ply.material
+        rotation, m = strain_rotation(ply.angle), ply.material
         for place, weight in zip(*np.polynomial.legendre.leggauss(3), strict=True):
             z = 0.5 * (low + high) + 0.5 * place * (high - low)
             free = np.array(
@@ -43,7 +43,7 @@ def test_resultants_are_integrals_over_the_thickness(name: str) -> None:
                     0.0,
                 ]
             )
-            push = 0.5 * weight * (high - low) * (turn.T @ m.Q @ free)
+            push = 0.5 * weight * (high - low) * (rotation.T @ m.Q @ free)
             force += push
             moment += z * push
     size = np.abs(force).max()
@@ -136,9 +136,9 @@ loads: [{{{load}}}]
 
 
 def test_files_say_gradients() -> None:
-    told = plate_of_text(FILE.format(load="temperature: 10 K, gradient: 20 K/mm"), "p.yaml").cases[""]
-    assert told[0].rise == 10.0  # type: ignore[union-attr]
-    assert told[0].gradient == 2e4  # type: ignore[union-attr]
+    reported = plate_of_text(FILE.format(load="temperature: 10 K, gradient: 20 K/mm"), "p.yaml").cases[""]
+    assert reported[0].rise == 10.0  # type: ignore[union-attr]
+    assert reported[0].gradient == 2e4  # type: ignore[union-attr]
     (wet,) = plate_of_text(FILE.format(load="moisture: 0, gradient: 0.5*x"), "p.yaml").cases[""]
     assert float(wet.gradient(np.array(2e-3), np.array(0.0))) == 1.0  # type: ignore
 

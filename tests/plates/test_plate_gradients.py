@@ -39,8 +39,8 @@ def terms_of(plies: list[dict[str, Any]], surface: float, height: float) -> np.n
     weights, pushes, mass = [np.zeros((3, 3), complex) for _ in range(3)], np.zeros((2, 3), complex), 0j
     for ply, field in zip(plies, CLIMATE.fields, strict=True):
         z = z + ply["gap"]
-        turn = ply["angle"] * np.pi / 180
-        c, s = np.cos(turn), np.sin(turn)
+        rotation = ply["angle"] * np.pi / 180
+        c, s = np.cos(rotation), np.sin(rotation)
         T = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         S = np.array(
             [

@@ -202,11 +202,11 @@ def test_hinges_of_a_file_are_lines_with_units() -> None:
         ("{along: {line: [[30, 0], [30, 20]]}, width: 3}", "8:.*width"),
     ],
 )
-def test_wrong_entries_are_told_at_their_place(entry: str, message: str) -> None:
+def test_wrong_entries_are_reported_at_their_place(entry: str, message: str) -> None:
     with pytest.raises(DesignErrors) as caught:
         plate_of_text(CARD + f"hinges: [{entry}]\n", "card.yaml")
-    (told,) = {str(problem) for problem in caught.value.problems}
-    assert re.search(message, told), told
+    (reported,) = {str(problem) for problem in caught.value.problems}
+    assert re.search(message, reported), reported
 
 
 @pytest.mark.parametrize(
@@ -216,7 +216,7 @@ def test_wrong_entries_are_told_at_their_place(entry: str, message: str) -> None
         ("[[130, 0], [130, 20]]", "card.yaml:8.*lies along no edge"),
     ],
 )
-def test_lines_that_do_not_fit_the_plate_are_told_at_their_place(lines: str, message: str) -> None:
+def test_lines_that_do_not_fit_the_plate_are_reported_at_their_place(lines: str, message: str) -> None:
     file = plate_of_text(CARD + f"hinges: [{{along: {{line: {lines}}}}}]\n", "card.yaml")
     with pytest.raises(Exception, match=message):
         problem_of(file)
@@ -237,8 +237,8 @@ def test_all_bodies_of_a_design_fold_by_command(tmp_path: Path, monkeypatch: pyt
         ],
     )
     assert result.exit_code == 0, result.output
-    told = json.loads(result.stdout)
-    hinges = {hinge["name"]: hinge for hinge in told["cases"][""]["hinges"]}
+    reported = json.loads(result.stdout)
+    hinges = {hinge["name"]: hinge for hinge in reported["cases"][""]["hinges"]}
     # A moment of 1 mN at 40 mm on 4 mN·m/rad; nothing on the other side. The links bend, and so the line turns
     # unevenly, by k / D per radian and length of it: a few millionths.
     assert hinges["right"]["rotation"] == pytest.approx(-0.01, rel=1e-4)
@@ -253,11 +253,11 @@ def test_all_bodies_of_a_design_fold_by_command(tmp_path: Path, monkeypatch: pyt
         "fields.csv",
     }
     rows = (tmp_path / "out" / "fields.csv").read_text().splitlines()
-    assert len(rows) == 1 + told["mesh"]["points"]  # a point on a line is one row
+    assert len(rows) == 1 + reported["mesh"]["points"]  # a point on a line is one row
     # A flap on its spring: ω² = k / J about the line, J = m L² / 3; bending adds 1e-4.
     m = 12e-3 * (2 * 0.5e-3 * 1800 + 50e-6 * 1420)
     expected = [np.sqrt(4e-3 / (m * L * L**2 / 3)) / (2 * np.pi) for L in (40e-3, 30e-3)]
-    assert told["modes"]["frequencies"] == pytest.approx(expected, rel=2e-3)
+    assert reported["modes"]["frequencies"] == pytest.approx(expected, rel=2e-3)
 
 
 def test_a_hinge_of_the_design_may_be_given_another_stiffness(tmp_path: Path) -> None:
@@ -289,5 +289,5 @@ def test_the_command_tells_what_was_done_to_the_drawing(
     assert "note      region 'all but tape' is empty in 'tape'" in result.stdout
     (note,) = json.loads(Path("out/summary.json").read_text(encoding="utf-8"))["notes"]
     assert note.endswith("its sheets count as held at their distance")
-    told = [line for line in result.stdout.splitlines() if "shear through the thickness" in line]
-    assert len(told) == len(set(told)) > 0
+    reported = [line for line in result.stdout.splitlines() if "shear through the thickness" in line]
+    assert len(reported) == len(set(reported)) > 0

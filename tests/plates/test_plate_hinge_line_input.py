@@ -214,7 +214,7 @@ _at = st.floats(0.03, 0.97)
 @settings(max_examples=25, deadline=None)
 @given(a=_at, b=_at, sides=st.sampled_from(["ns", "ew", "corner"]), k=st.sampled_from([0.0, 1.0, 1e9]))
 def test_any_line_through_a_square_is_a_hinge(a: float, b: float, sides: str, k: float) -> None:
-    """The mesh follows it, books balance, and a free hinge leaves one motion of two rigid parts."""
+    """The mesh follows it, energy balances close, and a free hinge leaves one motion of two rigid parts."""
     ends = {"ns": ((a, 0), (b, 1)), "ew": ((0, a), (1, b)), "corner": ((0, a), (b, 0))}[sides]
     line = LineString(ends)
     assume(line.length > 0.05)

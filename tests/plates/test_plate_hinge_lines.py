@@ -365,11 +365,11 @@ def test_a_fold_that_closes_is_exact_at_a_vertex() -> None:
         loads=[plate.PointLoad((1, 1), 1e-3)],
         hinges=lines,
     )
-    turns = {turn.hinge.name: turn for turn in plate.solve(problem).hinges}
+    rotations = {turn.hinge.name: turn for turn in plate.solve(problem).hinges}
     for name in "abcd":
-        assert np.ptp(turns[name].rotation) < 1e-6 * abs(turns[name].largest)  # rigid panels
-    assert turns["a"].largest == pytest.approx(turns["c"].largest, rel=1e-6)
-    assert turns["b"].largest == pytest.approx(turns["d"].largest, rel=1e-6)
+        assert np.ptp(rotations[name].rotation) < 1e-6 * abs(rotations[name].largest)  # rigid panels
+    assert rotations["a"].largest == pytest.approx(rotations["c"].largest, rel=1e-6)
+    assert rotations["b"].largest == pytest.approx(rotations["d"].largest, rel=1e-6)
 
 
 def test_a_line_that_ends_inside_does_not_turn_at_its_tip() -> None:
@@ -482,7 +482,7 @@ def test_a_halved_mesh_keeps_its_hinges() -> None:
 def test_other_laminates_on_the_same_hinged_mesh() -> None:
     P, a, k = 0.3, 0.375, 0.7
     made = {"supports": [plate.Clamped(LEFT)], "loads": [plate.EdgeLoad(RIGHT, P)]}
-    model = plate.Model(strip(plate.HingeLine(across(a), k), **made))
+    model = plate.FactoredPlate(strip(plate.HingeLine(across(a), k), **made))
     model.solve()
     again = model.with_laminates(isotropic(5.0, nu=0.0)).solve()
     expected = P * L**3 / (3 * 5.0) + P * (L - a) ** 2 / k

@@ -60,8 +60,8 @@ def test_numbers_of_nodes_and_cells_do_not_matter(angles: tuple[float, ...], see
     number = np.argsort(order)
     starts = rng.integers(0, 3, len(cells))
     renumbered = number[MESH.cells][cells]
-    turned = np.take_along_axis(renumbered, (np.arange(3) + starts[:, None]) % 3, axis=1)
-    second = solved(plate.Mesh(MESH.points[order], turned), laminate, supports, loads)
+    rotated = np.take_along_axis(renumbered, (np.arange(3) + starts[:, None]) % 3, axis=1)
+    second = solved(plate.Mesh(MESH.points[order], rotated), laminate, supports, loads)
     assert largest(moved(second) - moved(first)) < SAME * largest(moved(first))
 
 

@@ -1,4 +1,4 @@
-"""Kernels of finite elements: C against the interpreted program and the third voice, hostile input, the cache."""
+"""Kernels of finite elements: C against the interpreted program and the third cross-check, hostile input, the cache."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -67,7 +67,7 @@ def test_c_gives_the_bits_of_the_interpreted_program(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_c_agrees_with_the_third_voice(name: str) -> None:
+def test_c_agrees_with_the_third_cross_check(name: str) -> None:
     """1e-13 of the largest entry: sums of some hundred terms, each rounded at 1e-16, that cancel to a hundredth."""
     compiled, reference = kernels(name), ReferenceElement(name)
     corners = cells(name, CELLS)
@@ -178,8 +178,8 @@ REFUSED: Mapping[str, tuple[Any, Any, str]] = {
 
 @pytest.mark.parametrize("case", sorted(REFUSED))
 def test_arrays_that_do_not_fit_are_refused_by_name(case: str) -> None:
-    corners, sections, told = REFUSED[case]
-    with pytest.raises(DesignError, match=told):
+    corners, sections, reported = REFUSED[case]
+    with pytest.raises(DesignError, match=reported):
         kernels("dkt").stiffness(corners, sections)
 
 

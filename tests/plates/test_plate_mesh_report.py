@@ -1,4 +1,4 @@
-"""A mesh is told for what it is, and what that means for elements agrees with what was measured independently."""
+"""A mesh is reported for what it is, and what that means for elements agrees with what was measured independently."""
 
 import json
 from pathlib import Path
@@ -64,11 +64,11 @@ def test_patterns_are_recognised_by_geometry_alone(name: str) -> None:
 def test_expected_bias_of_bciz_is_that_of_the_reference(shared: Path) -> None:
     cases = json.loads((shared / "reference" / "plates.json").read_text(encoding="utf-8"))["cases"]
     expected = next(case for case in cases if case["id"] == "bciz_limit")
-    told = [
+    reported = [
         plate.bciz_bias(KINDS[n][0])
         for n in ("one-diagonal", "criss-cross", "union-jack", "jittered", "delaunay")
     ]
-    assert told == pytest.approx(expected["expected"], rel=expected["rel_tol"])
+    assert reported == pytest.approx(expected["expected"], rel=expected["rel_tol"])
     with pytest.raises(DesignError, match="quadrilaterals"):
         plate.bciz_bias(KINDS["squares"][0])
 
@@ -101,7 +101,7 @@ def test_a_report_counts_and_measures() -> None:
     assert "region 'left': 8 cells on 1 m²" in str(report)
 
 
-def test_pieces_and_cuts_are_told() -> None:
+def test_pieces_and_cuts_are_reported() -> None:
     apart = plate.mesh(MultiPolygon([box(0, 0, 1, 1), box(2, 0, 3, 1)]), 0.5)
     assert plate.mesh_report(apart).pieces == 2
     assert "2 pieces" in str(plate.mesh_report(apart))

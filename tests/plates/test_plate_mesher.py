@@ -237,8 +237,8 @@ def stars(draw: st.DrawFn) -> Polygon:
     """Star-shaped outlines of 3 to 40 corners at any radius from 0.05 to 1, with round or square holes."""
     count = draw(st.integers(3, 40))
     radii = np.array(draw(st.lists(st.floats(0.05, 1.0), min_size=count, max_size=count)))
-    turn = 2.0 * np.pi * (np.arange(count) + draw(st.floats(0.0, 1.0))) / count
-    outline = Polygon(np.stack([radii * np.cos(turn), radii * np.sin(turn)], axis=1))
+    rotation = 2.0 * np.pi * (np.arange(count) + draw(st.floats(0.0, 1.0))) / count
+    outline = Polygon(np.stack([radii * np.cos(rotation), radii * np.sin(rotation)], axis=1))
     for _ in range(draw(st.integers(0, 3))):
         at = (draw(st.floats(-0.5, 0.5)), draw(st.floats(-0.5, 0.5)))
         radius = draw(st.floats(1e-3, 0.2))

@@ -1,4 +1,5 @@
-"""A patch on one face that lies about its own middle is told; plies on both faces, and patches that say so, are not."""
+"""A patch on one face that lies about its own middle is reported; plies on both faces, and patches that say so, are
+not."""
 
 import pytest
 from shapely.geometry import LineString, box
@@ -25,7 +26,7 @@ def told(problem: plate.Problem) -> list[str]:
     return [note for note in plate.solve(problem).report.notes if "about their own middle" in note]  # type: ignore[union-attr]
 
 
-def test_patch_on_one_face_about_its_middle_is_told() -> None:
+def test_patch_on_one_face_about_its_middle_is_reported() -> None:
     problem = strip(plate.Laminate([BASE]), plate.Laminate([BASE, PATCH]))
     (note,) = told(problem)
     assert "region 'p' is 0.5 mm thicker than 'the rest'" in note

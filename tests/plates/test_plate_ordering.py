@@ -21,7 +21,7 @@ MESHES = {
 
 def system(name: str) -> System:
     problem = plate.Problem(MESHES[name](), isotropic(), supports=[plate.Clamped("boundary")])
-    return plate.Model(problem, "superlu").system
+    return plate.FactoredPlate(problem, "superlu").system
 
 
 @pytest.mark.parametrize("name", MESHES)

@@ -217,7 +217,7 @@ def test_a_picture_that_cannot_be_written_is_one_error(tmp_path: Path) -> None:
         (3e-15, "J", "0.003 pJ"),
     ],
 )
-def test_numbers_are_told_in_the_unit_that_suits_them(value: float, unit: str, text: str) -> None:
+def test_numbers_are_reported_in_the_unit_that_suits_them(value: float, unit: str, text: str) -> None:
     assert shown_number(value, unit) == text
 
 

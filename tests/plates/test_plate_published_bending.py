@@ -180,8 +180,8 @@ def test_a_disk_on_a_mesh_that_splits_the_sides_of_its_polygon_is_held_on_the_ci
 
 
 def test_straight_edges_that_end_in_a_fillet_are_no_curve() -> None:
-    """A stadium: straight sides are held straight, each side of a fillet is one edge of the mesh, and nothing is told
-    of polygons. Twice as fine, the fillets' sides are split, and the deflection stays."""
+    """A stadium: straight sides are held straight, each side of a fillet is one edge of the mesh, and nothing is
+    reported of polygons. Twice as fine, the fillets' sides are split, and the deflection stays."""
     outline = LineString([(0, 0), (2, 0)]).buffer(1.0, quad_segs=24)
     found = []
     for size in (0.08, 0.04):
@@ -238,8 +238,8 @@ def test_an_equilateral_triangle_deflects_as_in_closed_form() -> None:
 def test_a_clamped_ellipse_deflects_as_in_closed_form() -> None:
     """w = q / (D (24/a⁴ + 24/b⁴ + 16/(a² b²))) (Timoshenko, article 71)."""
     a, b = 1.0, 0.6
-    turn = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    ellipse = Polygon(np.stack([a * np.cos(turn), b * np.sin(turn)], axis=1))
+    rotation = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    ellipse = Polygon(np.stack([a * np.cos(rotation), b * np.sin(rotation)], axis=1))
     solution = solved(
         plate.mesh(ellipse, size=0.04), sheet(), [plate.Clamped("boundary")], [plate.Pressure(1.0)]
     )
@@ -267,8 +267,8 @@ def polygon_centre(n: int) -> float:
 def test_simply_supported_polygons_deflect_alike_hard_and_soft(n: int, kind: str) -> None:
     """Slopes go to zero in a blunt corner as r^(π/angle - 1), slower the blunter it is, and so does the error: 2 % for
     eight corners at this size. (Both slopes held in every corner would cost 8 %.)"""
-    turn = 2 * np.pi * np.arange(n) / n
-    polygon = Polygon(np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    rotation = 2 * np.pi * np.arange(n) / n
+    polygon = Polygon(np.stack([np.cos(rotation), np.sin(rotation)], axis=1))
     hold = plate.SimplySupported("boundary", kind=kind)
     solution = solved(plate.mesh(polygon, size=0.04), sheet(), [hold], [plate.Pressure(1.0)])
     assert float(solution.deflection(0.0, 0.0)) == pytest.approx(

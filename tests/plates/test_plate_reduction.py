@@ -103,7 +103,7 @@ def test_a_plate_that_is_not_held_is_refused() -> None:
 
 
 def test_shapes_at_a_point_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Effects push at few points, and the independent voices ask for the shapes there at every instant."""
+    """Effects push at few points, and the independent cross-checks ask for the shapes there at every instant."""
     found = reduce_plate(problem(nx=4), 2)
     phi, slopes = found.shape_at(A, B / 2)
     monkeypatch.setattr("lamc.plates.answers.reduction.kernels", None)

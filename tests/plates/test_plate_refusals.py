@@ -204,7 +204,7 @@ def test_membranes_are_added_where_they_are_needed() -> None:
 
 
 def test_a_model_that_only_bends_refuses_what_pulls() -> None:
-    model = plate.Model(problem())
+    model = plate.FactoredPlate(problem())
     with pytest.raises(DesignError, match="acts in the plane, and element 'dkt' of the model only bends"):
         model.solve([plate.EdgeLoad(RIGHT, (1.0, 0.0, 0.0))])
     with pytest.raises(

@@ -60,7 +60,7 @@ def test_rigid_motions_have_no_error() -> None:
     assert (found.errors[3:] > 0.0).all()
 
 
-def test_error_of_a_buckling_factor_is_told() -> None:
+def test_error_of_a_buckling_factor_is_reported() -> None:
     """A square under N_x = -1 N/m buckles at 4 π²."""
     found = plate.buckling(problem(plate.mesh(box(0, 0, 1, 1), 1 / 8), SIMPLE), 1, forces=(-1.0, 0.0, 0.0))
     truth = abs(found.critical / (4.0 * math.pi**2) - 1.0)
@@ -105,9 +105,11 @@ def test_modes_with_one_row_of_cells_across_a_strip_say_how_wrong_they_are() -> 
     coarse = plate.modes(plate.Problem(mesh, dict(found.laminates), supports=[clamped]), 3)
     truth = np.abs(coarse.frequencies[1:] / np.array([1532.6, 2860.3]) - 1.0)
     assert np.all((coarse.errors[1:] > truth / 3.0) & (coarse.errors[1:] < 3.0 * truth))
-    told = [note for note in coarse.notes if "mesh" in note]  # the one on shear, 1.1 %, is another subject
-    assert len(told) == 2
-    assert all("'hinge left': give it smaller cells" in note for note in told)
+    reported = [
+        note for note in coarse.notes if "mesh" in note
+    ]  # the one on shear, 1.1 %, is another subject
+    assert len(reported) == 2
+    assert all("'hinge left': give it smaller cells" in note for note in reported)
 
 
 def test_meshes_of_designs_have_rows_enough_across_strips() -> None:
@@ -143,8 +145,8 @@ def test_pairs_do_not_go_by_rank() -> None:
     for pair in plate.halved_modes(coarse, other):
         assert pair.error is not None
         assert pair.error.finer == pytest.approx(fine.frequencies[pair.number], rel=1e-9)
-    turned = plate.halved_modes(plate.modes(rank, 2), halved(rank))
-    assert [pair.mac > 0.9 for pair in turned] == [True, True]
+    rotated = plate.halved_modes(plate.modes(rank, 2), halved(rank))
+    assert [pair.mac > 0.9 for pair in rotated] == [True, True]
 
 
 def test_buckling_on_halved_cells_tends_to_the_closed_form() -> None:

@@ -60,10 +60,10 @@ def test_shear_of_an_unsymmetric_stack_is_that_of_its_own_stresses() -> None:
 
 def test_shear_stiffness_turns_with_the_laminate() -> None:
     ply = plate.Material(140e9, 10e9, 0.3, 5e9, 1600, G13=5e9, G23=3.5e9)
-    one, turned = (
+    one, rotated = (
         plate.Laminate([plate.Ply(ply, 1e-3, angle + by) for angle in (0, 90, 0)]).H for by in (0, 90)
     )
-    assert np.allclose(turned, one[::-1, ::-1], rtol=1e-12)
+    assert np.allclose(rotated, one[::-1, ::-1], rtol=1e-12)
     slanted = plate.Laminate([plate.Ply(ply, 1e-3, 30.0)]).H
     c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
     assert slanted[0, 0] == pytest.approx(
@@ -203,11 +203,11 @@ def test_modes_and_critical_loads_without_shear_say_how_much_too_high_they_are()
     problem = plate.Problem(plate.grid(0.2, 0.2, 24, 24), thick, supports=[plate.SimplySupported("boundary")])
     (note,) = [note for note in plate.modes(problem, 1).notes if "shear" in note]
     share = 2 * math.pi**2 * thick.D[0, 0] / (thick.H[0, 0] * 0.2**2)
-    told = float(note.split("by about ")[1].split(" %")[0])
-    assert told == pytest.approx(100 * (1 - (1 + share) ** -0.5), rel=0.1)  # two digits are told
+    reported = float(note.split("by about ")[1].split(" %")[0])
+    assert reported == pytest.approx(100 * (1 - (1 + share) ** -0.5), rel=0.1)  # two digits are reported
     (note,) = [note for note in plate.buckling(problem, 1, forces=(-1, 0, 0)).notes if "shear" in note]
-    told = float(note.split("by about ")[1].split(" %")[0])
-    assert told == pytest.approx(100 * (1 - 1 / (1 + share)), rel=0.1)
+    reported = float(note.split("by about ")[1].split(" %")[0])
+    assert reported == pytest.approx(100 * (1 - 1 / (1 + share)), rel=0.1)
     free = plate.modes(plate.Problem(problem.mesh, thick), 6)  # 1 to 3 are rigid
     assert any("would lower mode 4" in note for note in free.notes)  # it twists: the layers at free edges
 

@@ -130,10 +130,10 @@ def test_torsion_of_a_strip_has_the_layers_of_saint_venant() -> None:
 )  # fmt: skip
 def test_halved_cells_tell_the_same(made: Callable[[int], plate.Problem], most: float) -> None:
     """At clamped corners Q has no bound; 16 cells are coarser than the plate is thick, 128 are finer."""
-    told = [plate.solve(made(n)).shear_share for n in (16, 32, 64, 128)]
-    assert max(told) < most
-    assert told[3] < 1.1 * told[2]
-    assert max(told) < 1.5 * min(told)
+    reported = [plate.solve(made(n)).shear_share for n in (16, 32, 64, 128)]
+    assert max(reported) < most
+    assert reported[3] < 1.1 * reported[2]
+    assert max(reported) < 1.5 * min(reported)
 
 
 def test_the_example_strip_is_told_what_it_lacks_on_any_mesh() -> None:
@@ -146,18 +146,18 @@ def test_the_example_strip_is_told_what_it_lacks_on_any_mesh() -> None:
 
 def test_axes_do_not_matter() -> None:
     base = cantilever(ANGLED, 64, 10e-3, 2e-3)
-    turned = replace(
+    rotated = replace(
         base,
-        mesh=replace(base.mesh, points=_turned(base.mesh.points)),
+        mesh=replace(base.mesh, points=_rotated(base.mesh.points)),
         laminate=plate.Laminate.parse("[75/52.5/75]", plate.material("T300/5208"), 50e-6),
         supports=[plate.Clamped(rotate(base.supports[0].where, 30, (0, 0)))],
         loads=[replace(load, where=rotate(load.where, 30, (0, 0))) for load in base.loads],
     )
-    told = [plate.solve(each).shear_share for each in (base, turned)]
-    assert told[1] == pytest.approx(told[0], rel=0.05)  # patches are boxes along the axes
+    reported = [plate.solve(each).shear_share for each in (base, rotated)]
+    assert reported[1] == pytest.approx(reported[0], rel=0.05)  # patches are boxes along the axes
 
 
-def _turned(points: np.ndarray) -> np.ndarray:
+def _rotated(points: np.ndarray) -> np.ndarray:
     c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
     return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
@@ -169,11 +169,11 @@ def test_shear_forces_on_both_sides_of_a_slit_do_not_cancel() -> None:
     mesh = plate.mesh(shapely.MultiPolygon([shapely.box(0, low, length, high) for low, high in sides]), 5e-3)
     held = [plate.Clamped(LineString([(0, 0), (0, 2.02 * width)]))]
     ends = [LineString([(length, low), (length, high)]) for low, high in sides]
-    told = []
+    reported = []
     for sign in (1.0, -1.0):
         loads = [plate.EdgeLoad(end, force) for end, force in zip(ends, (1.0, sign), strict=True)]
-        told.append(plate.solve(plate.Problem(mesh, ply(h), supports=held, loads=loads)).shear_share)
-    assert told[1] == pytest.approx(told[0], rel=1e-6)  # the same two beams
+        reported.append(plate.solve(plate.Problem(mesh, ply(h), supports=held, loads=loads)).shear_share)
+    assert reported[1] == pytest.approx(reported[0], rel=1e-6)  # the same two beams
 
 
 def test_a_quarter_between_symmetries_is_told_what_the_whole_is() -> None:
@@ -202,6 +202,6 @@ def test_modes_are_told_what_the_element_with_shear_takes_off() -> None:
     thin = plate.modes(problem, 4)
     thick = plate.modes(replace(problem, element="dkmt"), 4)
     (note,) = [note for note in thin.notes if "shear" in note]
-    told = float(note.split("would lower mode 4 by about ")[1].split(" %")[0])
+    reported = float(note.split("would lower mode 4 by about ")[1].split(" %")[0])
     missing = 100.0 * (1.0 - thick.frequencies[3] / thin.frequencies[3])
-    assert 0.75 * missing < told < 1.35 * missing
+    assert 0.75 * missing < reported < 1.35 * missing

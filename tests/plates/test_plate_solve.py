@@ -85,10 +85,10 @@ def test_moments_and_curvature_of_a_clamped_disk() -> None:
     r = np.array([0.1, 0.3, 0.5, 0.7])
     a = 0.1  # rad; off the lines of symmetry of the mesh
     M = solution.moments(r * np.cos(a), r * np.sin(a))
-    turn = np.array([np.cos(a) ** 2, np.sin(a) ** 2, 2 * np.sin(a) * np.cos(a)])
+    rotation = np.array([np.cos(a) ** 2, np.sin(a) ** 2, 2 * np.sin(a) * np.cos(a)])
     exact = (1.3 - r**2 * 3.3) / 16.0
     # Curvature within a cell is linear and of order h: 1/32 of the largest moment, 0.08.
-    assert M @ turn == pytest.approx(exact, abs=0.08 / 32)
+    assert M @ rotation == pytest.approx(exact, abs=0.08 / 32)
     kappa = solution.curvature(r * np.cos(a), r * np.sin(a))
     D = isotropic().D
     assert pytest.approx(kappa @ D, rel=1e-12) == M  # the same numbers, multiplied
@@ -279,7 +279,7 @@ def test_strain_energy_is_half_the_work() -> None:
 def test_work_of_one_load_along_the_deflection_of_another_is_the_same_the_other_way() -> None:
     # Maxwell and Betti, for a point load and an edge moment of a coupled plate.
     problem = plate.Problem(jittered(square(7)), cross_ply((0.0, 90.0)), supports=[plate.Clamped(LEFT)])
-    model = plate.Model(problem)
+    model = plate.FactoredPlate(problem)
     at = (0.62, 0.33)
     one, other = model.solve([plate.PointLoad(at, 2.0)]), model.solve([plate.EdgeMoment(RIGHT, 3.0)])
     y = np.linspace(0.0, 1.0, 8)
@@ -313,7 +313,7 @@ def test_a_case_that_cannot_be_solved_is_named_and_leaves_the_others() -> None:
     )
     with pytest.raises(DesignError, match="case 'pull': the plate is not held"):
         plate.solve(problem)
-    model = plate.Model(problem)
+    model = plate.FactoredPlate(problem)
     alone = plate.Problem(square(4), isotropic(), "dkt+cst", held, [plate.Pressure(1.0)])
     assert np.array_equal(model.solve_case("up").values, plate.solve(alone).values)
     with pytest.raises(DesignError, match="the problem has no case 'down'; it has 'pull', 'up'"):
@@ -397,7 +397,7 @@ def test_slivers_of_a_thousand_to_one_stay_within_five_per_cent(shared: Path) ->
 
 def test_other_laminates_on_the_same_mesh_are_as_solved_anew() -> None:
     problem = everything(square(6), cross_ply((0.0, 90.0)))
-    model = plate.Model(problem)
+    model = plate.FactoredPlate(problem)
     model.solve()
     for angles in ((30.0, 60.0), (0.0, 15.0)):
         laminate = cross_ply(angles)
@@ -413,7 +413,7 @@ def test_solvers_agree(solver: str) -> None:
     one, other = plate.solve(problem, "superlu"), plate.solve(problem, solver)
     assert other.report.solver == solver
     assert other.values == pytest.approx(one.values, abs=1e-13 * np.abs(one.values).max())
-    model = plate.Model(problem, solver)
+    model = plate.FactoredPlate(problem, solver)
     model.solve()
     again = model.with_laminates(cross_ply((10.0, 50.0))).solve()
     anew = plate.solve(everything(jittered(square(8)), cross_ply((10.0, 50.0))), "superlu")

@@ -120,7 +120,7 @@ def test_outputs_of_files_speak_as_the_extremes_do(tmp_path: Path) -> None:
     assert abs(case.printed[0].value) == pytest.approx(CLAMPED_SQUARE, rel=LIMITS[10])
 
 
-def test_where_stress_has_no_bound_is_told() -> None:
+def test_where_stress_has_no_bound_is_reported() -> None:
     bent = Polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])
     notched = plate.first_failure(solved(plate.mesh(bent, 0.1), plate.Clamped("boundary")))
     assert notched.sharp == "in a corner that cuts into the plate"
@@ -142,7 +142,7 @@ def test_smooth_places_are_not_told_of() -> None:
     assert plate.first_failure(solved(square("one-diagonal", 20), root)).sharp == ""
 
 
-def test_cells_too_coarse_for_a_strength_are_told() -> None:
+def test_cells_too_coarse_for_a_strength_are_reported() -> None:
     first = plate.first_failure(solved(plate.grid(SIDE, SIDE, 2, 2), plate.Clamped("boundary")))
     assert first.off > 0.1
     assert "too coarse" in " ".join(first.notes)

@@ -39,10 +39,10 @@ def test_a_turned_mirror_is_a_mirror() -> None:
     # A quarter of a square, cut by mirrors, turned by 20°; its corner is the middle of the whole.
     whole = deflections(plate.grid(1.0, 1.0, 8, 8, "union-jack"), plate.SimplySupported(BOUNDARY)).max()
     quarter = plate.grid(0.5, 0.5, 4, 4, "union-jack")
-    turn = np.radians(20.0)
+    rotation = np.radians(20.0)
 
     def side(*points: tuple[float, float]) -> LineString:
-        c, s = np.cos(turn), np.sin(turn)
+        c, s = np.cos(rotation), np.sin(rotation)
         return LineString([(c * x - s * y, s * x + c * y) for x, y in points])
 
     w = deflections(
@@ -76,9 +76,9 @@ def test_a_disk_on_a_polygon_turns_freely_at_its_edge() -> None:
     assert values[0] == pytest.approx(exact, rel=0.01)  # h² = 1/64 with a factor well below one
 
 
-@pytest.mark.parametrize(("turn", "held"), [(20.0, 1), (79.0, 1), (81.0, 2), (90.0, 2), (150.0, 2)])
-def test_simple_edges_that_turn_by_less_than_eighty_degrees_are_one_curve(turn: float, held: int) -> None:
-    a = np.radians(turn)
+@pytest.mark.parametrize(("rotation", "held"), [(20.0, 1), (79.0, 1), (81.0, 2), (90.0, 2), (150.0, 2)])
+def test_simple_edges_that_turn_by_less_than_eighty_degrees_are_one_curve(rotation: float, held: int) -> None:
+    a = np.radians(rotation)
     between = 1.5 * np.pi - 0.5 * a
     apex, before, after = np.zeros(2), np.array([-1.0, 0.0]), np.array([np.cos(a), -np.sin(a)])
     far = np.array([np.cos(between), np.sin(between)])
@@ -237,7 +237,9 @@ def test_oblique_supports_that_contradict_each_other_are_found() -> None:
 @pytest.mark.parametrize("degrees", [0.0, 30.0])
 def test_what_is_free_is_gathered_as_a_product_of_matrices_would(degrees: float) -> None:
     mesh = turned(jittered(plate.grid(1.0, 1.0, 5, 4)), degrees)
-    made = plate.Model(plate.Problem(mesh, isotropic(), "dkt+lst", [plate.SimplySupported(BOUNDARY)])).system
+    made = plate.FactoredPlate(
+        plate.Problem(mesh, isotropic(), "dkt+lst", [plate.SimplySupported(BOUNDARY)])
+    ).system
     free = made.constraints.free
     product = (free.T @ made.stiffness @ free).toarray()
     gathered = made.pattern.reduction(made.stiffness).matrix(made.stiffness.data)

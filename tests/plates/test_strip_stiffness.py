@@ -8,7 +8,7 @@ from lamc import plate
 from lamc.basics.errors import DesignError
 from lamc.plate import Laminate, Material, Ply
 from lamc.plates.answers.strip_stiffness import DIRECTIONS, about, strip_stiffness
-from lamc.plates.solving.model import Model
+from lamc.plates.solving.model import FactoredPlate
 from tests.support.ctools import needs_cc
 
 E, NU, T, L = 2.5e9, 0.34, 25e-6, 1e-3
@@ -71,7 +71,7 @@ def prescribed(laminate: Laminate, width: float, length: float, direction: str) 
             ]
     element = "dkt" if direction in ("angle", "twist_x", "slide_y") else "lst"
     problem = plate.Problem(mesh, laminate, element=element, supports=supports)
-    return 2.0 * Model(problem).solve().strain_energy
+    return 2.0 * FactoredPlate(problem).solve().strain_energy
 
 
 @needs_cc

@@ -207,11 +207,11 @@ def test_description_names_what_matters() -> None:
 
 def test_rectangles_that_bend_refuse_other_cells() -> None:
     points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
-    turned = points @ np.array([[0.8, 0.6], [-0.6, 0.8]])
+    rotated = points @ np.array([[0.8, 0.6], [-0.6, 0.8]])
     sheared = points + 0.1 * points[:, ::-1] * [1.0, 0.0]
     for name in ("bfs", "bfs+q4"):
         Dofs(Mesh(points, [[0, 1, 2, 3]]), plate.element(name))
-        for bad, cell in ((turned, [0, 1, 2, 3]), (points, [1, 2, 3, 0]), (sheared, [0, 1, 2, 3])):
+        for bad, cell in ((rotated, [0, 1, 2, 3]), (points, [1, 2, 3, 0]), (sheared, [0, 1, 2, 3])):
             with pytest.raises(DesignError, match="rectangles with sides along x and y"):
                 Dofs(Mesh(bad, [cell]), plate.element(name))
-    Dofs(Mesh(turned, [[0, 1, 2, 3]]), plate.element("q4"))
+    Dofs(Mesh(rotated, [[0, 1, 2, 3]]), plate.element("q4"))

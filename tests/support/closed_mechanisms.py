@@ -40,8 +40,8 @@ class Network:
 
 
 def _rotation(rng: Rng) -> Array:
-    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    return turn if np.linalg.det(turn) > 0 else -turn
+    rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return rotation if np.linalg.det(rotation) > 0 else -rotation
 
 
 def _parallel(rng: Rng, count: int, axis: Array) -> list[Line]:
@@ -98,7 +98,7 @@ def spatial(rng: Rng) -> Network:
 
 def sarrus(rng: Rng) -> Network:
     """Two legs of three parallel hinges each, in different directions: 1 freedom where 6 - 6 has none."""
-    turn = _rotation(rng)
+    rotation = _rotation(rng)
     slant = rng.uniform(0.6, 2.5)
     lines: list[Line] = []
     for leg, angle in enumerate((0.0, slant)):
@@ -107,7 +107,7 @@ def sarrus(rng: Rng) -> Network:
         foot, knee = out * rng.uniform(0.5, 1.0), rng.uniform(0.3, 0.8)
         points = (foot, foot + knee * out + 0.5 * np.array([0, 0, 1]), foot + np.array([0, 0, 1.0]))
         points = points if leg == 0 else points[::-1]
-        lines += [(turn @ (p + rng.uniform(-0.3, 0.3) * axis), turn @ axis) for p in points]
+        lines += [(rotation @ (p + rng.uniform(-0.3, 0.3) * axis), rotation @ axis) for p in points]
     network = Network(1)
     network.loop(0, lines)
     return network
@@ -146,9 +146,9 @@ def bennett(rng: Rng) -> Network:
         frame = frame @ np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
     assert np.abs(point).max() < 1e-12, "bars and twists of a Bennett loop lead back to the first hinge"
     assert np.abs(frame[:, 2] - [0.0, 0.0, 1.0]).max() < 1e-12
-    turn = _rotation(rng)
+    rotation = _rotation(rng)
     network = Network(1)
-    network.loop(0, [(turn @ p, turn @ axis) for p, axis in lines])
+    network.loop(0, [(rotation @ p, rotation @ axis) for p, axis in lines])
     return network
 
 

@@ -71,9 +71,9 @@ def check_errors(library: ctypes.CDLL, name: str, case: Case, wide: type[np.floa
             values = mapped(library, name, *arguments)
             spacing = np.spacing(np.maximum(np.abs(exact.astype(real)), np.finfo(real).smallest_subnormal))
             error = np.abs(values - exact) / spacing
-            told = np.isfinite(exact.astype(real))
-        assert np.array_equal(np.isfinite(values), told)
-        assert np.max(error[told]) <= case.ulps
+            reported = np.isfinite(exact.astype(real))
+        assert np.array_equal(np.isfinite(values), reported)
+        assert np.max(error[reported]) <= case.ulps
 
 
 def check_special_values(

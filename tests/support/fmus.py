@@ -127,8 +127,8 @@ class Fmu:
     def derivative(
         self, unknowns: Sequence[str], knowns: Sequence[str], seed: Sequence[float]
     ) -> list[float]:
-        told = self.fmu.getDirectionalDerivative(self.references(unknowns), self.references(knowns), seed)
-        return [float(x) for x in told]
+        reported = self.fmu.getDirectionalDerivative(self.references(unknowns), self.references(knowns), seed)
+        return [float(x) for x in reported]
 
     def free(self) -> None:
         """The instance, not the library, which other instances may use."""

@@ -91,15 +91,17 @@ def flaps() -> Design:
 
 def vertex(angles: Sequence[float] = (0, 90, 180, 270), radius: float = 10 * MM) -> Design:
     """Creases from the middle of a disc-like plate to its edge, at the given angles in degrees."""
-    turn = [math.radians(a) for a in angles]
-    lines: list[Line] = [((0.0, 0.0), (1.2 * radius * math.cos(a), 1.2 * radius * math.sin(a))) for a in turn]
+    rotation = [math.radians(a) for a in angles]
+    lines: list[Line] = [
+        ((0.0, 0.0), (1.2 * radius * math.cos(a), 1.2 * radius * math.sin(a))) for a in rotation
+    ]
     disc = Polygon(
         [
             (radius * math.cos(2 * math.pi * i / 48), radius * math.sin(2 * math.pi * i / 48))
             for i in range(48)
         ]
     )
-    middle = (turn[0] + turn[1]) / 2
+    middle = (rotation[0] + rotation[1]) / 2
     x, y = 0.8 * radius * math.cos(middle), 0.8 * radius * math.sin(middle)
     return sheet(disc, lines, box(x - MM / 2, y - MM / 2, x + MM / 2, y + MM / 2), name="vertex")
 

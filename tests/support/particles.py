@@ -32,8 +32,8 @@ def rodrigues(axis: Array, angle: complex) -> npt.NDArray[np.complex128]:
 
 def about(axis: Array, point: Array, angle: complex, slide: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Place:
     """A turn about a drawn line, then a slide."""
-    turn = rodrigues(axis, angle)
-    return turn, point - turn @ point + np.asarray(slide)
+    rotation = rodrigues(axis, angle)
+    return rotation, point - rotation @ point + np.asarray(slide)
 
 
 def after(outer: Place, inner: Place) -> Place:
@@ -113,10 +113,10 @@ class Cloud:
         first = np.cross(helper, body.normal)
         first /= np.linalg.norm(first)
         second = np.cross(body.normal, first)
-        turned = after(
+        rotated = after(
             about(first, point, second @ slopes.T @ eta), about(second, point, -(first @ slopes.T @ eta))
         )
-        return turned[0], turned[1] + body.normal * (phi @ eta)
+        return rotated[0], rotated[1] + body.normal * (phi @ eta)
 
     def _hinge(self, i: int, link: Link, q: npt.NDArray[np.complex128]) -> Place:
         """What the joint does to the outer body, as drawn."""
@@ -135,7 +135,7 @@ class Cloud:
         return after((crossed[0], crossed[1] + sense * slide), place)
 
     def path(
-        self, q: Array, u: Array, told: Callable[[complex], Place] | None = None
+        self, q: Array, u: Array, reported: Callable[[complex], Place] | None = None
     ) -> Callable[[complex], Array]:
         """World places of all particles after a time s in which the rates u do not change.
 
@@ -145,16 +145,16 @@ class Cloud:
         spin = float(np.linalg.norm(u[-3:])) if self.floats else 0.0
 
         def base(s: complex) -> Place:
-            if told is not None:
-                return told(s)
+            if reported is not None:
+                return reported(s)
             if not isinstance(self.arrangement.base, FloatingBase):
                 return np.eye(3, dtype=complex), np.zeros(3, dtype=complex)
             w, *r = q[-4:] / np.linalg.norm(q[-4:])
             columns = [v + 2 * w * np.cross(r, v) + 2 * np.cross(r, np.cross(r, v)) for v in np.eye(3)]
-            turn = np.column_stack(columns).astype(complex)
+            rotation = np.column_stack(columns).astype(complex)
             if spin:
-                turn = turn @ rodrigues(u[-3:] / spin, spin * s)
-            return turn, q[-7:-4] + s * u[-6:-3] - turn @ self.arrangement.base.com
+                rotation = rotation @ rodrigues(u[-3:] / spin, spin * s)
+            return rotation, q[-7:-4] + s * u[-6:-3] - rotation @ self.arrangement.base.com
 
         return lambda s: self.places(base(s), q[:n] + s * u[:n])
 
@@ -164,17 +164,17 @@ class Cloud:
         u: Array,
         forces: Array,
         gravity: Sequence[float],
-        told: Callable[[complex], Place] | None = None,
+        reported: Callable[[complex], Place] | None = None,
     ) -> Array:
         """u̇ under generalised forces (nu,) and gravity. told: a function of the time from now, for a moved base."""
         count = len(u)
         columns = []
         for j in range(count):
-            still = None if told is None else (lambda s: told(0.0))
+            still = None if reported is None else (lambda s: reported(0.0))
             moved = self.path(q, np.eye(count)[j], still)
             columns.append(np.imag(moved(1j * STEP)) / STEP)
         jacobian = np.stack(columns, axis=-1)  # (particles, 3, nu)
-        path = self.path(q, u, told)
+        path = self.path(q, u, reported)
         weights = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
         bias = np.zeros_like(jacobian[..., 0])
         for k, weight in enumerate(weights, 1):

@@ -52,8 +52,8 @@ def jittered(mesh: Mesh, amount: float = 0.2, seed: int = 0) -> Mesh:
 def turned(mesh: Mesh, degrees: float, shift: tuple[float, float] = (0.0, 0.0)) -> Mesh:
     """The same mesh, turned about the origin and moved."""
     a = np.radians(degrees)
-    turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
-    return Mesh(mesh.points @ turn.T + shift, mesh.cells, mesh.regions, mesh.region_names)
+    rotation = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
+    return Mesh(mesh.points @ rotation.T + shift, mesh.cells, mesh.regions, mesh.region_names)
 
 
 def disk(rings: int, radius: float = 1.0) -> Mesh:

@@ -1,4 +1,5 @@
-"""Runs to an accuracy: the error is estimated honestly, the integrator is chosen by its work, what cannot be is told.
+"""Runs to an accuracy: the error is estimated honestly, the integrator is chosen by its work, what cannot be is
+reported.
 
 True errors come from closed forms, from a reference made elsewhere, and on the gallery from runs at the tightest
 tolerance there is by another method than the one that was judged, where another one is exact enough.
@@ -138,7 +139,7 @@ def test_a_chaotic_run_that_ends_in_time_is_known(chaotic: Simulator) -> None:
     assert true <= 1e-4
 
 
-def test_a_run_of_too_few_steps_is_told(chaotic: Simulator) -> None:
+def test_a_run_of_too_few_steps_is_reported(chaotic: Simulator) -> None:
     result = chaotic.run(60.0, accuracy=1e-3, max_steps=50)
     assert result.status == Status.STEP_LIMIT
     assert result.accuracy is not None
@@ -267,14 +268,14 @@ def test_a_run_at_a_tolerance_has_no_estimate() -> None:
     assert (result.stats.rtol, result.stats.atol) == (1e-9, 1e-11)
 
 
-def test_books_go_with_an_accuracy() -> None:
-    result = triple(0.0).run(1.0, accuracy=1e-6, books=True, t_eval=[0.0, 0.5, 1.0])
+def test_energy_balance_go_with_an_accuracy() -> None:
+    result = triple(0.0).run(1.0, accuracy=1e-6, energy_balance=True, t_eval=[0.0, 0.5, 1.0])
     assert result.work["gravity"].shape == (3,)
-    assert result.books.balance < 1e-5  # the accuracy that was asked for, times a few
+    assert result.energy_balance.balance < 1e-5  # the accuracy that was asked for, times a few
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (
             {"rtol": 1e-6},
@@ -290,8 +291,8 @@ def test_books_go_with_an_accuracy() -> None:
         ({"integrator": "euler"}, "no integrator is named 'euler'"),
     ],
 )
-def test_what_is_no_accuracy_is_refused(arguments: Mapping[str, Any], told: str) -> None:
-    with pytest.raises(RequestError, match=told):
+def test_what_is_no_accuracy_is_refused(arguments: Mapping[str, Any], reported: str) -> None:
+    with pytest.raises(RequestError, match=reported):
         triple(0.0).run(1.0, **{"accuracy": 1e-3, **arguments})
 
 
@@ -312,7 +313,7 @@ def test_the_command_tells_error_choice_and_cost(tmp_path: Path) -> None:
     assert "--accuracy 'much' is no number" in done.stderr
 
 
-def test_an_accuracy_that_is_not_reached_is_told_and_no_failure(tmp_path: Path) -> None:
+def test_an_accuracy_that_is_not_reached_is_reported_and_no_failure(tmp_path: Path) -> None:
     """Single precision leaves errors of some 1e-8 of an angle: 1e-10 is out of reach, and all else is there."""
     words = ["run", "--example", "pendulum", "--t-end", "1", "--accuracy", "1e-10", "--precision", "float"]
     done = CliRunner().invoke(

@@ -91,7 +91,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
 
 
 @pytest.mark.parametrize(("slip", "words"), CASES, ids=[words[:40] for _, words in CASES])
-def test_a_slip_is_told_in_one_line(slip: Callable[[], object], words: str) -> None:
+def test_a_slip_is_reported_in_one_line(slip: Callable[[], object], words: str) -> None:
     with pytest.raises(LamcError) as caught:
         slip()
     assert isinstance(caught.value, DesignError | BuildError)

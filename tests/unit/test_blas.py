@@ -41,7 +41,7 @@ def extension(folder: Path, symbol: str) -> str:
         ("dgemm_", None),
     ],
 )
-def test_the_blas_that_a_library_loads_is_told(tmp_path: Path, symbol: str, name: str | None) -> None:
+def test_the_blas_that_a_library_loads_is_reported(tmp_path: Path, symbol: str, name: str | None) -> None:
     assert (
         np.linalg.norm(np.eye(2) @ np.eye(2)) > 0.0
     )  # numpy's own OpenBLAS is in this process, and does not count

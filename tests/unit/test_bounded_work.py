@@ -77,8 +77,8 @@ def line(a: tuple[float, float], b: tuple[float, float], width: float) -> str:
 
 def bundle(count: int, width: float) -> list[str]:
     """Hinge lines through one point."""
-    turns = [math.pi * k / count for k in range(count)]
-    ends = [(40.0 * math.cos(t), 40.0 * math.sin(t)) for t in turns]
+    rotations = [math.pi * k / count for k in range(count)]
+    ends = [(40.0 * math.cos(t), 40.0 * math.sin(t)) for t in rotations]
     return [line((50 + x, 50 + y), (50 - x, 50 - y), width) for x, y in ends]
 
 
@@ -140,9 +140,9 @@ def test_layers_that_are_alike_are_cut_along_the_same_slits(tmp_path: Path) -> N
 def test_hinges_between_the_same_bodies_are_compared_by_arrays() -> None:
     """Of 3000 hinges between two bodies, on one line, the last is the first again."""
     joints = [Joint(f"h{k}", "a", "b", point=[float(k % 2999), 0, 0], axis=[1, 0, 0]) for k in range(3000)]
-    told = [str(fault.error) for fault in faults([], joints) if "same hinge" in str(fault.error)]
-    assert len(told) == 1
-    assert "'h0' and 'h2999'" in told[0]
+    reported = [str(fault.error) for fault in faults([], joints) if "same hinge" in str(fault.error)]
+    assert len(reported) == 1
+    assert "'h0' and 'h2999'" in reported[0]
 
 
 def test_the_examples_and_a_miura_fold_of_256_plates_are_well_within_the_limits(
@@ -206,7 +206,7 @@ def test_mutated_examples_overlay_no_more_than_the_limits(
         passed.append(account.crossings)
 
     monkeypatch.setattr(work.Account, "overlay", counting)
-    told: list[str] = []
+    reported: list[str] = []
     dice = random.Random(12)
     files = [name for name in examples.files() if examples.path(name).suffix == ".yaml"]
     file = tmp_path / "mutant.yaml"
@@ -218,8 +218,8 @@ def test_mutated_examples_overlay_no_more_than_the_limits(
             if isinstance(record, Design):
                 split_design(record)
         except LamcError as error:
-            told.append(str(error))
-    assert all(told)
+            reported.append(str(error))
+    assert all(reported)
     assert passed
     assert max(passed) <= work.MOST_CROSSINGS
 
@@ -301,8 +301,8 @@ def test_popupcad_laminates_that_cross_too_often_are_refused_at_their_operation(
         if teeth == 10:
             assert cads.areas(cads.read(text))[0] > 0.0
             continue
-        told = rf"given.cad:\d+:\d+: operation 'op 7': .*{function} cross .*{work.MOST_CROSSINGS} crossings .*fewer"
-        with pytest.raises(DesignError, match=told):
+        reported = rf"given.cad:\d+:\d+: operation 'op 7': .*{function} cross .*{work.MOST_CROSSINGS} crossings .*fewer"
+        with pytest.raises(DesignError, match=reported):
             cads.read(text)
 
 
@@ -313,8 +313,8 @@ def test_popupcad_buffers_wider_than_what_they_grow_are_counted() -> None:
         DesignError, match=r"operation 'op 7': sides .* come within 20 mm of each other \d+ times"
     ):
         cads.read(text)
-    turns = [2.0 * math.pi * k / 4000 for k in range(4000)]
-    round_one = cad_sketch(201, cads.POLY, [(50 * math.cos(t), 50 * math.sin(t)) for t in turns])
+    rotations = [2.0 * math.pi * k / 4000 for k in range(4000)]
+    round_one = cad_sketch(201, cads.POLY, [(50 * math.cos(t), 50 * math.sin(t)) for t in rotations])
     drawn = cads.sketch_operation(5, 201) + cads.buffer_operation(7, 5, "[100.0, 5]")
     grown = cads.areas(cads.read(cads.cad(drawn, parent=7, sketches=round_one)))
     assert grown[0] == pytest.approx(math.pi * 150.0**2, rel=0.01)  # 20 segments around
@@ -322,8 +322,8 @@ def test_popupcad_buffers_wider_than_what_they_grow_are_counted() -> None:
 
 def test_popupcad_hinge_lines_that_cross_too_often_are_refused_before_they_are_parted() -> None:
     """300 lines through a point, of which each parts all others."""
-    turns = [math.pi * k / 300 for k in range(300)]
-    ends = [((40 * math.cos(t), 40 * math.sin(t)), (-40 * math.cos(t), -40 * math.sin(t))) for t in turns]
+    rotations = [math.pi * k / 300 for k in range(300)]
+    ends = [((40 * math.cos(t), 40 * math.sin(t)), (-40 * math.cos(t), -40 * math.sin(t))) for t in rotations]
     lines = [
         f"{cads.LINE} {{construction: false, exterior: [[1, {a}, {b}], [2, {c}, {d}]], id: {k}}}"
         for k, ((a, b), (c, d)) in enumerate(ends)
@@ -392,8 +392,8 @@ def test_the_number_of_places_of_a_plate_is_bounded() -> None:
 
 def test_supports_beside_outlines_of_many_corners_are_bounded() -> None:
     """Each support is cut at everything that is drawn, and so costs all its corners."""
-    turns = [2.0 * math.pi * k / 4000 for k in range(4000)]
-    rim = [[round(50 * math.cos(t), 9), round(50 * math.sin(t), 9)] for t in turns]
+    rotations = [2.0 * math.pi * k / 4000 for k in range(4000)]
+    rim = [[round(50 * math.cos(t), 9), round(50 * math.sin(t), 9)] for t in rotations]
     for count, fits in ((2, True), (60, False)):
         supports = ", ".join(f"{{clamped: {{point: [{k - 30}, 0]}}}}" for k in range(count))
         text = plate_text(f"polygon: {rim}, size: 5").replace("[{clamped: left}]", f"[{supports}]")
@@ -433,5 +433,5 @@ def test_reading_and_splitting_imports_nothing_of_numpy_that_waits() -> None:
         "for name in ('folding_box', 'pendulum.cad'): lamc.split(lamc.load(path(name)))\n"
         "print('numpy.ma' in sys.modules)"
     )
-    told = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
-    assert told.stdout.strip() == "False"
+    reported = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    assert reported.stdout.strip() == "False"

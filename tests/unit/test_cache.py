@@ -285,7 +285,7 @@ def failing_into(root: Path, code: int) -> Callable[..., object]:
 
 
 @pytest.mark.parametrize("where", ["mkdtemp", "write", "rename"])
-def test_a_full_disk_is_told_and_leaves_nothing(
+def test_a_full_disk_is_reported_and_leaves_nothing(
     root: Path, where: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
@@ -366,7 +366,7 @@ def script(folder: Path, body: str) -> str:
     ],
     ids=["silent", "told", "garbage", "nothing", "killed", "noise", "no library"],
 )
-def test_a_broken_compiler_is_told_in_one_line_and_leaves_nothing(
+def test_a_broken_compiler_is_reported_in_one_line_and_leaves_nothing(
     root: Path, tmp_path: Path, body: str, words: str
 ) -> None:
     message = refused(words, compiler=script(tmp_path, body))
@@ -382,7 +382,7 @@ def test_a_compiler_that_hangs_is_stopped(
     assert list(root.iterdir()) == []
 
 
-def test_a_compiler_that_is_no_program_is_told(root: Path, tmp_path: Path) -> None:
+def test_a_compiler_that_is_no_program_is_reported(root: Path, tmp_path: Path) -> None:
     path = tmp_path / "cc-of-the-test"
     path.write_bytes(b"\x7fELF nothing")
     path.chmod(0o755)

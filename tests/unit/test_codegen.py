@@ -92,8 +92,8 @@ def test_repeating_gives_the_same_bytes(trees: dict[str, tuple[Program, SourceTr
 
 def test_order_of_the_input_leaves_the_c_alone() -> None:
     mechanism = MECHANISMS["tree"]
-    turned = replace(mechanism, bodies=mechanism.bodies[::-1], joints=mechanism.joints[::-1])
-    assert dict(made(turned)[1].files) == dict(made(mechanism)[1].files)
+    rotated = replace(mechanism, bodies=mechanism.bodies[::-1], joints=mechanism.joints[::-1])
+    assert dict(made(rotated)[1].files) == dict(made(mechanism)[1].files)
 
 
 def test_no_date_and_no_path_gets_into_the_c(trees: dict[str, tuple[Program, SourceTree]]) -> None:

@@ -104,7 +104,7 @@ def test_bodies_that_cannot_touch_are_refused(ground: GroundContact, message: st
         lamc.compile(both, Scene((ground,)))
 
 
-def test_where_nothing_can_touch_the_way_out_is_told() -> None:
+def test_where_nothing_can_touch_the_way_out_is_reported() -> None:
     bare = mechanism(Body("stone", 0.01, (0.0, 0.0, 0.0), DIAGONAL))
     with pytest.raises(DesignError, match=r"no moving body has an outline, .* list points by body"):
         lamc.compile(bare, Scene((GroundContact(),)))

@@ -55,8 +55,8 @@ def test_what_has_no_value_anywhere_is_found(text: str, reason: str | None) -> N
 def test_what_has_no_value_at_the_start_is_refused_when_it_is_made(text: str, reason: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         lamc.Torque({"h0": text})
-    told = f"the torque of joint 'h0': expression {text!r} has no value at t = 0 s: {reason}; keep it in its domain"
-    assert caught.value.message.startswith(told)
+    reported = f"the torque of joint 'h0': expression {text!r} has no value at t = 0 s: {reason}; keep it in its domain"
+    assert caught.value.message.startswith(reported)
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_it_runs_where_it_has_a_value() -> None:
     assert lamc.compile(chain(1), scene).run(t_end=0.5).success
 
 
-def test_the_place_in_the_file_is_told(tmp_path: Path) -> None:
+def test_the_place_in_the_file_is_reported(tmp_path: Path) -> None:
     scene = scene_of_text("with:\n  torque: {h0: sqrt(1 - t)}\n", "s.yaml")
     with pytest.raises(LamcError, match=r"^s\.yaml:2:\d+: the torque of joint 'h0': expression"):
         lamc.compile(chain(1), scene).run(t_end=2.0)
@@ -138,7 +138,8 @@ MATHS |= {"abs": abs, "min": min, "max": max, "pow": lambda x, y: x**y}
 @settings(max_examples=400, deadline=None)
 @given(text=st.recursive(LEAF, compound, max_leaves=8), data=st.data())
 def test_nothing_that_has_a_value_is_refused(text: str, data: st.DataObject) -> None:
-    """mpmath is the other voice, with exponents that do not overflow: where it gives a value, no refusal is right."""
+    """mpmath is the other cross-check, with exponents that do not overflow: where it gives a value, no refusal is
+    right."""
     try:
         found = undefined(text, NAMES)
     except ExpressionError:

@@ -63,9 +63,9 @@ def test_one_effect_may_say_the_same_thing_twice_and_others_may_claim_other_thin
 
 
 def test_the_account_says_what_an_effect_has_for_itself() -> None:
-    told = {c.name: c.reason for c in choose(chain(1), Scene(effects=(Owner(tuple("abcde")), Gravity())))}
-    assert told["owner"] == "the scene calls for it; it alone gives the a, the b, the c and 2 more"
-    assert told["gravity"] == "the scene calls for it"
+    reported = {c.name: c.reason for c in choose(chain(1), Scene(effects=(Owner(tuple("abcde")), Gravity())))}
+    assert reported["owner"] == "the scene calls for it; it alone gives the a, the b, the c and 2 more"
+    assert reported["gravity"] == "the scene calls for it"
 
 
 def test_linear_springs_give_way_where_another_effect_claims_the_hinge() -> None:

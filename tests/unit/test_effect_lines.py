@@ -1,4 +1,4 @@
-"""What is wrong in any field of any effect of a scene's file is told at its line, whatever else the scene has."""
+"""What is wrong in any field of any effect of a scene's file is reported at its line, whatever else the scene has."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -82,7 +82,7 @@ NAMED = [
 
 @pytest.mark.parametrize("kind", COMPANY)
 @pytest.mark.parametrize(("name", "data"), NAMED)
-def test_a_name_that_is_not_there_is_told_at_its_effect(
+def test_a_name_that_is_not_there_is_reported_at_its_effect(
     name: str, data: Data, kind: str, tmp_path: Path
 ) -> None:
     file, at = scene_file(tmp_path, name, data, COMPANY[kind])
@@ -135,13 +135,13 @@ def check_field(name: str, field: str, data: Data, folder: Path) -> str:
 
 
 @pytest.mark.parametrize(("name", "field", "data"), of_fields("3 K"))
-def test_a_wrong_unit_is_told_at_its_field(name: str, field: str, data: Data, tmp_path: Path) -> None:
+def test_a_wrong_unit_is_reported_at_its_field(name: str, field: str, data: Data, tmp_path: Path) -> None:
     if field not in ("strips", "modes", "corners"):  # whole numbers, which have no unit
         assert "'K' is not a unit of" in check_field(name, field, data, tmp_path)
 
 
 @pytest.mark.parametrize(("name", "field", "data"), of_fields(1e300))
-def test_a_number_that_is_none_of_this_world_is_told_at_its_field(
+def test_a_number_that_is_none_of_this_world_is_reported_at_its_field(
     name: str, field: str, data: Data, tmp_path: Path
 ) -> None:
     check_field(name, field, data, tmp_path)
@@ -157,7 +157,7 @@ FIELDS = [
 
 @pytest.mark.parametrize("bad", [{"no such": {"no": 1}}, [[[["no"]]]], []])
 @pytest.mark.parametrize(("name", "field"), FIELDS)
-def test_a_wrong_type_is_told_at_its_field(name: str, field: str, bad: object, tmp_path: Path) -> None:
+def test_a_wrong_type_is_reported_at_its_field(name: str, field: str, bad: object, tmp_path: Path) -> None:
     if (field, bad) in (("polarity", []), ("outline", [])):  # of the right type: told by what they are for
         return
     said = check_field(name, field, {**data_of(name), field: bad}, tmp_path)
@@ -165,7 +165,7 @@ def test_a_wrong_type_is_told_at_its_field(name: str, field: str, bad: object, t
 
 
 @pytest.mark.parametrize("name", [n for n in SAMPLES if n not in ("torque", "nonlinear_stiffness")])
-def test_a_field_that_is_not_there_is_told_at_its_line(name: str, tmp_path: Path) -> None:
+def test_a_field_that_is_not_there_is_reported_at_its_line(name: str, tmp_path: Path) -> None:
     said = check_field(name, "nosuch", {**data_of(name), "nosuch": 1}, tmp_path)
     assert "has no field 'nosuch'" in said or "takes no value" in said
 
@@ -183,12 +183,12 @@ BELOW = {
 
 
 @pytest.mark.parametrize(("name", "field"), [(name, field) for name in BELOW for field in BELOW[name]])
-def test_a_number_out_of_bounds_is_told_at_its_field(name: str, field: str, tmp_path: Path) -> None:
+def test_a_number_out_of_bounds_is_reported_at_its_field(name: str, field: str, tmp_path: Path) -> None:
     said = check_field(name, field, {**data_of(name), field: -1}, tmp_path)
     assert "it must be above" in said or "it must be at least" in said
 
 
-def test_all_that_is_wrong_with_an_effect_is_told_at_once(tmp_path: Path) -> None:
+def test_all_that_is_wrong_with_an_effect_is_reported_at_once(tmp_path: Path) -> None:
     data = {**data_of("spring"), "stiffness": "3 kg", "damping": -1, "point_a": [0, 0]}
     file, at = scene_file(tmp_path, "spring", data)
     with pytest.raises(DesignErrors) as caught:

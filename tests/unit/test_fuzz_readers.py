@@ -161,14 +161,14 @@ def test_networks_of_any_shape_are_mechanisms_or_errors_with_their_line(
     lines, joints = network
     file, copy = tmp_path / "network.yaml", tmp_path / "copy.yaml"
     file.write_text("\n".join(lines), encoding="utf-8")
-    told = ""
+    reported = ""
     try:
         mechanism = load(file)
     except LamcError as error:
-        told = str(error)
-    assert all(line.startswith(f"{file}:") for line in told.splitlines())
-    event("refused" if told else "read")
-    if told:
+        reported = str(error)
+    assert all(line.startswith(f"{file}:") for line in reported.splitlines())
+    event("refused" if reported else "read")
+    if reported:
         return
     assert isinstance(mechanism, Mechanism)
     tree = plan(mechanism)  # what a file may hold can be planned

@@ -126,15 +126,15 @@ def test_scenes_of_any_kind_are_read_or_refused_at_their_line(tmp_path: Path, da
     file.write_text(text, encoding="utf-8")
     began = time.monotonic()
     read: dict[str, lamc.Scene] = {}
-    told = ""
+    reported = ""
     for name in [*data["scenes"], None]:
         try:
             read[name or ""] = load_scene(file, name, limits=LIMITS)
         except LamcError as error:
-            told = str(error)
+            reported = str(error)
             assert all(line.startswith(f"{file}:") or "say which" in line or "has no scene" in line
-                       for line in told.splitlines()), told  # fmt: skip
-            assert all(len(line) < 2000 for line in told.splitlines())
+                       for line in reported.splitlines()), reported  # fmt: skip
+            assert all(len(line) < 2000 for line in reported.splitlines())
     assert time.monotonic() - began < PATIENCE
     assert not (tmp_path / "pwned").exists()
     event("read" if read else "refused")
@@ -149,12 +149,12 @@ def _is_written_and_chosen(scene: lamc.Scene) -> None:
     if not unknown:  # a mechanism's file refuses those, with their place
         again = scene_of_text(mechanism_text(mechanism), "again.yaml", "same")
         assert again == scene
-    told = ""
+    reported = ""
     try:
         choose(mechanism, scene)
     except LamcError as error:
-        told = str(error)
-    assert "\n" not in told
+        reported = str(error)
+    assert "\n" not in reported
 
 
 @FEW
@@ -166,12 +166,12 @@ def test_damaged_scenes_are_scenes_or_errors(tmp_path: Path, data: st.DataObject
     file = tmp_path / "s.yaml"
     file.write_bytes((SCENES[:start] + patch + SCENES[start + length :]).encode("utf-8", "surrogatepass"))
     began = time.monotonic()
-    told = "a scene"
+    reported = "a scene"
     try:
         load_scene(file, "heavier", limits=LIMITS)
     except LamcError as error:
-        told = str(error)
-    assert told
+        reported = str(error)
+    assert reported
     assert time.monotonic() - began < PATIENCE
     assert not (tmp_path / "pwned").exists()
 
@@ -200,10 +200,10 @@ def test_damaged_scenes_are_scenes_or_errors(tmp_path: Path, data: st.DataObject
 )  # fmt: skip
 def test_scenes_made_to_exhaust_end_soon(text: str) -> None:
     began = time.monotonic()
-    told = ""
+    reported = ""
     try:
         scene_of_text(text, "s.yaml", None, limits=Limits(bytes=2_000_000, nodes=200_000, depth=100))
     except LamcError as error:
-        told = str(error)
-    assert all(len(line) < 2000 for line in told.splitlines())
+        reported = str(error)
+    assert all(len(line) < 2000 for line in reported.splitlines())
     assert time.monotonic() - began < PATIENCE

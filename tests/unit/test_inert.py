@@ -101,7 +101,7 @@ def test_an_alias_within_its_own_anchor_is_refused() -> None:
         compose("a: &a [1, *a]")
 
 
-def test_every_duplicate_key_is_told_with_its_place() -> None:
+def test_every_duplicate_key_is_reported_with_its_place() -> None:
     with pytest.raises(DesignErrors) as caught:
         compose("a: 1\nb: {c: 1, c: 2}\na: 3\n", "f.yaml")
     assert [str(p) for p in caught.value.problems] == [
@@ -139,8 +139,8 @@ def test_what_is_not_one_yaml_document_is_one_line(text: str) -> None:
 
 
 def test_reading_reports_progress_up_to_the_whole() -> None:
-    told: list[float] = []
-    compose("[" + "1, " * 50_000 + "1]", progress=lambda _stage, part: told.append(part))
-    assert told == sorted(told)
-    assert len(told) >= 3
-    assert 0.5 < told[-1] <= 1.0
+    reported: list[float] = []
+    compose("[" + "1, " * 50_000 + "1]", progress=lambda _stage, part: reported.append(part))
+    assert reported == sorted(reported)
+    assert len(reported) >= 3
+    assert 0.5 < reported[-1] <= 1.0

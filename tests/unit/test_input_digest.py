@@ -33,8 +33,10 @@ class Sampled:
         """Nothing."""
 
 
-def digest(made: Mechanism, *effects: Effect, books: bool = False, fast: bool = False) -> str | None:
-    return input_digest(made, effects, None, find_compiler(None), CompileOptions(fast=fast), books=books)
+def digest(made: Mechanism, *effects: Effect, energy_balance: bool = False, fast: bool = False) -> str | None:
+    return input_digest(
+        made, effects, None, find_compiler(None), CompileOptions(fast=fast), energy_balance=energy_balance
+    )
 
 
 def outlined(width: float) -> Mechanism:
@@ -49,14 +51,15 @@ def test_the_same_input_has_the_same_digest() -> None:
 
 
 def test_whatever_the_equations_may_depend_on_changes_it() -> None:
-    """Outlines, where contact points come from; values of effects to the last bit; options; whether powers are told."""
+    """Outlines, where contact points come from; values of effects to the last bit; options; whether powers are
+    reported."""
     gravity = lamc.Gravity()
     least = lamc.Gravity((0.0, 0.0, float(np.nextafter(-9.81, 0.0))))
     digests = [
         digest(mechanism()),
         digest(mechanism(), gravity),
         digest(mechanism(), least),
-        digest(mechanism(), gravity, books=True),
+        digest(mechanism(), gravity, energy_balance=True),
         digest(mechanism(), gravity, fast=True),
         digest(outlined(0.1), gravity),
         digest(outlined(0.2), gravity),

@@ -57,11 +57,11 @@ def test_an_input_is_a_parameter_with_its_unit_and_its_meaning() -> None:
 def test_a_model_told_a_number_moves_as_one_in_which_it_is_written(drive: float) -> None:
     scene = Scene(effects=(Gravity(), DRIVEN), inputs=INPUTS)
     t = np.linspace(0.0, 1.0, 21)
-    told = lamc.compile(mechanism(), scene).run(1.0, t_eval=t, parameters={"drive": drive, "bias": 0.1})
+    reported = lamc.compile(mechanism(), scene).run(1.0, t_eval=t, parameters={"drive": drive, "bias": 0.1})
     written = Scene(effects=(Gravity(), Torque({"h1": f"{drive}*sin(3*t) + 0.1"})))
     expected = lamc.compile(mechanism(), written).run(1.0, t_eval=t)
     # at most the order of two products differs: round-off that a second of this motion does not multiply by 1000
-    assert np.abs(told.q - expected.q).max() <= 1e-12
+    assert np.abs(reported.q - expected.q).max() <= 1e-12
 
 
 @needs_cc
@@ -74,10 +74,10 @@ def test_a_base_told_place_speed_and_acceleration_is_there_and_its_acceleration_
         "a": Input(2.5, "m/s^2"),
         "t0": Input(0.1, "s"),
     }
-    told = BaseMotion(displacement=("p + v*(t - t0) + a*(t - t0)^2/2", 0.0, 0.0))
+    reported = BaseMotion(displacement=("p + v*(t - t0) + a*(t - t0)^2/2", 0.0, 0.0))
     t = np.linspace(0.0, 1.0, 11)
     start = {"h1": 0.4, "h2": -0.2}
-    moved = lamc.compile(mechanism(), Scene(effects=(Gravity(), told), angles=start, inputs=inputs))
+    moved = lamc.compile(mechanism(), Scene(effects=(Gravity(), reported), angles=start, inputs=inputs))
     lifted = moved.run(1.0, t_eval=t, rtol=1e-11, atol=1e-13)
     tilted = lamc.compile(mechanism(), Scene(effects=(Gravity((-2.5, 0.0, -9.81)),), angles=start))
     expected = tilted.run(1.0, t_eval=t, rtol=1e-11, atol=1e-13)
@@ -89,7 +89,7 @@ def test_a_base_told_place_speed_and_acceleration_is_there_and_its_acceleration_
 
 
 @needs_cc
-def test_three_voices_agree_on_inputs() -> None:
+def test_three_cross_checks_agree_on_inputs() -> None:
     """With defaults that are not zero: Newton and Euler read the expressions by a parser of their own."""
     motor = LinearMotor("h2", "battery*sin(t)", torque_constant=0.1, resistance=2.0)
     inputs = {**INPUTS, "battery": Input(6.0, "V")}
@@ -103,13 +103,15 @@ def test_three_voices_agree_on_inputs() -> None:
 
 
 @needs_cc
-def test_a_motors_books_know_the_voltage_that_was_told() -> None:
+def test_a_motors_energy_balance_know_the_voltage_that_was_told() -> None:
     motor = LinearMotor("h1", "battery*cos(2*t)", torque_constant=0.2, resistance=1.5)
     sim = lamc.compile(mechanism(), Scene(effects=(motor,), inputs={"battery": Input(unit="V")}))
     result = sim.run(0.5, parameters={"battery": 9.0})
-    books = motor.books(result)
-    assert books.voltage == pytest.approx(9.0 * np.cos(2.0 * result.t), abs=1e-14)
-    assert result.powers["linear_motor"] == pytest.approx(books.mechanical, abs=1e-12)  # round-off of some W
+    energy_balance = motor.energy_balance(result)
+    assert energy_balance.voltage == pytest.approx(9.0 * np.cos(2.0 * result.t), abs=1e-14)
+    assert result.powers["linear_motor"] == pytest.approx(
+        energy_balance.mechanical, abs=1e-12
+    )  # round-off of some W
 
 
 def test_a_bender_takes_its_voltage_from_outside() -> None:
@@ -117,13 +119,15 @@ def test_a_bender_takes_its_voltage_from_outside() -> None:
         ends = ("a", (0.1, 0.0, 0.0), "b", (1.2, 0.0, 0.0), (0, 0, 1), 0.1)
         return PiezoBender(*ends, BIMORPH, (1, -1), voltage)  # type: ignore[arg-type]
 
-    voices = [
+    cross_checks = [
         Interpreter(program(bender("wave*2"), wave=Input(unit="V"))),
         Interpreter(program(bender(100.0))),
     ]
     q, u = np.array([0.1, -0.2]), np.array([0.3, 0.1])
-    found = voices[0].acceleration(0.0, q, u, voices[0].constants({"wave": 50.0}))
-    assert found == pytest.approx(voices[1].acceleration(0.0, q, u, voices[1].constants()), rel=1e-12)
+    found = cross_checks[0].acceleration(0.0, q, u, cross_checks[0].constants({"wave": 50.0}))
+    assert found == pytest.approx(
+        cross_checks[1].acceleration(0.0, q, u, cross_checks[1].constants()), rel=1e-12
+    )
 
 
 @dataclass(frozen=True)
@@ -143,9 +147,9 @@ class Push:
 def test_an_effect_of_ones_own_reads_inputs_in_sympy() -> None:
     made = program(Push(), push=Input(unit="N*m"))
     twin = program(Torque({"h1": "0.7*cos(angle)"}))
-    voice, other = Interpreter(made), Interpreter(twin)
+    cross_check, other = Interpreter(made), Interpreter(twin)
     q, u = np.array([0.4, 0.2]), np.array([1.0, -1.0])
-    found = voice.acceleration(0.0, q, u, voice.constants({"push": 0.7}))
+    found = cross_check.acceleration(0.0, q, u, cross_check.constants({"push": 0.7}))
     assert found == pytest.approx(other.acceleration(0.0, q, u, other.constants()), rel=1e-13)
     with pytest.raises(
         DesignError, match="effect 'push' reads the input 'push', which the scene does not have"
@@ -354,7 +358,7 @@ def test_scenes_with_inputs_are_written_and_read_again() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "told"),
+    ("said", "reported"),
     [
         ("inputs: {drive: 0 N*foo}", "is not a unit that lamc knows"),
         ("inputs: {t: 0}", "3:15: scene.inputs.t: an input is named 't', which is the time"),
@@ -374,11 +378,11 @@ def test_scenes_with_inputs_are_written_and_read_again() -> None:
         ("inputs: 3", "scene.inputs: "),
     ],
 )
-def test_inputs_of_files_that_cannot_be_are_refused_at_their_place(said: str, told: str) -> None:
+def test_inputs_of_files_that_cannot_be_are_refused_at_their_place(said: str, reported: str) -> None:
     text = f"scene:\n  effects: {{torque: {{h1: drive*t}}}}\n  {said}\n"
     with pytest.raises(DesignErrors) as caught:
         scene_of_text(text, "s.yaml")
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
     assert all(str(problem).startswith("s.yaml:") for problem in caught.value.problems)
 
 
@@ -409,13 +413,13 @@ VALUES = st.recursive(
 @settings(deadline=None, max_examples=300)
 def test_any_inputs_of_a_file_are_a_scene_or_errors_with_their_place(inputs: object) -> None:
     text = json.dumps({"scene": {"effects": {"torque": {"h1": "drive*t + bias"}}, "inputs": inputs}})
-    told, made = "", Scene()
+    reported, made = "", Scene()
     try:
         made = scene_of_text(text, "s.yaml")
     except LamcError as error:
-        told = str(error)
-    assert all(line.startswith("s.yaml:") for line in told.splitlines())
-    if told:
+        reported = str(error)
+    assert all(line.startswith("s.yaml:") for line in reported.splitlines())
+    if reported:
         return
     assert set(made.inputs) == {"bias", "drive"}
     assert scene_of_text(json.dumps(scene_data(made)), "s.yaml") == made

@@ -1,4 +1,4 @@
-"""The interpreter: operations by their definitions, whole programs against the numeric voice."""
+"""The interpreter: operations by their definitions, whole programs against the numeric cross-check."""
 
 import math
 
@@ -110,7 +110,7 @@ def test_numbers_and_arrays_agree_outside_the_domain_too(name: str) -> None:
                 expected = float(BATCHED[name](*(np.array([a]) for a in arguments))[0])
             found = SCALAR[name](*arguments)
             if name == "sign" and math.isnan(x):
-                continue  # the C, like this voice, gives 0 there: (x > 0) - (x < 0)
+                continue  # the C, like this cross-check, gives 0 there: (x > 0) - (x < 0)
             # two libraries' functions may differ by a few units in the last place
             assert found == pytest.approx(expected, rel=1e-14, nan_ok=True), (name, arguments)
 

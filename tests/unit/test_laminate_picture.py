@@ -80,8 +80,8 @@ def test_strokes_have_the_angle_of_the_fibres_on_paper(
     assert len(ends) > 5
     for start, end in ends:
         x, y = end - start
-        turn = np.degrees(np.arctan2(y, x)) - angle
-        assert abs((turn + 90.0) % 180.0 - 90.0) < 1e-6  # round-off of some hundred pixels
+        rotation = np.degrees(np.arctan2(y, x)) - angle
+        assert abs((rotation + 90.0) % 180.0 - 90.0) < 1e-6  # round-off of some hundred pixels
 
 
 def test_same_laminate_gives_the_same_picture(tmp_path: Path) -> None:

@@ -49,9 +49,9 @@ def test_the_table_says_what_the_c_does(name: str) -> None:
 
 
 def test_auto_goes_by_the_same_numbers_in_python_and_in_c() -> None:
-    told = dict(re.findall(r"static const lamc_real (\w+) = ([^;]+);", source("watch")))
+    reported = dict(re.findall(r"static const lamc_real (\w+) = ([^;]+);", source("watch")))
     for name in ("TIGHT", "TIGHT_FOR_RADAU", "LINEAR_ALGEBRA"):
-        assert float(told[name]) == getattr(methods, name)
+        assert float(reported[name]) == getattr(methods, name)
 
 
 def test_no_other_place_lists_the_methods() -> None:

@@ -123,10 +123,10 @@ def test_mutants_are_records_or_errors_within_seconds(kind: str, monkeypatch: py
         dice = random.Random(seed)
         text = mutant(dice.choice(trees(kind)), dice)
         began = time.thread_time()
-        told = "a record"
+        reported = "a record"
         try:
             ROADS[kind](text)
         except LamcError as error:
-            told = str(error)
-        assert told, seed
+            reported = str(error)
+        assert reported, seed
         assert time.thread_time() - began < PATIENCE, seed

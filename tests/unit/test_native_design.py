@@ -1,4 +1,4 @@
-"""Native files: what people write becomes SI, what is wrong is told all at once with its place."""
+"""Native files: what people write becomes SI, what is wrong is reported all at once with its place."""
 
 import json
 import math
@@ -135,7 +135,9 @@ def test_a_disc_has_the_area_of_its_circle(tmp_path: Path) -> None:
         ("flexible: true", "flexible: perhaps", "true or false is expected here, and it is 'perhaps'"),
     ],
 )
-def test_bad_values_are_told_with_place_and_way_out(tmp_path: Path, old: str, new: str, said: str) -> None:
+def test_bad_values_are_reported_with_place_and_way_out(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
     assert old in GOOD
     lines = problems(tmp_path, GOOD.replace(old, new, 1))
     assert len(lines) == 1
@@ -153,7 +155,7 @@ def test_all_problems_of_a_file_come_at_once_in_the_order_of_the_file(tmp_path: 
     assert [line.split(":")[0] for line in lines] == ["3", "6", "9", "12"]
 
 
-def test_a_misspelt_key_is_told_with_the_right_one(tmp_path: Path) -> None:
+def test_a_misspelt_key_is_reported_with_the_right_one(tmp_path: Path) -> None:
     lines = problems(tmp_path, GOOD.replace("thickness: 0.3", "thicknes: 0.3"))
     assert any("the key 'thicknes' is unknown; did you mean 'thickness'?" in line for line in lines)
 
@@ -218,7 +220,7 @@ def test_units_of_the_trade_are_understood() -> None:
         ("2 mm/mm", ANGLE, "'mm/mm' names no angle"),
     ],
 )
-def test_an_angle_that_is_missing_or_too_much_is_told(text: str, kind: Quantity, said: str) -> None:
+def test_an_angle_that_is_missing_or_too_much_is_reported(text: str, kind: Quantity, said: str) -> None:
     with pytest.raises(DesignError) as caught:
         to_si(text, kind)
     assert said in str(caught.value)
@@ -268,12 +270,12 @@ def test_a_polygon_of_many_corners_is_read_with_progress(tmp_path: Path) -> None
     corners = [
         (9 * math.cos(a), 9 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 10_000, endpoint=False)
     ]
-    told: list[str] = []
+    reported: list[str] = []
     file = tmp_path / "many.yaml"
     file.write_text(GOOD.replace("rect: [0, 0, 40, 10]", f"polygon: {[list(c) for c in corners]}"))
-    record = load(file, progress=lambda stage, part: told.append(stage))
+    record = load(file, progress=lambda stage, part: reported.append(stage))
     assert isinstance(record, Design)
-    assert {"reading", "checking"} <= set(told)
+    assert {"reading", "checking"} <= set(reported)
     # a regular 10^4-gon is its circle to 2π²/3 · 1e-8 of the area
     assert record.layers[1].geometry.area == pytest.approx(math.pi * 81e-6, rel=1e-7)
 
@@ -292,15 +294,15 @@ def read_scene(data: object) -> Scene:
 
 
 def a_mechanism() -> Mechanism:
-    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    rotation = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
     bodies = (
         Body("ground", fixed=True),
-        Body(ODD, 0.1 + 0.2, (1 / 3, -2e-17, 5.0), turn @ np.diag([1.0, 2.0, 2.5]) @ turn.T),
+        Body(ODD, 0.1 + 0.2, (1 / 3, -2e-17, 5.0), rotation @ np.diag([1.0, 2.0, 2.5]) @ rotation.T),
         Body("no", 1e-9, (0, 0, 0), np.eye(3) * 1e-20),
     )
     joints = (
         Joint("1", "ground", ODD, (1e-5, 2 / 3, 0), (1, 2, 3), 1e-5, 1e-7, 0.1, (-1.0, 2 / 3)),
-        Joint("true", ODD, "no", (0, 0, 0.1), turn[0]),
+        Joint("true", ODD, "no", (0, 0, 0.1), rotation[0]),
     )
     effects = read_scene({"effects": {"gravity": [0, 0.1, -9.81], "torque": {"1": "sin(t)"}}}).effects
     scene = Scene(effects=effects, angles={"1": 1 / 3}, rates={"true": -1e-5})
@@ -323,8 +325,8 @@ def test_outlines_read_back_to_the_last_bit(tmp_path: Path) -> None:
 
 
 def test_a_story_goes_from_the_drawing_to_the_mechanism_and_its_file(tmp_path: Path) -> None:
-    told = "story: >\n  A card that opens.\n  It is held at one end.\n" + GOOD
-    mechanism = split(design(tmp_path, told))
+    reported = "story: >\n  A card that opens.\n  It is held at one end.\n" + GOOD
+    mechanism = split(design(tmp_path, reported))
     assert mechanism.story == "A card that opens. It is held at one end."
     write_mechanism(mechanism, tmp_path / "m.yaml")
     assert load(tmp_path / "m.yaml") == mechanism

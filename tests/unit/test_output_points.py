@@ -125,8 +125,8 @@ def test_table_of_a_result_has_the_path_of_a_point(tmp_path: Path) -> None:
     result = lamc.compile(rod(), with_outputs(FREE, TIP)).run(1.0, t_eval=[0.0, 0.5, 1.0])
     with result.to_csv(tmp_path / "r.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    told = np.array([[float(row[f"tip.{axis} (m)"]) for axis in "xyz"] for row in rows])
-    np.testing.assert_array_equal(told, result.point("tip"))
+    reported = np.array([[float(row[f"tip.{axis} (m)"]) for axis in "xyz"] for row in rows])
+    np.testing.assert_array_equal(reported, result.point("tip"))
     assert [o.name for o in outputs_of(result, with_outputs(FREE, TIP))] == ["tip.x", "tip.y", "tip.z"]
     with pytest.raises(KeyError, match="no output point is named 'top'; there are tip"):
         result.point("top")
@@ -151,7 +151,7 @@ def test_a_file_holds_points_with_units_and_they_are_written_back(tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("outputs", "at", "told"),
+    ("outputs", "at", "reported"),
     [
         ("[h, {name: tip, body: rod}]", "3:14", "outputs[1].point: this key is missing"),
         ("[{name: tip, body: rod, point: [0, 1]}]", "3:", "outputs[0].point"),
@@ -162,16 +162,16 @@ def test_a_file_holds_points_with_units_and_they_are_written_back(tmp_path: Path
         ("[h, {name: h, body: rod, point: [0, 0, 0]}]", "1:", "outputs of a scene has 'h' twice"),
     ],
 )
-def test_a_point_that_is_none_is_refused_at_its_line(outputs: str, at: str, told: str) -> None:
+def test_a_point_that_is_none_is_refused_at_its_line(outputs: str, at: str, reported: str) -> None:
     with pytest.raises(LamcError) as caught:
         scene_of_text(f"kind: scene\nunits: mm\noutputs: {outputs}\n", "s.yaml")
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
     assert f"s.yaml:{at}" in str(caught.value)
     assert len(str(caught.value).splitlines()) <= 2  # a problem, or a problem and its sum
 
 
 def test_points_that_do_not_fit_the_mechanism_are_refused_at_their_line() -> None:
-    for entry, told in (
+    for entry, reported in (
         (
             "{name: tip, body: rot, point: [0, 0, 0]}",
             "is of body 'rot', which is not there; did you mean 'rod'?",
@@ -181,7 +181,7 @@ def test_points_that_do_not_fit_the_mechanism_are_refused_at_their_line() -> Non
         scene = scene_of_text(f"kind: scene\noutputs: [h, {entry}]\n", "s.yaml")
         with pytest.raises(DesignError) as caught:
             lamc.compile(rod(), scene)
-        assert told in str(caught.value)
+        assert reported in str(caught.value)
         assert "s.yaml:2:14" in str(caught.value)
 
 

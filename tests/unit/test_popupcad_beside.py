@@ -60,7 +60,9 @@ def test_a_design_beside_is_placed_as_one_inside(tmp_path: Path, stored: str | N
 
 
 @pytest.mark.parametrize("stored", ["leg.cad", ONLY_A_NAME % "leg.cad"])
-def test_a_file_that_is_missing_is_told_with_the_place_and_the_way_out(tmp_path: Path, stored: str) -> None:
+def test_a_file_that_is_missing_is_reported_with_the_place_and_the_way_out(
+    tmp_path: Path, stored: str
+) -> None:
     (tmp_path / "legs.cad").write_text(cad(sketches=FROM), encoding="utf-8")
     text = placing(stored)
     with pytest.raises(DesignError, match=r"there is no such file; did you mean .*legs\.cad") as caught:

@@ -162,16 +162,16 @@ def test_a_design_of_old_vertices_is_the_design_of_new_ones() -> None:
 TEXT = "!!python/object:popupcad.graphics2d.text.GenericText"
 
 
-@pytest.mark.parametrize(("words", "told"), [("LAB", 1), ("''", 0), ("' '", 0)])
-def test_a_text_is_left_out_and_told(words: str, told: int) -> None:
+@pytest.mark.parametrize(("words", "reported"), [("LAB", 1), ("''", 0), ("' '", 0)])
+def test_a_text_is_left_out_and_told(words: str, reported: int) -> None:
     given_text = (
         f"{TEXT} {{exteriors: [], font: Courier New, fontsize: 16, id: 17, pos: [18, 1, 2], text: {words}}}"
     )
     design = read(cad().replace("{operationgeometry: [", f"{{operationgeometry: [{given_text}, ", 1))
     assert areas(design) == areas(read(cad()))
-    assert len(design.notes) == told
+    assert len(design.notes) == reported
     assert all("LAB" in note and "given.cad:" in note for note in design.notes)
-    assert split_steps(design).notes[:told] == design.notes
+    assert split_steps(design).notes[:reported] == design.notes
 
 
 # ---- Nothing but an error or a design --------------------------------------------------------------------------------

@@ -48,6 +48,8 @@ def test_an_old_name_gives_the_same_object_and_the_new_name(module: str, name: s
     [
         ("lamc.Plate", "lamc.Slab"),
         ("lamc.plate.Gravity", "lamc.plate.SelfWeight"),
+        ("lamc.plate.Model", "lamc.plate.FactoredPlate"),
+        ("lamc.plate.HingeTurn", "lamc.plates.records.HingeRotation"),
         *((f"lamc.plate.{name}", f"lamc.plates.records.{name}") for name in records.__all__),
     ],
 )

@@ -32,13 +32,13 @@ def _equations(path: Path) -> Equations:
 def test_programs_do_not_depend_on_what_was_read_of_the_equations(path: Path) -> None:
     equations = _equations(path)
     untouched = lower(equations).digest
-    with_books = lower(equations, books=True).digest
+    with_balance = lower(equations, energy_balance=True).digest
     nodes = len(equations.store)
     for name in READ:
         getattr(equations, name)
     assert len(equations.store) == nodes
     assert lower(equations).digest == untouched
-    assert lower(equations, books=True).digest == with_books
+    assert lower(equations, energy_balance=True).digest == with_balance
 
 
 def test_what_is_read_does_not_depend_on_the_order_of_reading() -> None:

@@ -91,9 +91,9 @@ PIECES += [
 ]
 
 
-def _told(yaml: YAML, text: str) -> list[Any]:
-    """All that the reader above is told: of every event its class, values and places, then the error, if any."""
-    told: list[Any] = []
+def _reported(yaml: YAML, text: str) -> list[Any]:
+    """All that the reader above is reported: of every event its class, values and places, then the error, if any."""
+    reported: list[Any] = []
     try:
         for event in yaml.parse(text):
             values = [
@@ -101,12 +101,12 @@ def _told(yaml: YAML, text: str) -> list[Any]:
             ]
             places = [(mark.index, mark.line, mark.column) for mark in (event.start_mark, event.end_mark)]
             implicit = getattr(event, "implicit", None), getattr(event, "explicit", None)
-            told.append((type(event).__name__, *values, implicit, places))
+            reported.append((type(event).__name__, *values, implicit, places))
     except YAMLError as error:
-        told.append((type(error).__name__, str(error)))
+        reported.append((type(error).__name__, str(error)))
     except (AssertionError, NotImplementedError, ValueError, AttributeError, TypeError) as error:
-        told.append((type(error).__name__, str(error)))
-    return told
+        reported.append((type(error).__name__, str(error)))
+    return reported
 
 
 def _usual() -> YAML:
@@ -129,18 +129,18 @@ def _damaged(text: str, count: int) -> Iterator[str]:
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
 def test_examples_are_read_as_ruamel_reads_them(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    assert _told(quick_yaml(), text) == _told(_usual(), text)
+    assert _reported(quick_yaml(), text) == _reported(_usual(), text)
 
 
 @pytest.mark.parametrize("text", ODD, ids=range(len(ODD)))
 def test_odd_texts_are_read_as_ruamel_reads_them(text: str) -> None:
-    assert _told(quick_yaml(), text) == _told(_usual(), text)
+    assert _reported(quick_yaml(), text) == _reported(_usual(), text)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
 def test_damaged_texts_are_read_as_ruamel_reads_them(path: Path) -> None:
     for text in _damaged(path.read_text(encoding="utf-8"), 20):
-        assert _told(quick_yaml(), text) == _told(_usual(), text), text
+        assert _reported(quick_yaml(), text) == _reported(_usual(), text), text
 
 
 def test_random_texts_are_read_as_ruamel_reads_them() -> None:
@@ -149,4 +149,4 @@ def test_random_texts_are_read_as_ruamel_reads_them() -> None:
         text = "".join(
             chance.choice([*PIECES, "b", "c d", "1.5", "-2"]) for _ in range(chance.randrange(1, 14))
         )
-        assert _told(quick_yaml(), text) == _told(_usual(), text), repr(text)
+        assert _reported(quick_yaml(), text) == _reported(_usual(), text), repr(text)

@@ -286,5 +286,5 @@ def test_no_name_can_start_a_latex_command() -> None:
     ("seconds", "expected"),
     [(2.5, "2.5 s"), (0.0123, "12.3 ms"), (4.5e-6, "4.5 µs"), (7.41e-8, "74.1 ns"), (7200.0, "2 h")],
 )
-def test_durations_are_told_in_the_unit_that_suits_them(seconds: float, expected: str) -> None:
+def test_durations_are_reported_in_the_unit_that_suits_them(seconds: float, expected: str) -> None:
     assert duration(seconds) == expected

@@ -151,7 +151,7 @@ def test_generated_c_runs_clean(name: str, tmp_path: Path) -> None:
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     drive = Torque({"h0": "0.3*sin(t) + atan2(angle, 1 + t)"} if name != "nothing moves" else {})
     program, tree = sources_of(
-        equations_of(MECHANISMS[name], SCENES.get(name, (*ALL_PASSIVE, drive))), books=True
+        equations_of(MECHANISMS[name], SCENES.get(name, (*ALL_PASSIVE, drive))), energy_balance=True
     )
     longest = max(len(f.statements) for f in program.functions.values() if f.name in AT_EVERY_STEP)
     assert (name in LONG) == (longest > MAX_BLOCK_AT_EVERY_STEP)

@@ -203,8 +203,8 @@ def test_designs_refuse_the_same_scenes(tmp_path: Path, text: str, said: str) ->
     with pytest.raises(LamcError) as caught:
         arm(tmp_path, text)
     line, colon, rest = said.partition(":")
-    told = f":{int(line) + ARM.count(chr(10))}{colon}{rest}"
-    assert any(told in each for each in str(caught.value).splitlines()), str(caught.value)
+    reported = f":{int(line) + ARM.count(chr(10))}{colon}{rest}"
+    assert any(reported in each for each in str(caught.value).splitlines()), str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -341,14 +341,14 @@ def test_options_change_the_scene_that_they_name(tmp_path: Path) -> None:
         ["gravity=[0, 0, -1]", "hinge_damping"], ["torque"], ["h=10 deg"], (), None, "shaken"
     )
     changed, account = changed_scene(mechanism, changes)
-    told = {choice.name: (choice.effect is not None, choice.reason) for choice in account}
-    assert told["gravity"] == (True, "added by --with")
-    assert told["hinge_damping"] == (True, "added by --with")
-    assert told["torque"] == (False, "left out by --without")
-    assert told["joint_limits"] == (True, "added by the scene")
+    reported = {choice.name: (choice.effect is not None, choice.reason) for choice in account}
+    assert reported["gravity"] == (True, "added by --with")
+    assert reported["hinge_damping"] == (True, "added by --with")
+    assert reported["torque"] == (False, "left out by --without")
+    assert reported["joint_limits"] == (True, "added by the scene")
     assert changed.angles["h"] == math.radians(10)
     assert changed.duration == 3.0
-    assert {e.name for e in changed.effects or ()} == {n for n, (acts, _) in told.items() if acts}
+    assert {e.name for e in changed.effects or ()} == {n for n, (acts, _) in reported.items() if acts}
 
 
 def test_outputs_of_a_run_are_angles_coordinates_and_positions(tmp_path: Path) -> None:

@@ -226,12 +226,12 @@ def shuffled(design: Design, random: random_module.Random) -> Design:
         return random.sample(items, len(items))
 
     def polygons(geometry: MultiPolygon) -> MultiPolygon:
-        turned = []
+        rotated = []
         for polygon in mixed(list(geometry.geoms)):
             ring = list(polygon.exterior.coords)[:-1]
             start = random.randrange(len(ring))
-            turned.append(Polygon(ring[start:] + ring[:start], polygon.interiors))
-        return MultiPolygon(turned)
+            rotated.append(Polygon(ring[start:] + ring[:start], polygon.interiors))
+        return MultiPolygon(rotated)
 
     layers = tuple(replace(layer, geometry=polygons(layer.geometry)) for layer in design.layers)
     sets = []
@@ -439,12 +439,12 @@ def test_hinge_strip_is_read_where_only_rigid_layers_are_drawn() -> None:
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0, 2 * math.pi), st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
-def test_masses_do_not_depend_on_where_the_device_lies(turn: float, x: float, y: float) -> None:
+def test_masses_do_not_depend_on_where_the_device_lies(rotation: float, x: float, y: float) -> None:
     design = flaps()
 
     def move(geometry: MultiPolygon) -> MultiPolygon:
-        turned = shapely.affinity.rotate(geometry, turn, (0, 0), use_radians=True)
-        return shapely.affinity.translate(turned, x, y)
+        rotated = shapely.affinity.rotate(geometry, rotation, (0, 0), use_radians=True)
+        return shapely.affinity.translate(rotated, x, y)
 
     sets = []
     for s in design.hinges:

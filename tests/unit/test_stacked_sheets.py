@@ -100,7 +100,7 @@ def test_hinges_that_cross_in_different_sheets_leave_each_other_alone(tmp_path: 
     assert masses == pytest.approx([sheet, sheet], rel=1e-12)  # round-off
 
 
-def test_a_hinge_through_the_other_sheet_too_is_told(tmp_path: Path) -> None:
+def test_a_hinge_through_the_other_sheet_too_is_reported(tmp_path: Path) -> None:
     """All layers are the default; in a design of several sheets it would cut the others in two and join nothing."""
     text = UNNAMED.replace(f"layer: low_film, layers: {LOWER}", "layer: low_film")
     message = refusal(tmp_path, text)
@@ -109,7 +109,7 @@ def test_a_hinge_through_the_other_sheet_too_is_told(tmp_path: Path) -> None:
     assert "joins the bodies in its flexible layer, 'low_film'" in message
 
 
-def test_glue_under_a_hinge_is_told(tmp_path: Path) -> None:
+def test_glue_under_a_hinge_is_reported(tmp_path: Path) -> None:
     text = UNNAMED.replace("rect: [15, 0, 23, 8]", "rect: [8, 0, 23, 8]")
     message = refusal(tmp_path, text)
     assert "hinge 'a2' at (10, 4) mm touches 1 body" in message
@@ -133,7 +133,7 @@ def test_the_same_line_in_both_sheets_locks_two_bodies(tmp_path: Path) -> None:
     assert "but do not lie on one line, so neither can turn" in message
 
 
-def test_names_by_points_that_fit_no_single_body_are_told(tmp_path: Path) -> None:
+def test_names_by_points_that_fit_no_single_body_are_reported(tmp_path: Path) -> None:
     message = refusal(tmp_path, RING.replace("{at: [5, 4], layer: low_board}", "[5, 4]"))
     assert "names body 'a', (5, 4) mm, lies in 2 bodies" in message
     assert "or say in which layer: {at: [x, y], layer: …}" in message
@@ -145,7 +145,7 @@ def test_names_by_points_that_fit_no_single_body_are_told(tmp_path: Path) -> Non
     assert "bodies.a.at" in message
 
 
-def test_a_layer_that_a_record_does_not_have_is_told(tmp_path: Path) -> None:
+def test_a_layer_that_a_record_does_not_have_is_reported(tmp_path: Path) -> None:
     design = replace(drawn(tmp_path, RING), body_names=(BodyName("a", Point(0.005, 0.004), 7),))
     with pytest.raises(DesignError, match="body 'a' refers to layer 7; the design has layers 0 to 4"):
         split(design)

@@ -66,15 +66,15 @@ def test_the_centre_of_mass_of_what_floats_falls_freely(floating: Simulator, met
     )  # nothing pulls the quaternion back, nothing need
 
 
-def test_two_voices_agree_on_accelerations_and_poses(floating: Simulator) -> None:
-    voice = Interpreter(floating.program)
-    constants = voice.constants()
+def test_two_cross_checks_agree_on_accelerations_and_poses(floating: Simulator) -> None:
+    cross_check = Interpreter(floating.program)
+    constants = cross_check.constants()
     rng = np.random.default_rng(3)
     q, u = rng.standard_normal((5, 9)), rng.standard_normal((5, 8))
     mine = floating.acceleration(q, u, t=0.2)
-    theirs = voice.acceleration(0.2, q, u, constants)
+    theirs = cross_check.acceleration(0.2, q, u, constants)
     assert mine == pytest.approx(theirs, rel=1e-10, abs=1e-10)  # two ways to solve M u̇ = f of condition 1e3
-    rates = voice.rates(q, u, constants)
+    rates = cross_check.rates(q, u, constants)
     flow = np.array([floating._motion({}).rhs(0.2, state)[:9] for state in np.hstack([q, u])])
     assert rates == pytest.approx(flow, rel=1e-14, abs=1e-15)  # the same operations
     assert np.array_equal(rates[:, :2], u[:, :2])
@@ -127,15 +127,15 @@ def test_frames_hold_all_coordinates(floating: Simulator) -> None:
     assert data["angle"].shape == (2, 2)
 
 
-def test_books_are_in_the_files_where_they_were_kept(floating: Simulator, tmp_path: Path) -> None:
-    result = floating.run(t_end=0.2, t_eval=[0.0, 0.2], books=True)
+def test_energy_balance_are_in_the_files_where_they_were_kept(floating: Simulator, tmp_path: Path) -> None:
+    result = floating.run(t_end=0.2, t_eval=[0.0, 0.2], energy_balance=True)
     file = result.to_npz(tmp_path / "r.npz")
     arrays = np.load(file)
     assert arrays["work_names"].tolist() == list(result.work)
     assert np.array_equal(arrays["work"][:, 0], next(iter(result.work.values())))
-    told = json.loads((tmp_path / "r.npz.manifest.json").read_text(encoding="utf-8"))["books"]
-    assert {entry["effect"] for entry in told["effects"]} == set(result.work)
-    assert told["balance"] == result.books.balance
+    reported = json.loads((tmp_path / "r.npz.manifest.json").read_text(encoding="utf-8"))["books"]
+    assert {entry["effect"] for entry in reported["effects"]} == set(result.work)
+    assert reported["balance"] == result.energy_balance.balance
     assert "gravity work (J)" in result.to_csv(tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()[0]
     assert "work" not in np.load(floating.run(t_end=0.1).to_npz(tmp_path / "none.npz"))
 

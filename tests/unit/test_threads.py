@@ -66,7 +66,7 @@ def simulator(request: pytest.FixtureRequest) -> lamc.Simulator:
 
 
 def run(simulator: lamc.Simulator, **given: Any) -> lamc.Result:
-    return simulator.run(0.1, 1e-6, 1e-8, np.linspace(0.0, 0.1, 8_001), books=True, **given)
+    return simulator.run(0.1, 1e-6, 1e-8, np.linspace(0.0, 0.1, 8_001), energy_balance=True, **given)
 
 
 def test_threads_that_read_one_result_get_its_numbers(simulator: lamc.Simulator) -> None:
@@ -111,15 +111,15 @@ def test_runs_do_not_hear_of_one_another_by_the_motion_that_they_share(simulator
 
 
 def test_threads_that_solve_one_plate_get_its_numbers() -> None:
-    def model() -> plate.Model:
+    def model() -> plate.FactoredPlate:
         supports = [plate.Clamped("boundary")]
-        return plate.Model(
+        return plate.FactoredPlate(
             plate.Problem(
                 plate.grid(1.0, 1.0, 24, 24, "one-diagonal"), cross_ply((0, 90, 90, 0)), supports=supports
             )
         )
 
-    def answers(shared: plate.Model, k: int) -> tuple[Any, ...]:
+    def answers(shared: plate.FactoredPlate, k: int) -> tuple[Any, ...]:
         solution = shared.solve([plate.Pressure(1.0 + k), plate.PointLoad((0.3, 0.4), 2.0)])
         at = np.array([0.2, 0.5, 0.71]), np.array([0.3, 0.5, 0.6])
         return (

@@ -1,4 +1,4 @@
-"""Names that a design does not have are told, in trees, in loops and on floating bases: never a bug of lamc's."""
+"""Names that a design does not have are reported, in trees, in loops and on floating bases: never a bug of lamc's."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
@@ -66,7 +66,7 @@ def cases() -> list[Any]:
 
 @pytest.mark.parametrize("kind", ["tree", "loop", "floating"])
 @pytest.mark.parametrize("effect", cases())
-def test_an_effect_that_names_what_is_not_there_is_told(effect: Effect, kind: str) -> None:
+def test_an_effect_that_names_what_is_not_there_is_reported(effect: Effect, kind: str) -> None:
     made = loop() if kind == "loop" else mechanism()
     others = (lamc.FreeBase(),) if kind == "floating" else ()
     with pytest.raises(LamcError, match=rf"'{UNKNOWN}'") as caught:
@@ -92,25 +92,25 @@ BAD_SCENES = {
 
 @pytest.mark.parametrize("example", ["flaps", "four_bar", "crawler", "waterbomb"])
 @pytest.mark.parametrize("text", BAD_SCENES)
-def test_a_scene_that_names_what_is_not_there_is_told_with_its_line(
+def test_a_scene_that_names_what_is_not_there_is_reported_with_its_line(
     example: str, text: str, tmp_path: Path
 ) -> None:
     scene = tmp_path / "s.yaml"
     scene.write_text(f"# a scene\n{text}\n")
     given = ["run", str(examples.path(example)), "--scene", str(scene), "--out", str(tmp_path / "o")]
-    told = CliRunner().invoke(main, [*given, "--quiet"])
-    assert told.exit_code == 2, told.output
-    assert f"{scene}:2:" in told.output
-    assert BAD_SCENES[text] in told.output
+    reported = CliRunner().invoke(main, [*given, "--quiet"])
+    assert reported.exit_code == 2, reported.output
+    assert f"{scene}:2:" in reported.output
+    assert BAD_SCENES[text] in reported.output
     assert not (tmp_path / "o").exists()
 
 
 @pytest.mark.parametrize("option", ["--angle", "--rate"])
-def test_options_that_name_what_is_not_there_are_told(option: str, tmp_path: Path) -> None:
+def test_options_that_name_what_is_not_there_are_reported(option: str, tmp_path: Path) -> None:
     given = ["run", str(examples.path("four_bar")), option, "nosuch=0.1", "--out", str(tmp_path / "o")]
-    told = CliRunner().invoke(main, given)
-    assert told.exit_code == 2, told.output
-    assert "'nosuch'" in told.output
+    reported = CliRunner().invoke(main, given)
+    assert reported.exit_code == 2, reported.output
+    assert "'nosuch'" in reported.output
 
 
 @pytest.mark.parametrize("what", ["angles", "rates"])

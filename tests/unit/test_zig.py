@@ -146,7 +146,7 @@ def test_the_users_own_folders_of_zig_are_kept(tmp_path: Path) -> None:
     assert dict(zig.environment(given)) == {"ZIG_LOCAL_CACHE_DIR": str(tmp_path / "zig")}
 
 
-def test_a_folder_of_zig_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+def test_a_folder_of_zig_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     variables = zig.environment({"LAMC_CACHE_DIR": str(tmp_path / "file" / "cache")})
     with pytest.raises(BuildError, match=r"zig's cache .* cannot be written: .*; set \$LAMC_CACHE_DIR"):

@@ -24,7 +24,7 @@ from lamc.plates.answers.shapes import Shapes
 from lamc.plates.answers.shear_share import shape_notes
 from lamc.plates.offsets import offset_texts
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import Model
+from lamc.plates.solving.model import FactoredPlate
 from lamc.plates.solving.solution import Solution
 from lamc.plates.solving.system import System, system
 
@@ -186,7 +186,7 @@ def _forces_of_loads(problem: Problem) -> Array:
 
 def _solved(problem: Problem) -> Solution:
     """Under what acts in every case."""
-    return Model(problem).solve()
+    return FactoredPlate(problem).solve()
 
 
 def _check_not_free(solution: Solution, centre: Array, largest: float) -> None:

@@ -11,11 +11,12 @@ from lamc.basics.errors import DesignError
 from lamc.plates.answers.shear_share import shear_share
 from lamc.plates.loads import Pressure
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import Model
+from lamc.plates.solving.model import FactoredPlate
 from lamc.plates.solving.solution import Solution
 
 THIN, THICK = "dkt", "dkmt"
-# Of the deflection. Less is told, and no reason to go without gradients and exports, which shear does without so far.
+# Of the deflection. Less is reported, and no reason to go without gradients and exports, which shear does without so
+# far.
 TAKEN = 0.02
 
 
@@ -75,7 +76,7 @@ def choose_element(problem: Problem, *, waves: int = 1) -> Choice:
 
 
 def _solved(problem: Problem) -> list[Solution]:
-    model = Model(problem)
+    model = FactoredPlate(problem)
     return list(model.solve_cases().values()) if problem.cases else [model.solve()]
 
 

@@ -14,7 +14,7 @@ from lamc.basics.errors import DesignError
 from lamc.plates.loads import PointLoad
 from lamc.plates.problem import Problem
 from lamc.plates.solving.load_vectors import load_vector
-from lamc.plates.solving.model import Model
+from lamc.plates.solving.model import FactoredPlate
 
 
 def flexibility(
@@ -37,7 +37,7 @@ def flexibility(
         raise DesignError("the direction of a flexibility is zero; give one such as (0, 0, 1)")
     loads = [PointLoad(tuple(point), tuple(direction / length)) for point in points.tolist()]
     still = replace(problem, loads=loads, cases={})  # loads in the plane bring a membrane
-    model = Model(still)
+    model = FactoredPlate(still)
     columns = [load_vector(still, model.system.kernels, [load]) for load in loads]
     answers = [model.solve([load]).values for load in loads]
     held = model.system.constraints

@@ -31,7 +31,7 @@ from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.meshing.grid import grid_of_lines
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import Model
+from lamc.plates.solving.model import FactoredPlate
 from lamc.plates.solving.sections import couples
 from lamc.plates.supports import Support
 
@@ -129,4 +129,4 @@ def _energy(laminate: Laminate, mesh: Mesh, angle: float, pull: float | None = N
         if pull is not None:
             supports += [Support(end, ("v",)), Support(end, ("u",), -0.5 * sign * pull)]
     element = "dkt" if pull is None else "dkt+lst"
-    return Model(Problem(mesh, laminate, element=element, supports=supports)).solve().strain_energy
+    return FactoredPlate(Problem(mesh, laminate, element=element, supports=supports)).solve().strain_energy

@@ -79,10 +79,10 @@ class Pencil:
         full = np.asarray(self.free @ shapes)
         mesh, table = self.problem.mesh, self.problem.dofs.table
         reach = 0.125 * float(np.sqrt(mesh.areas.max()))
-        turns, twists = (
+        rotations, twists = (
             np.abs(full[_there(part)]).max(axis=0, initial=0.0) for part in (table[:, 3:5], table[:, 5:])
         )
-        between = np.maximum(turns * reach, twists * reach**2)
+        between = np.maximum(rotations * reach, twists * reach**2)
         moves = full[_there(table[:, :3])]
         still = np.abs(moves).max(axis=0, initial=0.0) < _STILL * between
         size = np.where(still, between, np.abs(moves).max(axis=0, initial=0.0))

@@ -79,7 +79,7 @@ class Reduction:
 
     @lazy
     def _shapes(self) -> dict[tuple[float, float], tuple[Array, Array]]:
-        """Shapes by point: effects act at few points, and other voices ask for them at every instant."""
+        """Shapes by point: effects act at few points, and other cross-checks ask for them at every instant."""
         return {}
 
     def _attachment(self, x: float, y: float) -> Attachment:
@@ -150,8 +150,8 @@ def _statics(system: Pencil, mass: Array, natural: Array, loads: Array) -> Array
     if not own:
         return np.zeros((len(natural), 0))
     found = np.column_stack(own)
-    _, turned = scipy.linalg.eigh(found.T @ (system.stiffness @ found), found.T @ (mass @ found))
-    return np.asarray(found @ turned)
+    _, rotated = scipy.linalg.eigh(found.T @ (system.stiffness @ found), found.T @ (mass @ found))
+    return np.asarray(found @ rotated)
 
 
 def rigid_fields(problem: Problem) -> Array:

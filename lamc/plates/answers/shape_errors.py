@@ -20,7 +20,7 @@ from lamc.plates.solving.refine import Accuracy
 from lamc.plates.solving.solution import Solution, SolveReport
 from lamc.plates.solving.system import System
 
-TOLD = 0.02  # relative error from which a note tells it: what a reader of three digits would mind
+REPORTED = 0.02  # relative error from which a note tells it: what a reader of three digits would mind
 _WHOLE = SolveReport("", 0, Accuracy(1.0, 0, 0.0, 0.0), "", ())  # nothing was solved
 
 
@@ -49,7 +49,7 @@ def shape_error(shape: Solution) -> ShapeError:
 
 
 def notes_of(what: str, errors: Array, regions: tuple[str, ...]) -> tuple[str, ...]:
-    """A sentence for each of the numbered that may be off by more than `TOLD`; `what` is one of them."""
+    """A sentence for each of the numbered that may be off by more than `REPORTED`; `what` is one of them."""
     several = len(set(regions)) > 1 or any(regions)
     return tuple(
         f"{what} {k + 1} may be {100.0 * error:.2g} % off on this mesh"
@@ -59,5 +59,5 @@ def notes_of(what: str, errors: Array, regions: tuple[str, ...]) -> tuple[str, .
             else ": mesh finer"
         )
         for k, (error, region) in enumerate(zip(errors, regions, strict=True))
-        if error > TOLD
+        if error > REPORTED
     )

@@ -15,9 +15,9 @@ from shapely.geometry.base import BaseGeometry
 from lamc.basics.checks import Array
 from lamc.plates.doubling import parts_of_fans
 from lamc.plates.loads import PointLoad
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.report import corner_angles
-from lamc.plates.places import Places
 from lamc.plates.solving.solution import Solution
 
 _NOTCH = 210.0  # degrees: less is taken for a piece of an arc, of twelve or more to the turn
@@ -49,7 +49,7 @@ def sharp_place(solution: Solution, at: Array, reach: float) -> str:
     return ""
 
 
-def _goes_on(places: Places, where: BaseGeometry, end: Point) -> bool:
+def _goes_on(places: MeshLocator, where: BaseGeometry, end: Point) -> bool:
     """Whether the plate goes on beyond the end of a line."""
     mesh = places.dofs.mesh
     cells, local = places.edges_on(where).T

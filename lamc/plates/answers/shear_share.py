@@ -26,11 +26,11 @@ from lamc.plates.loads import PointLoad
 if TYPE_CHECKING:
     from lamc.plates.solving.solution import Solution
 
-TOLD = 0.01  # of the deflection; less is below what a mesh leaves
+REPORTED = 0.01  # of the deflection; less is below what a mesh leaves
 _TRIANGLES = ("bciz", "dkt", "specht")
 # The element's own moments give 0.8 to 2.5 times the share by patches on 3 to 32 cells across, and cost a tenth:
 # patches are not made where these give less than this part of TOLD. On few cells patches lose most of it, down to a
-# fifth of what is missing on 2 cells across, and the larger of the two is told.
+# fifth of what is missing on 2 cells across, and the larger of the two is reported.
 _ROUGH, _FEW = 0.2, 100
 
 
@@ -44,8 +44,8 @@ def shear_share(solution: "Solution") -> float:
 
 
 def shear_notes(solution: "Solution") -> tuple[str, ...]:
-    """A sentence where classical theory leaves out more than `TOLD` of the deflection, or where an element with shear
-    has one that no mesh comes to the end of."""
+    """A sentence where classical theory leaves out more than `REPORTED` of the deflection, or where an element with
+    shear has one that no mesh comes to the end of."""
     element = solution.problem.dofs.element
     if not element.bends or not solution.values.any():
         return ()
@@ -57,7 +57,7 @@ def shear_notes(solution: "Solution") -> tuple[str, ...]:
             "would slide past each other, and the plate is softer than classical theory says",
         )
     found = _told_energy(solution)
-    return (_shear_text(found, element.name),) if found.share >= TOLD else ()
+    return (_shear_text(found, element.name),) if found.share >= REPORTED else ()
 
 
 def _point_notes(solution: "Solution") -> tuple[str, ...]:
@@ -69,7 +69,7 @@ def _point_notes(solution: "Solution") -> tuple[str, ...]:
     softest = min(math.sqrt(np.linalg.det(laminate.H)) for laminate in problem.laminates)
     grows = math.log(2.0) * max(forces, default=0.0) / (2.0 * math.pi * softest)
     largest = float(np.abs(solution.at_nodes("w")).max())
-    if not largest > 0.0 or grows < TOLD * largest:
+    if not largest > 0.0 or grows < REPORTED * largest:
         return ()
     return (
         "with shear through the thickness the deflection under a force at a point, or beside a support at one, has no "
@@ -79,7 +79,7 @@ def _point_notes(solution: "Solution") -> tuple[str, ...]:
 
 
 def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tuple[str, ...]:
-    """A sentence where shear takes more than `TOLD` off numbers that belong to shapes, frequencies (`power` 1/2) or
+    """A sentence where shear takes more than `REPORTED` off numbers that belong to shapes, frequencies (`power` 1/2) or
     critical loads (1); `what` is one of them, and `shapes` are by number, without rigid ones, which store nothing."""
     chosen = next((shape.problem.dofs.element for shape in shapes.values()), None)
     if chosen is None or chosen.shear or not chosen.bends:
@@ -89,7 +89,7 @@ def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tu
     else:
         lost = {k: 1.0 - (1.0 + _told_energy(shape).share) ** -power for k, shape in shapes.items()}
     worst = max(lost, key=lost.__getitem__)
-    if lost[worst] < TOLD:
+    if lost[worst] < REPORTED:
         return ()
     return (
         f"shear through the thickness, which element {chosen.name!r} leaves out, would lower {what} {worst + 1} by "
@@ -100,7 +100,7 @@ def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tu
 def _told_energy(solution: "Solution") -> ShearEnergy:
     """Patches only where they are worth their price."""
     rough = _energy_of(solution, recovered=False)
-    return rough if rough.share < _ROUGH * TOLD else _energy(solution)
+    return rough if rough.share < _ROUGH * REPORTED else _energy(solution)
 
 
 def _energy(solution: "Solution") -> ShearEnergy:

@@ -90,12 +90,12 @@ def _rigidities(laminate: Laminate, *, wide: bool) -> tuple[float, float, float,
     A, B, D = laminate.A, laminate.B, laminate.D
     if wide:
         neutral = B[0, 0] ** 2
-        turned = B[2, 2] ** 2
+        rotated = B[2, 2] ** 2
         return (
             float(A[0, 0]),
             float(A[2, 2]),
             float(D[0, 0] - neutral / A[0, 0]),
-            float(D[2, 2] - turned / A[2, 2]),
+            float(D[2, 2] - rotated / A[2, 2]),
             1.0,
         )
     # In units of the thickness: the inverse does not depend on the unit of length.

@@ -38,9 +38,12 @@ def plate_materials(
     own = {design.layers[k].material.name: design.layers[k].material for k in layers}
     lacking = {name: _missing(m) for name, m in own.items() if name not in given and _missing(m)}
     if lacking:
-        told = "; ".join(f"{name!r} has no {', '.join(symbols)}" for name, symbols in sorted(lacking.items()))
+        reported = "; ".join(
+            f"{name!r} has no {', '.join(symbols)}" for name, symbols in sorted(lacking.items())
+        )
         raise DesignError(
-            f"moduli are needed for a plate, and those of the design are unknown or placeholders: {told}: give them in "
+            f"moduli are needed for a plate, and those of the design are unknown or placeholders: {reported}: give "
+            f"them in "
             f"the design's materials, as {min(lacking)}: {{E1: 2.5 GPa, poisson: 0.34}}, or replace the material: in "
             f'the materials of a plate file, by --material "{min(lacking)}=Kapton HN" of lamc split and lamc plate, '
             f'or in Python by materials={{{min(lacking)!r}: plate.material("Kapton HN")}}'
@@ -69,6 +72,6 @@ def _plate_material(material: records.Material) -> Material:
     return Material(E1, E2, nu, G12, material.density, name=material.name, source=what)
 
 
-def ply_angle(layer: records.Layer, turned: float = 0.0) -> float:
-    """Degrees from an axis at `turned` degrees from world x to the layer's fibres."""
-    return math.degrees(layer.angle) - turned
+def ply_angle(layer: records.Layer, rotated: float = 0.0) -> float:
+    """Degrees from an axis at `rotated` degrees from world x to the layer's fibres."""
+    return math.degrees(layer.angle) - rotated

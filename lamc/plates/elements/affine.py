@@ -9,8 +9,8 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import TypeAlias
 
+from lamc.plates.elements.cell_map import CellMap, constant
 from lamc.plates.elements.factor import Rows, plain
-from lamc.plates.elements.frame import Frame, constant
 from lamc.plates.elements.polynomials import inner, monomial_integral
 from lamc.plates.elements.strains import Strain
 from lamc.plates.elements.sums import weighted_sum
@@ -43,14 +43,14 @@ def common_measure(numbers: Sequence[Fraction]) -> Fraction:
 
 
 def stiffness_of_amounts(
-    strains: Sequence[Strain], frame: Frame, section: Sequence[Sequence[Scalar]], cell: str
+    strains: Sequence[Strain], frame: CellMap, section: Sequence[Sequence[Scalar]], cell: str
 ) -> list[list[Scalar]]:
     """∫ Bᵀ S B dA against the amounts of all parts, where the frame does not vary: exact.
 
     S is turned to natural derivatives once; products of the basis functions are integrated as rationals.
     """
     determinant = constant(frame.determinant)
-    turns = [[[constant(entry) for entry in row] for row in strain.rows] for strain in strains]
+    rotations = [[[constant(entry) for entry in row] for row in strain.rows] for strain in strains]
     offsets = [sum(len(strain.part.basis) for strain in strains[:k]) for k in range(len(strains) + 1)]
     first_row = [sum(len(strain.rows) for strain in strains[:k]) for k in range(len(strains))]
     result: list[list[Scalar]] = [[0] * offsets[-1] for _ in range(offsets[-1])]
@@ -63,7 +63,7 @@ def stiffness_of_amounts(
                 [scale * section[first_row[i] + a][first_row[j] + b] for b in range(len(second.rows))]
                 for a in range(len(first.rows))
             ]
-            natural = _turned(block, turns[i], turns[j])
+            natural = _rotated(block, rotations[i], rotations[j])
             terms: dict[tuple[int, int], list[tuple[Scalar, Scalar]]] = {}
             for (a, b, r, s), c in found.items():
                 if i != j or a >= b:
@@ -82,7 +82,7 @@ def _merged(terms: Sequence[tuple[Scalar, Scalar]]) -> list[tuple[Scalar, Scalar
     return [(factor, value_) for value_, factor in factors.items() if factor != 0]
 
 
-def _turned(
+def _rotated(
     block: Sequence[Sequence[Scalar]], left: Sequence[Sequence[Scalar]], right: Sequence[Sequence[Scalar]]
 ) -> list[list[Scalar]]:
     """leftᵀ · block · right; left and right are (strains, natural derivatives)."""
@@ -105,7 +105,7 @@ def _turned(
 
 def forces_of_amounts(
     strains: Sequence[Strain],
-    frame: Frame,
+    frame: CellMap,
     section: Sequence[Sequence[Scalar]],
     amounts: Sequence[Scalar],
     cell: str,
@@ -122,23 +122,24 @@ def forces_of_amounts(
     result: list[Scalar] = []
     first_row = 0
     for strain in strains:
-        turn = [[constant(entry) for entry in row] for row in strain.rows]
+        rotation = [[constant(entry) for entry in row] for row in strain.rows]
         scale = determinant * reciprocal(determinant) ** strain.power
         works: dict[Powers, list[Scalar]] = {}
         for i, j in powers:  # the stress's inner product with this monomial, turned to natural derivatives
             shares = [plain(monomial_integral(i + m, j + n, cell)) for m, n in powers]
             own = [
                 scale * weighted_sum(zip(shares, (stress[key][first_row + a] for key in powers), strict=True))
-                for a in range(len(turn))
+                for a in range(len(rotation))
             ]
             works[i, j] = [
-                weighted_sum((turn[a][r], force) for a, force in enumerate(own)) for r in range(len(turn[0]))
+                weighted_sum((rotation[a][r], force) for a, force in enumerate(own))
+                for r in range(len(rotation[0]))
             ]
         result += [
             weighted_sum((plain(c), works[key][r]) for r, p in enumerate(rows) for key, c in p.items())
             for rows in strain.part.basis
         ]
-        first_row += len(turn)
+        first_row += len(rotation)
     return result
 
 
@@ -165,7 +166,7 @@ def _stress(
                 for r in range(len(strain.rows[0]))
             ]
             divisor = reciprocal(determinant) ** strain.power
-            turn = [[constant(entry) for entry in row] for row in strain.rows]
-            total += [divisor * weighted_sum(zip(row, natural, strict=True)) for row in turn]
+            rotation = [[constant(entry) for entry in row] for row in strain.rows]
+            total += [divisor * weighted_sum(zip(row, natural, strict=True)) for row in rotation]
         stress[key] = [weighted_sum(zip(row, total, strict=True)) for row in section]
     return stress

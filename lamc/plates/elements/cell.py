@@ -6,9 +6,9 @@ In: an element. Out: symbols for coordinates, section, loads and unknowns; frame
 from collections.abc import Sequence
 from functools import cached_property
 
+from lamc.plates.elements.cell_map import CellMap, Varying, constant, frame
 from lamc.plates.elements.definition import Element
 from lamc.plates.elements.factor import Geometry, plain
-from lamc.plates.elements.frame import Frame, Varying, constant, frame
 from lamc.plates.elements.polynomials import Polynomial
 from lamc.plates.elements.sheared import sheared
 from lamc.plates.elements.strains import Chain, Strain, bending, joined, membrane
@@ -31,7 +31,7 @@ class Cell:
         flat = [self.store.symbol(name, Space.CORNER, k) for k, name in enumerate(names)]
         self.corners: Sequence[tuple[Scalar, Scalar]] = list(zip(flat[::2], flat[1::2], strict=True))
         with self.store.section("sides of the cell, and what shape functions take from them"):
-            self.frame: Frame = frame(element, self.corners)
+            self.frame: CellMap = frame(element, self.corners)
             self.geometry = Geometry(element, self.store, self.corners)
             if element.is_affine:
                 reciprocal(

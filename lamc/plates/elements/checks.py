@@ -10,9 +10,9 @@ from typing import TypeAlias
 import sympy as sp
 
 from lamc.basics.errors import DesignError
+from lamc.plates.elements.cell_map import CellMap, constant, frame
 from lamc.plates.elements.definition import SQUARE, TRIANGLE, Element
 from lamc.plates.elements.factor import Geometry
-from lamc.plates.elements.frame import Frame, constant, frame
 from lamc.plates.elements.polynomials import Polynomial, derivative, hats
 from lamc.symbolic.scalars import Scalar
 from lamc.symbolic.staging import Store
@@ -94,7 +94,7 @@ class _SampleCell:
             corners = ((left, low), (right, low), (right, high), (left, high))
         self.corners: Sequence[Place] = corners
         self.geometry = Geometry(element, Store(), corners)
-        self.frame: Frame = frame(element, corners)
+        self.frame: CellMap = frame(element, corners)
         self.area = _fraction(
             constant(self.frame.determinant)
         )  # per natural area, where it is the same everywhere

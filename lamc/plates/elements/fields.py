@@ -9,8 +9,8 @@ from fractions import Fraction
 
 from lamc.plates.elements.affine import moments
 from lamc.plates.elements.cell import Cell
+from lamc.plates.elements.cell_map import Varying, constant, scaled
 from lamc.plates.elements.factor import factored, gradient, plain, value
-from lamc.plates.elements.frame import Varying, constant, scaled
 from lamc.plates.elements.polynomials import Polynomial, hats, inner, product
 from lamc.plates.elements.strains import Chain, Part, slopes_part
 from lamc.plates.elements.sums import lower_triangle, weighted_sum
@@ -65,15 +65,16 @@ def geometric(cell: Cell) -> list[Scalar]:
     if cell.element.slopes and not cell.element.shear:
         natural = [[determinant * n for n in row] for row in tension]
     else:
-        turn = [[constant(entry) for entry in rows] for rows in (cell.frame.by_x, cell.frame.by_y)]
+        rotation = [[constant(entry) for entry in rows] for rows in (cell.frame.by_x, cell.frame.by_y)]
         shared = [[reciprocal(determinant) * n for n in row] for row in tension]
         half = [
-            [weighted_sum((turn[b][s], shared[a][b]) for b in range(2)) for s in range(2)] for a in range(2)
+            [weighted_sum((rotation[b][s], shared[a][b]) for b in range(2)) for s in range(2)]
+            for a in range(2)
         ]
-        low = weighted_sum((turn[a][1], half[a][0]) for a in range(2))
+        low = weighted_sum((rotation[a][1], half[a][0]) for a in range(2))
         natural = [
-            [weighted_sum((turn[a][0], half[a][0]) for a in range(2)), low],
-            [low, weighted_sum((turn[a][1], half[a][1]) for a in range(2))],
+            [weighted_sum((rotation[a][0], half[a][0]) for a in range(2)), low],
+            [low, weighted_sum((rotation[a][1], half[a][1]) for a in range(2))],
         ]
     count = len(part.basis)
     terms: list[list[dict[tuple[int, int], Fraction]]] = [[{} for _ in range(count)] for _ in range(count)]
@@ -100,8 +101,8 @@ def displacement(cell: Cell) -> list[Scalar]:
         natural = _at(cell, part, part.chain.amounts(cell.unknowns), xi, eta)
         if not cell.element.slopes:
             divisor = reciprocal(constant(cell.frame.determinant))
-            turns = [[constant(entry) for entry in rows] for rows in (cell.frame.by_x, cell.frame.by_y)]
-            natural = [divisor * weighted_sum(zip(turn, natural, strict=True)) for turn in turns]
+            rotations = [[constant(entry) for entry in rows] for rows in (cell.frame.by_x, cell.frame.by_y)]
+            natural = [divisor * weighted_sum(zip(rotation, natural, strict=True)) for rotation in rotations]
         result += natural
     return result
 

@@ -1,4 +1,4 @@
-"""Runs an `ElementProgram` in Python: the voice that tests printer, compiler and binding of finite elements.
+"""Runs an `ElementProgram` in Python: the cross-check that tests printer, compiler and binding of finite elements.
 
 An `ElementProgram` and arrays of cells go in, arrays come out. Operations mean what `operations.py` says; no text is
 made on the way. Works in any floating type that numpy has, long double included.

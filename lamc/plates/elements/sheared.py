@@ -18,7 +18,7 @@ theory and assumed shear strain fields, part I, Int. J. Numer. Meth. Engng 36, 1
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from lamc.plates.elements.frame import ONE
+from lamc.plates.elements.cell_map import ONE
 from lamc.plates.elements.polynomials import Polynomial
 from lamc.plates.elements.strains import Chain, Part, Strain, bending
 from lamc.symbolic.scalars import Scalar, reciprocal

@@ -69,9 +69,9 @@ def _force(cell: Cell, amounts: Sequence[Scalar]) -> tuple[list[Scalar], tuple[P
 def _rows_at(cell: Cell, xi: Scalar, eta: Scalar) -> list[list[Scalar]]:
     """determinant · B of a membrane for its amounts at a point, (3, amounts)."""
     (strain_,) = cell.strains
-    turn = [[cell.varying(entry, xi, eta) for entry in row] for row in strain_.rows]
+    rotation = [[cell.varying(entry, xi, eta) for entry in row] for row in strain_.rows]
     natural = [[cell.value(p, xi, eta) for p in rows] for rows in strain_.part.basis]
-    return [[weighted_sum(zip(row, values, strict=True)) for values in natural] for row in turn]
+    return [[weighted_sum(zip(row, values, strict=True)) for values in natural] for row in rotation]
 
 
 def _section_at(cell: Cell, xi: Scalar, eta: Scalar, weight: Scalar) -> list[list[Scalar]]:
@@ -151,6 +151,6 @@ def _at_point(cell: Cell) -> list[Scalar]:
             for r in range(len(strain_.rows[0]))
         ]
         for row in strain_.rows:
-            turned = weighted_sum((cell.varying(e, xi, eta), n) for e, n in zip(row, natural, strict=True))
-            result.append(divisor**strain_.power * turned)
+            rotated = weighted_sum((cell.varying(e, xi, eta), n) for e, n in zip(row, natural, strict=True))
+            result.append(divisor**strain_.power * rotated)
     return result

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import sympy as sp
 
 from lamc.mechanics.sympy_view import from_sympy
+from lamc.plates.elements.cell_map import CellMap, Varying, bending_rows, stretching_rows
 from lamc.plates.elements.definition import Element
 from lamc.plates.elements.factor import Geometry, Rows, factored, gradient, hessian, value
-from lamc.plates.elements.frame import Frame, Varying, bending_rows, stretching_rows
 from lamc.plates.elements.sums import Sparse, applied, applied_transposed, congruence
 from lamc.symbolic.scalars import Scalar
 
@@ -61,13 +61,13 @@ class Strain:
     power: int
 
 
-def membrane(element: Element, geometry: Geometry, frame: Frame) -> Strain:
+def membrane(element: Element, geometry: Geometry, frame: CellMap) -> Strain:
     found = factored(geometry, list(zip(element.u, element.v, strict=True)), gradient)
     chain = Chain((found.weights,), (len(element.dofs),))
     return Strain(Part(found.basis, chain), stretching_rows(frame, 1), 1)
 
 
-def bending(element: Element, geometry: Geometry, frame: Frame) -> Strain:
+def bending(element: Element, geometry: Geometry, frame: CellMap) -> Strain:
     if element.slopes:
         return Strain(slopes_part(element, geometry, gradient_of_slopes=True), stretching_rows(frame, -1), 1)
     found = factored(geometry, [(w,) for w in element.w], hessian)

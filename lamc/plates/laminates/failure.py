@@ -40,9 +40,9 @@ def require_strengths(laminate: Laminate) -> None:
             name = repr(ply.material.name) if ply.material.name else f"the material of ply {number}"
             lacking.setdefault(name, ", ".join(unknown))
     if lacking:
-        told = "; ".join(f"{name} lacks {symbols}" for name, symbols in lacking.items())
+        reported = "; ".join(f"{name} lacks {symbols}" for name, symbols in lacking.items())
         raise DesignError(
-            f"failure needs the strengths of every material, and {told}: give them, Pa, as in "
+            f"failure needs the strengths of every material, and {reported}: give them, Pa, as in "
             "dataclasses.replace(material, Xt=…, Xc=…, Yt=…, Yc=…, S=…)"
         )
 

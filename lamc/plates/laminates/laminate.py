@@ -253,11 +253,11 @@ class Laminate:
         free = zip(*free_strains(self.plies, temperature, moisture, fields), strict=True)
         states = []
         for ply, ends, (level, slope) in zip(self.plies, self.heights, free, strict=True):
-            turn = strain_rotation(ply.angle)
+            rotation = strain_rotation(ply.angle)
             total = strain0 + np.outer(ends, kappa)
-            along = total @ turn.T
+            along = total @ rotation.T
             stress = (along - level - np.outer(ends, slope)) @ ply.material.Q
-            states.append(PlyState(ply, ends, total, stress @ turn, along, stress))
+            states.append(PlyState(ply, ends, total, stress @ rotation, along, stress))
         return tuple(states)
 
     def material_stress(
@@ -278,11 +278,11 @@ class Laminate:
         else:
             level, slope = free_strains(self.plies, number_of(temperature), number_of(moisture), fields)
         free = level[..., :, None, :] + self.heights[:, :, None] * slope[..., :, None, :]
-        turns = np.array([strain_rotation(ply.angle) for ply in self.plies])
+        rotations = np.array([strain_rotation(ply.angle) for ply in self.plies])
         Q = np.array([ply.material.Q for ply in self.plies])
         bend = np.asarray(curvature)[..., None, None, :]
         total = np.asarray(strain)[..., None, None, :] + self.heights[:, :, None] * bend
-        along = np.einsum("pij,...pfj->...pfi", turns, total) - free
+        along = np.einsum("pij,...pfj->...pfi", rotations, total) - free
         return np.asarray(np.einsum("pij,...pfj->...pfi", Q, along))
 
     def shear_share(self, length: float) -> float:

@@ -143,9 +143,9 @@ class Material:
 
     def stiffness(self, angle: float) -> Array:
         """Reduced stiffness in plate axes, shape (3, 3), Pa, symmetric; fibres at `angle` degrees from x towards y."""
-        turn = strain_rotation(angle)
-        turned = turn.T @ self.Q @ turn
-        return np.asarray(0.5 * (turned + turned.T))
+        rotation = strain_rotation(angle)
+        rotated = rotation.T @ self.Q @ rotation
+        return np.asarray(0.5 * (rotated + rotated.T))
 
     @property
     def is_isotropic(self) -> bool:

@@ -53,9 +53,9 @@ def ply_equations() -> PlyEquations:
 
 
 def _terms(ply: dict[str, Value]) -> list[Scalar]:
-    turned = ply["angle"] * (math.pi / 180.0)
-    c, s = cos(turned), sin(turned)
-    stiffness, push = _turned_ply(ply, c, s)
+    rotated = ply["angle"] * (math.pi / 180.0)
+    c, s = cos(rotated), sin(rotated)
+    stiffness, push = _rotated_ply(ply, c, s)
     t, z = ply["thickness"], ply["height"]
     weights = (t, t * z, t * (z * z + t * t / 12))
     return [
@@ -65,7 +65,7 @@ def _terms(ply: dict[str, Value]) -> list[Scalar]:
     ]
 
 
-def _turned_ply(ply: dict[str, Value], c: Scalar, s: Scalar) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
+def _rotated_ply(ply: dict[str, Value], c: Scalar, s: Scalar) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
     """The reduced stiffness in plate axes, unique entries, Pa, and the stress that holds the free strains back, Pa."""
     E1, E2, nu = ply["E1"], ply["E2"], ply["nu12"]
     rest = 1 - nu * nu * E2 / E1

@@ -91,34 +91,36 @@ def _check_all_used(points: Array, cells: NDArray[np.int64]) -> None:
         )
 
 
-def checked_cells_turned(points: Array, cells: Integers) -> Integers:
+def counter_clockwise_cells(points: Array, cells: Integers) -> Integers:
     """The cells, counter-clockwise; the first corner stays. Raises DesignError for cells without area, and for
     quadrilaterals that are not convex, whose inside maps to itself twice."""
     corners = points[cells]
     edges = np.roll(corners, -1, axis=1) - corners
     before = np.roll(edges, 1, axis=1)
-    turns = before[..., 0] * edges[..., 1] - before[..., 1] * edges[..., 0]  # twice the area at each corner
+    turnings = (
+        before[..., 0] * edges[..., 1] - before[..., 1] * edges[..., 0]
+    )  # twice the area at each corner
     longest = np.max(np.sum(edges * edges, axis=2), axis=1)
     # The corners are rounded numbers: far from the origin they may not be able to tell a flat cell from a thin one.
     noise = 4.0 * np.finfo(float).eps * np.max(np.abs(corners), axis=(1, 2)) * np.sqrt(longest)
-    flat = np.abs(turns) <= 2.0 * (_FLAT * longest + noise)[:, None]
+    flat = np.abs(turnings) <= 2.0 * (_FLAT * longest + noise)[:, None]
     if (flat.all(axis=1) if cells.shape[1] == 4 else flat.any(axis=1)).any():
         cell = int(np.argmax(flat.any(axis=1)))
         raise DesignError(
             f"{name_cell(points, cells, cell)} has no area: its corners {cells[cell].tolist()} are in line; "
             "leave it out or move a corner"
         )
-    signs = np.where(flat, 0, np.sign(turns)).sum(axis=1)
+    signs = np.where(flat, 0, np.sign(turnings)).sum(axis=1)
     bad = np.flatnonzero(np.abs(signs) != cells.shape[1])
     if len(bad):
         raise DesignError(
             f"{name_cell(points, cells, int(bad[0]))} is a quadrilateral that is not convex, or whose corners do not "
             f"go round: {cells[bad[0]].tolist()}; order them round the cell, or cut it into two triangles"
         )
-    turned = np.array(cells)
+    rotated = np.array(cells)
     clockwise = signs < 0
-    turned[clockwise, 1:] = turned[clockwise, :0:-1]
-    return turned
+    rotated[clockwise, 1:] = rotated[clockwise, :0:-1]
+    return rotated
 
 
 def checked_neighbours(points: Array, cells: Integers, cell_edges: Integers, edge_count: int) -> None:

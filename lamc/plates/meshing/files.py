@@ -52,8 +52,10 @@ def read_mesh(path: str | os.PathLike[str]) -> Mesh:
         raise DesignError("the file asks for more memory than there is; it may be broken", place) from error
     # meshio's readers trust their input: what a broken file raises can be anything, sys.exit included.
     except (Exception, SystemExit) as error:
-        told = " ".join(str(error).split())[:120] or type(error).__name__
-        raise DesignError(f"this is not a whole {file.suffix} file: {told}; write it again", place) from error
+        reported = " ".join(str(error).split())[:120] or type(error).__name__
+        raise DesignError(
+            f"this is not a whole {file.suffix} file: {reported}; write it again", place
+        ) from error
     try:
         return _mesh_of(raw)
     except LamcError as error:

@@ -190,10 +190,10 @@ def _first_steps(lines: Linework, sizes: Array, lengths: Array) -> Array:
     direction = np.arctan2(away[:, 1], away[:, 0])
     order = np.lexsort((direction, corner))
     starts = np.flatnonzero(np.diff(corner[order], prepend=-1))
-    turn = np.diff(direction[order], append=0.0)
+    angle = np.diff(direction[order], append=0.0)
     last = np.append(starts[1:], len(order)) - 1
-    turn[last] = direction[order[starts]] + 2.0 * np.pi - direction[order[last]]
-    acute = (np.minimum.reduceat(turn, starts) < _ACUTE) & (last > starts)
+    angle[last] = direction[order[starts]] + 2.0 * np.pi - direction[order[last]]
+    acute = (np.minimum.reduceat(angle, starts) < _ACUTE) & (last > starts)
     shortest = np.minimum.reduceat(lengths[order // 2], starts)
     at = corner[order[starts]]
     steps = np.zeros(len(lines.corners))

@@ -14,10 +14,10 @@ from lamc.basics.checks import Array
 from lamc.basics.once import lazy
 from lamc.plates.meshing.checks import (
     checked_cells,
-    checked_cells_turned,
     checked_neighbours,
     checked_points,
     checked_regions,
+    counter_clockwise_cells,
 )
 from lamc.plates.meshing.locate import Locator
 
@@ -56,7 +56,7 @@ class Mesh:
 
     def __post_init__(self) -> None:
         points = checked_points(self.points)
-        cells = checked_cells_turned(points, checked_cells(self.cells, points))
+        cells = counter_clockwise_cells(points, checked_cells(self.cells, points))
         names, regions = checked_regions(self.region_names, self.regions, len(cells))
         for name, value in (("points", points), ("cells", cells), ("regions", regions)):
             value.flags.writeable = False

@@ -16,7 +16,6 @@ from lamc.basics.checks import Array, checked_number, shown
 from lamc.basics.errors import DesignError
 from lamc.plates.memory import available_memory
 from lamc.plates.meshing.checks import MOST_CELLS, PEAK_BYTES, memory_of, place
-from lamc.plates.meshing.frame import Frame, frame_of
 from lamc.plates.meshing.linework import Divided, Linework, corner_sizes, count_of_parts, divide, linework
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.native import Full, Lines, MesherError, Triangulation, triangulate
@@ -29,6 +28,7 @@ from lamc.plates.meshing.outlines import (
     extent_of,
     paths_of,
 )
+from lamc.plates.meshing.scaling import MeshScaling, frame_of
 
 Integers = NDArray[np.int32]
 
@@ -108,7 +108,7 @@ class _Plan:
     lines: Linework
     at_corners: Array
     expected: float
-    frame: Frame
+    frame: MeshScaling
 
     def regions_at(self, points: Array) -> Integers:
         """Number of the region, from 1; 0 for none, and -1 outside the plate."""

@@ -42,7 +42,7 @@ BCIZ_ON_SLIVERS = np.array([1.075, 1.006, 0.997, 0.979, 0.927, 0.824, 0.672])
 _SAME = 1e-6  # of an edge: vectors this near to each other are the same
 _BINS = np.arange(0.0, 181.0, 10.0)
 _MOSTLY = 0.8
-_TOLD = 8.0  # aspect from which slivers are told of
+_REPORTED = 8.0  # aspect from which slivers are told of
 
 
 @dataclass(frozen=True)
@@ -240,9 +240,9 @@ def _for_element(mesh: Mesh, name: str, kind: str, aspects: Array) -> list[str]:
         wanted = "quadrilaterals" if chosen.cell == SQUARE else "triangles"
         return [f"{name}: cannot be used on this mesh; it needs {wanted}"]
     bends = chosen.name.split("+")[0]
-    thin = float(np.sum(mesh.areas[aspects > _TOLD]) / mesh.areas.sum())
+    thin = float(np.sum(mesh.areas[aspects > _REPORTED]) / mesh.areas.sum())
     worst = float(aspects.max())
-    slivers = f"cells with length over height above {_TOLD:g} cover {100.0 * thin:.3g} % of the plate"
+    slivers = f"cells with length over height above {_REPORTED:g} cover {100.0 * thin:.3g} % of the plate"
     if bends == "bciz":
         return [_bciz_line(kind), *([_sliver_line("bciz", slivers, worst, BCIZ_ON_SLIVERS)] if thin else [])]
     if bends == "specht" and thin:

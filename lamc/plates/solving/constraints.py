@@ -60,8 +60,8 @@ def constraints(problem: Problem, equations: Equations) -> Constraints:
     lie = (columns >= 0).all(axis=1) & (curve.height != 0.0) & ~moved
     if not lie.any():
         return flat
-    turn = _to_curves(columns[lie], curve.across[lie], curve.height[lie], problem.dofs.count)
-    return replace(flat, fixed=sp.csr_array(flat.fixed @ turn), free=sp.csr_array(turn.T @ flat.free))
+    rotation = _to_curves(columns[lie], curve.across[lie], curve.height[lie], problem.dofs.count)
+    return replace(flat, fixed=sp.csr_array(flat.fixed @ rotation), free=sp.csr_array(rotation.T @ flat.free))
 
 
 def _to_curves(columns: Integers, across: Array, height: Array, count: int) -> sp.csr_array:
@@ -75,8 +75,8 @@ def _to_curves(columns: Integers, across: Array, height: Array, count: int) -> s
     ones = np.ones(count)
     ones[columns.ravel()] = 0.0
     rows, others = np.repeat(columns, 3, axis=1).ravel(), np.tile(columns, 3).ravel()
-    turn = sp.coo_array((block.ravel(), (rows, others)), shape=(count, count))
-    return sp.csr_array(turn + sp.diags_array(ones))
+    rotation = sp.coo_array((block.ravel(), (rows, others)), shape=(count, count))
+    return sp.csr_array(rotation + sp.diags_array(ones))
 
 
 def _of_nodes(problem: Problem, equations: Equations) -> Constraints:

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.basics.checks import Array
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.places import Places
 from lamc.plates.supports import Where
 
 _STRAIGHT, _CURVE = np.radians(0.01), np.radians(20.0)  # turns: less is a straight side, more a corner
@@ -44,7 +44,7 @@ class CurveNodes:
     height: Array
 
 
-def curve_nodes(places: Places, wheres: Sequence[Where]) -> CurveNodes:
+def curve_nodes(places: MeshLocator, wheres: Sequence[Where]) -> CurveNodes:
     """Of all edges on any of `wheres`; nodes of edges that are no curves are left out."""
     found: dict[int, tuple[Array, float]] = {}
     for chain in _chains_on(places, wheres):
@@ -56,25 +56,25 @@ def curve_nodes(places: Places, wheres: Sequence[Where]) -> CurveNodes:
     return CurveNodes(nodes, along, np.stack([-along[:, 1], along[:, 0]], axis=1), heights)
 
 
-def round_polygons(places: Places, wheres: Sequence[Where]) -> tuple[int, ...]:
+def round_polygons(places: MeshLocator, wheres: Sequence[Where]) -> tuple[int, ...]:
     """Corners of closed lines on `wheres` that are regular polygons of eight or more, and no curves by their turns."""
     found = []
     for chain in _chains_on(places, wheres):
         if chain[0] != chain[-1]:
             continue
         at = places.dofs.mesh.points[chain]
-        turn = _turns(at, True)[:-1]
-        corners = np.flatnonzero(np.abs(turn) > _STRAIGHT)
-        if len(corners) < _ROUND or _curved(np.append(turn[corners], turn[corners[0]]), True).any():
+        turning = _turnings(at, True)[:-1]
+        corners = np.flatnonzero(np.abs(turning) > _STRAIGHT)
+        if len(corners) < _ROUND or _curved(np.append(turning[corners], turning[corners[0]]), True).any():
             continue
         sides = np.linalg.norm(np.roll(at[corners], -1, axis=0) - at[corners], axis=1)
-        one_way = turn[corners] * np.sign(turn[corners[0]])
+        one_way = turning[corners] * np.sign(turning[corners[0]])
         if one_way.max() < _REGULAR * one_way.min() and sides.max() < _REGULAR * sides.min():
             found.append(len(corners))
     return tuple(found)
 
 
-def _chains_on(places: Places, wheres: Sequence[Where]) -> list[list[int]]:
+def _chains_on(places: MeshLocator, wheres: Sequence[Where]) -> list[list[int]]:
     """Of all edges on any of `wheres`."""
     mesh = places.dofs.mesh
     edges = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(places.edges_on(where) for where in wheres)])
@@ -111,19 +111,19 @@ def _of_chain(points: Array, chain: list[int]) -> list[tuple[int, Array, float]]
     """Nodes of a chain that are on curves, with direction and height."""
     ring = chain[0] == chain[-1]
     at = points[chain]
-    turn = _turns(at, ring)
-    corners = np.flatnonzero(np.abs(turn) > _STRAIGHT)
+    turning = _turnings(at, ring)
+    corners = np.flatnonzero(np.abs(turning) > _STRAIGHT)
     if ring and len(corners):
         chain = [*chain[corners[0] : -1], *chain[: corners[0] + 1]]
         at = points[chain]
-        turn = _turns(at, ring)
-        corners = np.append(np.flatnonzero(np.abs(turn[:-1]) > _STRAIGHT), len(chain) - 1)
+        turning = _turnings(at, ring)
+        corners = np.append(np.flatnonzero(np.abs(turning[:-1]) > _STRAIGHT), len(chain) - 1)
     elif not ring:
         corners = np.unique([0, *corners, len(chain) - 1])
     if len(corners) < 3:
         return []
     sides = np.linalg.norm(np.diff(at[corners], axis=0), axis=1)
-    start, end = _tangents(turn[corners], sides, ring)
+    start, end = _tangents(turning[corners], sides, ring)
     found = []
     for k in range(len(sides)):
         if np.isnan(start[k]):
@@ -141,28 +141,28 @@ def _of_chain(points: Array, chain: list[int]) -> list[tuple[int, Array, float]]
     return found
 
 
-def _turns(at: Array, ring: bool) -> Array:
+def _turnings(at: Array, ring: bool) -> Array:
     """Angle by which the chain turns to the left at each node, shape (k,); zero at its ends."""
     step = np.diff(at, axis=0)
     before, after = step[:-1], step[1:]
     if ring:
         before, after = np.concatenate([step[-1:], step]), np.concatenate([step, step[:1]])
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    turn = np.arctan2(cross, np.sum(before * after, axis=1))
-    return np.asarray(turn if ring else np.concatenate([[0.0], turn, [0.0]]))
+    turning = np.arctan2(cross, np.sum(before * after, axis=1))
+    return np.asarray(turning if ring else np.concatenate([[0.0], turning, [0.0]]))
 
 
-def _tangents(turn: Array, sides: Array, ring: bool) -> tuple[Array, Array]:
+def _tangents(turning: Array, sides: Array, ring: bool) -> tuple[Array, Array]:
     """Angles of the curve's tangents to each side at its start and at its end, left positive; nan for what is no curve.
 
     turn  (s + 1,), at the corners; sides (s,), their lengths
     """
     before = np.roll(sides, 1) if ring else np.append(np.nan, sides[:-1])
     after = np.roll(sides, -1) if ring else np.append(sides[1:], np.nan)
-    curved = _curved(turn, ring)
+    curved = _curved(turning, ring)
     alike = [_share(sides, before), _share(sides, after)]
-    start = np.where(curved[:-1], -turn[:-1] * alike[0], np.nan)
-    end = np.where(curved[1:], turn[1:] * alike[1], np.nan)
+    start = np.where(curved[:-1], -turning[:-1] * alike[0], np.nan)
+    end = np.where(curved[1:], turning[1:] * alike[1], np.nan)
     # A side with a curve at one end only goes on as a circle, unless it is the straight side that the curve runs into.
     none = [np.isnan(start), np.isnan(end)]
     start = np.where(none[0] & (np.nan_to_num(end) != 0.0), -end, start)
@@ -181,12 +181,12 @@ def _share(own: Array, other: Array) -> Array:
         )
 
 
-def _curved(turn: Array, ring: bool) -> Array:
+def _curved(turning: Array, ring: bool) -> Array:
     """Which corners are of a curve: small turns with one like it beside them."""
-    size = np.abs(turn)
+    size = np.abs(turning)
     small = (size > _STRAIGHT) & (size < _CURVE)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = turn[1:] / turn[:-1]
+        ratio = turning[1:] / turning[:-1]
     alike = small[1:] & small[:-1] & (ratio > 1.0 / _ALIKE) & (ratio < _ALIKE)
     first = alike[-1:] if ring else np.array([False])
     last = alike[:1] if ring else np.array([False])

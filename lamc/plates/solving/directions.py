@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lamc.basics.checks import Array
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.places import Places
 from lamc.plates.supports import Where
 
 Indices = NDArray[Any]  # integers of any width, or flags
@@ -42,8 +42,9 @@ class EdgeNodes:
     owners: Integers
 
 
-def edge_nodes_on(places: Places, wheres: Sequence[tuple[int, Where]], turn: float) -> EdgeNodes:
-    """Of all edges on any of `wheres`, given with the numbers of their owners; corners turn by over `turn` degrees."""
+def edge_nodes_on(places: MeshLocator, wheres: Sequence[tuple[int, Where]], rotation: float) -> EdgeNodes:
+    """Of all edges on any of `wheres`, given with the numbers of their owners; corners turn by over `rotation`
+    degrees."""
     found = [(index, places.edges_on(where)) for index, where in wheres]
     edges = np.concatenate([np.zeros((0, 2), dtype=np.int32), *(e for _, e in found)])
     owner_of = np.concatenate(
@@ -65,7 +66,7 @@ def edge_nodes_on(places: Places, wheres: Sequence[tuple[int, Where]], turn: flo
     )
     owners = np.full(len(nodes), np.iinfo(np.int32).max, dtype=np.int32)
     np.minimum.at(owners, group, np.repeat(owner_of, on.shape[1]))
-    smooth = tan(radians(turn / 2.0)) ** 2  # of the squares of the tangents' deviation and mean
+    smooth = tan(radians(rotation / 2.0)) ** 2  # of the squares of the tangents' deviation and mean
     corner = (ratio > smooth) | ((folded > 1) & (ratio > PARALLEL))
     return EdgeNodes(nodes.astype(np.int32), mean, normal, corner, owners)
 

@@ -12,8 +12,8 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
+from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.places import Places
 from lamc.plates.supports import Where, where_text
 
 _FEW = 40  # segments of a line
@@ -31,13 +31,13 @@ class EdgeParts:
     ends: Array
 
 
-def edge_parts_on(places: Places, where: Where, what: str) -> EdgeParts:
+def edge_parts_on(places: MeshLocator, where: Where, what: str) -> EdgeParts:
     """Of the edges on `where`: what lines cover of each; for areas and "boundary", whole edges of the plate's boundary.
 
     Raises DesignError, naming `what`, if there is none, and for a line that leaves the edges within the plate.
     """
     if isinstance(where, str) or shapely.get_dimensions(where) != 1:
-        edges = places.some_edges_on(where, what)
+        edges = places.checked_edges_on(where, what)
         mesh = places.dofs.mesh
         outer = places.on_boundary[mesh.cell_edges[edges[:, 0], edges[:, 1]]]
         if not outer.any():
@@ -64,7 +64,7 @@ def edge_parts_on(places: Places, where: Where, what: str) -> EdgeParts:
     length = np.linalg.norm(sides[:, 1] - sides[:, 0], axis=1)
     covered, ends = _union(edge, low[on], high[on], places.tolerance / length)
     if not len(covered):
-        places.some_edges_on(where, what)  # raises, as the middle of an edge is on no part
+        places.checked_edges_on(where, what)  # raises, as the middle of an edge is on no part
         raise DesignError(
             f"{what} at {where_text(where)} is shorter than the tolerance, {places.tolerance:.3g} m"
         )
@@ -85,7 +85,7 @@ def _segments(where: BaseGeometry) -> Array:
     return np.stack([coordinates[follows], coordinates[follows + 1]], axis=1)
 
 
-def _near(places: Places, segments: Array) -> NDArray[np.intp]:
+def _near(places: MeshLocator, segments: Array) -> NDArray[np.intp]:
     """Edges whose bounding box touches that of a segment, or, of many segments, that of all."""
     least, most = places.edge_boxes
     boxes = segments if len(segments) <= _FEW else segments.reshape(1, -1, 2)
@@ -122,7 +122,7 @@ def _union(
 
 
 def _check_whole(
-    places: Places, where: Where, what: str, segments: Array, segment: NDArray[np.integer], sides: Array
+    places: MeshLocator, where: Where, what: str, segments: Array, segment: NDArray[np.integer], sides: Array
 ) -> None:
     """Raises DesignError where a part of the line lies in the plate and on none of its edges."""
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)

@@ -42,7 +42,7 @@ class HingeSides:
         """(h, 2), to the left."""
         return np.stack([-self.along[:, 1], self.along[:, 0]], axis=1)
 
-    def turns(self, edges: Integers, s: Array) -> sp.csr_array:
+    def rotations(self, edges: Integers, s: Array) -> sp.csr_array:
         """Rows (k, N) that give φ of the unknowns on `edges` (k,), numbers of these h, at `s` (k,), 0 to 1."""
         table = self.dofs.table
         slopes = np.flatnonzero((table[self.nodes[:, 0], 3] >= 0).all(axis=0))  # of the q nodes

@@ -27,7 +27,7 @@ from lamc.plates.solving.solution import Solution, SolveReport
 from lamc.plates.solving.system import System, system
 
 
-class Model:
+class FactoredPlate:
     """A problem assembled; it is factored when it is first solved, and only then.
 
     solver  "auto" (CHOLMOD if scikit-sparse is there with a fast BLAS, else SuperLU), "cholmod", "superlu", "pardiso"
@@ -51,12 +51,14 @@ class Model:
         Raises DesignError for a load that touches nothing, and where a piece is not held and the loads on it are not in
         balance; SimulationError where the matrix is too badly conditioned.
         """
-        with _told(case):
+        with _named(case):
             return self._solve(loads)
 
     def _solve(self, loads: Sequence[LoadRecord] | None) -> Solution:
         acting = (
-            tuple(self.problem.loads) if loads is None else checked_kinds(loads, LOADS, "loads of a Model")
+            tuple(self.problem.loads)
+            if loads is None
+            else checked_kinds(loads, LOADS, "loads of a FactoredPlate")
         )
         if loads is not None:
             for load in acting:
@@ -78,12 +80,12 @@ class Model:
         """All cases of the problem by name. Raises for the first that cannot be solved; `solve_case` gives others."""
         return ReadOnlyDict({name: self.solve_case(name) for name in self.problem.cases})
 
-    def with_laminates(self, laminate: Laminate | Mapping[str, Laminate]) -> "Model":
+    def with_laminates(self, laminate: Laminate | Mapping[str, Laminate]) -> "FactoredPlate":
         """The same plate of other laminates: values are assembled anew, in the same pattern and ordering.
 
         Raises DesignError where they call for another element (a membrane where there was none).
         """
-        other = object.__new__(Model)
+        other = object.__new__(FactoredPlate)
         other.system = self.system.with_problem(self.problem.with_laminate(laminate))
         other.refine = self.refine
         return other
@@ -106,26 +108,26 @@ class Model:
         )
         values = np.asarray(d, dtype=float)
         found = Solution(self.problem, loads, values, report, self.system, d, deformed.inner, outer)
-        told = replace(report, notes=(*report.notes, *shear_notes(found)))
-        return replace(found, report=told)
+        reported = replace(report, notes=(*report.notes, *shear_notes(found)))
+        return replace(found, report=reported)
 
 
 @contextmanager
-def _told(case: str) -> Iterator[None]:
+def _named(case: str) -> Iterator[None]:
     """LamcErrors of the block name the case."""
     try:
         yield
     except LamcError as error:
         if not case:
             raise
-        told = type(error)(f"case {case!r}: {error.message}", error.place)
-        told.subject = error.subject
-        raise told from error
+        reported = type(error)(f"case {case!r}: {error.message}", error.place)
+        reported.subject = error.subject
+        raise reported from error
 
 
 def solve(
     problem: Problem, solver: str = "auto", *, refine: bool = True
 ) -> Solution | ReadOnlyDict[str, Solution]:
-    """The solution of `problem`; a dict of solutions by name where it has cases. See `Model`."""
-    model = Model(problem, solver, refine=refine)
+    """The solution of `problem`; a dict of solutions by name where it has cases. See `FactoredPlate`."""
+    model = FactoredPlate(problem, solver, refine=refine)
     return model.solve_cases() if problem.cases else model.solve()

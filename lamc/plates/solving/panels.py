@@ -83,13 +83,15 @@ class Panels:
         """Motions of the first panel, counted about the centre of the piece and in its size."""
         (x, y), size = self.boxes[0]
         right, up = self.centre - (x, y)
-        turn = dict(zip(self.coordinates, kernel[: len(self.coordinates)], strict=True))
-        found = dict(turn)
-        if "up" in turn:
-            found["up"] = (turn["about x"] * up - turn["about y"] * right + turn["up"] * size) / self.size
-        if "in plane" in turn:
-            found["along x"] = (turn["along x"] * size - turn["in plane"] * up) / self.size
-            found["along y"] = (turn["along y"] * size + turn["in plane"] * right) / self.size
+        rotation = dict(zip(self.coordinates, kernel[: len(self.coordinates)], strict=True))
+        found = dict(rotation)
+        if "up" in rotation:
+            found["up"] = (
+                rotation["about x"] * up - rotation["about y"] * right + rotation["up"] * size
+            ) / self.size
+        if "in plane" in rotation:
+            found["along x"] = (rotation["along x"] * size - rotation["in plane"] * up) / self.size
+            found["along y"] = (rotation["along y"] * size + rotation["in plane"] * right) / self.size
         return np.array([found[name] for name in self.coordinates])
 
 
@@ -108,12 +110,12 @@ def piece_of(
         np.sqrt((own @ sp.diags_array(panels.units)).power(2).sum(axis=1)) if own.shape[0] else np.ones(0)
     )
     kernel = _null((own @ rigid) / np.asarray(weight).reshape(-1, 1), rigid.shape[1])
-    turned = (folds[:, panels.numbers] @ rigid) @ kernel
+    rotated = (folds[:, panels.numbers] @ rigid) @ kernel
     whole = panels.of_first(kernel)
-    parts = _echelon(np.concatenate([turned, whole, kernel]), len(turned) + len(whole))
-    turned, whole, kernel = np.split(parts, [len(turned), len(turned) + len(whole)])
+    parts = _echelon(np.concatenate([rotated, whole, kernel]), len(rotated) + len(whole))
+    rotated, whole, kernel = np.split(parts, [len(rotated), len(rotated) + len(whole)])
     names = []
-    for fold, motion in zip(turned.T, whole.T, strict=True):
+    for fold, motion in zip(rotated.T, whole.T, strict=True):
         lines = list(dict.fromkeys(texts[k] for k in np.flatnonzero(np.abs(fold) > _ZERO)))
         of = dict(zip(panels.coordinates, motion, strict=True))
         names.append(f"fold along {' and '.join(lines)}" if lines else _name(of, panels.centre, panels.size))

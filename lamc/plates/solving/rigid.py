@@ -34,7 +34,7 @@ _BALANCED = (
 
 
 def pieces(
-    problem: Problem, constraints: Constraints, turns: sp.csr_array, hinged: Springs
+    problem: Problem, constraints: Constraints, rotations: sp.csr_array, hinged: Springs
 ) -> tuple[Piece, ...]:
     """All pieces, in the order of their first nodes, with the motions that `constraints` leave.
 
@@ -45,18 +45,18 @@ def pieces(
     panel, panels = _components(dofs)
     node_of = np.empty(dofs.count, dtype=np.int64)
     node_of[dofs.table[dofs.table >= 0]] = np.nonzero(dofs.table >= 0)[0]
-    opposed = hinged.turns[np.flatnonzero(hinged.stiffness > 0.0)]
-    held = sp.csr_array(sp.vstack([constraints.fixed, turns, tied.rows, opposed]))
+    opposed = hinged.rotations[np.flatnonzero(hinged.stiffness > 0.0)]
+    held = sp.csr_array(sp.vstack([constraints.fixed, rotations, tied.rows, opposed]))
     first = [
         constraints.nodes,
-        *(node_of[each.indices[each.indptr[:-1]]] for each in (turns, tied.rows, opposed)),
+        *(node_of[each.indices[each.indptr[:-1]]] for each in (rotations, tied.rows, opposed)),
     ]
     links = (np.ones(len(tied.pairs), dtype=np.int8), tuple(panel[tied.pairs].T))
     graph = sp.coo_array(links, shape=(panels, panels)).tocsr()
     count, group = connected_components(graph, directed=False)
     label = group[panel]
     rows_of = groups(label[np.concatenate(first)], count)
-    folds = hinged.turns[: len(dofs.hinges)]  # at one point of each edge: panels are rigid
+    folds = hinged.rotations[: len(dofs.hinges)]  # at one point of each edge: panels are rigid
     folds_of = groups(label[node_of[folds.indices[folds.indptr[:-1]]]], count)
     titles = [hinge.text for hinge in problem.hinges]
     texts = [titles[owner] for owner in hinged.owners[: len(dofs.hinges)].tolist()]

@@ -18,15 +18,15 @@ from lamc.basics.checks import Array, shown
 from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.basics.once import lazy
 from lamc.plates.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
-from lamc.plates.answers.hinge_turns import HingeTurn, hinge_turns, rotation_at
+from lamc.plates.answers.hinge_rotations import HingeRotation, hinge_rotations, rotation_at
 from lamc.plates.answers.recovery import RecoveredStrains
 from lamc.plates.answers.shear_share import shear_share
 from lamc.plates.elements.kernels import Numbers
 from lamc.plates.laminates.graded import number_of
 from lamc.plates.laminates.plies import PlyState
 from lamc.plates.loads import LoadRecord
+from lamc.plates.locator import points_at
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.places import points_at
 from lamc.plates.problem import Problem
 from lamc.plates.solving.climate import RegionClimate
 from lamc.plates.solving.expansion import Expansion
@@ -151,9 +151,9 @@ class Solution:
         return reactions(self._system, self._inner - self._outer, self._exact)
 
     @lazy
-    def hinges(self) -> tuple[HingeTurn, ...]:
+    def hinges(self) -> tuple[HingeRotation, ...]:
         """Rotation, moment and energy of the hinge lines, in the order of `problem.hinges`."""
-        return hinge_turns(self)
+        return hinge_rotations(self)
 
     def hinge_energy(self, index: int) -> float:
         """In the spring of the hinge line of that number, J."""

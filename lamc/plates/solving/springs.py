@@ -35,30 +35,32 @@ class Springs:
     owners     (k,): numbers of the supports, and after these of the foundations
     """
 
-    turns: sp.csr_array
+    rotations: sp.csr_array
     stiffness: Array
     owners: NDArray[np.int64]
 
     def forces(self, d: NDArray[np.floating], owner: int | None = None) -> NDArray[np.floating]:
         """On the unknowns (N,), against the springs, in the precision of `d`; of all supports or of one."""
         stiffness = self.stiffness if owner is None else np.where(self.owners == owner, self.stiffness, 0.0)
-        return np.asarray(self.turns.T @ (stiffness * (self.turns @ d)))
+        return np.asarray(self.rotations.T @ (stiffness * (self.rotations @ d)))
 
     def added_to(self, matrix: sp.csc_array) -> sp.csc_array:
         """`matrix` with the springs on its own pattern, which holds all unknowns of a cell with each other."""
-        return with_added(matrix, sp.csc_array(self.turns.T @ sp.diags_array(self.stiffness) @ self.turns))
+        return with_added(
+            matrix, sp.csc_array(self.rotations.T @ sp.diags_array(self.stiffness) @ self.rotations)
+        )
 
     def energy(self, d: NDArray[np.floating], owner: int | None = None) -> float:
         """Of all springs or of those of one owner, J."""
         stiffness = self.stiffness if owner is None else np.where(self.owners == owner, self.stiffness, 0.0)
-        turns = self.turns @ d
-        return 0.5 * float(np.sum(stiffness * turns * turns))
+        rotations = self.rotations @ d
+        return 0.5 * float(np.sum(stiffness * rotations * rotations))
 
     def over(self, free: sp.csr_array) -> sp.csc_array:
         """The stiffness of what is `free` (N, f), (f, f): formed from turns of these, so that motions that turn no
         spring get none of its round-off."""
-        turns = sp.csr_array(self.turns @ free)
-        return sp.csc_array(turns.T @ sp.diags_array(self.stiffness) @ turns)
+        rotations = sp.csr_array(self.rotations @ free)
+        return sp.csc_array(rotations.T @ sp.diags_array(self.stiffness) @ rotations)
 
 
 def with_added(matrix: sp.csc_array, own: sp.csc_array) -> sp.csc_array:
@@ -149,6 +151,6 @@ def hinge_springs(problem: Problem) -> Springs:
     every = np.arange(len(owner), dtype=np.int32)
     rows, weights = [], []
     for place, weight in zip(_GAUSS, _WEIGHTS, strict=True):
-        rows.append(sides.turns(every, np.full(len(owner), 0.5 * (1.0 + place))))
+        rows.append(sides.rotations(every, np.full(len(owner), 0.5 * (1.0 + place))))
         weights.append(0.5 * weight * sides.length * stiffness)
     return Springs(sp.csr_array(sp.vstack(rows)), np.concatenate(weights), np.tile(owner, len(_GAUSS)))

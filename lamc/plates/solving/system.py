@@ -175,7 +175,7 @@ def system(problem: Problem, solver: str = "auto") -> System:
     held = constraints(problem, equations)
     elastic = springs(problem, made)
     hinged = hinge_springs(problem)
-    found = pieces(problem, held, elastic.turns, hinged)
+    found = pieces(problem, held, elastic.rotations, hinged)
     free = [pins(piece, problem.dofs) for piece in found if piece.names]
     if free:
         held = constraints(problem, joined([equations, *free]))

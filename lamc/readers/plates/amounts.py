@@ -32,11 +32,13 @@ def _varying(quantity: Quantity, kinds: Sequence[str] = ()) -> tuple[BeforeValid
             raise fields.custom(error) from error
 
     unit = quantity.unit or "plain"
-    told = (
+    reported = (
         f"{quantity.name}: a number ({unit}), text with a unit, or an expression in x and y with the value in {unit}, "
         "where x and y count in the file's units"
     )
-    return BeforeValidator(read), WithJsonSchema({"type": ["number", "string", *kinds], "description": told})
+    return BeforeValidator(read), WithJsonSchema(
+        {"type": ["number", "string", *kinds], "description": reported}
+    )
 
 
 def read_amount(value: Any, quantity: Quantity) -> float | str:

@@ -1,4 +1,4 @@
-"""What the mesh of a plate file follows without being told: the places of supports and of loads along edges.
+"""What the mesh of a plate file follows without being reported: the places of supports and of loads along edges.
 
 In: places, and the lines that are meshed anyhow. Out: lines and points for the mesher, which meet these in corners.
 Never: meshes.

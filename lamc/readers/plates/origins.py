@@ -32,7 +32,7 @@ class Origins:
         return self.keys.get(key, self.file)
 
     @contextmanager
-    def told(self, key: str = "") -> Iterator[None]:
+    def located(self, key: str = "") -> Iterator[None]:
         """DesignErrors of the block get their place in the file, that of `key` where they are about no record."""
         try:
             yield

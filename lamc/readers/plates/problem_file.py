@@ -22,8 +22,8 @@ from lamc.readers.load import file_text
 from lamc.readers.native import length_unit_of
 from lamc.readers.plates import expression
 from lamc.readers.plates.origins import Origins
+from lamc.readers.plates.problem_drawing import DrawnGeometry
 from lamc.readers.plates.problem_loads import Actions
-from lamc.readers.plates.problem_places import Places
 from lamc.readers.plates.problem_records import Drawing, Geometry, Output, PlateFile
 from lamc.readers.plates.problem_schema import OutputModel, PlateFileModel
 from lamc.readers.plates.section_file import Sections
@@ -66,7 +66,7 @@ def is_plate(node: Node) -> bool:
 
 
 def read_plate(node: Node, drawn: tuple[float, int] | None = None) -> PlateFile:
-    """The plate problem in `node`; `drawn` as `Places` takes it. Raises DesignErrors with every problem."""
+    """The plate problem in `node`; `drawn` as `DrawnGeometry` takes it. Raises DesignErrors with every problem."""
     bare = length_unit_of(node)
     model = validate(PlateFileModel, node, {LENGTH_UNIT: bare})
     problems = Problems(node)
@@ -79,7 +79,7 @@ def read_plate(node: Node, drawn: tuple[float, int] | None = None) -> PlateFile:
             problems.add((key,), f"{key} is {count}; it must be 0 to {_MOST_MODES}")
     sections = Sections(model.materials, model.laminates, problems)
     laminate = sections.laminate(model.laminate, ("laminate",)) if model.laminate is not None else None
-    places = Places(model, sections, problems, to_si(1.0, units.LENGTH, bare), drawn)
+    places = DrawnGeometry(model, sections, problems, to_si(1.0, units.LENGTH, bare), drawn)
     if model.laminate is not None and model.geometry.design is not None:
         problems.add(("laminate",), "the laminates come from the design; take this away")
     if model.laminate is None and problems.none and not places.covered():
@@ -138,7 +138,7 @@ def _keys(node: Node) -> dict[str, Place]:
 
 
 def _output(
-    model: OutputModel, index: int, places: Places, laminate: Laminate | None, bare: str | None
+    model: OutputModel, index: int, places: DrawnGeometry, laminate: Laminate | None, bare: str | None
 ) -> Output:
     """Raises DesignError for a point beside the plate, and for an expectation that is no number."""
     value = str(model.value)

@@ -27,7 +27,7 @@ from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, Supp
 from lamc.readers.checking import Path, Problems
 from lamc.readers.plates.amounts import read_amount
 from lamc.readers.plates.expression import Field, depends_on_place
-from lamc.readers.plates.problem_places import Places
+from lamc.readers.plates.problem_drawing import DrawnGeometry
 from lamc.readers.plates.problem_schema import FoundationModel, HingeLineModel, LoadModel, SupportModel
 from lamc.records.mechanism import checked_name
 
@@ -35,7 +35,7 @@ from lamc.records.mechanism import checked_name
 class Actions:
     """Reads supports and loads; `bare` is the unit of a length without one."""
 
-    def __init__(self, places: Places, problems: Problems, bare: str | None) -> None:
+    def __init__(self, places: DrawnGeometry, problems: Problems, bare: str | None) -> None:
         self._places = places
         self._problems = problems
         self._bare = bare

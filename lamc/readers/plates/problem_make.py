@@ -115,11 +115,11 @@ def _check_looks(file: PlateFile, cells: int) -> None:
 def _meshed(file: PlateFile, element: str | None, size: float | None, solver: str) -> Problem:
     wanted = (element or file.element).strip().lower()
     first = THICK if wanted == AUTO else wanted
-    with file.origins.told("geometry" if size is None else ""):
+    with file.origins.located("geometry" if size is None else ""):
         made = mesh_of(file.geometry, size, file.hinges, along=_places_of(file), element=first, solver=solver)
-    with file.origins.told("geometry"):
+    with file.origins.located("geometry"):
         _check_looks(file, len(made.cells))
-    with file.origins.told():
+    with file.origins.located():
         if wanted != AUTO:
             return _problem(file, made, wanted)
         plain = _problem(file, made, THIN)

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.basics import units
 from lamc.basics.fields import Unit
-from lamc.readers.fields import Coordinate, Length, LengthUnit, Model, Point
+from lamc.readers.fields import Coordinate, Length, LengthUnit, Point, StrictModel
 from lamc.readers.plates.amounts import ElectricField, Intensity, Warming, Wetness
 from lamc.readers.plates.section_schema import LaminateField, MaterialField, one_of, only_with, problem
 from lamc.readers.schema import CircleModel
@@ -52,7 +52,7 @@ def check_line(line: list[Point] | None) -> None:
         raise problem("a line has two points at least")
 
 
-class PlateOutlineModel(Model):
+class PlateOutlineModel(StrictModel):
     """A region of the plane: exactly one of rect, polygon, circle and wkt."""
 
     rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
@@ -84,7 +84,7 @@ class PlateRegionModel(PlateOutlineModel):
     size: Length | None = Field(None, description="length of the mesh's edges in this region")
 
 
-class FollowModel(Model):
+class FollowModel(StrictModel):
     """A line or a point inside the plate, where a support, a load or an output is."""
 
     point: Point | None = None
@@ -97,7 +97,7 @@ class FollowModel(Model):
         return self
 
 
-class GeometryModel(Model):
+class GeometryModel(StrictModel):
     """The plate's outline and how it is meshed."""
 
     rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = None
@@ -143,7 +143,7 @@ class GeometryModel(Model):
         return self
 
 
-class WhereModel(Model):
+class WhereModel(StrictModel):
     """A place on the plate: the boundary, a side of its bounding box, or what is drawn or named here."""
 
     named: Named | None = Field(None, description="fixed: where the design holds the body")
@@ -182,7 +182,7 @@ Where = Annotated[
 _BESIDE = {"fixed": ("where", "value"), "simply_supported": ("kind",), "hinged": ("stiffness",)}
 
 
-class SupportModel(Model):
+class SupportModel(StrictModel):
     """How the plate is held, and where: {clamped: left}; {fixed: [w, w_x], where: left, value: 1 mm}."""
 
     clamped: Where | None = None
@@ -206,7 +206,7 @@ class SupportModel(Model):
         return self
 
 
-class FoundationModel(Model):
+class FoundationModel(StrictModel):
     """Elastic ground under the plate: {stiffness: 2 MPa/mm, where: {rect: [0, 0, 50, 20]}}."""
 
     stiffness: FoundationStiffness = Field(description="pressure per deflection")
@@ -215,7 +215,7 @@ class FoundationModel(Model):
     )
 
 
-class HingeLineModel(Model):
+class HingeLineModel(StrictModel):
     """A line inside the plate along which its sides may turn: {along: {line: [[5, 0], [5, 2]]}, stiffness: 3 N/rad}."""
 
     along: Where = Field(description="a line, or a hinge between bodies of the design: {hinge: name}")
@@ -232,7 +232,7 @@ class HingeLineModel(Model):
         return self
 
 
-class LoadModel(Model):
+class LoadModel(StrictModel):
     """What acts: at a point, along an edge, on the face, or in the material."""
 
     point: Point | None = None
@@ -269,7 +269,7 @@ class LoadModel(Model):
         return self
 
 
-class OutputModel(Model):
+class OutputModel(StrictModel):
     """A value to print: {name: middle, at: [0, 0], value: w, expected: 0.1 mm}. Curvatures, moments and forces are
     recovered from patches of cells, as the extremes are."""
 
@@ -282,7 +282,7 @@ class OutputModel(Model):
     )
 
 
-class PlateFileModel(Model):
+class PlateFileModel(StrictModel):
     """A plate, how it is held and what acts on it."""
 
     kind: Literal["plate"]

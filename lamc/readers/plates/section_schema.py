@@ -13,7 +13,7 @@ from lamc.basics.errors import DesignError
 from lamc.basics.fields import Unit
 from lamc.basics.units import to_si
 from lamc.readers import fields
-from lamc.readers.fields import Density, Length, Model, Modulus
+from lamc.readers.fields import Density, Length, Modulus, StrictModel
 from lamc.readers.fields import Number as Ratio
 
 
@@ -21,7 +21,7 @@ def problem(message: str) -> Exception:
     return fields.custom(DesignError(message))
 
 
-def one_of(model: Model, names: tuple[str, ...], what: str) -> str:
+def one_of(model: StrictModel, names: tuple[str, ...], what: str) -> str:
     """The one of these keys that is given. Raises where none is, or several are."""
     given = [name for name in names if getattr(model, name) is not None]
     if len(given) != 1:
@@ -30,7 +30,7 @@ def one_of(model: Model, names: tuple[str, ...], what: str) -> str:
     return given[0]
 
 
-def only_with(model: Model, kind: str, allowed: dict[str, tuple[str, ...]], what: str) -> None:
+def only_with(model: StrictModel, kind: str, allowed: dict[str, tuple[str, ...]], what: str) -> None:
     """Refuses keys that mean nothing beside `kind`; `allowed` lists them by kind."""
     for name in sorted({n for names in allowed.values() for n in names} - set(allowed.get(kind, ()))):
         if name in model.model_fields_set:
@@ -60,7 +60,7 @@ StrainPerField = Annotated[float, Unit(units.STRAIN_PER_FIELD)]
 Expansion = Annotated[float, Unit(units.EXPANSION)]
 
 
-class PlateMaterialModel(Model):
+class PlateMaterialModel(StrictModel):
     """A material of one's own, E and nu or E1, E2, nu12 and G12; or the name of one of lamc's library."""
 
     library: str | None = None
@@ -118,7 +118,7 @@ MaterialField = Annotated[
 ]
 
 
-class PlyModel(Model):
+class PlyModel(StrictModel):
     """One layer; plies are listed from bottom to top."""
 
     material: str
@@ -126,7 +126,7 @@ class PlyModel(Model):
     angle: PlyAngle = 0.0
 
 
-class LaminateModel(Model):
+class LaminateModel(StrictModel):
     """A laminate: plies, a layup of one material, one sheet, or the name of an entry of laminates."""
 
     use: str | None = Field(None, description="the name of an entry of laminates")

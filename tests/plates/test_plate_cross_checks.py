@@ -1,4 +1,5 @@
-"""Three voices on every element: generated C, the same program interpreted, and conditions with quadrature in numpy.
+"""Three cross-checks on every element: generated C, the same program interpreted, and conditions with quadrature in
+numpy.
 
 All on random cells of size 1, so that no entry of a matrix hides behind another for its unit, and random laminates.
 Errors are relative to the largest entry of each cell's matrix, or of what maps unknowns to strains.
@@ -24,11 +25,11 @@ NAMES = TRIANGLES + RECTANGLES + QUADRILATERALS
 COUNT = 40  # cells
 EXACT = 1e-13  # sums of some hundred products, each rounded at 1e-16
 UNIQUE = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
-Voice = ElementKernels | ReferenceElement
+CrossCheck = ElementKernels | ReferenceElement
 
 
 @cache
-def voices(name: str) -> tuple[ElementKernels, ElementKernels, ReferenceElement]:
+def cross_checks(name: str) -> tuple[ElementKernels, ElementKernels, ReferenceElement]:
     return kernels(name), kernels(name, "interpreted"), ReferenceElement(name)
 
 
@@ -71,8 +72,8 @@ def sections(name: str) -> np.ndarray:
     return np.array(rows)
 
 
-def answers(name: str, corners: np.ndarray) -> dict[str, Callable[[Voice], np.ndarray]]:
-    """What is asked of every voice, by name; the first axis is over cells."""
+def answers(name: str, corners: np.ndarray) -> dict[str, Callable[[CrossCheck], np.ndarray]]:
+    """What is asked of every cross-check, by name; the first axis is over cells."""
     rng = np.random.default_rng(8)
     layout = ReferenceElement(name).element
     count, strains = len(layout.dofs), 3 * (layout.stretches + layout.bends)
@@ -81,27 +82,27 @@ def answers(name: str, corners: np.ndarray) -> dict[str, Callable[[Voice], np.nd
     intensity = rng.standard_normal((COUNT, fields, layout.corner_count))
     resultants, forces = rng.standard_normal((COUNT, strains)), rng.standard_normal((COUNT, 3))
 
-    def maps(method: str) -> Callable[[Voice], np.ndarray]:
+    def maps(method: str) -> Callable[[CrossCheck], np.ndarray]:
         """The matrix from unknowns to what the method gives, one unknown at a time."""
 
-        def ask(voice: Voice) -> np.ndarray:
+        def ask(cross_check: CrossCheck) -> np.ndarray:
             unit = np.broadcast_to(np.eye(count)[:, None], (count, COUNT, count))
             first = [section] if method == "force" else [xi]
-            return np.stack([getattr(voice, method)(corners, *first, d) for d in unit], axis=1)
+            return np.stack([getattr(cross_check, method)(corners, *first, d) for d in unit], axis=1)
 
         return ask
 
-    asked: dict[str, Callable[[Voice], np.ndarray]] = {
-        "stiffness": lambda voice: voice.stiffness(corners, section),
-        "mass": lambda voice: voice.mass(corners, np.linspace(0.5, 2.0, COUNT)),
-        "load": lambda voice: voice.load(corners, intensity),
-        "prestress": lambda voice: voice.prestress(corners, resultants),
+    asked: dict[str, Callable[[CrossCheck], np.ndarray]] = {
+        "stiffness": lambda cross_check: cross_check.stiffness(corners, section),
+        "mass": lambda cross_check: cross_check.mass(corners, np.linspace(0.5, 2.0, COUNT)),
+        "load": lambda cross_check: cross_check.load(corners, intensity),
+        "prestress": lambda cross_check: cross_check.prestress(corners, resultants),
         "strain": maps("strain"),
         "displacement": maps("displacement"),
         "force": maps("force"),
     }
     if layout.bends:
-        asked["geometric"] = lambda voice: voice.geometric(corners, forces)
+        asked["geometric"] = lambda cross_check: cross_check.geometric(corners, forces)
     return asked
 
 
@@ -113,8 +114,8 @@ def difference(found: np.ndarray, expected: np.ndarray, scale: np.ndarray | None
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_three_voices_agree_on_every_matrix(name: str) -> None:
-    compiled, interpreted, reference = voices(name)
+def test_three_cross_checks_agree_on_every_matrix(name: str) -> None:
+    compiled, interpreted, reference = cross_checks(name)
     for function, ask in answers(name, cells(name)).items():
         expected = ask(reference)
         assert difference(ask(compiled), expected) <= EXACT, function
@@ -123,8 +124,9 @@ def test_three_voices_agree_on_every_matrix(name: str) -> None:
 
 @pytest.mark.parametrize("name", TRIANGLES + RECTANGLES)
 def test_exact_integration_agrees_with_quadrature(name: str) -> None:
-    """On affine cells the C has integrals in closed form, the third voice Gauss's rule of a degree that is exact."""
-    compiled, _, reference = voices(name)
+    """On affine cells the C has integrals in closed form, the third cross-check Gauss's rule of a degree that is
+    exact."""
+    compiled, _, reference = cross_checks(name)
     asked = answers(name, cells(name))
     for function in ("stiffness", "mass"):
         assert difference(asked[function](compiled), asked[function](reference)) <= EXACT / 10.0, function
@@ -132,13 +134,13 @@ def test_exact_integration_agrees_with_quadrature(name: str) -> None:
 
 @pytest.mark.parametrize("name", TRIANGLES)
 @pytest.mark.parametrize("aspect", [30.0, 1000.0])
-def test_three_voices_agree_on_slivers(name: str, aspect: float) -> None:
+def test_three_cross_checks_agree_on_slivers(name: str, aspect: float) -> None:
     """Both start from differences of coordinates, which are exact for near numbers: no digits go to the aspect.
 
     Forces of constant resultants are those of the cell's edge; the curvatures within are 1000 times as large and
     cancel. So they are held against the sum of what cancels.
     """
-    compiled, interpreted, reference = voices(name)
+    compiled, interpreted, reference = cross_checks(name)
     corners = triangles(aspect)
     asked = answers(name, corners)
     x, y = np.moveaxis(np.diff(corners, axis=1), 2, 0)
@@ -153,7 +155,7 @@ def test_three_voices_agree_on_slivers(name: str, aspect: float) -> None:
 @pytest.mark.parametrize("name", ["dkt", "dkt+cst", "specht", "q4"])
 def test_forces_in_long_double_agree_to_its_digits(name: str) -> None:
     """What refinement of a solution lives on. As `EXACT`, with the round-off of long double for that of double."""
-    compiled, interpreted, reference = voices(name)
+    compiled, interpreted, reference = cross_checks(name)
     corners, section = cells(name), sections(name)
     d = np.random.default_rng(9).standard_normal((COUNT, compiled.unknown_count))
     found = compiled.force(corners, section, d, np.longdouble)

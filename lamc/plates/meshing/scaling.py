@@ -25,7 +25,7 @@ _STEPS = 2.0**36  # per extent; corners are one where they are within 68 steps, 
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class MeshScaling:
     """Coordinates (x - middle) / extent, rounded."""
 
     middle: Array  # (2,), m
@@ -66,11 +66,11 @@ class Frame:
         return result
 
 
-def frame_of(polygon: Area, paths: Sequence[Path]) -> Frame:
+def frame_of(polygon: Area, paths: Sequence[Path]) -> MeshScaling:
     """The frame of a plate; of points that are one when rounded, that of the first path counts."""
     low_x, low_y, high_x, high_y = polygon.bounds
     middle = np.array([0.5 * (low_x + high_x), 0.5 * (low_y + high_y)])
-    frame = Frame(middle, extent_of(polygon), {})
+    frame = MeshScaling(middle, extent_of(polygon), {})
     points = np.concatenate([path.points for path in paths])
     for key, point in zip(map(tuple, frame.rounded(points).tolist()), points.tolist(), strict=True):
         frame.given.setdefault(key, tuple(point))

@@ -1,7 +1,7 @@
 """Generic positions of loops: closed, or as near to closed as they come, and away from the drawn one.
 
-In: a `LoopGeometry`. Out: a few `Place`s. The drawn position is often flat, where the rank of the closure is smaller
-than anywhere else. Never: decides on a rank.
+In: a `LoopGeometry`. Out: a few `LoopPosition`s. The drawn position is often flat, where the rank of the closure is
+smaller than anywhere else. Never: decides on a rank.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ CLEAR = 1e-6  # relative to the largest singular value: nearer to a singular pos
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class LoopPosition:
     """A position. angles (n,), rad; error: largest residual of closure, rad or units; values (n,): singular values of
     its closure matrix, descending."""
 
@@ -47,7 +47,7 @@ class Place:
         return float(self.values[self.rank(cutoff) - 1] / self.values[0])
 
 
-def ramped_places(geometry: LoopGeometry) -> list[Place]:
+def ramped_positions(geometry: LoopGeometry) -> list[LoopPosition]:
     """Out of the drawn position along some of the motions that it allows; where loops fit badly these stay open."""
     drawn = np.zeros(len(geometry.names))
     values, vectors = directions(geometry, drawn)
@@ -58,23 +58,23 @@ def ramped_places(geometry: LoopGeometry) -> list[Place]:
     return [place for place in found if place.error > CLOSED or place.clearness(EXACT) > CLEAR]
 
 
-def scattered_places(geometry: LoopGeometry) -> list[Place]:
+def scattered_positions(geometry: LoopGeometry) -> list[LoopPosition]:
     """Closed positions near random guesses, with one joint held: on branches of the motion that no ramp may find."""
     count = len(geometry.names)
     random = np.random.default_rng(20260102)
-    places: list[Place] = []
+    places: list[LoopPosition] = []
     for _ in range(SCATTER[count > LARGE]):
         guess = random.normal(0.0, SPREAD, count)
         held = int(random.integers(count))
         guess[held] = random.choice([-1.0, 1.0]) * random.uniform(*HELD)
         angles, error = settle(geometry, guess, np.arange(count) != held)
-        place = Place.at(geometry, angles, error)
+        place = LoopPosition.at(geometry, angles, error)
         if error <= CLOSED and place.clearness(EXACT) > CLEAR:
             places.append(place)
     return places
 
 
-def walked_places(geometry: LoopGeometry) -> list[Place]:
+def walked_positions(geometry: LoopGeometry) -> list[LoopPosition]:
     """Closed positions that small steps from the drawn one reach with the loops closed all the way, and from which it
     goes on: what the mechanism as assembled can do, however little one of its joints may turn."""
     drawn = np.zeros(len(geometry.names))
@@ -88,9 +88,9 @@ def walked_places(geometry: LoopGeometry) -> list[Place]:
     return [place for place in places if place.clearness(EXACT) > CLEAR]
 
 
-def _walk(geometry: LoopGeometry, tangent: Array) -> list[Place]:
+def _walk(geometry: LoopGeometry, tangent: Array) -> list[LoopPosition]:
     """The places of one walk; none where it cannot take its steps, as on a tangent that is no motion."""
-    places: list[Place] = []
+    places: list[LoopPosition] = []
     angles = np.zeros(len(tangent))
     for _ in range(STEPS):
         ahead = tangent / np.linalg.norm(tangent)
@@ -102,19 +102,19 @@ def _walk(geometry: LoopGeometry, tangent: Array) -> list[Place]:
         motions = vectors[(values > EXACT * values[0]).sum() :]
         if not len(motions):
             return []
-        places.append(Place(angles, error, values))
+        places.append(LoopPosition(angles, error, values))
         tangent = motions.T @ (motions @ ahead)
     return places
 
 
-def _ramp(geometry: LoopGeometry, tangent: Array) -> Place | None:
+def _ramp(geometry: LoopGeometry, tangent: Array) -> LoopPosition | None:
     """Out of the drawn position in the direction of `tangent`, farther and farther."""
     held = int(np.argmax(np.abs(tangent)))
     free = np.arange(len(tangent)) != held
     angles = tangent
-    place: Place | None = None
-    for turn in RAMP:
-        angles = angles * (turn / abs(angles[held]))
+    place: LoopPosition | None = None
+    for rotation in RAMP:
+        angles = angles * (rotation / abs(angles[held]))
         following = _place(geometry, angles, free)
         if following is None or following.angles[held] == 0.0:
             break
@@ -122,7 +122,7 @@ def _ramp(geometry: LoopGeometry, tangent: Array) -> Place | None:
     return place
 
 
-def _place(geometry: LoopGeometry, guess: Array, free: Mask) -> Place | None:
+def _place(geometry: LoopGeometry, guess: Array, free: Mask) -> LoopPosition | None:
     angles, error = settle(geometry, guess, free, SMALL)
     for held in (free, np.ones_like(free)):  # freed where the joint that was held is out of its reach
         if error > CLOSED:
@@ -130,4 +130,4 @@ def _place(geometry: LoopGeometry, guess: Array, free: Mask) -> Place | None:
             polished, rest = settle(geometry, angles, held)
             if rest <= CLOSED and np.abs(polished - angles).max() <= POLISH:
                 angles, error = polished, rest
-    return Place.at(geometry, angles, error) if error <= SMALL else None
+    return LoopPosition.at(geometry, angles, error) if error <= SMALL else None

@@ -14,7 +14,7 @@ from lamc.records.mechanism import Array
 ROUND_OFF = 1e-13
 
 
-def constant_turns(
+def constant_rotations(
     rotation: Array,
 ) -> tuple[tuple[float, float], tuple[float, float], float, bool]:
     """(twist, fold, angle, parallel) with rotation = Rz(twist) Rx(fold) Rz(angle)."""

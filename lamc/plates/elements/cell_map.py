@@ -21,7 +21,7 @@ _HALF, _QUARTER = Fraction(1, 2), Fraction(1, 4)
 
 
 @dataclass(frozen=True)
-class Frame:
+class CellMap:
     """Of one cell.
 
     determinant  of ∂(x, y)/∂(ξ, η), m²: area per unit of natural area
@@ -33,7 +33,7 @@ class Frame:
     by_y: tuple[Varying, Varying]
 
 
-def frame(element: Element, corners: Sequence[tuple[Scalar, Scalar]]) -> Frame:
+def frame(element: Element, corners: Sequence[tuple[Scalar, Scalar]]) -> CellMap:
     """Affine for triangles and, where the element bends, for rectangles along x and y; else bilinear."""
     (xa, ya), (xb, yb), *_ = corners
     x_xi: Scalar
@@ -48,7 +48,7 @@ def frame(element: Element, corners: Sequence[tuple[Scalar, Scalar]]) -> Frame:
             x_xi, y_xi = xb - xa, yb - ya
             x_eta, y_eta = corners[2][0] - xa, corners[2][1] - ya
         determinant = x_xi * y_eta - y_xi * x_eta
-        return Frame(
+        return CellMap(
             ((ONE, determinant),),
             (((ONE, y_eta),), ((ONE, -y_xi),)),
             (((ONE, -x_eta),), ((ONE, x_xi),)),
@@ -57,7 +57,7 @@ def frame(element: Element, corners: Sequence[tuple[Scalar, Scalar]]) -> Frame:
         _bilinear([corner[axis] for corner in corners]) for axis in range(2)
     )
     along_xi, along_eta = {(1, 0): Fraction(1)}, {(0, 1): Fraction(1)}
-    return Frame(
+    return CellMap(
         (
             (ONE, x_xi * y_eta - y_xi * x_eta),
             (along_xi, x_xi * y_twist - y_xi * x_twist),
@@ -83,14 +83,14 @@ def scaled(varying: Varying, factor: Scalar) -> Varying:
     return tuple((p, factor * a) for p, a in varying)
 
 
-def stretching_rows(frame: Frame, sign: int) -> tuple[tuple[Varying, ...], ...]:
+def stretching_rows(frame: CellMap, sign: int) -> tuple[tuple[Varying, ...], ...]:
     """determinant · (ε_x, ε_y, γ_xy), each by (u_ξ, u_η, v_ξ, v_η); `sign` -1: κ by the derivatives of w_x and w_y."""
     by_x = tuple(scaled(varying, sign) for varying in frame.by_x)
     by_y = tuple(scaled(varying, sign) for varying in frame.by_y)
     return (*by_x, (), ()), ((), (), *by_y), (*by_y, *by_x)
 
 
-def bending_rows(frame: Frame) -> tuple[tuple[Varying, ...], ...]:
+def bending_rows(frame: CellMap) -> tuple[tuple[Varying, ...], ...]:
     """determinant² · κ by (w_ξξ, w_ηη, w_ξη)."""
     (a, b), (c, d) = frame.by_x, frame.by_y
     return (

@@ -41,7 +41,7 @@ _DOUBLED = (
 NEAR = 1e-6  # of the plate's size: a point this close to an edge is on it
 
 
-class Places:
+class DrawnGeometry:
     """What a file draws.
 
     outline  empty after a problem was noted

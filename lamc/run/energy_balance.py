@@ -1,6 +1,6 @@
-"""The books of a run: what energy each effect brought in, took out or stored, and whether it adds up.
+"""The energy balance of a run: what energy each effect brought in, took out or stored, and whether it adds up.
 
-In: work and energies along a run. Out: `Books`. Never: integrates; knows an effect by name.
+In: work and energies along a run. Out: `EnergyBalance`. Never: integrates; knows an effect by name.
 
 The rate of the kinetic energy T is the power of all loads, so T - T₀ = Σ W with the work W of each effect since t = 0,
 and what impacts add. An effect that stores V gives W = -(V - V₀) as far as it is conservative; the rest, W + (V - V₀),
@@ -38,7 +38,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Books:
+class EnergyBalance:
     """Energies since t = 0, each of shape (m,), J.
 
     kinetic   T - T₀
@@ -77,7 +77,9 @@ class Books:
         return float(np.abs(self.residual).max(initial=0.0)) / self.scale if self.scale else 0.0
 
 
-def books_of(work: Mapping[str, Array], energies: Mapping[str, Array], first: Mapping[str, float]) -> Books:
+def energy_balance_of(
+    work: Mapping[str, Array], energies: Mapping[str, Array], first: Mapping[str, float]
+) -> EnergyBalance:
     """Books from work (m,) by effect, energies (m,) by name and those at t = 0; J."""
     kinetic = energies[KINETIC] - first[KINETIC]
     zero = np.zeros(len(kinetic))
@@ -86,7 +88,7 @@ def books_of(work: Mapping[str, Array], energies: Mapping[str, Array], first: Ma
     done = {name: work.get(name, zero) for name in names}
     stored = {name: changes.get(name, zero) for name in names}
     sizes = energies[KINETIC] + sum((np.abs(values) for values in done.values()), start=zero)
-    return Books(
+    return EnergyBalance(
         kinetic=kinetic,
         work=MappingProxyType(done),
         stored=MappingProxyType(stored),

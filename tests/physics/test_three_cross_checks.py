@@ -1,4 +1,4 @@
-"""Generated C, interpreter and numeric voice on the same mechanisms, through the public API."""
+"""Generated C, interpreter and numeric cross-check on the same mechanisms, through the public API."""
 
 import json
 import math
@@ -45,19 +45,19 @@ def compare(mechanism: Mechanism, seed: int) -> None:
 
 @settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
-def test_three_voices_agree_on_random_trees(mechanism: Mechanism, seed: int) -> None:
+def test_three_cross_checks_agree_on_random_trees(mechanism: Mechanism, seed: int) -> None:
     compare(mechanism, seed)
 
 
 @pytest.mark.slow
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
-def test_three_voices_agree_on_many_random_trees(mechanism: Mechanism, seed: int) -> None:
+def test_three_cross_checks_agree_on_many_random_trees(mechanism: Mechanism, seed: int) -> None:
     compare(mechanism, seed)
 
 
 @pytest.mark.parametrize(("kind", "n"), [("parallel", 45), ("laminate", 20)])
-def test_three_voices_agree_where_the_c_is_laid_out_in_loops(kind: str, n: int) -> None:
+def test_three_cross_checks_agree_where_the_c_is_laid_out_in_loops(kind: str, n: int) -> None:
     compare(random_tree(n, seed=n, kind=kind), seed=1)
 
 

@@ -1,4 +1,4 @@
-"""Every effect has a numeric voice of its own, which agrees with the C and would not if a number were another."""
+"""Every effect has a numeric cross-check of its own, which agrees with the C and would not if a number were another."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -25,19 +25,19 @@ from tests.support.mechanisms import chain, random_tree
 pytestmark = needs_cc
 
 INDEPENDENT = {"Newton-Euler", "Lagrange"}
-WITHOUT_A_VOICE: Mapping[str, str] = {}  # name: why; every effect of lamc has one
+WITHOUT_A_CROSS_CHECK: Mapping[str, str] = {}  # name: why; every effect of lamc has one
 
 
 def compiled(*effects: Effect, angles: Mapping[str, float] = {"h1": 0.9, "h2": -0.8}) -> Simulator:
     return lamc.compile(mechanism(), Scene(effects=effects, angles=angles))
 
 
-def voices_of(report: Report, quantity: str) -> set[str]:
-    return {c.voices[1] for c in report.comparisons if c.quantity == quantity and c.compared}
+def cross_checks_of(report: Report, quantity: str) -> set[str]:
+    return {c.cross_checks[1] for c in report.comparisons if c.quantity == quantity and c.compared}
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
-def test_every_effect_is_said_by_an_independent_voice(name: str) -> None:
+def test_every_effect_is_said_by_an_independent_cross_check(name: str) -> None:
     company = () if name == "gravity" else (SAMPLES["gravity"],)
     report = check(compiled(SAMPLES[name], *company), states=6, t_end=0.2)
     assert report.passed, report.table()
@@ -46,7 +46,7 @@ def test_every_effect_is_said_by_an_independent_voice(name: str) -> None:
         "accelerations, states of the run",
         "energies by effect",
     ):
-        assert bool(voices_of(report, quantity) & INDEPENDENT) is (name not in WITHOUT_A_VOICE)
+        assert bool(cross_checks_of(report, quantity) & INDEPENDENT) is (name not in WITHOUT_A_CROSS_CHECK)
 
 
 @pytest.mark.parametrize("base", ["free_base", "base_motion"])
@@ -56,13 +56,13 @@ def test_all_effects_together_are_said_alike(base: str) -> None:
     effects = [SAMPLES[name] for name in sorted(SAMPLES) if name not in without]
     report = check(compiled(*effects, angles={}), states=6, t_end=0.02)
     assert report.passed, report.table()
-    assert "Lagrange" in voices_of(report, "accelerations, random states")
+    assert "Lagrange" in cross_checks_of(report, "accelerations, random states")
     assert {"modal stiffness", "strip stiffness"} <= {c.quantity for c in report.comparisons}
 
 
 @dataclass(frozen=True)
 class Misread:
-    """A simulator of one effect, which other voices take for another."""
+    """A simulator of one effect, which other cross-checks take for another."""
 
     simulator: Simulator
     effects: tuple[Effect, ...]
@@ -103,13 +103,13 @@ OTHERWISE: Mapping[str, tuple[Effect, Mapping[str, Any]]] = {
 def test_a_number_that_is_another_is_noticed(case: str) -> None:
     effect, changes = OTHERWISE[case]
     whole = (effect, SAMPLES["gravity"])
-    told = (replace(effect, **changes), SAMPLES["gravity"])  # type: ignore[type-var]
+    reported = (replace(effect, **changes), SAMPLES["gravity"])  # type: ignore[type-var]
     simulator = compiled(*whole)
     assert check(Misread(simulator, whole), states=10, t_end=0.02).passed  # type: ignore[arg-type]
-    report = check(Misread(simulator, told), states=10, t_end=0.02)  # type: ignore[arg-type]
+    report = check(Misread(simulator, reported), states=10, t_end=0.02)  # type: ignore[arg-type]
     failed = [c for c in report.comparisons if c.failed]
     assert failed
-    assert {c.voices[1] for c in failed} <= {"Newton-Euler", "maximal", "Lagrange"}
+    assert {c.cross_checks[1] for c in failed} <= {"Newton-Euler", "maximal", "Lagrange"}
 
 
 def test_plates_of_another_modulus_are_noticed() -> None:
@@ -128,17 +128,17 @@ def test_plates_of_another_modulus_are_noticed() -> None:
     [chain(2, "space", seed=1), random_tree(4, seed=4), random_tree(5, seed=9, kind="mixed")],
     ids=lambda m: m.name,
 )
-def test_yielding_trees_have_one_motion_in_the_symbolic_and_the_numeric_voice(
+def test_yielding_trees_have_one_motion_in_the_symbolic_and_the_numeric_cross_check(
     whole: Mechanism, base: tuple[Effect, ...]
 ) -> None:
     """Full matrices of stiffness and damping at points and axes of any direction, entered by parent and by child."""
     whole, effects = with_base(whole), (all_compliant(whole), lamc.Gravity((0.4, -0.2, -9.81)), *base)
     general = General(whole, effects)
-    voice = Lagrange(whole, effects, general.equations.joints, general.rates, effects[1:])
+    cross_check = Lagrange(whole, effects, general.equations.joints, general.rates, effects[1:])
     rng = np.random.default_rng(3)
     for _ in range(3):
         q, u = rng.normal(size=len(general.coordinates)), rng.normal(size=general.n)
-        expected = voice.acceleration(q, u, 0.3)
+        expected = cross_check.acceleration(q, u, 0.3)
         found = general.acceleration(0.3, q, u)
         # round-off of some thousand operations, times the condition of a mass matrix of at most 1e3
         assert np.abs(found - expected).max() <= 1e-11 * np.abs(expected).max()

@@ -22,7 +22,7 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class MeshLocator:
     """Where nodes and edges are.
 
     tolerance  m; nearer than this is "on it"
@@ -98,7 +98,7 @@ class Places:
         middle = self.dofs.mesh.points[ends[both]].mean(axis=1)
         return np.asarray(self.edges[both[self._on(where, shapely.points(middle))]])
 
-    def some_edges_on(self, where: Where, what: str) -> Integers:
+    def checked_edges_on(self, where: Where, what: str) -> Integers:
         """As `edges_on`. Raises DesignError, naming `what`, if there is none."""
         edges = self.edges_on(where)
         if not len(edges):

@@ -1,4 +1,4 @@
-"""The reference voices on loops: against published answers, each other, closed forms; and `check` on loops."""
+"""The reference cross-checks on loops: against published answers, each other, closed forms; and `check` on loops."""
 
 import json
 import math
@@ -41,22 +41,22 @@ def relative(found: Any, expected: Any) -> float:
 
 
 @pytest.mark.parametrize("name", ["sarrus", "vertex4_flatfoldable", "bricard"])
-def test_the_numeric_voice_moves_as_computed_independently(cases: dict[str, Any], name: str) -> None:
-    """Without the C: the voice's own motion, from the published start to the first published row after it."""
+def test_the_numeric_cross_check_moves_as_computed_independently(cases: dict[str, Any], name: str) -> None:
+    """Without the C: the cross-check's own motion, from the published start to the first published row after it."""
     mechanism, scene = from_reference(cases[name]["spec"])
     joints = lamc.compile(mechanism, scene).joints
-    voice = NewtonEuler(mechanism, scene.effects or (), joints)
+    cross_check = NewtonEuler(mechanism, scene.effects or (), joints)
     start = np.array([scene.angles.get(j, 0.0) for j in joints] + [scene.rates.get(j, 0.0) for j in joints])
-    q, u, gap = settled(voice, start[: len(joints)], start[len(joints) :])
+    q, u, gap = settled(cross_check, start[: len(joints)], start[len(joints) :])
     assert gap < 1e-13 * mechanism.size  # round-off of positions
     assert np.abs(q - start[: len(joints)]).max() < 1e-6  # the file gives all angles of a closed start
     k = next(k for k, row in enumerate(cases[name]["expected"]) if row["t"] > 0.0)
     row, tol = cases[name]["expected"][k], cases[name]["tol"][k]
     times = np.array([row["t"]])
-    motion = on_closure(voice, voice.acceleration, voice.condition(q)[0])
+    motion = on_closure(cross_check, cross_check.acceleration, cross_check.condition(q)[0])
     run = simulate(motion, np.concatenate([q, u]), joints, times, 1e-9, 1e-11, "DOP853")
     found = dict(zip(joints, run.q[0], strict=True))
-    found |= dict(zip(voice.cuts, voice.cut_states(run.q[0], run.u[0])[0], strict=True))
+    found |= dict(zip(cross_check.cuts, cross_check.cut_states(run.q[0], run.u[0])[0], strict=True))
     for joint, angle in row["theta"].items():
         difference = math.remainder(found[joint] - angle, 2 * math.pi)
         assert abs(difference) < max(tol, 1e-6), joint  # the file's own rule for what it accepts
@@ -110,11 +110,11 @@ def parallelogram() -> tuple[Mechanism, float]:
     """Two cranks of length a = 0.3 m on the ground 0.5 m apart, both of mass m, moment I about the pin, and a coupler
     of mass M that they carry in parallel: it never turns. One pin, at the coupler, closes the loop."""
     a, b, m, M, moment = 0.3, 0.5, 0.7, 1.1, 0.013
-    turn = np.diag([moment, moment, moment])
+    rotation = np.diag([moment, moment, moment])
     bodies = (
         Body("ground", fixed=True),
-        Body("left", m, (0.0, -0.5 * a, 0.0), turn),
-        Body("right", m, (b, -0.5 * a, 0.0), turn),
+        Body("left", m, (0.0, -0.5 * a, 0.0), rotation),
+        Body("right", m, (b, -0.5 * a, 0.0), rotation),
         Body("coupler", M, (0.2, -a, 0.1), np.diag([0.03, 0.02, 0.04])),
     )
     z = (0.0, 0.0, 1.0)
@@ -131,7 +131,7 @@ def parallelogram() -> tuple[Mechanism, float]:
 @pytest.mark.parametrize("joint", ["l", "r", "lc", "rc"])
 def test_torques_on_every_hinge_of_a_loop_do_their_work(joint: str) -> None:
     """The parallelogram has one angle θ = l: l and rc open with it, and r and lc against it, drawn as they are; so each
-    torque τ gives I θ'' = ±τ, whichever hinge closes the loop, for every voice and for the C."""
+    torque τ gives I θ'' = ±τ, whichever hinge closes the loop, for every cross-check and for the C."""
     mechanism, inertia = parallelogram()
     torque = 0.6
     signs = {"l": 1.0, "r": -1.0, "lc": -1.0, "rc": 1.0}
@@ -139,8 +139,8 @@ def test_torques_on_every_hinge_of_a_loop_do_their_work(joint: str) -> None:
     sim = lamc.compile(mechanism, scene)
     state = sim.start
     assert sim.cut_joints
-    voices = [v(mechanism, sim.effects, sim.joints) for v in (NewtonEuler, MaximalCoordinates)]
-    for acceleration in (sim.acceleration, *(v.acceleration for v in voices)):
+    cross_checks = [v(mechanism, sim.effects, sim.joints) for v in (NewtonEuler, MaximalCoordinates)]
+    for acceleration in (sim.acceleration, *(v.acceleration for v in cross_checks)):
         found = acceleration(state[:3], state[3:])[sim.joints.index("l")]
         assert found == pytest.approx(signs[joint] * torque / inertia, rel=1e-12)  # one small solve
 
@@ -173,7 +173,7 @@ def test_springs_and_dampers_of_all_hinges_act_on_the_parallelogram() -> None:
         assert found == pytest.approx(expected / inertia, rel=1e-12)  # one small solve
 
 
-def test_a_spring_between_points_pulls_in_every_voice() -> None:
+def test_a_spring_between_points_pulls_in_every_cross_check() -> None:
     """A bar of moment 4e-3 kg·m² about its pin; k (l - l0) + c l' along the line to the wall, by hand."""
     bar = Body("bar", 0.1, (0.1, 0.0, 0.0), np.diag([1e-4, 3e-3, 3e-3]))
     mechanism = Mechanism((Body("wall", fixed=True), bar), (Joint("pin", "wall", "bar"),))
@@ -190,8 +190,8 @@ def test_a_spring_between_points_pulls_in_every_voice() -> None:
     force = force - 2.0 * (tip - np.array([0.0, 1.0]))
     expected = (tip[0] * force[1] - tip[1] * force[0]) / 4e-3
     q, u = np.array([angle]), np.array([rate])
-    for voice in (NewtonEuler, MaximalCoordinates):
-        found = voice(mechanism, effects).acceleration(q, u)[0]
+    for cross_check in (NewtonEuler, MaximalCoordinates):
+        found = cross_check(mechanism, effects).acceleration(q, u)[0]
         assert found == pytest.approx(expected, rel=1e-12)  # a few roundings and a small solve
     stored = 0.5 * k * (length - rest) ** 2 + float((tip - [0.0, 1.0]) @ (tip - [0.0, 1.0]))
     assert NewtonEuler(mechanism, effects).energy(q, u)["spring"] == pytest.approx(stored, rel=1e-13)
@@ -199,17 +199,17 @@ def test_a_spring_between_points_pulls_in_every_voice() -> None:
 
 def test_states_beside_closed_ones_settle_and_nudges_stay_closed(cases: dict[str, Any]) -> None:
     sim = compiled(cases["bricard"])
-    voice = NewtonEuler(sim.mechanism, sim.effects, sim.joints)
+    cross_check = NewtonEuler(sim.mechanism, sim.effects, sim.joints)
     n = len(sim.joints)
-    moved = nudged(voice, sim.start, 1e-3)
+    moved = nudged(cross_check, sim.start, 1e-3)
     assert np.abs(moved - sim.start).max() > 1e-4
-    assert np.abs(voice.gaps(moved[:n])[0]).max() < 1e-13 * sim.mechanism.size  # round-off of positions
+    assert np.abs(cross_check.gaps(moved[:n])[0]).max() < 1e-13 * sim.mechanism.size  # round-off of positions
     off = sim.start[:n] + 1e-6
     # Redundant equations count as independent ones off closure; settled first, the acceleration is that beside.
-    rank = voice.condition(sim.start[:n])[0]
-    beside = on_closure(voice, voice.acceleration, rank)(off, sim.start[n:], 0.0)
+    rank = cross_check.condition(sim.start[:n])[0]
+    beside = on_closure(cross_check, cross_check.acceleration, rank)(off, sim.start[n:], 0.0)
     assert (
-        relative(beside, voice.acceleration(sim.start[:n], sim.start[n:])) < 1e-4
+        relative(beside, cross_check.acceleration(sim.start[:n], sim.start[n:])) < 1e-4
     )  # 1e-6 times some curvature
 
 
@@ -223,18 +223,18 @@ def test_a_place_where_axes_run_against_each_other_is_not_closed() -> None:
             Joint("across", "ground", "left", (0, 0, 0), (0, 0, 1)),
         ),
     )
-    voice = NewtonEuler(flipped, (), ("along",))
-    assert settled(voice, np.array([0.0]), np.zeros(1))[2] < 1e-13
-    residual, _ = voice.gaps(np.array([math.pi]))
+    cross_check = NewtonEuler(flipped, (), ("along",))
+    assert settled(cross_check, np.array([0.0]), np.zeros(1))[2] < 1e-13
+    residual, _ = cross_check.gaps(np.array([math.pi]))
     assert np.abs(residual).max() < 1e-12  # of sizes of 0.3 m: the equations do not tell
-    assert settled(voice, np.array([math.pi]), np.zeros(1))[2] == math.inf
+    assert settled(cross_check, np.array([math.pi]), np.zeros(1))[2] == math.inf
 
 
 @pytest.mark.parametrize("name", ["vertex4_flatfoldable", "sarrus", "nfourbar2"])
-def test_check_of_loops_compares_all_voices(cases: dict[str, Any], name: str) -> None:
+def test_check_of_loops_compares_all_cross_checks(cases: dict[str, Any], name: str) -> None:
     report = check(compiled(cases[name]), states=4, t_end=0.05)
     assert report.passed, report.table()
-    compared = {(c.quantity, c.voices[1]) for c in report.comparisons if c.compared}
+    compared = {(c.quantity, c.cross_checks[1]) for c in report.comparisons if c.compared}
     for quantity in (
         "accelerations, random states",
         "closure, Jacobian",
@@ -292,9 +292,9 @@ def test_half_a_turn_is_not_taken_for_none(angle: float) -> None:
     """A cut hinge whose axes run against each other is half a turn from closed; scipy's rotations are the reference."""
     axis = np.array([2.0, -1.0, 2.0]) / 3.0
     matrix = Rotation.from_rotvec(angle * axis).as_matrix()
-    turned = Rotation.from_rotvec(rotation_vector(matrix)).as_matrix()
+    rotated = Rotation.from_rotvec(rotation_vector(matrix)).as_matrix()
     # near a half turn the angle is told to the square root of round-off
-    assert np.abs(turned - matrix).max() < (1e-7 if angle > 3.0 else 1e-14)
+    assert np.abs(rotated - matrix).max() < (1e-7 if angle > 3.0 else 1e-14)
     assert np.linalg.norm(rotation_vector(matrix)) == pytest.approx(angle, rel=1e-7, abs=1e-15)
 
 
@@ -307,5 +307,5 @@ def test_check_of_limits_knows_stops_and_what_impacts_are_between(effect: JointL
     assert report.passed, report.table()
     assert any("know no impacts" in note for note in report.notes) is (effect.restitution is not None)
     assert ("accelerations, random states", ("C", "Newton-Euler")) in {
-        (c.quantity, c.voices) for c in report.comparisons
+        (c.quantity, c.cross_checks) for c in report.comparisons
     }

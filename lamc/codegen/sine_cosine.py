@@ -19,7 +19,7 @@ _Operand = TypeVar("_Operand")
 
 
 @dataclass(frozen=True)
-class Turn:
+class SineCosine:
     """An angle, and the positions of the statements that want its sine and its cosine."""
 
     sine: int
@@ -30,17 +30,17 @@ class Turn:
         return min(self.sine, self.cosine)
 
 
-def turns(entries: Sequence[tuple[Shape, tuple[_Operand, ...]]]) -> dict[int, Turn]:
+def sine_cosine_pairs(entries: Sequence[tuple[Shape, tuple[_Operand, ...]]]) -> dict[int, SineCosine]:
     """By position: the turn that a statement is half of, where both halves are wanted."""
     sines = {operands[0]: k for k, (shape, operands) in enumerate(entries) if shape == _SINE}
     cosines = {operands[0]: k for k, (shape, operands) in enumerate(entries) if shape == _COSINE}
-    pairs = [Turn(k, cosines[angle]) for angle, k in sines.items() if angle in cosines]
-    return {k: turn for turn in pairs for k in (turn.sine, turn.cosine)}
+    pairs = [SineCosine(k, cosines[angle]) for angle, k in sines.items() if angle in cosines]
+    return {k: pair for pair in pairs for k in (pair.sine, pair.cosine)}
 
 
 def batches(statements: Sequence[Statement]) -> Iterator[Statement | tuple[tuple[Statement, Statement], ...]]:
     """Statements and batches of (sine, cosine), in an order in which everything is there before it is read."""
-    found = turns([(s.shape, s.operands) for s in statements])
+    found = sine_cosine_pairs([(s.shape, s.operands) for s in statements])
     waiting: list[tuple[Statement, Statement]] = []
     missing: set[Operand] = set()  # targets of what waits
     section = -1
@@ -49,11 +49,11 @@ def batches(statements: Sequence[Statement]) -> Iterator[Statement | tuple[tuple
             yield tuple(waiting)
             waiting.clear()
             missing.clear()
-        turn = found.get(position)
-        if turn is None or statement.operands[0].space is Space.NUMBER:
+        pair = found.get(position)
+        if pair is None or statement.operands[0].space is Space.NUMBER:
             yield statement
-        elif position == turn.first:
-            sine, cosine = statements[turn.sine], statements[turn.cosine]
+        elif position == pair.first:
+            sine, cosine = statements[pair.sine], statements[pair.cosine]
             waiting.append((sine, cosine))
             missing |= {sine.target, cosine.target}
             section = statement.section

@@ -16,7 +16,7 @@ import shapely
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
 from lamc.plates.hinge_lines import HingeLine
-from lamc.plates.places import points_at
+from lamc.plates.locator import points_at
 from lamc.plates.solving.hinge_sides import hinge_sides
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class HingeTurn:
+class HingeRotation:
     """Of one hinge line.
 
     points    (k, 2, 2), m: begin and end of each edge of the mesh on the line
@@ -53,7 +53,7 @@ class HingeTurn:
         return float(self.rotation.flat[np.argmax(np.abs(self.rotation))])
 
 
-def hinge_turns(solution: "Solution") -> tuple[HingeTurn, ...]:
+def hinge_rotations(solution: "Solution") -> tuple[HingeRotation, ...]:
     """Of all hinge lines of the problem, in their order."""
     problem = solution.problem
     if not problem.hinges:
@@ -62,11 +62,11 @@ def hinge_turns(solution: "Solution") -> tuple[HingeTurn, ...]:
     found = []
     for index, (hinge, edges) in enumerate(zip(problem.hinges, problem.hinge_edges, strict=True)):
         mine = np.searchsorted(problem.dofs.hinges, edges).astype(np.int32)
-        ends = [sides.turns(mine, np.full(len(mine), s)) @ solution.exact for s in (0.0, 1.0)]
+        ends = [sides.rotations(mine, np.full(len(mine), s)) @ solution.exact for s in (0.0, 1.0)]
         begin = sides.begin[mine]
         points = np.stack([begin, begin + sides.length[mine, None] * sides.along[mine]], axis=1)
         rotation = np.stack(ends, axis=1).astype(float)
-        found.append(HingeTurn(hinge, points, rotation, solution.hinge_energy(index)))
+        found.append(HingeRotation(hinge, points, rotation, solution.hinge_energy(index)))
     return tuple(found)
 
 
@@ -91,5 +91,5 @@ def rotation_at(solution: "Solution", x: npt.ArrayLike, y: npt.ArrayLike) -> Arr
             "a rotation is of a point on one"
         )
     s = np.clip(shapely.line_locate_point(lines[nearest], places) / sides.length[nearest], 0.0, 1.0)
-    turned = sides.turns(nearest.astype(np.int32), s) @ solution.exact
-    return np.asarray(turned, dtype=float).reshape(shape)
+    rotated = sides.rotations(nearest.astype(np.int32), s) @ solution.exact
+    return np.asarray(rotated, dtype=float).reshape(shape)

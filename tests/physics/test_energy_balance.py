@@ -1,4 +1,4 @@
-"""The books of a run: power and work of every effect, their balance, and that keeping them changes nothing."""
+"""The energy balance of a run: power and work of every effect, their balance, and that keeping them changes nothing."""
 
 import contextlib
 from collections.abc import Mapping
@@ -64,16 +64,16 @@ def test_the_rate_of_the_kinetic_energy_is_the_sum_of_all_powers(name: str) -> N
 
 
 @pytest.mark.parametrize("name", names())
-def test_two_voices_tell_the_same_powers(name: str) -> None:
+def test_two_cross_checks_tell_the_same_powers(name: str) -> None:
     """The C, and the same program interpreted in Python."""
     sim = simulator(name)
-    program = lower(sim.equations, books=True)
-    voice = Interpreter(program)
+    program = lower(sim.equations, energy_balance=True)
+    cross_check = Interpreter(program)
     state = sim.start + 0.3 * np.random.default_rng(2).standard_normal(len(sim.start))
     nq = len(sim.coordinates)
     q, u = state[:nq], state[nq:]
-    constants = voice.constants()
-    theirs = voice.powers(0.7, q, u, sim.acceleration(q, u, t=0.7), constants)
+    constants = cross_check.constants()
+    theirs = cross_check.powers(0.7, q, u, sim.acceleration(q, u, t=0.7), constants)
     mine = sim._telling.motion({}).powers(np.array([0.7]), state.reshape(1, -1))[0]
     size = max(1.0, float(np.abs(mine).max(initial=0.0)))
     assert mine == pytest.approx(theirs, rel=1e-12, abs=1e-12 * size)  # round-off of sums of some hundred
@@ -103,11 +103,15 @@ def test_no_swept_parameter_makes_a_passive_effect_feed_energy(name: str) -> Non
     sim = simulator(name)
     bare = simulator("gravity" if name != "gravity" else "hinge_damping")
     for parameter in sorted(set(sim.parameters) - set(bare.parameters)):
-        turned = {parameter: -sim.parameters[parameter]}
+        rotated = {parameter: -sim.parameters[parameter]}
         with contextlib.suppress(RequestError, DesignError):
-            books = sim.run(t_end=0.05, rtol=1e-9, parameters=turned, books=True, max_steps=5000).books
-            gained = books.supplied.get(name, np.zeros(1)).max()
-            assert name in DRIVEN or gained < 1e-8 * books.scale, parameter  # at the tolerance of the run
+            energy_balance = sim.run(
+                t_end=0.05, rtol=1e-9, parameters=rotated, energy_balance=True, max_steps=5000
+            ).energy_balance
+            gained = energy_balance.supplied.get(name, np.zeros(1)).max()
+            assert name in DRIVEN or gained < 1e-8 * energy_balance.scale, (
+                parameter
+            )  # at the tolerance of the run
 
 
 def test_a_motor_of_impossible_data_is_refused_in_sweeps() -> None:
@@ -119,48 +123,50 @@ def test_a_motor_of_impossible_data_is_refused_in_sweeps() -> None:
 
 
 @pytest.mark.parametrize("name", names())
-def test_books_balance(name: str) -> None:
+def test_energy_balance_balance(name: str) -> None:
     """At a tolerance of 1e-10 to 1e-8 of the energies in play; what conservative effects give they had stored."""
     sim = simulator(name)
-    books = sim.run(t_end=1.5, rtol=1e-10, atol=1e-12, books=True).books
-    assert books.balance < 1e-8
-    for effect in set(books.work) & keeping(sim):
-        assert np.abs(books.supplied[effect]).max() < 1e-8 * books.scale
-    for effect in set(books.work) - set(DRIVEN):
-        assert books.supplied[effect][-1] < 1e-8 * books.scale
+    energy_balance = sim.run(t_end=1.5, rtol=1e-10, atol=1e-12, energy_balance=True).energy_balance
+    assert energy_balance.balance < 1e-8
+    for effect in set(energy_balance.work) & keeping(sim):
+        assert np.abs(energy_balance.supplied[effect]).max() < 1e-8 * energy_balance.scale
+    for effect in set(energy_balance.work) - set(DRIVEN):
+        assert energy_balance.supplied[effect][-1] < 1e-8 * energy_balance.scale
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_every_method_keeps_books_that_balance(method: str) -> None:
+def test_every_method_keeps_energy_balance_that_balance(method: str) -> None:
     """Rows between steps too, in the middle of switches of limits that give way."""
     limits = lamc.JointLimits(stiffness=30.0, damping=0.2)
     scene = lamc.Scene(effects=(lamc.Gravity(), limits, lamc.HingeDamping()), angles=START)
     sim = lamc.compile(mechanism(), scene)
     times = np.linspace(0.1, 2.0, 77)
-    books = sim.run(t_end=2.0, rtol=1e-10, atol=1e-12, t_eval=times, integrator=method, books=True).books
-    assert books.balance < 1e-8
-    assert books.supplied["joint_limits"][-1] < 0.0
+    energy_balance = sim.run(
+        t_end=2.0, rtol=1e-10, atol=1e-12, t_eval=times, integrator=method, energy_balance=True
+    ).energy_balance
+    assert energy_balance.balance < 1e-8
+    assert energy_balance.supplied["joint_limits"][-1] < 0.0
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_keeping_books_changes_no_bit_of_the_motion(method: str) -> None:
+def test_keeping_energy_balance_changes_no_bit_of_the_motion(method: str) -> None:
     joints = tuple(replace(j, stiffness=1e5 * j.stiffness) for j in mechanism().joints)
     stiff = replace(mechanism(), joints=joints)
     limits = lamc.JointLimits(restitution=0.7)
     scene = lamc.Scene(effects=(lamc.HingeStiffness(), lamc.HingeDamping(), limits), rates={"h1": 300.0})
     sim = lamc.compile(stiff, scene)
     arguments = {"t_end": 0.2, "rtol": 1e-6, "atol": 1e-8, "integrator": method}
-    with_books, without = sim.run(**arguments, books=True), sim.run(**arguments)
-    assert with_books.events == without.events
-    assert with_books.events
-    assert np.array_equal(with_books.t, without.t)
-    assert np.array_equal(with_books.y, without.y)
-    assert with_books.stats.steps == without.stats.steps
+    with_balance, without = sim.run(**arguments, energy_balance=True), sim.run(**arguments)
+    assert with_balance.events == without.events
+    assert with_balance.events
+    assert np.array_equal(with_balance.t, without.t)
+    assert np.array_equal(with_balance.y, without.y)
+    assert with_balance.stats.steps == without.stats.steps
 
 
 def test_a_constant_torque_does_torque_times_angle() -> None:
     scene = lamc.Scene(effects=(lamc.Torque({"h1": 0.02}), lamc.Gravity()), angles=START)
-    result = lamc.compile(mechanism(), scene).run(t_end=1.0, rtol=1e-10, books=True)
+    result = lamc.compile(mechanism(), scene).run(t_end=1.0, rtol=1e-10, energy_balance=True)
     # the integral to the tolerance of the states, some hundred steps
     assert result.work["torque"] == pytest.approx(0.02 * (result.angle("h1") - 0.3), abs=1e-10)
 
@@ -170,22 +176,24 @@ def test_impacts_are_booked() -> None:
     for restitution, takes in ((1.0, False), (0.5, True)):
         effects = (lamc.Gravity(), lamc.JointLimits(restitution=restitution))
         sim = lamc.compile(mechanism(), lamc.Scene(effects=effects, angles=START, rates={"h1": 2.0}))
-        result = sim.run(t_end=1.5, rtol=1e-10, atol=1e-12, books=True)
+        result = sim.run(t_end=1.5, rtol=1e-10, atol=1e-12, energy_balance=True)
         assert len(result.events) > 0
-        books = result.books
-        assert books.balance < 1e-8
-        assert (books.work["impacts"][-1] < -1e-3) == takes
-        assert takes or abs(books.work["impacts"][-1]) < 1e-12 * books.scale * len(result.events)
+        energy_balance = result.energy_balance
+        assert energy_balance.balance < 1e-8
+        assert (energy_balance.work["impacts"][-1] < -1e-3) == takes
+        assert takes or abs(energy_balance.work["impacts"][-1]) < 1e-12 * energy_balance.scale * len(
+            result.events
+        )
 
 
 @pytest.mark.parametrize("family", ["planar", "spherical", "bennett"])
-def test_books_of_loops_balance(family: str) -> None:
+def test_energy_balance_of_loops_balance(family: str) -> None:
     """Springs and dampers on hinges that close loops do work as on others; the closure itself does none."""
     closed = closed_mechanism(family, seed=3).mechanism
     effects = (lamc.Gravity(), lamc.HingeStiffness(), lamc.RestAngle(), lamc.HingeDamping())
     sim = lamc.compile(closed, lamc.Scene(effects=effects))
     assert sim.cut_joints
-    assert sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, books=True).books.balance < 1e-8
+    assert sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, energy_balance=True).energy_balance.balance < 1e-8
 
 
 @dataclass(frozen=True)
@@ -210,30 +218,30 @@ def test_a_fluid_gives_back_what_it_took(base: Effect | None) -> None:
     """Its kinetic energy is what it stores, so that its work is minus the change of that."""
     effects: tuple[Effect, ...] = (lamc.Gravity(), Fluid(), *((base,) if base else ()))
     sim = lamc.compile(mechanism(), lamc.Scene(effects=effects, angles=START))
-    books = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, books=True).books
-    assert books.balance < 1e-8
-    assert np.abs(books.work["fluid"]).max() > 1e-3
-    assert np.abs(books.supplied["fluid"]).max() < 1e-8 * books.scale
+    energy_balance = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, energy_balance=True).energy_balance
+    assert energy_balance.balance < 1e-8
+    assert np.abs(energy_balance.work["fluid"]).max() > 1e-3
+    assert np.abs(energy_balance.supplied["fluid"]).max() < 1e-8 * energy_balance.scale
 
 
 def test_a_fluid_gives_back_what_it_took_at_impacts_too() -> None:
     """An elastic impact keeps the energy of links and fluid together, and moves some from one to the other."""
     effects = (lamc.Gravity(), Fluid(), lamc.JointLimits(restitution=1.0))
     sim = lamc.compile(mechanism(), lamc.Scene(effects=effects, angles=START, rates={"h1": 3.0}))
-    result = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, books=True)
-    books = result.books
+    result = sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, energy_balance=True)
+    energy_balance = result.energy_balance
     assert len(result.events) > 1
-    assert books.balance < 1e-8
-    assert np.abs(books.supplied["fluid"]).max() < 1e-8 * books.scale
-    assert abs(books.work["impacts"][-1]) < 1e-12 * books.scale * len(result.events)
+    assert energy_balance.balance < 1e-8
+    assert np.abs(energy_balance.supplied["fluid"]).max() < 1e-8 * energy_balance.scale
+    assert abs(energy_balance.work["impacts"][-1]) < 1e-12 * energy_balance.scale * len(result.events)
 
 
-def test_a_run_that_ends_early_has_books_up_to_there() -> None:
+def test_a_run_that_ends_early_has_energy_balance_up_to_there() -> None:
     sim = simulator("gravity")
-    result = sim.run(t_end=5.0, max_steps=20, t_eval=np.linspace(0.0, 5.0, 11), books=True)
+    result = sim.run(t_end=5.0, max_steps=20, t_eval=np.linspace(0.0, 5.0, 11), energy_balance=True)
     assert not result.success
     assert result.work["gravity"].shape == result.t.shape
-    assert result.books.balance < 1e-6  # at the default tolerance of 1e-9
+    assert result.energy_balance.balance < 1e-6  # at the default tolerance of 1e-9
 
 
 def test_powers_can_be_had_of_any_result_and_are_no_part_of_the_usual_module() -> None:
@@ -242,7 +250,7 @@ def test_powers_can_be_had_of_any_result_and_are_no_part_of_the_usual_module() -
     assert "power" not in sim.program.functions
     assert result.motion.model.powers == ()
     assert set(result.powers) == {"gravity", "hinge_damping", "torque"}
-    own = sim.run(t_end=0.5, books=True)
+    own = sim.run(t_end=0.5, energy_balance=True)
     for name, values in result.powers.items():
         assert np.array_equal(values, own.powers[name])
     damping = mechanism().joint("h1").damping
@@ -250,16 +258,16 @@ def test_powers_can_be_had_of_any_result_and_are_no_part_of_the_usual_module() -
     assert result.powers["hinge_damping"] == pytest.approx(expected, rel=1e-12, abs=1e-15)  # round-off
 
 
-def test_books_are_refused_where_there_are_none() -> None:
+def test_energy_balance_are_refused_where_there_are_none() -> None:
     sim = simulator("gravity")
-    with pytest.raises(RequestError, match="books=True"):
+    with pytest.raises(RequestError, match="energy_balance=True"):
         _ = sim.run(t_end=0.1).work
-    with pytest.raises(RequestError, match="books=True"):
-        _ = sim.run(t_end=0.1).books
-    with pytest.raises(RequestError, match=r"scipy:RK45.*keeps no books"):
-        sim.run(t_end=0.1, integrator="scipy:RK45", books=True)
-    with pytest.raises(RequestError, match="books is 'yes'"):
-        sim.run(t_end=0.1, books="yes")  # type: ignore[arg-type]
+    with pytest.raises(RequestError, match="energy_balance=True"):
+        _ = sim.run(t_end=0.1).energy_balance
+    with pytest.raises(RequestError, match=r"scipy:RK45.*keeps no energy balance"):
+        sim.run(t_end=0.1, integrator="scipy:RK45", energy_balance=True)
+    with pytest.raises(RequestError, match="energy_balance is 'yes'"):
+        sim.run(t_end=0.1, energy_balance="yes")  # type: ignore[arg-type]
 
 
 def keeping(sim: Simulator) -> set[str]:

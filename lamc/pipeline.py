@@ -90,7 +90,7 @@ def sources_of(
     energy_balance: bool = False,
     precision: str = "double",
 ) -> "tuple[Program, SourceTree]":
-    """lower and emit. books: with the power of every effect; precision: of accelerations, "double" or "float"."""
+    """lower and emit. energy_balance: with the power of every effect; precision: "double" or "float"."""
     from lamc.codegen.emit import emit
     from lamc.mechanics.lower import lower
 

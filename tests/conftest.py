@@ -1,8 +1,10 @@
 """Fixtures and options that many tests share, and the environment that all of them run in."""
 
 import os
+import shutil
 import signal
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -12,12 +14,21 @@ from matplotlib.figure import Figure
 
 from tests.support.quick import quick_compilation
 
-FOREIGN = {"CFLAGS", "CPPFLAGS", "LDFLAGS", "PYTHONDONTWRITEBYTECODE"}  # variables of developers' machines
+FOREIGN = {  # variables of developers' machines
+    *("CFLAGS", "CPPFLAGS", "LDFLAGS", "PYTHONDONTWRITEBYTECODE"),
+    *("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"),
+}
+NOWHERE = "/proc/nowhere"  # a home that nobody can make or write to, root neither
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="rewrite tests/golden and print what changed as a diff"
+    )
+    parser.addoption(
+        "--hostile",
+        action="store_true",
+        help="run with umask 077 and with a home that cannot be written; `make test-hostile` closes stderr too",
     )
     parser.addoption(
         "--as-shipped",
@@ -26,16 +37,38 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
-def pytest_configure() -> None:
-    """The plain environment of a user, for these tests and for the programs that they start."""
+def pytest_configure(config: pytest.Config) -> None:
+    """The plain environment of a user, for these tests and for the programs that they start.
+
+    Home and cache are new and empty, and shared by parallel workers, so that tests meet no old entry, leave none with
+    the user, and compile each mechanism once.
+    """
+    is_worker = "PYTEST_XDIST_WORKER" in os.environ
     for name in sorted(os.environ):
-        if name in FOREIGN or (name.startswith("LAMC_") and name != "LAMC_CC"):
+        of_lamc = (
+            name.startswith("LAMC_") and name != "LAMC_CC" and not (is_worker and name == "LAMC_CACHE_DIR")
+        )
+        if name in FOREIGN or of_lamc:
             del os.environ[name]
     sys.dont_write_bytecode = False
     # Ignored in what a shell starts behind its back, and in all that is started from there: tests of Ctrl-C would wait.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    os.umask(0o022)
+    hostile = config.getoption("--hostile")
+    os.umask(0o077 if hostile else 0o022)
+    if is_worker:
+        return
+    for name, place in (
+        ("RUSTUP_HOME", ".rustup"),
+        ("CARGO_HOME", ".cargo"),
+    ):  # where these tools live themselves
+        os.environ.setdefault(name, str(Path("~").expanduser() / place))
+    folder = Path(tempfile.mkdtemp(prefix="lamc-tests-"))
+    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    for name in ("home", "cache"):
+        (folder / name).mkdir(mode=0o700)
+    os.environ["LAMC_CACHE_DIR"] = str(folder / "cache")
+    os.environ["HOME"] = NOWHERE if hostile else str(folder / "home")
 
 
 @pytest.fixture(scope="session")
@@ -46,30 +79,10 @@ def shared() -> Path:
     return beside if (beside / "reference" / "dynamics.json").is_file() else tests / "fixtures"
 
 
-@pytest.fixture(scope="session", autouse=True)
-def cache_of_the_session(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of compiled modules for this run: tests meet no old entry and leave none with the user.
-
-    Parallel workers share it, so that each mechanism is compiled once.
-    """
-    folder = _of_the_session(tmp_path_factory, "lamc-cache")
-    os.environ["LAMC_CACHE_DIR"] = str(folder)
-    return folder
-
-
-@pytest.fixture(scope="session", autouse=True)
-def home_of_the_session(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A home that nothing was ever written to, and no folders named elsewhere; parallel workers share it."""
-    folder = _of_the_session(tmp_path_factory, "home")
-    for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"):
-        os.environ.pop(name, None)
-    for name, place in (
-        ("RUSTUP_HOME", ".rustup"),
-        ("CARGO_HOME", ".cargo"),
-    ):  # where these tools live themselves
-        os.environ.setdefault(name, str(Path.home() / place))
-    os.environ["HOME"] = str(folder)
-    return folder
+@pytest.fixture(scope="session")
+def cache_of_the_session() -> Path:
+    """The cache of compiled modules that this run has for itself."""
+    return Path(os.environ["LAMC_CACHE_DIR"])
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -94,10 +107,3 @@ def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def painted() -> None:
     """Figures are painted, in modules that leave it out elsewhere."""
-
-
-def _of_the_session(factory: pytest.TempPathFactory, name: str) -> Path:
-    base = factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / name
-    folder.mkdir(mode=0o700, exist_ok=True)
-    return folder

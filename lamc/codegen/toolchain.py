@@ -17,6 +17,8 @@ from lamc.codegen import target, zig
 from lamc.codegen.cache import Cache, cache_root
 
 TIMEOUT = 600  # s; a compiler that takes longer on lamc's output hangs
+# They give up IEEE arithmetic, for the whole process where they link: loops, events and error control rest on it.
+INEXACT = ("-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-ffinite-math-only")
 INSTALL_HINT = "install gcc or clang, or `pip install lamc[cc]`, or name one with --cc or $LAMC_CC"
 
 
@@ -83,6 +85,12 @@ def _split(text: str, origin: str) -> list[str]:
         raise BuildError(f"{origin} is {text!r}, which is no command: {error}") from error
     if not command:
         raise BuildError(f"{origin} is {text!r}, which is no command; {INSTALL_HINT}")
+    inexact = next((word for word in command[1:] if word in INEXACT), None)
+    if inexact is not None:
+        raise BuildError(
+            f"{origin} has {inexact}, which gives up the arithmetic that results rest on; leave it out, and take "
+            "fast=True (--fast) for speed"
+        )
     return command
 
 

@@ -17,7 +17,7 @@ from lamc.reference.kinematics import Array
 from lamc.reference.newton_euler import NewtonEuler
 
 KEPT_CLOSED = 1e-9  # of the size, along a run
-_KEPT = "what every run of loops is held to, measured on poses of the other voice"
+_KEPT = "what every run of loops is held to, measured on poses of the other cross-check"
 
 
 class Closing(Protocol):

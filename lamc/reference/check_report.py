@@ -81,7 +81,7 @@ class Report:
 
     def table(self) -> str:
         """The comparisons as aligned text, one line each, and the notes."""
-        rows = [("quantity", "voices", "difference", "limit", "", "at", "where")]
+        rows = [("quantity", "cross-checks", "difference", "limit", "", "at", "where")]
         rows += [c.cells() for c in self.comparisons]  # type: ignore[misc]
         widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
         lines = [

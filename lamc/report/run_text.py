@@ -81,7 +81,7 @@ def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
     rows += [("note", note) for note in report.notes]
     rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_accuracy(report.result)]
     rows += _happenings(report.result)
-    rows += [("books", line) for line in energy_balance_lines(report.result)]
+    rows += [("balance", line) for line in energy_balance_lines(report.result)]
     rows += [("times", _times(report.times))]
     if report.drift is not None:
         rows.append(("energy", _drift(report)))

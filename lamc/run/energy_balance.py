@@ -21,7 +21,7 @@ KINETIC = "kinetic"
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What a run keeps for its books: the state it started from, and work (m, effects, then impacts), J."""
+    """What a run keeps for its energy balance: the state it started from, and work (m, effects, then impacts), J."""
 
     start: Array
     work: Array

@@ -41,8 +41,8 @@ def input_digest(
 ) -> str | None:
     """None if an effect is not lamc's own, as it may change between two runs under the same name, or holds a function.
 
-    books   whether the module tells powers
-    common  `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
+    energy_balance  whether the module tells powers
+    common          `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
     """
     closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)

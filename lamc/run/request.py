@@ -109,7 +109,7 @@ def checked_request(
     if progress is not None and not callable(progress):
         raise RequestError(f"progress is {shown(progress)}; it must be a function of (t, t_end), or None")
     if not isinstance(energy_balance, bool):
-        raise RequestError(f"books is {shown(energy_balance)}; it must be True or False")
+        raise RequestError(f"energy_balance is {shown(energy_balance)}; it must be True or False")
     steps = min(int(max_steps), 2**62)  # what the C counter holds
     return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress, energy_balance)
 

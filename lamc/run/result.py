@@ -254,7 +254,7 @@ class Result(Unchanging):
 
     def to_npz(self, path: str | Path) -> Path:
         """Writes arrays t, q, u, energies, energy, constraint_error, joints, coordinates and rates (names), their units
-        coordinate_units and rate_units, energy_names, and with books work and work_names (no pickles), and a JSON
+        coordinate_units and rate_units, energy_names, with an energy balance work and work_names (no pickles), a JSON
         manifest beside it. Both appear whole or not at all. Raises LamcError if it cannot."""
         return files.write_npz(self, checked_path(path))
 

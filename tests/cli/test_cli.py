@@ -333,8 +333,8 @@ def test_energy_balance_tell_who_stored_supplied_and_dissipated(tmp_path: Path) 
     file = pendulum(tmp_path / "p.yaml")
     result = run(str(file), "--t-end", "0.5", "--books", "--out", "out")
     assert result.exit_code == 0
-    table = [line.split() for line in result.stdout.splitlines() if line.startswith(("books", "        "))]
-    assert ["books", "stored", "supplied", "dissipated"] in table
+    table = [line.split() for line in result.stdout.splitlines() if line.startswith(("balance", "        "))]
+    assert ["balance", "stored", "supplied", "dissipated"] in table
     assert [row[0] for row in table if len(row) == 3 and row[2] == "J"] == [
         "kinetic",
         "hinge_damping",

@@ -537,7 +537,7 @@ def test_interrupted_work_ends_with_130_and_leaves_no_folder(
     def stop(*args: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(plate_work, "Model", stop)
+    monkeypatch.setattr(plate_work, "FactoredPlate", stop)
     result = call(square(tmp_path / "s.yaml"), "--out", "o")
     assert result.exit_code == 130
     assert not Path("o").exists()

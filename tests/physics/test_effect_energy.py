@@ -95,7 +95,7 @@ def test_dissipation_takes_energy_at_every_instant_from_any_start(case: str) -> 
     every()
 
 
-def test_the_motors_own_energy_balance_are_those_of_the_run() -> None:
+def test_the_motors_own_energy_balance_is_that_of_the_run() -> None:
     motor = lamc.LinearMotor("h1", "4*sin(3*t)", torque_constant=0.3, resistance=2.0, gear_ratio=2.0)
     result = lamc.compile(mechanism(), Scene(effects=(motor,))).run(t_end=1.0, rtol=1e-9)
     power = motor.energy_balance(result).mechanical

@@ -258,7 +258,7 @@ def test_powers_can_be_had_of_any_result_and_are_no_part_of_the_usual_module() -
     assert result.powers["hinge_damping"] == pytest.approx(expected, rel=1e-12, abs=1e-15)  # round-off
 
 
-def test_energy_balance_are_refused_where_there_are_none() -> None:
+def test_an_energy_balance_is_refused_where_there_is_none() -> None:
     sim = simulator("gravity")
     with pytest.raises(RequestError, match="energy_balance=True"):
         _ = sim.run(t_end=0.1).work

@@ -394,6 +394,7 @@ def test_a_compiler_that_is_no_program_is_reported(root: Path, tmp_path: Path) -
     ("wanted", "words"),
     [
         ("no-such-compiler", "'no-such-compiler' named by --cc is not there; install gcc or clang"),
+        ("cc -ffast-math", "--cc has -ffast-math, which gives up the arithmetic"),
         ("cc 'unbalanced", '--cc is "cc \'unbalanced", which is no command'),
         (" ", "which is no command"),
         ("cc; touch /tmp/hacked", "'cc;' named by --cc is not there"),

@@ -60,7 +60,8 @@ def test_a_base_that_stops_dead_is_refused_and_not_simulated_without_the_blow() 
     ramp = lamc.BaseMotion(displacement=("0.5*min(t, 0.05)", 0, 0))
     sim = lamc.compile(chain(1), lamc.Scene(effects=(ramp,)))
     with pytest.raises(
-        lamc.ExpressionError, match=r"x of base_motion: .* kink at t = 0\.05 s, .* its rate jumps by 0\.5"
+        lamc.ExpressionError,
+        match=r"x displacement of base_motion: .* kink at t = 0\.05 s, .* its rate jumps by 0\.5",
     ):
         sim.run(t_end=0.2)
     assert sim.run(t_end=0.04).success

@@ -127,7 +127,7 @@ def test_frames_hold_all_coordinates(floating: Simulator) -> None:
     assert data["angle"].shape == (2, 2)
 
 
-def test_energy_balance_are_in_the_files_where_they_were_kept(floating: Simulator, tmp_path: Path) -> None:
+def test_the_energy_balance_is_in_the_files_where_it_was_kept(floating: Simulator, tmp_path: Path) -> None:
     result = floating.run(t_end=0.2, t_eval=[0.0, 0.2], energy_balance=True)
     file = result.to_npz(tmp_path / "r.npz")
     arrays = np.load(file)

@@ -25,7 +25,7 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def forget(monkeypatch: pytest.MonkeyPatch) -> None:
-    target._reported.cache_clear()
+    target._known_marks.cache_clear()
     target._processor.cache_clear()
 
 

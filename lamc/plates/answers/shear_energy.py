@@ -69,14 +69,14 @@ class ShearEnergy:
 
 @dataclass(frozen=True, eq=False)
 class _Edges:
-    """cell (b,); corners (b, 2), of the cell, and nodes (b, 2) at the ends; along (b, 2), of length 1; turns (b,):
-    whether the plate may turn about the edge, so that M_n is given."""
+    """cell (b,); corners (b, 2), of the cell, and nodes (b, 2) at the ends; along (b, 2), of length 1; hinged (b,):
+    whether the plate may rotate about the edge, so that M_n is given."""
 
     cell: Integers
     corners: Integers
     nodes: Integers
     along: Array
-    rotations: NDArray[np.bool_]
+    hinged: NDArray[np.bool_]
 
 
 def shear_energy(solution: "Solution", strains: Array) -> ShearEnergy:
@@ -153,7 +153,7 @@ def _along_edges(
         np.einsum("bi,bij,bj->b", first, neutral[cell], second)
         for first, second in ((bend, bend), (bend, twist), (twist, twist))
     )
-    share = np.where(edges.turns, D16 / D11, 0.0)
+    share = np.where(edges.hinged, D16 / D11, 0.0)
     stiff = D66 - share * D16
     soft = np.einsum("bi,bij,bj->b", along, softness[cell], along)
     found = moments[cell[:, None], ends]

@@ -46,12 +46,6 @@ long long lamc_loops_doubts(const void *motion) {
   return 0;
 }
 
-lamc_status lamc_loops_allow(const void *motion, lamc_real t_old, const lamc_real *y_old, lamc_real t,
-                             const lamc_real *y) {
-  (void)motion, (void)t_old, (void)y_old, (void)t, (void)y;
-  return LAMC_OK;
-}
-
 lamc_status lamc_loops_judge(const void *motion) {
   (void)motion;
   return LAMC_OK;

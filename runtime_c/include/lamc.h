@@ -51,7 +51,7 @@ typedef struct lamc_model {
   int joint_count;                /* joints that are coordinates; the first ones */
   int coordinate_count;           /* nq: joints, and what effects add, such as the pose of a free base */
   int rate_count;                 /* nu <= nq; fewer where a quaternion is among the coordinates */
-  int cut_count;                  /* joints that close loops; 0: a tree */
+  int cut_count;                  /* the last joints, which close loops; 0: a tree */
   int closure_count;              /* m: equations that hold the loops, redundant ones included */
   int rank;                       /* of the closure at a generic position: no more equations are taken */
   lamc_real tolerance;            /* m: gap that loops may keep where their equations disagree; 0: none */
@@ -67,7 +67,6 @@ typedef struct lamc_model {
   const char *const *coordinate_units; /* (nq,), UTF-8; NULL: all rad */
   const char *const *rate_names;       /* (nu,), UTF-8 */
   const char *const *rate_units;       /* (nu,), UTF-8; NULL: all rad/s */
-  const char *const *cut_names;        /* (cut_count,), UTF-8 */
   const char *const *body_names;       /* (body_count,), UTF-8 */
   const char *const *parameter_names;  /* (parameter_count,), UTF-8 */
   const char *const *parameter_units;  /* (parameter_count,), UTF-8 */
@@ -75,8 +74,6 @@ typedef struct lamc_model {
   const char *const *guard_names;      /* (guard_count,), UTF-8 */
   const char *const *power_names;      /* (power_count,), UTF-8 */
   const lamc_real *parameter_defaults; /* (parameter_count,), in parameter_units */
-  const int
-      *cut_watched; /* (cut_count,): 1 where forces, energies or guards depend on the angle; NULL: nowhere */
   const int *guard_modes;  /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
   lamc_real jacobian_cost; /* operations of jacobian over those of an acceleration */
   /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
@@ -95,8 +92,6 @@ typedef struct lamc_model {
   /* -> what system gives, then J (m, nu), gamma (m,) m/s^2 of J udot + gamma = 0: all that an acceleration needs */
   void (*dynamics)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                    lamc_real *dynamics);
-  /* -> angles (cut_count,) rad within -pi .. pi, rates (cut_count,) rad/s */
-  void (*cuts)(const lamc_real *constants, const lamc_real *q, const lamc_real *u, lamc_real *cuts);
   /* -> energies (energy_count,) J */
   void (*energy)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                  lamc_real *energies);
@@ -143,8 +138,6 @@ long long lamc_motion_singular_steps(const lamc_motion *motion);
 /* Row by row: -> phi (count, m) m and J (count, m, nu), one after the other in each row */
 lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const lamc_real *y,
                                  lamc_real *closures);
-/* -> angles (cut_count,) rad and rates (cut_count,) rad/s of the cut joints in each row */
-lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const lamc_real *y, lamc_real *cuts);
 
 /* Row by row over states y (count, nq + nu) at times t (count,); LAMC_BAD_ARGUMENT for NULL or count < 0. */
 /* -> udot (count, nu) */

@@ -40,7 +40,7 @@ typedef struct parts {
   lamc_real *
       state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations
                     with too few, steps with too few */
-  lamc_real *cuts; /* (2, 2, cut_count): angles and rates of the cut joints at both ends of a step */
+  lamc_real *norms; /* (m,): of the rows of J before they were divided by them; 0: a row of none */
   lamc_real *raw;  /* what the model writes: the largest of its functions */
 } parts;
 
@@ -54,8 +54,8 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT +
-         4LL * model->cut_count + raw_size(n, m);
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT + m +
+         raw_size(n, m);
 }
 
 static parts parts_of(const lamc_motion *motion) {
@@ -77,8 +77,8 @@ static parts parts_of(const lamc_motion *motion) {
   p.qdot = p.x + n;
   p.y = p.qdot + nq;
   p.state = p.y + nq + n;
-  p.cuts = p.state + LAMC_LOOPS_KEPT;
-  p.raw = p.cuts + (ptrdiff_t)4 * motion->model->cut_count;
+  p.norms = p.state + LAMC_LOOPS_KEPT;
+  p.raw = p.norms + m;
   return p;
 }
 
@@ -170,24 +170,62 @@ static void impose(const parts *p, int count, const lamc_real *goal, lamc_real *
   }
 }
 
-/* L of M, and f, at a state */
+/* Rows of J of length one, and what is in `extra` with them: an equation that fades in a flat position, with all its
+ * digits, is as good as any. A row of nothing stays so. */
+static void normalise(const parts *p) {
+  for (int i = 0; i < p->m; i++) {
+    lamc_real *row = p->j + (ptrdiff_t)i * p->n;
+    const lamc_real norm = sqrt(lamc_dot(p->n, row, row));
+    const lamc_real scale = norm > LAMC_LEAST ? 1 / norm : 0;
+    p->norms[i] = norm;
+    for (int c = 0; c < p->n; c++) row[c] *= scale;
+    p->extra[i] *= scale;
+  }
+}
+
+/* A mass that J^T J is multiplied by: that of a hinge, in the mean */
+static lamc_real weight_of(const parts *p) {
+  lamc_real sum = 0;
+  for (int i = 0; i < p->n; i++) sum += p->raw[(ptrdiff_t)i * (i + 1) / 2 + i];
+  return sum / (lamc_real)p->n;
+}
+
+/* L of M + weight J^T J, M in raw. Hinges that close loops move no mass of their own; where J udot is given, the sum
+ * has the same udot, and is regular. */
+static void factor(const parts *p) {
+  const lamc_real weight = weight_of(p);
+  for (int k = 0; k < p->m; k++) {
+    const lamc_real *row = p->j + (ptrdiff_t)k * p->n;
+    for (int i = 0; i < p->n; i++) {
+      const lamc_real part = weight * row[i];
+      if (part == 0) continue;
+      lamc_real *entries = p->raw + (ptrdiff_t)i * (i + 1) / 2;
+      for (int j = 0; j <= i; j++) entries[j] += part * row[j];
+    }
+  }
+  p->state[4] = weight;
+  lamc_cholesky(p->n, p->raw, p->l);
+}
+
+/* L, and f, at a state, after its closure */
 static void evaluate_system(const lamc_motion *motion, const parts *p, lamc_real t, const lamc_real *q,
                             const lamc_real *u) {
   motion->model->system(motion->constants, t, q, u, p->raw);
-  lamc_cholesky(p->n, p->raw, p->l);
   memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
+  factor(p);
 }
 
-/* M, f, J, gamma and the directions at a state; returns how many equations were taken */
+/* L, f, J, gamma and the directions at a state; returns how many equations were taken */
 static int prepare(const lamc_motion *motion, const parts *p, lamc_real t, const lamc_real *q,
                    const lamc_real *u) {
   const size_t n = (size_t)p->n, entries = (size_t)p->m * n;
   const lamc_real *f = p->raw + n * (n + 1) / 2, *jacobian = f + n;
   motion->model->dynamics(motion->constants, t, q, u, p->raw);
-  lamc_cholesky(p->n, p->raw, p->l);
   memcpy(p->f, f, n * sizeof *p->f);
   memcpy(p->j, jacobian, entries * sizeof *p->j);
   memcpy(p->extra, jacobian + entries, (size_t)p->m * sizeof *p->extra);
+  normalise(p);
+  factor(p);
   return take_equations(motion, p);
 }
 
@@ -197,9 +235,13 @@ static lamc_real last_pivot(const lamc_motion *motion, const parts *p, int count
   return count > 0 ? p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] / p->r[0] : 1;
 }
 
-/* 1 if an equation is about to become dependent: the state is near a singular position */
+/* 1 if an equation is about to become dependent, or fades: the state is near a singular position */
 static int is_near_singular(const lamc_motion *motion, const parts *p, int count) {
-  return last_pivot(motion, p, count) < NEAR_SINGULAR;
+  if (last_pivot(motion, p, count) < NEAR_SINGULAR) return 1;
+  for (int i = 0; i < p->m; i++) {
+    if (p->norms[i] < NEAR_SINGULAR) return 1;
+  }
+  return 0;
 }
 
 /* How far from closure, of the size, a state may be: what it is off, divided by the square of the last pivot, is an
@@ -212,7 +254,8 @@ static lamc_real close_enough(const lamc_motion *motion, const parts *p, int cou
   return enough > EXACT ? enough : EXACT;
 }
 
-/* lambda (m,) of the taken equations from x = L^T udot: R lambda = Q^T (x - L^-1 f), zero for the others */
+/* lambda (m,) by the model's equations from x = L^T udot: R lambda = Q^T (x - L^-1 f) for the taken ones, and what the
+ * added J^T J takes of the forces, J udot = -gamma, from all */
 static void find_lambda(const parts *p, int count, const lamc_real *x, lamc_real *lambda) {
   memset(lambda, 0, (size_t)p->m * sizeof *lambda);
   memcpy(p->x, p->f, (size_t)p->n * sizeof *p->x);
@@ -223,6 +266,10 @@ static void find_lambda(const parts *p, int count, const lamc_real *x, lamc_real
     for (int i = k + 1; i < count; i++) rest -= p->r[(ptrdiff_t)k * p->m + i] * lambda[(int)p->order[i]];
     lambda[(int)p->order[k]] = rest / p->r[(ptrdiff_t)k * p->m + k];
   }
+  for (int i = 0; i < p->m; i++) {
+    lambda[i] += p->state[4] * p->extra[i];
+    lambda[i] = p->norms[i] > LAMC_LEAST ? lambda[i] / p->norms[i] : 0;
+  }
 }
 
 /* Baumgarte's stabilisation: with b the rate, gamma + 2 b J u + b^2 phi in place of gamma */
@@ -231,7 +278,7 @@ static void pull_back(const lamc_motion *motion, const parts *p, const lamc_real
   motion->model->closure(motion->constants, q, p->raw);
   for (int i = 0; i < p->m; i++) {
     const lamc_real rate = lamc_dot(p->n, p->j + (ptrdiff_t)i * p->n, u);
-    p->extra[i] += 2 * b * rate + b * b * p->raw[i];
+    if (p->norms[i] > LAMC_LEAST) p->extra[i] += 2 * b * rate + b * b * (p->raw[i] / p->norms[i]);
   }
 }
 
@@ -295,11 +342,14 @@ static lamc_real largest(int n, const lamc_real *v) {
   return most;
 }
 
-/* phi and J at q */
-static void evaluate_closure(const lamc_motion *motion, const parts *p, const lamc_real *q) {
+/* phi and J at q, rows of J normalised; returns the largest of phi before that, rad or parts of the size */
+static lamc_real evaluate_closure(const lamc_motion *motion, const parts *p, const lamc_real *q) {
   motion->model->closure(motion->constants, q, p->raw);
   memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
   memcpy(p->j, p->raw + p->m, (size_t)p->m * (size_t)p->n * sizeof *p->j);
+  const lamc_real gap = largest(p->m, p->extra);
+  normalise(p);
+  return gap;
 }
 
 lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real *y, lamc_real *moved) {
@@ -309,26 +359,26 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   lamc_real *u = y + p.nq;
   *moved = 0;
   if (model->cut_count == 0) return LAMC_OK;
+  lamc_real open = evaluate_closure(motion, &p, q);
   evaluate_system(motion, &p, t, q, u);
-  evaluate_closure(motion, &p, q);
   int count = take_equations(motion, &p);
   lamc_real gap = largest(p.m, p.extra);
   for (int round = 0; round < MAX_ITERATIONS; round++) {
-    if (gap <= close_enough(motion, &p, count) * model->size) break;
+    if (gap <= close_enough(motion, &p, count)) break;
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
     impose(&p, count, p.extra, p.x);
     lamc_solve_upper(p.n, p.l, p.x);
     lamc_motion_rates(motion, q, p.x, p.qdot);
     for (int i = 0; i < p.nq; i++) q[i] += p.qdot[i];
     *moved += largest(p.n, p.x);
-    evaluate_closure(motion, &p, q);
+    open = evaluate_closure(motion, &p, q);
     count = take_equations(motion, &p);
     const lamc_real before = gap;
     gap = largest(p.m, p.extra);
     if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
   }
-  const lamc_real lost = LOST * model->size;
-  if (!(gap <= (lost > model->tolerance ? lost : model->tolerance))) return LAMC_CLOSURE_LOST;
+  const lamc_real tolerance = model->tolerance / model->size;
+  if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
   /* Rates: x = L^T u, without its parts along the equations */
   for (int i = 0; i < p.n; i++) {
     lamc_real sum = u[i] / p.l[(ptrdiff_t)i * p.n + i];
@@ -378,25 +428,4 @@ lamc_status lamc_loops_judge(const void *context) {
   p.state[1] = is_singular ? p.state[1] + 1 : 0;
   if (is_singular) p.state[3] += 1;
   return p.state[1] > LONG_SINGULAR ? LAMC_RANK_LOST : LAMC_OK;
-}
-
-lamc_status lamc_loops_allow(const void *context, lamc_real t_old, const lamc_real *y_old, lamc_real t,
-                             const lamc_real *y) {
-  const lamc_motion *motion = (const lamc_motion *)context;
-  const lamc_model *model = motion->model;
-  const lamc_real half = LAMC_R(3.141592653589793);
-  const int c = model->cut_count, nq = model->coordinate_count;
-  lamc_real *before = parts_of(motion).cuts, *after = before + (ptrdiff_t)2 * c;
-  lamc_status status = LAMC_OK;
-  model->cuts(motion->constants, y_old, y_old + nq, before);
-  model->cuts(motion->constants, y, y + nq, after);
-  for (int i = 0; i < c; i++) {
-    if (!model->cut_watched[i]) continue;
-    /* what the rates say tells a jump from a long step */
-    const lamc_real turn = LAMC_R(0.5) * (t - t_old) * (before[c + i] + after[c + i]);
-    if (fabs(turn - (after[i] - before[i])) < half) continue;
-    if (half - fabs(before[i]) < AT_THE_JUMP) return LAMC_ANGLE_WRAPPED;
-    status = LAMC_PAUSED;
-  }
-  return status;
 }

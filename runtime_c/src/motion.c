@@ -66,7 +66,6 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
     ode.judge = lamc_loops_judge;
     ode.doubts = lamc_loops_doubts;
   }
-  if (model->cut_watched != NULL) ode.allow = lamc_loops_allow;
   if (model->rates == NULL) {
     ode.jacobian = lamc_linearise;
   } else {
@@ -186,13 +185,3 @@ lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, con
   return LAMC_OK;
 }
 
-lamc_status lamc_motion_cuts(const lamc_motion *motion, long long count, const lamc_real *y,
-                             lamc_real *cuts) {
-  if (!is_usable(motion, count, y, cuts)) return LAMC_BAD_ARGUMENT;
-  const lamc_model *model = motion->model;
-  for (long long row = 0; row < count && model->cut_count > 0; row++) {
-    const lamc_real *q = y + state_size(model) * row;
-    model->cuts(motion->constants, q, q + model->coordinate_count, cuts + 2 * model->cut_count * row);
-  }
-  return LAMC_OK;
-}

@@ -170,7 +170,7 @@ class Loads(BodyPoints):
         if name in self._index:
             index = self._index[name]
             self.hinge_torques[index] = self.hinge_torques[index] + value
-            self._account.rotation_power(index, value)
+            self._account.add_torque(index, value)
             return
         closing = self._cuts[name]
         if closing.gradient is not None:
@@ -182,13 +182,13 @@ class Loads(BodyPoints):
             if side.link != WORLD:
                 axis = closure.constants(self._store, side.axes[:, 2])
                 moment = scale(sign * value, self.kinematics.in_carrier(side.link, axis))
-                self._record_power(side.link, ZERO, moment)
+                self._add_at_origin(side.link, ZERO, moment)
 
     def generalised_force(self, coordinate: int, force: Scalar) -> None:
         """Adds a force that does work on a coordinate, by its place in q: N·m per rad, N per m."""
         if isinstance(force, Value) or force != 0:
             self.generalised[coordinate] = self.generalised.get(coordinate, 0) + force
-            self._account.generalise(coordinate, force)
+            self._account.add_generalised(coordinate, force)
 
     def uniform_field(self, acceleration: Sequence["Scalar | sp.Expr"]) -> None:
         """Adds an acceleration, m/s², that acts on all mass alike; its potential energy is booked too."""
@@ -277,7 +277,7 @@ class Loads(BodyPoints):
                 if drawn is not None:
                     x, y, z = (float(v) for v in drawn)
                     moment = add(moment, cross(base.arm((x, y, z)), force))
-                self._record_power(WORLD, force, moment)
+                self._add_at_origin(WORLD, force, moment)
             return
         carrier = self.placement.carrier(index)
         force, moment = rotate_back(carrier, force), rotate_back(carrier, moment)
@@ -287,13 +287,13 @@ class Loads(BodyPoints):
             force, moment = self.kinematics.wrench_at_origin(index, force, moment, local, bending)
             for coordinate, value in bending.items():
                 self.generalised_force(coordinate, value)
-        self._record_power(index, force, moment)
+        self._add_at_origin(index, force, moment)
 
-    def _record_power(self, index: int, force: Vector3, moment: Vector3) -> None:
+    def _add_at_origin(self, index: int, force: Vector3, moment: Vector3) -> None:
         """A wrench about the link's origin, carrier components."""
         before = self.wrenches.get(index, (ZERO, ZERO))
         self.wrenches[index] = (add(before[0], force), add(before[1], moment))
-        self._account.record_power(index, force, moment)
+        self._account.add_wrench(index, force, moment)
 
     @property
     def _account(self) -> Account:

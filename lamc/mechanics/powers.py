@@ -38,13 +38,13 @@ class Account:
     generalised: dict[int, Scalar] = field(default_factory=dict)
     wrenches: dict[int, tuple[Vector3, Vector3]] = field(default_factory=dict)
 
-    def rotation_power(self, index: int, torque: Scalar) -> None:
+    def add_torque(self, index: int, torque: Scalar) -> None:
         self.torques[index] = self.torques.get(index, 0) + torque
 
-    def generalise(self, coordinate: int, force: Scalar) -> None:
+    def add_generalised(self, coordinate: int, force: Scalar) -> None:
         self.generalised[coordinate] = self.generalised.get(coordinate, 0) + force
 
-    def record_power(self, index: int, force: Vector3, moment: Vector3) -> None:
+    def add_wrench(self, index: int, force: Vector3, moment: Vector3) -> None:
         before = self.wrenches.get(index, (ZERO, ZERO))
         self.wrenches[index] = (add(before[0], force), add(before[1], moment))
 

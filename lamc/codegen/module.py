@@ -28,7 +28,11 @@ class Module:
 
 
 def load_module(folder: Path) -> Module:
-    """Opens an entry of the cache that was found intact. Raises BuildError if the library does not load."""
+    """Opens an entry of the cache that was found intact. Raises BuildError if the library does not load.
+
+    The binding is cffi's own text of the declarations; names of a design are in it as identifiers only. It is executed
+    here, and not imported, since Python would write beside it, and an entry that changed is none.
+    """
     try:
         path = folder / BINDING
         names: dict[str, Any] = {"__name__": f"_lamc_binding_{folder.name}"}

@@ -31,7 +31,7 @@ class SineCosine:
 
 
 def sine_cosine_pairs(entries: Sequence[tuple[Shape, tuple[_Operand, ...]]]) -> dict[int, SineCosine]:
-    """By position: the turn that a statement is half of, where both halves are wanted."""
+    """By position: the pair that a statement is half of, where both halves are wanted."""
     sines = {operands[0]: k for k, (shape, operands) in enumerate(entries) if shape == _SINE}
     cosines = {operands[0]: k for k, (shape, operands) in enumerate(entries) if shape == _COSINE}
     pairs = [SineCosine(k, cosines[angle]) for angle, k in sines.items() if angle in cosines]

@@ -36,11 +36,14 @@ def target(machine: str) -> str | None:
 
 
 def with_target(arguments: tuple[str, ...], machine: str) -> tuple[str, ...]:
-    """Without an explicit target zig compiles for the very processor it runs on, FMA included."""
+    """Without an explicit target zig compiles for the very processor it runs on, FMA included. Without optimisation it
+    adds a sanitizer, whose library a shared object then lacks."""
     if any(word == "-target" or word.startswith("--target") for word in arguments):
-        return arguments
-    known = target(machine)
-    return (*arguments, "-target", known) if known else arguments
+        own: tuple[str, ...] = ()
+    else:
+        known = target(machine)
+        own = ("-target", known) if known else ()
+    return (*arguments, *own, "-fno-sanitize=undefined")
 
 
 def program_files(program: str, arguments: Sequence[str]) -> list[Path]:

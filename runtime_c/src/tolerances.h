@@ -1,7 +1,7 @@
 /* tolerances.h, of lamc: what depends on the round-off of the numbers, once for each precision.
  *
  * In loops, residuals of floats round off at 1e-7 of the size, and equations that fade to half the cube root of that are
- * let go (see take_equations in loops.c). Measured: the N-four-bar keeps its energy to 1e-3 over twenty passages through
+ * let go (see lamc_loop_take in loop_equations.h). Measured: the N-four-bar keeps its energy to 1e-3 over twenty passages through
  * its line at 2e-3, and to 17 % at 7e-4. At 1e-2 and above, where pivots of healthy positions lie too (a Sarrus linkage
  * folded by 0.2 rad, a leg of it at rest), wrong ones are let go and loops come apart; nor may an equation go along that
  * fades to 5e-2 only. */

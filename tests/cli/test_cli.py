@@ -18,6 +18,7 @@ import lamc
 from lamc.cli import main
 from lamc.commands.inputs import folder_name
 from lamc.run.defaults import default_rows
+from tests.support.ctools import needs_cc
 from tests.support.paths import ROOT
 
 VERBS = ("run", "build", "check", "split", "bench", "ledger", "plate", "schema", "doctor")
@@ -388,6 +389,7 @@ def test_folder_names_are_one_plain_path_component(name: str) -> None:
 # --- the other verbs ----------------------------------------------------------------------------------------------
 
 
+@needs_cc
 def test_build_leaves_a_folder_that_compiles_and_runs(tmp_path: Path) -> None:
     pendulum(tmp_path / "p.yaml")
     result = call("build", "p.yaml", "--out", "c", "--equations", "--json")

@@ -62,7 +62,7 @@ def test_nothing_is_allocated_nothing_is_writable_and_only_the_api_is_seen(name:
     declared = set(re.findall(rf"^{name.upper()}_API .*?(\w+)\(", header, re.MULTILINE))
     assert {s for s, kind in kinds.items() if kind == "T"} == declared
     sections = dict(re.findall(r"^\.(data|bss)\s+(\d+)", does(["size", "-A", "it.o"], folder), re.MULTILINE))
-    assert sections == {"data": "0", "bss": "0"}
+    assert set(sections.values()) <= {"0"}  # clang leaves empty ones out
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -16,6 +16,7 @@ from benchmarks.peers import ccx_peer, closed_triple, hand, kane_lambdify
 from lamc import plate
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.reference.sympy_kane import kane
+from tests.support.ctools import needs_cc
 from tests.support.mechanisms import ALL_PASSIVE, random_state, random_tree
 
 
@@ -47,6 +48,7 @@ def test_hand_written_integrator_folds_the_papers_plates_as_published(library: c
     assert np.abs(angles - [0.3479767274690896, 0.1416890662362707, 0.03314863340808915]).max() < 1e-9
 
 
+@needs_cc
 @pytest.mark.parametrize("textbook", [False, True])
 def test_closed_form_of_the_triple_pendulum_agrees_with_newton_euler(tmp_path: Path, textbook: bool) -> None:
     peer = closed_triple.ClosedTriple(tmp_path, textbook=textbook)

@@ -7,12 +7,14 @@ trouble: `growth` (rad/s² per (rad/s)²) drives the rod to infinite speed in fi
 """
 
 import importlib.util
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import cffi
+import pytest
 
 from lamc.codegen.emit import declarations_of
 from tests.support.paths import RUNTIME
@@ -76,6 +78,8 @@ def build(folder: Path, *, hinges: int = 1) -> HandmadeModule:
     headers = ((RUNTIME / "include" / name).read_text(encoding="utf-8") for name in ("lamc_real.h", "lamc.h"))
     source = _SOURCE.replace("@DEFAULTS@", f"{LENGTH!r}, {GRAVITY!r}, {MASS!r}")
     source = source.replace("@JOINTS@", str(hinges)).replace("@ENERGIES@", "2" if hinges else "0")
+    if shutil.which("cc") is None:
+        pytest.skip("cffi, which makes this module, needs cc")
     ffi = cffi.FFI()
     ffi.cdef("".join(map(declarations_of, headers)) + "const lamc_model *lamc_this_model(void);")
     name = f"handmade_{hinges}"

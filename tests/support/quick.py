@@ -9,6 +9,7 @@ cache, the elements of plates and the mesher are compiled once per run and do mo
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 from _pytest.mark.structures import ParameterSet
@@ -36,24 +37,16 @@ def quick_compilation(shared: Path | None = None) -> Iterator[None]:
     the cache `shared`, which most runs are made with."""
 
     def make(
-        compiler: toolchain.Compiler,
-        flags: Sequence[str],
-        units: Sequence[str],
-        library: str,
-        folder: Path,
-        objects: Sequence[Path] = (),
+        compiler: toolchain.Compiler, flags: Sequence[str], units: Sequence[str], *others: Any, **named: Any
     ) -> None:
-        if KEPT.isdisjoint(units):
-            flags = quickly(flags)
-        toolchain.make_library(compiler, flags, units, library, folder, objects)
+        flags = quickly(flags) if KEPT.isdisjoint(units) else flags
+        toolchain.make_library(compiler, flags, units, *others, **named)
 
     def objects(
         compiler: toolchain.Compiler, flags: Sequence[str], units: Sequence[str], folder: Path
     ) -> list[Path]:
-        chosen = (
-            flags if folder.parent == shared else quickly(flags)
-        )  # an entry is made in its cache's folder
-        return toolchain.make_objects(compiler, chosen, units, folder)
+        own = folder.parent == shared  # an entry is made in its cache's folder
+        return toolchain.make_objects(compiler, flags if own else quickly(flags), units, folder)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build, "make_objects", objects)

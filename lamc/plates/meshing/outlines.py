@@ -84,14 +84,15 @@ def checked_regions(polygon: Area, regions: Mapping[str, Area]) -> dict[str, Are
 
 def checked_followed(polygon: Area, follow: Sequence[BaseGeometry]) -> list[BaseGeometry]:
     """Lines and points, one by one."""
-    slack = TOLERANCE * extent_of(polygon)
+    every = [follow] if isinstance(follow, BaseGeometry) else list(follow)
+    around = polygon.buffer(TOLERANCE * extent_of(polygon)) if every else polygon
     parts: list[BaseGeometry] = []
-    for given in [follow] if isinstance(follow, BaseGeometry) else follow:
+    for given in every:
         if not isinstance(given, BaseGeometry) or given.is_empty or given.geom_type not in _FOLLOWED:
             raise DesignError(
                 f"a mesh cannot follow {shown(given)}; give shapely lines and points, and areas as regions"
             )
-        beyond = given.difference(polygon.buffer(slack))
+        beyond = given.difference(around)
         if not beyond.is_empty:
             at = np.array(beyond.representative_point().coords[0])
             raise DesignError(

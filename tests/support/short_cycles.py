@@ -1,0 +1,240 @@
+"""The short cycles of a mechanism: closed ways over hinges from a body back to itself, a basis of least length.
+
+In: a `Tree`. Out: `Cycle`s, as many as it has cuts, in which each closure equation knows its own few hinges and no
+others. In a sheet they are its inner vertices. Never: looks at angles; depends on which hinges are cut, or on the
+order or the names of what is given.
+
+Cycles of a graph are a vector space over {0, 1}. Horton's candidates, by increasing length, hold a basis of least
+total length: an edge and the shortest ways from its ends to a root (J. D. Horton, "A polynomial-time algorithm to
+find the shortest cycle basis of a graph", SIAM J. Comput. 16, 1987, 358).
+"""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from lamc.mechanism.spanning import geometric_key
+from lamc.mechanism.tree import WORLD, Tree
+from lamc.records.mechanism import Array, Joint
+from lamc.records.network import SAME
+
+FIRST_REACH = 3  # hinges from a root: cycles of 6 and most of 7 are among the first candidates
+
+
+class Kind(Enum):
+    """What the lines of a cycle's hinges have in common."""
+
+    SPHERICAL = "spherical"  # they meet in a point: three rotations
+    PLANAR = "planar"  # they are parallel: one rotation, two displacements
+    SPATIAL = "spatial"  # nothing: three rotations, three displacements
+
+    @property
+    def equations(self) -> int:
+        """How many equations close the cycle."""
+        return 6 if self is Kind.SPATIAL else 3
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """One closed way over hinges, as drawn.
+
+    joints  indices (k,) in the order of the way: tree joints as `tree.links`, then the cut ones as `tree.cuts`
+    signs   (k,): +1 where the way goes from the joint's parent to its child, -1 the other way
+    kind    what their lines have in common
+    centre  (3,), m, world: where they meet; on the first line otherwise
+    frame   (3, 3), world from the cycle's frame: columns are its axes. z is normal to all lines where they are
+            coplanar, and along them where they are parallel
+    """
+
+    joints: tuple[int, ...]
+    signs: tuple[int, ...]
+    kind: Kind
+    centre: Array
+    frame: Array
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A joint between two nodes of the graph; fixed bodies are one node, WORLD."""
+
+    parent: int
+    child: int
+
+
+def short_cycles(tree: Tree) -> tuple[Cycle, ...]:
+    """A basis of least length of the cycles of `tree`, in an order that the geometry gives."""
+    joints = [link.joint for link in tree.links] + [cut.joint for cut in tree.cuts]
+    place = {link.body.name: index for index, link in enumerate(tree.links)}
+    edges = [Edge(place.get(j.parent, WORLD), place.get(j.child, WORLD)) for j in joints]
+    keys = [geometric_key(joint, tree.mechanism.size) for joint in joints]
+    rank = {
+        index: position for position, index in enumerate(sorted(range(len(joints)), key=keys.__getitem__))
+    }
+    ways = shortest_basis(edges, [rank[index] for index in range(len(joints))])
+    return tuple(_cycle(way, edges, joints, tree.mechanism.size) for way in ways)
+
+
+def shortest_basis(edges: Sequence[Edge], rank: Sequence[int]) -> list[tuple[int, ...]]:
+    """Cycles as rings of edge indices; ties of length are broken by `rank` of their edges."""
+    nodes = sorted({end for edge in edges for end in (edge.parent, edge.child)})
+    wanted = len(edges) - len(nodes) + _pieces(nodes, edges)
+    at = _incidence(nodes, edges, rank)
+    reach = FIRST_REACH
+    while True:
+        basis = _independent(_candidates(nodes, edges, at, rank, reach), wanted)
+        if len(basis) == wanted:
+            return basis
+        reach *= 2
+
+
+def _independent(candidates: Sequence[tuple[int, ...]], wanted: int) -> list[tuple[int, ...]]:
+    """The first `wanted` of the candidates that are independent over {0, 1}, by elimination on whole numbers."""
+    pivots: dict[int, int] = {}
+    basis: list[tuple[int, ...]] = []
+    for ring in candidates:
+        if len(basis) == wanted:
+            break
+        rest = sum(1 << edge for edge in ring)
+        while rest:
+            lead = rest.bit_length()
+            if lead not in pivots:
+                pivots[lead] = rest
+                basis.append(ring)
+                break
+            rest ^= pivots[lead]
+    return basis
+
+
+def _candidates(
+    nodes: Sequence[int],
+    edges: Sequence[Edge],
+    at: dict[int, list[tuple[int, int]]],
+    rank: Sequence[int],
+    reach: int,
+) -> list[tuple[int, ...]]:
+    """Rings of at most 2 reach + 1 edges that a root and an edge give, the shortest first."""
+    found: dict[frozenset[int], tuple[int, ...]] = {}
+    for root in nodes:
+        for ring in _rings(root, edges, at, reach):
+            found.setdefault(frozenset(ring), ring)
+    return sorted(found.values(), key=lambda ring: (len(ring), sorted(rank[edge] for edge in ring)))
+
+
+def _rings(
+    root: int, edges: Sequence[Edge], at: dict[int, list[tuple[int, int]]], reach: int
+) -> Iterator[tuple[int, ...]]:
+    """Rings of an edge and the ways from its ends to `root`, where these share nothing but the root."""
+    before: dict[int, tuple[int, int]] = {
+        root: (-1, root)
+    }  # node → the edge that reached it, the node before
+    depth = {root: 0}
+    limb = {root: -1}  # the first edge of the way from the root
+    queue = deque([root])
+    while queue:
+        node = queue.popleft()
+        if depth[node] == reach:
+            continue
+        for edge, far in at[node]:
+            if far not in depth:
+                before[far], depth[far] = (edge, node), depth[node] + 1
+                limb[far] = edge if node == root else limb[node]
+                queue.append(far)
+    for index, edge in enumerate(edges):
+        a, b = edge.parent, edge.child
+        if a not in depth or b not in depth or index in (before[a][0], before[b][0]):
+            continue
+        if limb[a] != limb[b] or root in (a, b):
+            yield (*reversed(_way(a, before)), index, *_way(b, before))
+
+
+def _way(node: int, before: dict[int, tuple[int, int]]) -> list[int]:
+    """Edges from a node back to the root."""
+    way = []
+    while before[node][0] >= 0:
+        edge, node = before[node]
+        way.append(edge)
+    return way
+
+
+def _incidence(
+    nodes: Sequence[int], edges: Sequence[Edge], rank: Sequence[int]
+) -> dict[int, list[tuple[int, int]]]:
+    """Node → (edge, node at its other end), in the order of `rank`."""
+    at: dict[int, list[tuple[int, int]]] = {node: [] for node in nodes}
+    for index in sorted(range(len(edges)), key=rank.__getitem__):
+        edge = edges[index]
+        at[edge.parent].append((index, edge.child))
+        at[edge.child].append((index, edge.parent))
+    return at
+
+
+def _pieces(nodes: Sequence[int], edges: Sequence[Edge]) -> int:
+    """How many pieces the graph has."""
+    head = {node: node for node in nodes}
+
+    def top(node: int) -> int:
+        while head[node] != node:
+            head[node] = node = head[head[node]]
+        return node
+
+    for edge in edges:
+        head[top(edge.parent)] = top(edge.child)
+    return sum(top(node) == node for node in nodes)
+
+
+def _cycle(ring: tuple[int, ...], edges: Sequence[Edge], joints: Sequence[Joint], size: float) -> Cycle:
+    signs = _directions(ring, edges)
+    axes = np.array([joints[index].axis for index in ring])
+    points = np.array([joints[index].point for index in ring])
+    kind, centre = _kind(axes, points, size)
+    return Cycle(ring, signs, kind, centre, _frame(kind, axes, points - centre, size))
+
+
+def _directions(ring: tuple[int, ...], edges: Sequence[Edge]) -> tuple[int, ...]:
+    """Whether each edge of a ring is passed from its parent to its child."""
+    if len(ring) == 2:  # two joints between the same bodies: out by the first, back by the second
+        back = -1 if edges[ring[1]].parent == edges[ring[0]].parent else 1
+        return (1, back)
+    first, second = edges[ring[0]], edges[ring[1]]
+    node = first.child if first.child in (second.parent, second.child) else first.parent
+    signs = [1 if node == first.child else -1]
+    for index in ring[1:]:
+        forth = edges[index].parent == node
+        signs.append(1 if forth else -1)
+        node = edges[index].child if forth else edges[index].parent
+    return tuple(signs)
+
+
+def _kind(axes: Array, points: Array, size: float) -> tuple[Kind, Array]:
+    """What lines have in common, and where they meet, m."""
+    if np.abs(np.cross(axes, axes[0])).max() <= SAME:
+        return Kind.PLANAR, points[0]
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
+    centre = np.linalg.lstsq(across.sum(axis=0), np.einsum("jab,jb->a", across, points), rcond=None)[0]
+    apart = np.linalg.norm(np.einsum("jab,jb->ja", across, centre - points), axis=1).max()
+    return (Kind.SPHERICAL, centre) if apart <= SAME * size else (Kind.SPATIAL, points[0])
+
+
+def _frame(kind: Kind, axes: Array, arms: Array, size: float) -> Array:
+    """Axes that leave zeros: z normal to the plane of all lines, if there is one, else along the first line."""
+    first = axes[0]
+    if kind is Kind.PLANAR:
+        z, x = first, _perpendicular(first)
+    else:
+        crossed = np.cross(first, axes)
+        z = crossed[int(np.argmax(np.linalg.norm(crossed, axis=1)))]
+        z, x = z / np.linalg.norm(z), first
+        flat = np.abs(axes @ z).max() <= SAME and np.abs(arms @ z).max() <= SAME * size
+        if not flat:
+            z, x = first, z
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def _perpendicular(z: Array) -> Array:
+    """A unit vector across z."""
+    least = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.cross(z, least)
+    return np.asarray(x / np.linalg.norm(x))

@@ -60,6 +60,20 @@ class _Sizes:
         return taken + (self.m * self.lower if by_mass else 0)
 
     @property
+    def normalise(self) -> int:
+        """Rows of J to length one, and what stands beside them."""
+        return self.m * (3 * self.n + 3)
+
+    @property
+    def factor(self) -> int:
+        """Of M and the weighted J^T J."""
+        return self.n + 1 + self.m * self.n * (self.n + 2) + self.cholesky
+
+    @property
+    def prepare(self) -> int:
+        return self.normalise + self.factor + self.take
+
+    @property
     def take(self) -> int:
         """Where equations fade: by mass, plainly, by mass, plainly, by mass."""
         return 3 * self.decompose(by_mass=True) + 2 * self.decompose(by_mass=False)
@@ -75,9 +89,9 @@ class _Sizes:
     @property
     def settle(self) -> int:
         """Positions in ITERATIONS, then rates."""
-        iteration = self.impose + self.upper + self.nq + 1 + self.take + 1
+        iteration = self.impose + self.upper + self.nq + 1 + self.normalise + self.take + 1
         rates = self.n + sum(2 * k for k in range(self.n)) + self.impose + self.upper + self.n
-        return self.cholesky + self.take + ITERATIONS * (iteration + 1) + 2 + rates
+        return self.prepare + ITERATIONS * (iteration + 3) + 1 + rates
 
     @property
     def bounce(self) -> int:
@@ -86,7 +100,7 @@ class _Sizes:
 
     @property
     def find_lambda(self) -> int:
-        return self.lower + self.n + sum(2 * self.n + 2 * k + 1 for k in range(self.rank))
+        return self.lower + self.n + sum(2 * self.n + 2 * k + 1 for k in range(self.rank)) + 3 * self.m
 
 
 @dataclass(frozen=True)
@@ -133,7 +147,7 @@ def _telling(program: Program) -> _Work:
 
 def _accelerations(program: Program, sizes: _Sizes, count: int) -> _Work:
     if program.cuts:
-        inner = 2 * count * (sizes.cholesky + sizes.take) + count * sizes.solve
+        inner = count * (2 * sizes.prepare + 1 + sizes.solve)
         return _Work(Counter(dynamics=2 * count), inner) + _settling(sizes, count)
     if "acceleration" in program.functions:
         return _Work(Counter(acceleration=count))
@@ -153,7 +167,7 @@ def _meeting(program: Program, sizes: _Sizes) -> _Work:
     mass = next(
         name for name in ("dynamics", "inertia", "system", "acceleration") if name in program.functions
     )
-    inner = count * (sizes.cholesky + (sizes.take if program.cuts else 0) + sizes.bounce + sizes.n)
+    inner = count * ((sizes.prepare if program.cuts else sizes.cholesky) + sizes.bounce + sizes.n)
     return _Work(Counter(guards=2 + count, impacts=count) + Counter({mass: count}), inner)
 
 
@@ -192,6 +206,6 @@ def _jacobian(program: Program, sizes: _Sizes) -> _Work:
         return work
     work = _accelerations(program, sizes, 1) + _Work(Counter(jacobian=1))
     if program.cuts:
-        return work + _Work(Counter(), columns * sizes.solve + sizes.find_lambda)
+        return work + _Work(Counter(), columns * (sizes.m + sizes.solve) + sizes.find_lambda)
     work += _Work(Counter(), columns * (sizes.lower + sizes.upper))
     return work + _Work(Counter(inertia=1), sizes.cholesky) if "inertia" in program.functions else work

@@ -25,7 +25,6 @@ void lamc_loops_begin(const lamc_motion *motion);
 /* LAMC_RANK_LOST where equations have been missing for many steps in a row: lamc_ode.judge of a motion with loops */
 lamc_status lamc_loops_judge(const void *motion);
 
-
 /* How many accelerations were worked out without all equations: lamc_ode.doubts of a motion with loops */
 long long lamc_loops_doubts(const void *motion);
 

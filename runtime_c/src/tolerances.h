@@ -24,7 +24,6 @@ static const lamc_real CLOSED = 2e-6f;
 static const lamc_real EXACT = 5e-7f;
 static const lamc_real OUT_OF_NOTHING = 2e-3f;
 static const lamc_real LOST = 1e-4f;
-static const lamc_real AT_THE_JUMP = 1e-4f;
 #else
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
 #define LAMC_LEAST DBL_MIN       /* the least number that can still be divided by */
@@ -37,7 +36,6 @@ static const lamc_real CLOSED = 1e-13;        /* of the size: round-off of the r
 static const lamc_real EXACT = 1e-15; /* likewise, to the last digit: what a singular place asks for */
 static const lamc_real OUT_OF_NOTHING = 1e-10; /* of accelerations: what being off closure may add to them */
 static const lamc_real LOST = 1e-4;            /* of the size: no drift of a step comes near it */
-static const lamc_real AT_THE_JUMP = 1e-6;     /* rad: how near to +-180 deg a run is taken that passes it */
 #endif
 
 #endif /* LAMC_TOLERANCES_H */

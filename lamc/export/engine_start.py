@@ -1,4 +1,4 @@
-"""The start of a scene for engines: angles and rates of all joints, those that close loops too.
+"""The start of a scene for engines: angles and rates of all joints.
 
 In: a tree and a scene. Out: angles, rad, and rates, rad/s, by joint. Never: compiles or integrates.
 """

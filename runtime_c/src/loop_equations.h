@@ -37,8 +37,11 @@ typedef struct lamc_loop_parts {
   lamc_real *y;     /* (nq + n,): a settled copy of a state */
   lamc_real *
       state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations
-                    with too few, steps with too few, the weight of J^T J */
+                    with too few, steps with too few, the weight of J^T J,
+                    1 where a row of J fades */
   lamc_real *norms; /* (m,): of the rows of J before they were divided by them; 0: a row of none */
+  lamc_real *reach; /* (m,): the largest angle that the row knows, rad */
+  lamc_real *mean;  /* (n + m,): accelerations and multipliers from places around */
   lamc_real *raw;   /* what the model writes: the largest of its functions */
 } lamc_loop_parts;
 
@@ -96,14 +99,43 @@ static int lamc_loop_decompose(const lamc_loop_parts *p, int rank, int metric, l
   return most;
 }
 
+/* The largest angle that row i of J knows, rad: what fades as these angles do keeps its digits, and what fades elsewhere,
+ * such as in a linkage that has turned into a line, does not */
+static lamc_real lamc_loop_reach(const lamc_loop_parts *p, int i, const lamc_real *q) {
+  const lamc_real *row = p->j + (ptrdiff_t)i * p->n;
+  lamc_real largest = 0;
+  for (int c = 0; c < p->n; c++) {
+    if (row[c] != 0 && fabs(q[c]) > largest) largest = fabs(q[c]);
+  }
+  return largest;
+}
+
+/* 1 if row i of J is shorter than `tolerance`, by angles of one rad or more, or as much shorter than smaller ones */
+static int lamc_loop_fades(const lamc_loop_parts *p, int i, lamc_real tolerance) {
+  const lamc_real reach = p->reach[i] < 1 ? p->reach[i] : 1;
+  return p->norms[i] > 0 && p->norms[i] < tolerance * reach;
+}
+
 /* Rows of J of length one, and what is in `extra` with them: an equation that fades in a flat position, with all its
- * digits, is as good as any. A row of nothing stays so. */
-static void lamc_loop_normalise(const lamc_loop_parts *p) {
+ * digits, is as good as any. What is left of a misfit, or of round-off, is not made large; nor is what fades without its
+ * digits, to be let go. */
+static void lamc_loop_normalise(const lamc_motion *motion, const lamc_loop_parts *p, const lamc_real *q) {
+  const lamc_real misfit = OF_MISFIT * motion->model->tolerance / motion->model->size;
+  const lamc_real least = misfit > NO_EQUATION ? misfit : NO_EQUATION;
+  int fades = 0;
+  p->state[5] = 0;
+  for (int i = 0; i < p->m; i++) {
+    const lamc_real *row = p->j + (ptrdiff_t)i * p->n;
+    const lamc_real norm = sqrt(lamc_dot(p->n, row, row));
+    p->norms[i] = norm > least ? norm : 0;
+    p->reach[i] = lamc_loop_reach(p, i, q);
+    fades |= lamc_loop_fades(p, i, PASSING);
+    if (lamc_loop_fades(p, i, FADING)) p->state[5] = 1;
+  }
   for (int i = 0; i < p->m; i++) {
     lamc_real *row = p->j + (ptrdiff_t)i * p->n;
-    const lamc_real norm = sqrt(lamc_dot(p->n, row, row));
-    const lamc_real scale = norm > LAMC_LEAST ? 1 / norm : 0;
-    p->norms[i] = norm;
+    if (fades && lamc_loop_fades(p, i, TOGETHER)) p->norms[i] = 1;
+    const lamc_real scale = 1 / (p->norms[i] > 0 ? p->norms[i] : least);
     for (int c = 0; c < p->n; c++) row[c] *= scale;
     p->extra[i] *= scale;
   }
@@ -116,14 +148,21 @@ static lamc_real lamc_loop_weight(const lamc_loop_parts *p) {
   return sum / (lamc_real)p->n;
 }
 
-/* L of M + weight J^T J, M in raw. Hinges that close loops move no mass of their own; where J udot is given, the sum
- * has the same udot, and is regular. */
+/* What row k of J is weighed by: less where it stands for a misfit */
+static lamc_real lamc_loop_share(const lamc_loop_parts *p, int k) {
+  const lamc_real *row = p->j + (ptrdiff_t)k * p->n;
+  return p->norms[k] > 0 ? 1 : lamc_dot(p->n, row, row);
+}
+
+/* L of M + weight J^T J, M in raw. Hinges that close loops move no mass of their own; where J udot = -goal, and f is
+ * loaded with that goal, the sum has the same udot, and is regular. */
 static void lamc_loop_factor(const lamc_loop_parts *p) {
   const lamc_real weight = lamc_loop_weight(p);
   for (int k = 0; k < p->m; k++) {
     const lamc_real *row = p->j + (ptrdiff_t)k * p->n;
+    const lamc_real share = weight * lamc_loop_share(p, k);
     for (int i = 0; i < p->n; i++) {
-      const lamc_real part = weight * row[i];
+      const lamc_real part = share * row[i];
       if (part == 0) continue;
       lamc_real *entries = p->raw + (ptrdiff_t)i * (i + 1) / 2;
       for (int j = 0; j <= i; j++) entries[j] += part * row[j];
@@ -131,6 +170,16 @@ static void lamc_loop_factor(const lamc_loop_parts *p) {
   }
   p->state[4] = weight;
   lamc_cholesky(p->n, p->raw, p->l);
+}
+
+/* f less weight J^T goal: equations that are let go, or that nothing takes, pull at least as a spring would */
+static void lamc_loop_load(const lamc_loop_parts *p, const lamc_real *goal, lamc_real *f) {
+  for (int k = 0; k < p->m; k++) {
+    const lamc_real *row = p->j + (ptrdiff_t)k * p->n;
+    const lamc_real pull = p->state[4] * lamc_loop_share(p, k) * goal[k];
+    if (pull == 0) continue;
+    for (int i = 0; i < p->n; i++) f[i] -= pull * row[i];
+  }
 }
 
 /* Directions in the mass metric of the equations that hold here. Where an equation fades at a singular position, with
@@ -173,8 +222,8 @@ static lamc_real lamc_loop_last_pivot(const lamc_motion *motion, const lamc_loop
   return count > 0 ? p->r[(ptrdiff_t)(count - 1) * p->m + (count - 1)] / p->r[0] : 1;
 }
 
-/* lambda (m,) by the model's equations from x = L^T udot: R lambda = Q^T (x - L^-1 f) for the taken ones, and what the
- * added J^T J takes of the forces, J udot = -gamma, from all */
+/* lambda (m,) by the model's equations from x = L^T udot: R lambda = Q^T (x - L^-1 f) for the taken ones, zero for the
+ * others; f with what lamc_loop_load added */
 static void lamc_loop_lambda(const lamc_loop_parts *p, int count, const lamc_real *x, lamc_real *lambda) {
   memset(lambda, 0, (size_t)p->m * sizeof *lambda);
   memcpy(p->x, p->f, (size_t)p->n * sizeof *p->x);
@@ -186,8 +235,7 @@ static void lamc_loop_lambda(const lamc_loop_parts *p, int count, const lamc_rea
     lambda[(int)p->order[k]] = rest / p->r[(ptrdiff_t)k * p->m + k];
   }
   for (int i = 0; i < p->m; i++) {
-    lambda[i] += p->state[4] * p->extra[i];
-    lambda[i] = p->norms[i] > LAMC_LEAST ? lambda[i] / p->norms[i] : 0;
+    if (p->norms[i] > 0) lambda[i] /= p->norms[i];
   }
 }
 

@@ -26,7 +26,7 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT + m +
+  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT + 3 * m + n +
          raw_size(n, m);
 }
 
@@ -50,7 +50,9 @@ static lamc_loop_parts parts_of(const lamc_motion *motion) {
   p.y = p.qdot + nq;
   p.state = p.y + nq + n;
   p.norms = p.state + LAMC_LOOPS_KEPT;
-  p.raw = p.norms + m;
+  p.reach = p.norms + m;
+  p.mean = p.reach + m;
+  p.raw = p.mean + n + m;
   return p;
 }
 
@@ -71,7 +73,7 @@ static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_rea
   memcpy(p->f, f, n * sizeof *p->f);
   memcpy(p->j, jacobian, entries * sizeof *p->j);
   memcpy(p->extra, jacobian + entries, (size_t)p->m * sizeof *p->extra);
-  lamc_loop_normalise(p);
+  lamc_loop_normalise(motion, p, q);
   lamc_loop_factor(p);
   return lamc_loop_take(motion, p);
 }
@@ -80,19 +82,34 @@ static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_rea
 static int is_near_singular(const lamc_motion *motion, const lamc_loop_parts *p, int count) {
   if (lamc_loop_last_pivot(motion, p, count) < NEAR_SINGULAR) return 1;
   for (int i = 0; i < p->m; i++) {
-    if (p->norms[i] < NEAR_SINGULAR) return 1;
+    if (p->norms[i] > 0 && p->norms[i] < NEAR_SINGULAR) return 1;
   }
   return 0;
 }
 
-/* How far from closure, of the size, a state may be: what it is off, divided by the square of the last pivot, is an
- * acceleration out of nothing. No more is asked for: beside a light part, such as a mode of a link that bends, pivots
- * are small everywhere, and what moves such a part by its last digit is an acceleration out of nothing as well. */
-static lamc_real close_enough(const lamc_motion *motion, const lamc_loop_parts *p, int count) {
-  const lamc_real pivot = lamc_loop_last_pivot(motion, p, count);
-  const lamc_real enough = OUT_OF_NOTHING * pivot * pivot;
+/* How far from closure the equation of row i may be: what it is off, divided by the square of the last pivot, is an
+ * acceleration out of nothing, and less than its round-off cannot be had. No more is asked for: beside a light part, such
+ * as a mode of a link that bends, pivots are small everywhere, and what moves such a part by its last digit is an
+ * acceleration out of nothing as well. */
+static lamc_real close_enough(const lamc_loop_parts *p, int i, lamc_real pivot) {
+  const lamc_real reach = p->reach[i];
+  const lamc_real exact = EXACT * reach * (reach < 1 ? reach : 1);
+  const lamc_real fading = p->norms[i] < 1 ? p->norms[i] * pivot : pivot;
+  const lamc_real enough = OUT_OF_NOTHING * fading * fading;
   if (enough > CLOSED) return CLOSED;
-  return enough > EXACT ? enough : EXACT;
+  return enough > exact ? enough : exact;
+}
+
+/* How far from closure the state is, in what is close enough; in `extra` phi by the rows of J. At most 1: it is closed */
+static lamc_real openness(const lamc_motion *motion, const lamc_loop_parts *p, int count) {
+  const lamc_real pivot = lamc_loop_last_pivot(motion, p, count);
+  lamc_real most = 0;
+  for (int i = 0; i < p->m; i++) {
+    const lamc_real gap = fabs(p->extra[i]) * p->norms[i]; /* a misfit cannot be closed */
+    const lamc_real open = gap > 0 ? gap / close_enough(p, i, pivot) : 0;
+    if (!(open <= most)) most = open;
+  }
+  return most;
 }
 
 /* Baumgarte's stabilisation: with b the rate, gamma + 2 b J u + b^2 phi in place of gamma */
@@ -102,8 +119,48 @@ static void pull_back(const lamc_motion *motion, const lamc_loop_parts *p, const
   motion->model->closure(motion->constants, q, p->raw);
   for (int i = 0; i < p->m; i++) {
     const lamc_real rate = lamc_dot(p->n, p->j + (ptrdiff_t)i * p->n, u);
-    if (p->norms[i] > LAMC_LEAST) p->extra[i] += 2 * b * rate + b * b * (p->raw[i] / p->norms[i]);
+    if (p->norms[i] > 0) p->extra[i] += 2 * b * rate + b * b * (p->raw[i] / p->norms[i]);
   }
+}
+
+static lamc_real largest(int n, const lamc_real *v);
+
+/* udot and lambda of a state that was prepared */
+static void solve(const lamc_loop_parts *p, int count, lamc_real *udot, lamc_real *lambda) {
+  lamc_loop_load(p, p->extra, p->f);
+  memcpy(udot, p->f, (size_t)p->n * sizeof *udot);
+  lamc_solve_lower(p->n, p->l, udot);
+  lamc_loop_impose(p, count, p->extra, udot);
+  if (lambda != NULL) lamc_loop_lambda(p, count, udot, lambda);
+  lamc_solve_upper(p->n, p->l, udot);
+}
+
+/* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
+ * places on each side along the rates, by the polynomial through them: they are smooth along a branch, and there is no
+ * other way to know them from so near. Returns 0, with nothing done, where it is no passage. */
+static int solve_around(const lamc_motion *motion, const lamc_loop_parts *p, lamc_real t, const lamc_real *q,
+                        const lamc_real *u, lamc_real *udot, lamc_real *lambda) {
+  static const lamc_real WEIGHTS[3] = {LAMC_R(0.75), LAMC_R(-0.3), LAMC_R(0.05)};
+  const lamc_real pace = largest(p->n, u);
+  lamc_real *sum = p->mean, *forces = p->mean + p->n;
+  if (!(pace > LAMC_LEAST)) return 0;
+  memset(sum, 0, (size_t)(p->n + p->m) * sizeof *sum);
+  for (int k = 0; k < 6; k++) {
+    const lamc_real way = (lamc_real)(k / 2 + 1) * (k % 2 == 0 ? AROUND : -AROUND) / pace;
+    lamc_real moved = 0;
+    lamc_motion_rates(motion, q, u, p->qdot);
+    for (int i = 0; i < p->nq; i++) p->y[i] = q[i] + way * p->qdot[i];
+    memcpy(p->y + p->nq, u, (size_t)p->n * sizeof *u);
+    if (lamc_motion_settle(motion, t, p->y, &moved) != LAMC_OK) return 0;
+    const int count = prepare(motion, p, t, p->y, p->y + p->nq);
+    if (count < motion->model->rank) return 0;
+    solve(p, count, udot, lambda);
+    for (int i = 0; i < p->n; i++) sum[i] += WEIGHTS[k / 2] * udot[i];
+    for (int i = 0; i < p->m && lambda != NULL; i++) forces[i] += WEIGHTS[k / 2] * lambda[i];
+  }
+  memcpy(udot, sum, (size_t)p->n * sizeof *udot);
+  if (lambda != NULL) memcpy(lambda, forces, (size_t)p->m * sizeof *lambda);
+  return 1;
 }
 
 int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
@@ -113,6 +170,9 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
   if (motion->baumgarte != 0) {
     pull_back(motion, &p, q, u);
   } else if (is_near_singular(motion, &p, count)) {
+    if ((p.state[5] > 0 || count < motion->model->rank) && solve_around(motion, &p, t, q, u, udot, lambda)) {
+      return motion->model->rank;
+    }
     /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last
      * pivot that is an acceleration out of nothing. On closure it is none. */
     lamc_real moved = 0;
@@ -120,20 +180,19 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
     memcpy(p.y + p.nq, u, (size_t)p.n * sizeof *u);
     if (lamc_motion_settle(motion, t, p.y, &moved) == LAMC_OK) {
       count = prepare(motion, &p, t, p.y, p.y + p.nq);
+    } else {
+      count = prepare(motion, &p, t, q, u);
     }
   }
   if (count < motion->model->rank) p.state[2] += 1;
-  memcpy(udot, p.f, (size_t)p.n * sizeof *udot);
-  lamc_solve_lower(p.n, p.l, udot);
-  lamc_loop_impose(&p, count, p.extra, udot);
-  if (lambda != NULL) lamc_loop_lambda(&p, count, udot, lambda);
-  lamc_solve_upper(p.n, p.l, udot);
+  solve(&p, count, udot, lambda);
   return count;
 }
 
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
   const lamc_loop_parts p = parts_of(motion);
-  for (int i = 0; i < p.m; i++) p.extra[i] = p.norms[i] > LAMC_LEAST ? goal[i] / p.norms[i] : 0;
+  for (int i = 0; i < p.m; i++) p.extra[i] = p.norms[i] > 0 ? goal[i] / p.norms[i] : 0;
+  lamc_loop_load(&p, p.extra, x);
   lamc_solve_lower(p.n, p.l, x);
   lamc_loop_impose(&p, count, p.extra, x);
   lamc_solve_upper(p.n, p.l, x);
@@ -173,7 +232,7 @@ static lamc_real evaluate_closure(const lamc_motion *motion, const lamc_loop_par
   memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
   memcpy(p->j, p->raw + p->m, (size_t)p->m * (size_t)p->n * sizeof *p->j);
   const lamc_real gap = largest(p->m, p->extra);
-  lamc_loop_normalise(p);
+  lamc_loop_normalise(motion, p, q);
   return gap;
 }
 
@@ -187,9 +246,9 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   lamc_real open = evaluate_closure(motion, &p, q);
   evaluate_system(motion, &p, t, q, u);
   int count = lamc_loop_take(motion, &p);
-  lamc_real gap = largest(p.m, p.extra);
+  lamc_real gap = openness(motion, &p, count);
   for (int round = 0; round < MAX_ITERATIONS; round++) {
-    if (gap <= close_enough(motion, &p, count)) break;
+    if (gap <= 1) break;
     memset(p.x, 0, (size_t)p.n * sizeof *p.x);
     lamc_loop_impose(&p, count, p.extra, p.x);
     lamc_solve_upper(p.n, p.l, p.x);
@@ -199,7 +258,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
     open = evaluate_closure(motion, &p, q);
     count = lamc_loop_take(motion, &p);
     const lamc_real before = gap;
-    gap = largest(p.m, p.extra);
+    gap = openness(motion, &p, count);
     if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
   }
   const lamc_real tolerance = model->tolerance / model->size;

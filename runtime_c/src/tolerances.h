@@ -24,6 +24,9 @@ static const lamc_real CLOSED = 2e-6f;
 static const lamc_real EXACT = 5e-7f;
 static const lamc_real OUT_OF_NOTHING = 2e-3f;
 static const lamc_real LOST = 1e-4f;
+static const lamc_real NO_EQUATION = 1e-5f;
+static const lamc_real FADING = 2e-2f;
+static const lamc_real AROUND = 0.1f;
 #else
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
 #define LAMC_LEAST DBL_MIN       /* the least number that can still be divided by */
@@ -36,6 +39,12 @@ static const lamc_real CLOSED = 1e-13;        /* of the size: round-off of the r
 static const lamc_real EXACT = 1e-15; /* likewise, to the last digit: what a singular place asks for */
 static const lamc_real OUT_OF_NOTHING = 1e-10; /* of accelerations: what being off closure may add to them */
 static const lamc_real LOST = 1e-4;            /* of the size: no drift of a step comes near it */
+static const lamc_real FADING = 3e-3; /* of a row of J: below, accelerations are those of places around */
+static const lamc_real AROUND =
+    1e-2; /* rad, between these places: digits go by the square, truncation by the sixth power */
+static const lamc_real NO_EQUATION = 1e-12; /* of a row of J: less is left over from rounding the drawing */
 #endif
+/* Times the gap that is accepted, of the size: shorter rows of J are not made longer, or a misfit becomes an equation */
+static const lamc_real OF_MISFIT = 1000;
 
 #endif /* LAMC_TOLERANCES_H */

@@ -128,7 +128,8 @@ def step_bound(program: Program, options: ExportOptions) -> Bound:
     """What `step_fixed` takes at most.
 
     Near a singular position every evaluation asks in vain at PLACES closed places around it, settles the loops there
-    and evaluates once more; the end of the step settles them again. At its end each guard may bring about one impact, after which all guards are looked at again.
+    and evaluates once more; the end of the step settles them again. At its end each guard may bring about one impact,
+    after which all guards are looked at again.
     """
     sizes = _Sizes(
         n=len(program.rates),

@@ -7,6 +7,7 @@ never more.
 """
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from lamc.export.options import ExportOptions
@@ -32,18 +33,24 @@ def spins(program: Program) -> tuple[int, ...]:
     return tuple(i for i, rate in enumerate(program.rates) if i >= first and rate.unit == "rad/s")
 
 
+def _cholesky(n: int) -> int:
+    return sum(2 * k + 2 for i in range(n) for k in range(i + 1)) + n
+
+
 @dataclass(frozen=True)
 class _Sizes:
-    """Of the linear algebra: rates, coordinates, equations of loops, and how many of them are taken."""
+    """Of the linear algebra: rates, coordinates, equations of loops, how many of them are taken at most, and the rates
+    that have a mass of their own."""
 
     n: int
     nq: int
     m: int
     rank: int
+    massive: tuple[int, ...]
 
     @property
     def cholesky(self) -> int:
-        return sum(2 * k + 2 for i in range(self.n) for k in range(i + 1)) + self.n
+        return _cholesky(self.n)
 
     @property
     def lower(self) -> int:
@@ -53,39 +60,42 @@ class _Sizes:
     def upper(self) -> int:
         return self.n * self.n
 
-    def decompose(self, *, by_mass: bool) -> int:
-        """Gram-Schmidt with pivots: norms of what is left, a root, a test, a division, and parts taken away."""
-        taken = sum(
-            2 * self.n * (self.m - k) + 2 + self.n + 4 * self.n * (self.m - k - 1) for k in range(self.rank)
-        )
-        return taken + (self.m * self.lower if by_mass else 0)
-
     @property
     def normalise(self) -> int:
-        """Rows of J to length one, and what stands beside them."""
-        return 2 + self.m * (3 * self.n + 6)
-
-    @property
-    def factor(self) -> int:
-        """Of M and the weighted J^T J."""
-        return self.n + 1 + self.m * (1 + self.n * (self.n + 4)) + self.cholesky
-
-    @property
-    def prepare(self) -> int:
-        return self.normalise + self.factor + self.take
+        """Rows of J, and what stands beside them, to entries of one."""
+        return 2 + self.m * (self.n + 5)
 
     @property
     def take(self) -> int:
-        """Where equations fade: by mass, plainly, by mass, plainly, by mass."""
-        return 3 * self.decompose(by_mass=True) + 2 * self.decompose(by_mass=False)
+        """J eliminated with complete pivoting, and what the equations leave free, with its mass."""
+        n = self.n
+        order = sum(2 + max(self.m - k - 1, 0) * (1 + 2 * (n - k - 1)) for k in range(self.rank))
+        return order + self.rank + 1 + self._most(self._reduce)
+
+    def _most(self, counted: Callable[[int], int]) -> int:
+        """Of `counted` by the number of equations that are taken: at a singular position it is below the rank."""
+        return max(counted(taken) for taken in range(self.rank + 1))
+
+    def _reduce(self, taken: int) -> int:
+        free = self.n - taken
+        return free * (taken * taken + self.momenta + (free + 1) * self.n) + _cholesky(free)
 
     @property
-    def impose(self) -> int:
-        return sum(2 + 2 * k for k in range(self.rank)) + self.rank * (4 * self.n + 1)
+    def prepare(self) -> int:
+        return self.normalise + self.take
+
+    @property
+    def momenta(self) -> int:
+        return sum(1 + 4 * i for i in self.massive)
+
+    def along(self, taken: int) -> int:
+        """The free part of a force, or rates from it."""
+        free = self.n - taken
+        return free * (2 * self.n + free + 1)
 
     @property
     def solve(self) -> int:
-        return self.m * (2 + 4 * self.n) + self.lower + self.impose + self.upper
+        return self._most(lambda taken: 2 * taken * taken + 2 * self.along(taken)) + self.momenta + self.n
 
     @property
     def around(self) -> int:
@@ -99,18 +109,19 @@ class _Sizes:
     @property
     def settle(self) -> int:
         """Positions in ITERATIONS, then rates."""
-        iteration = self.impose + self.upper + self.nq + 1 + self.normalise + self.take + self.openness + 1
-        rates = self.n + sum(2 * k for k in range(self.n)) + self.impose + self.upper + self.n
+        iteration = self.solve + self.nq + 1 + self.prepare + self.openness + 1
+        rates = self.momenta + 2 * self.along(0) + self.n
         return self.prepare + self.openness + ITERATIONS * iteration + 1 + rates
 
     @property
     def bounce(self) -> int:
-        """An impact: the gradient in the metric, its parts along the loops, the jump."""
-        return self.lower + self.rank * 4 * self.n + 2 * self.n + 2 * self.n + 3 + self.upper + 2 * self.n
+        """An impact: the gradient in the metric, its part that loops leave free, the jump."""
+        metric = 2 * self.along(0) if self.m else self.lower + self.upper
+        return metric + 2 * self.n + 2 * self.n + 3 + 2 * self.n
 
     @property
     def find_lambda(self) -> int:
-        return self.lower + self.n + sum(2 * self.n + 2 * k + 1 for k in range(self.rank)) + self.m
+        return self.momenta + self.rank * (2 * self.rank + 1)
 
 
 @dataclass(frozen=True)
@@ -136,6 +147,7 @@ def step_bound(program: Program, options: ExportOptions) -> Bound:
         nq=len(program.coordinates),
         m=program.closure_count,
         rank=min(program.rank, len(program.rates)),
+        massive=tuple(i for i, rate in enumerate(program.rates) if rate.name not in program.cuts),
     )
     work = _stiff_step(program, sizes) if options.is_stiff else _explicit_step(program, sizes)
     work += _settling(sizes, 1) if program.cuts else _Work(Counter())

@@ -25,8 +25,8 @@ void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
   (void)motion, (void)count, (void)x;
 }
 
-void lamc_loops_rates(const lamc_motion *motion, lamc_real *x) {
-  (void)motion, (void)x;
+void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
+  (void)motion, (void)count, (void)x;
 }
 
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {

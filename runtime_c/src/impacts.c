@@ -92,9 +92,9 @@ static void make_free(const lamc_motion *motion, const impacts *p, int count, la
 }
 
 /* The change of u from x */
-static void to_rates(const lamc_motion *motion, const impacts *p, lamc_real *x) {
+static void to_rates(const lamc_motion *motion, const impacts *p, int count, lamc_real *x) {
   if (motion->model->cut_count > 0) {
-    lamc_loops_rates(motion, x);
+    lamc_loops_rates(motion, count, x);
   } else {
     lamc_solve_upper(p->n, p->l, x);
   }
@@ -215,11 +215,11 @@ void lamc_impacts(const lamc_motion *motion, lamc_real t, lamc_real *y, const la
     if (found == 1) {
       const lamc_real impulse = p.goal[0] / lamc_dot(p.n, p.w, p.w);
       memcpy(p.x, p.w, (size_t)p.n * sizeof *p.x);
-      to_rates(motion, &p, p.x);
+      to_rates(motion, &p, count, p.x);
       for (int i = 0; i < p.n; i++) u[i] -= impulse * p.x[i];
     } else {
       solve_together(&p, found);
-      to_rates(motion, &p, p.x);
+      to_rates(motion, &p, count, p.x);
       for (int i = 0; i < p.n; i++) u[i] -= p.x[i];
     }
   }

@@ -26,8 +26,9 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
-  return n * n + n + m * n + m + m * n + m * m + m + m + n + nq + (nq + n) + LAMC_LOOPS_KEPT + 3 * m + n +
-         raw_size(n, m);
+  const long long state = nq + n, around = n + m;
+  return raw_size(n, m) + n * (n + 1) / 2 + 5 * n + 2 * m * n + 2 * n * n + 5 * m + nq + state +
+         LAMC_LOOPS_KEPT + around;
 }
 
 static lamc_loop_parts parts_of(const lamc_motion *motion) {
@@ -37,44 +38,36 @@ static lamc_loop_parts parts_of(const lamc_motion *motion) {
   p.m = motion->model->closure_count;
   const size_t n = (size_t)p.n, nq = (size_t)p.nq;
   const size_t m = (size_t)p.m;
-  p.l = motion->work;
-  p.f = p.l + n * n;
+  p.beyond = motion->model->joint_count;
+  p.cut = p.beyond - motion->model->cut_count;
+  p.mass = motion->work;
+  p.f = p.mass + n * (n + 1) / 2;
   p.j = p.f + n;
   p.extra = p.j + m * n;
-  p.q = p.extra + m;
-  p.r = p.q + m * n;
-  p.g = p.r + m * m;
-  p.order = p.g + m;
-  p.x = p.order + m;
-  p.qdot = p.x + n;
+  p.a = p.extra + m;
+  p.rows = p.a + m * n;
+  p.columns = p.rows + m;
+  p.free = p.columns + n;
+  p.l = p.free + n * n;
+  p.x = p.l + n * n;
+  p.z = p.x + n;
+  p.goal = p.z + n;
+  p.qdot = p.goal + m;
   p.y = p.qdot + nq;
   p.state = p.y + nq + n;
   p.norms = p.state + LAMC_LOOPS_KEPT;
   p.reach = p.norms + m;
   p.mean = p.reach + m;
-  p.raw = p.mean + n + m;
+  p.step = p.mean + n + m;
+  p.raw = p.step + n;
   return p;
 }
 
-/* L, and f, at a state, after its closure */
-static void evaluate_system(const lamc_motion *motion, const lamc_loop_parts *p, lamc_real t,
-                            const lamc_real *q, const lamc_real *u) {
-  motion->model->system(motion->constants, t, q, u, p->raw);
-  memcpy(p->f, p->raw + (ptrdiff_t)p->n * (p->n + 1) / 2, (size_t)p->n * sizeof *p->f);
-  lamc_loop_factor(p);
-}
-
-/* L, f, J, gamma and the directions at a state; returns how many equations were taken */
+/* M, f, J, gamma and what is free at a state; returns how many equations were taken */
 static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_real t, const lamc_real *q,
                    const lamc_real *u) {
-  const size_t n = (size_t)p->n, entries = (size_t)p->m * n;
-  const lamc_real *f = p->raw + n * (n + 1) / 2, *jacobian = f + n;
-  motion->model->dynamics(motion->constants, t, q, u, p->raw);
-  memcpy(p->f, f, n * sizeof *p->f);
-  memcpy(p->j, jacobian, entries * sizeof *p->j);
-  memcpy(p->extra, jacobian + entries, (size_t)p->m * sizeof *p->extra);
+  motion->model->dynamics(motion->constants, t, q, u, p->mass); /* and f, J, gamma behind it */
   lamc_loop_normalise(motion, p, q);
-  lamc_loop_factor(p);
   return lamc_loop_take(motion, p);
 }
 
@@ -127,12 +120,8 @@ static lamc_real largest(int n, const lamc_real *v);
 
 /* udot and lambda of a state that was prepared */
 static void solve(const lamc_loop_parts *p, int count, lamc_real *udot, lamc_real *lambda) {
-  lamc_loop_load(p, p->extra, p->f);
-  memcpy(udot, p->f, (size_t)p->n * sizeof *udot);
-  lamc_solve_lower(p->n, p->l, udot);
-  lamc_loop_impose(p, count, p->extra, udot);
+  lamc_loop_solve(p, count, p->extra, p->f, udot);
   if (lambda != NULL) lamc_loop_lambda(p, count, udot, lambda);
-  lamc_solve_upper(p->n, p->l, udot);
 }
 
 /* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
@@ -170,7 +159,7 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
   if (motion->baumgarte != 0) {
     pull_back(motion, &p, q, u);
   } else if (is_near_singular(motion, &p, count)) {
-    if ((p.state[5] > 0 || count < motion->model->rank) && solve_around(motion, &p, t, q, u, udot, lambda)) {
+    if ((p.state[4] > 0 || count < motion->model->rank) && solve_around(motion, &p, t, q, u, udot, lambda)) {
       return motion->model->rank;
     }
     /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last
@@ -191,11 +180,9 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
   const lamc_loop_parts p = parts_of(motion);
-  for (int i = 0; i < p.m; i++) p.extra[i] = p.norms[i] > 0 ? goal[i] / p.norms[i] : 0;
-  lamc_loop_load(&p, p.extra, x);
-  lamc_solve_lower(p.n, p.l, x);
-  lamc_loop_impose(&p, count, p.extra, x);
-  lamc_solve_upper(p.n, p.l, x);
+  for (int i = 0; i < p.m; i++) p.goal[i] = p.norms[i] > 0 ? goal[i] / p.norms[i] : 0;
+  memcpy(p.f, x, (size_t)p.n * sizeof *x);
+  lamc_loop_solve(&p, count, p.goal, p.f, x);
 }
 
 int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u) {
@@ -205,17 +192,16 @@ int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q,
 
 void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
   const lamc_loop_parts p = parts_of(motion);
-  lamc_solve_lower(p.n, p.l, x);
-  for (int k = 0; k < count; k++) {
-    const lamc_real *direction = p.q + (ptrdiff_t)k * p.n;
-    const lamc_real along = lamc_dot(p.n, direction, x);
-    for (int i = 0; i < p.n; i++) x[i] -= along * direction[i];
-  }
+  memset(p.x, 0, (size_t)p.n * sizeof *p.x);
+  lamc_loop_along(&p, count, x, p.x);
+  memcpy(x, p.x, (size_t)p.n * sizeof *x);
 }
 
-void lamc_loops_rates(const lamc_motion *motion, lamc_real *x) {
+void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
   const lamc_loop_parts p = parts_of(motion);
-  lamc_solve_upper(p.n, p.l, x);
+  memcpy(p.x, x, (size_t)p.n * sizeof *x);
+  memset(x, 0, (size_t)p.n * sizeof *x);
+  lamc_loop_add(&p, count, p.x, x);
 }
 
 static lamc_real largest(int n, const lamc_real *v) {
@@ -244,17 +230,15 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   *moved = 0;
   if (model->cut_count == 0) return LAMC_OK;
   lamc_real open = evaluate_closure(motion, &p, q);
-  evaluate_system(motion, &p, t, q, u);
+  motion->model->system(motion->constants, t, q, u, p.mass); /* and f */
   int count = lamc_loop_take(motion, &p);
   lamc_real gap = openness(motion, &p, count);
   for (int round = 0; round < MAX_ITERATIONS; round++) {
     if (gap <= 1) break;
-    memset(p.x, 0, (size_t)p.n * sizeof *p.x);
-    lamc_loop_impose(&p, count, p.extra, p.x);
-    lamc_solve_upper(p.n, p.l, p.x);
-    lamc_motion_rates(motion, q, p.x, p.qdot);
+    lamc_loop_solve(&p, count, p.extra, NULL, p.step);
+    lamc_motion_rates(motion, q, p.step, p.qdot);
     for (int i = 0; i < p.nq; i++) q[i] += p.qdot[i];
-    *moved += largest(p.n, p.x);
+    *moved += largest(p.n, p.step);
     open = evaluate_closure(motion, &p, q);
     count = lamc_loop_take(motion, &p);
     const lamc_real before = gap;
@@ -263,19 +247,15 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   }
   const lamc_real tolerance = model->tolerance / model->size;
   if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
-  /* Rates: x = L^T u, without its parts along the equations */
+  /* Rates: the momenta that are free */
+  lamc_loop_momenta(&p, u, p.z);
+  lamc_loop_along(&p, count, p.z, p.x);
+  memset(p.step, 0, (size_t)p.n * sizeof *p.step);
+  lamc_loop_add(&p, count, p.x, p.step);
   for (int i = 0; i < p.n; i++) {
-    lamc_real sum = u[i] / p.l[(ptrdiff_t)i * p.n + i];
-    for (int k = i + 1; k < p.n; k++) sum += p.l[(ptrdiff_t)k * p.n + i] * u[k];
-    p.x[i] = sum;
-  }
-  memset(p.extra, 0, (size_t)p.m * sizeof *p.extra);
-  lamc_loop_impose(&p, count, p.extra, p.x);
-  lamc_solve_upper(p.n, p.l, p.x);
-  for (int i = 0; i < p.n; i++) {
-    const lamc_real change = fabs(p.x[i] - u[i]);
+    const lamc_real change = fabs(p.step[i] - u[i]);
     if (change > *moved) *moved = change;
-    u[i] = p.x[i];
+    u[i] = p.step[i];
   }
   p.state[0] = (lamc_real)count;
   return LAMC_OK;

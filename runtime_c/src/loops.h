@@ -15,7 +15,7 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x);
 
 /* What loops.c counts along a run, for what is evaluated beside the run to leave no trace in it */
-enum { LAMC_LOOPS_KEPT = 6 };
+enum { LAMC_LOOPS_KEPT = 5 };
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept);
 void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept);
 
@@ -30,9 +30,9 @@ long long lamc_loops_doubts(const void *motion);
 
 /* M = L L^T and the equations of the loops at a state; how many count. For the two functions below */
 int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u);
-/* x (nu,) replaced by the part of L^-1 x that the loops leave free */
+/* x (nu,) replaced by what of a force the loops leave free, so that x . x is twice the energy that its impulse gives */
 void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x);
-/* x (nu,) replaced by L^-T x: rates, of such a part */
-void lamc_loops_rates(const lamc_motion *motion, lamc_real *x);
+/* x (nu,) replaced by the rates of such a part */
+void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x);
 
 #endif /* LAMC_LOOPS_H */

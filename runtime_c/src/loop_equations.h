@@ -97,13 +97,13 @@ static int lamc_loop_decompose(const lamc_loop_parts *p, int rank, int metric, l
 }
 
 /* Rows of J of length one, and what is in `extra` with them: an equation that fades in a flat position, with all its
- * digits, is as good as any. A row of nothing stays so. */
+ * digits, is as good as any. A row of nothing, which a geometry makes and round-off fills, becomes noughts. */
 static void lamc_loop_normalise(const lamc_loop_parts *p) {
   for (int i = 0; i < p->m; i++) {
     lamc_real *row = p->j + (ptrdiff_t)i * p->n;
     const lamc_real norm = sqrt(lamc_dot(p->n, row, row));
-    const lamc_real scale = norm > LAMC_LEAST ? 1 / norm : 0;
-    p->norms[i] = norm;
+    const lamc_real scale = norm > 64 * LAMC_EPSILON ? 1 / norm : 0;
+    p->norms[i] = scale > 0 ? norm : 0;
     for (int c = 0; c < p->n; c++) row[c] *= scale;
     p->extra[i] *= scale;
   }

@@ -80,7 +80,7 @@ static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_rea
 static int is_near_singular(const lamc_motion *motion, const lamc_loop_parts *p, int count) {
   if (lamc_loop_last_pivot(motion, p, count) < NEAR_SINGULAR) return 1;
   for (int i = 0; i < p->m; i++) {
-    if (p->norms[i] < NEAR_SINGULAR) return 1;
+    if (p->norms[i] > 0 && p->norms[i] < NEAR_SINGULAR) return 1;
   }
   return 0;
 }

@@ -97,12 +97,14 @@ static int lamc_loop_decompose(const lamc_loop_parts *p, int rank, int metric, l
 }
 
 /* Rows of J of length one, and what is in `extra` with them: an equation that fades in a flat position, with all its
- * digits, is as good as any. A row of nothing, which a geometry makes and round-off fills, becomes noughts. */
-static void lamc_loop_normalise(const lamc_loop_parts *p) {
+ * digits, is as good as any. A row of nothing, which a geometry makes and round-off fills, or a misfit that was accepted,
+ * becomes noughts: an axis that is off by the gap tilts equations by some gaps. */
+static void lamc_loop_normalise(const lamc_motion *motion, const lamc_loop_parts *p) {
+  const lamc_real least = 64 * LAMC_EPSILON + 10 * (motion->model->tolerance / motion->model->size);
   for (int i = 0; i < p->m; i++) {
     lamc_real *row = p->j + (ptrdiff_t)i * p->n;
     const lamc_real norm = sqrt(lamc_dot(p->n, row, row));
-    const lamc_real scale = norm > 64 * LAMC_EPSILON ? 1 / norm : 0;
+    const lamc_real scale = norm > least ? 1 / norm : 0;
     p->norms[i] = scale > 0 ? norm : 0;
     for (int c = 0; c < p->n; c++) row[c] *= scale;
     p->extra[i] *= scale;

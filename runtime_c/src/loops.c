@@ -71,7 +71,7 @@ static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_rea
   memcpy(p->f, f, n * sizeof *p->f);
   memcpy(p->j, jacobian, entries * sizeof *p->j);
   memcpy(p->extra, jacobian + entries, (size_t)p->m * sizeof *p->extra);
-  lamc_loop_normalise(p);
+  lamc_loop_normalise(motion, p);
   lamc_loop_factor(p);
   return lamc_loop_take(motion, p);
 }
@@ -172,7 +172,7 @@ static lamc_real evaluate_closure(const lamc_motion *motion, const lamc_loop_par
   memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
   memcpy(p->j, p->raw + p->m, (size_t)p->m * (size_t)p->n * sizeof *p->j);
   const lamc_real gap = largest(p->m, p->extra);
-  lamc_loop_normalise(p);
+  lamc_loop_normalise(motion, p);
   return gap;
 }
 

@@ -133,8 +133,9 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
   const lamc_loop_parts p = parts_of(motion);
+  for (int i = 0; i < p.m; i++) p.extra[i] = p.norms[i] > LAMC_LEAST ? goal[i] / p.norms[i] : 0;
   lamc_solve_lower(p.n, p.l, x);
-  lamc_loop_impose(&p, count, goal, x);
+  lamc_loop_impose(&p, count, p.extra, x);
   lamc_solve_upper(p.n, p.l, x);
 }
 

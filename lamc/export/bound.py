@@ -14,6 +14,7 @@ from lamc.run.methods import METHODS
 from lamc.symbolic.program import Program
 
 ITERATIONS = 8  # at most, of bringing a state back to closure: MAX_ITERATIONS of loops.c
+PLACES = 6  # around a passage of a singular position: solve_around of loops.c
 RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, int(METHODS["rodas5p"].least_evaluations)
 
 
@@ -60,6 +61,20 @@ class _Sizes:
         return taken + (self.m * self.lower if by_mass else 0)
 
     @property
+    def normalise(self) -> int:
+        """Rows of J to length one, and what stands beside them."""
+        return 2 + self.m * (3 * self.n + 6)
+
+    @property
+    def factor(self) -> int:
+        """Of M and the weighted J^T J."""
+        return self.n + 1 + self.m * (1 + self.n * (self.n + 4)) + self.cholesky
+
+    @property
+    def prepare(self) -> int:
+        return self.normalise + self.factor + self.take
+
+    @property
     def take(self) -> int:
         """Where equations fade: by mass, plainly, by mass, plainly, by mass."""
         return 3 * self.decompose(by_mass=True) + 2 * self.decompose(by_mass=False)
@@ -70,14 +85,23 @@ class _Sizes:
 
     @property
     def solve(self) -> int:
-        return self.lower + self.impose + self.upper
+        return self.m * (2 + 4 * self.n) + self.lower + self.impose + self.upper
+
+    @property
+    def around(self) -> int:
+        """A place beside a passage, and its part of the mean."""
+        return 2 + 2 * self.nq + self.prepare + self.solve + 2 * self.n
+
+    @property
+    def openness(self) -> int:
+        return 1 + 7 * self.m
 
     @property
     def settle(self) -> int:
         """Positions in ITERATIONS, then rates."""
-        iteration = self.impose + self.upper + self.nq + 1 + self.take + 1
+        iteration = self.impose + self.upper + self.nq + 1 + self.normalise + self.take + self.openness + 1
         rates = self.n + sum(2 * k for k in range(self.n)) + self.impose + self.upper + self.n
-        return self.cholesky + self.take + ITERATIONS * (iteration + 1) + 2 + rates
+        return self.prepare + self.openness + ITERATIONS * iteration + 1 + rates
 
     @property
     def bounce(self) -> int:
@@ -86,7 +110,7 @@ class _Sizes:
 
     @property
     def find_lambda(self) -> int:
-        return self.lower + self.n + sum(2 * self.n + 2 * k + 1 for k in range(self.rank))
+        return self.lower + self.n + sum(2 * self.n + 2 * k + 1 for k in range(self.rank)) + self.m
 
 
 @dataclass(frozen=True)
@@ -103,8 +127,9 @@ class _Work:
 def step_bound(program: Program, options: ExportOptions) -> Bound:
     """What `step_fixed` takes at most.
 
-    Near a singular position every evaluation settles the loops first and evaluates twice; the end of the step settles
-    them once more. At its end each guard may bring about one impact, after which all guards are looked at again.
+    Near a singular position every evaluation asks in vain at PLACES closed places around it, settles the loops there
+    and evaluates once more; the end of the step settles them again. At its end each guard may bring about one impact,
+    after which all guards are looked at again.
     """
     sizes = _Sizes(
         n=len(program.rates),
@@ -133,8 +158,9 @@ def _telling(program: Program) -> _Work:
 
 def _accelerations(program: Program, sizes: _Sizes, count: int) -> _Work:
     if program.cuts:
-        inner = 2 * count * (sizes.cholesky + sizes.take) + count * sizes.solve
-        return _Work(Counter(dynamics=2 * count), inner) + _settling(sizes, count)
+        inner = count * (2 * sizes.prepare + 1 + sizes.solve + PLACES * sizes.around)
+        times = Counter(dynamics=count * (2 + PLACES), rates=count * PLACES)
+        return _Work(times, inner) + _settling(sizes, count * (1 + PLACES))
     if "acceleration" in program.functions:
         return _Work(Counter(acceleration=count))
     return _Work(Counter(system=count), count * (sizes.cholesky + sizes.lower + sizes.upper))
@@ -153,7 +179,7 @@ def _meeting(program: Program, sizes: _Sizes) -> _Work:
     mass = next(
         name for name in ("dynamics", "inertia", "system", "acceleration") if name in program.functions
     )
-    inner = count * (sizes.cholesky + (sizes.take if program.cuts else 0) + sizes.bounce + sizes.n)
+    inner = count * ((sizes.prepare if program.cuts else sizes.cholesky) + sizes.bounce + sizes.n)
     return _Work(Counter(guards=2 + count, impacts=count) + Counter({mass: count}), inner)
 
 
@@ -192,6 +218,7 @@ def _jacobian(program: Program, sizes: _Sizes) -> _Work:
         return work
     work = _accelerations(program, sizes, 1) + _Work(Counter(jacobian=1))
     if program.cuts:
-        return work + _Work(Counter(), columns * sizes.solve + sizes.find_lambda)
+        told = (1 + PLACES) * sizes.find_lambda + PLACES * 2 * sizes.m
+        return work + _Work(Counter(), columns * (sizes.m + sizes.solve) + told)
     work += _Work(Counter(), columns * (sizes.lower + sizes.upper))
     return work + _Work(Counter(inertia=1), sizes.cholesky) if "inertia" in program.functions else work

@@ -78,9 +78,7 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
         _binary_path(facts.identifier, options): _binary(facts, sources),
         "documentation/index.html": _page(source, listed, facts, options).encode(),
         "documentation/licenses/fmi.txt": (_folder() / "headers" / "LICENSE.txt").read_bytes(),
-        "documentation/mechanism.png": picture_of(
-            simulator.mechanism, program.joints, program.cuts, program.bodies
-        ),
+        "documentation/mechanism.png": picture_of(simulator.mechanism, program.joints, program.bodies),
     }
     if options.fmi_version == 3:
         files["sources/buildDescription.xml"] = build_description(facts)

@@ -21,7 +21,6 @@ class Dependencies:
 
     slopes: tuple[Slots, ...]  # of dq/dt, (nq,)
     accelerations: tuple[Slots, ...]  # (nu,)
-    cuts: tuple[Slots, ...]  # (2 cuts,): angles, then rates
     gap: Slots  # of the largest gap at a loop
     poses: tuple[Slots, ...]  # (12 bodies,)
     energies: tuple[Slots, ...]
@@ -39,12 +38,10 @@ def dependencies(program: Program) -> Dependencies:
     else:
         everything = _NONE.union(*(slots for name in _SOLVED for slots in found.get(name, ())))
         accelerations = (everything,) * count
-    cuts = found.get("cuts", ())
     return Dependencies(
         slopes=found.get("rates") or tuple(frozenset({(Space.RATE, i)}) for i in range(count)),
         accelerations=accelerations,
-        cuts=cuts,
-        gap=_NONE.union(*found.get("closure", ()), *cuts),
+        gap=_NONE.union(*found.get("closure", ())),
         poses=found["poses"],
         energies=found["energy"],
         guards=_NONE.union(*found.get("guards", ())),

@@ -62,7 +62,6 @@ class _Listing:
         self.add_inputs(inputs)
         self.add_states()
         self.add_derivatives()
-        self.add_cuts()
         self.add_poses()
         self.add_energies()
 
@@ -137,15 +136,6 @@ class _Listing:
                     derivative_of=state,
                 )
                 self._add(variable, slots)
-
-    def add_cuts(self) -> None:
-        """Angles, then rates, of the joints that close loops."""
-        cuts = self.program.cuts
-        for k, (what, unit) in enumerate((("angle", "rad"), ("rate", "rad/s"))):
-            for i, joint in enumerate(cuts):
-                meaning = f"{what} of the joint, which closes a loop"
-                name = self.names.take(f"{_part(joint)}.{what}")
-                self._add(Variable(name, unit, meaning, "output"), self.behind.cuts[k * len(cuts) + i])
 
     def add_poses(self) -> None:
         """Twelve of each moving body, as the C tells them."""

@@ -63,7 +63,7 @@ def package_files(source: CSource, simulator: Simulator, options: ExportOptions)
         .encode()
         for path, name in _TEMPLATES.items()
     }
-    picture = picture_of(simulator.mechanism, program.joints, program.cuts, program.bodies)
+    picture = picture_of(simulator.mechanism, program.joints, program.bodies)
     return {**{name: text.encode() for name, text in texts.items()}, **files, "mechanism.png": picture}
 
 

@@ -30,13 +30,10 @@ _HALO = [withStroke(linewidth=3.2, foreground="white")]  # a body may have the i
 _BOX = {"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.8, "linewidth": 0.0}
 
 
-def picture_of(
-    mechanism: Mechanism, joints: Sequence[str], cuts: Sequence[str], moving: Sequence[str]
-) -> bytes:
+def picture_of(mechanism: Mechanism, joints: Sequence[str], moving: Sequence[str]) -> bytes:
     """A PNG of `mechanism` in the position where all angles are zero.
 
     joints  names in the order of the coordinates
-    cuts    names of the joints that close loops, in the order of their angles
     moving  names of the bodies that move
     """
     stage = Stage(mechanism, as_drawn(mechanism), _LONGEST)
@@ -49,7 +46,6 @@ def picture_of(
     scale_bar(axis, stage, corners[0])
     triad(axis, stage, corners[1])
     labels = {name: f"q[{k}]" for k, name in enumerate(joints)}
-    labels |= {name: f"cut {k}" for k, name in enumerate(cuts)}
     named = len(labels) <= _NAMED
     for joint, segment in zip(mechanism.joints, stage.solid.hinges.segments, strict=True):
         if joint.name in labels:

@@ -15,7 +15,7 @@ class Sizes:
     q: int
     u: int
     y: int  # state, q and u
-    joints: int  # those that close loops too
+    joints: int
     bodies: int
     energies: int
     parameters: int
@@ -41,7 +41,7 @@ def _sizes(model: Model, ode: Any, options: ExportOptions) -> Sizes:
         "q": len(model.coordinates),
         "u": len(model.rates),
         "y": model.state_size,
-        "joints": len(model.joints) + len(model.cuts),
+        "joints": len(model.joints),
         "bodies": len(model.bodies),
         "energies": len(model.energies),
         "parameters": len(model.parameters),

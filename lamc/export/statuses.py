@@ -21,11 +21,6 @@ STATUSES = (
     CStatus("CLOSURE_LOST", -7, "a loop came apart: no position nearby closes it"),
     CStatus("RANK_LOST", -8, "the motion stays at a singular position, where it is not determined"),
     CStatus("EVENTS_PILE_UP", -9, "impacts or switches follow each other ever faster"),
-    CStatus(
-        "ANGLE_WRAPPED",
-        -10,
-        "a joint that closes a loop passes +-180 deg, and forces read its angle, which jumps there",
-    ),
     CStatus("BAD_DIGEST", -20, "a struct of another design, or one that was never initialised"),
     CStatus("IN_PAST", -21, "the time asked for lies before the present one"),
     CStatus("BAD_PARAMETER", -22, "a parameter is not finite or outside its range"),

@@ -135,7 +135,7 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
     program = source.program
     nq, nu, inputs = len(program.coordinates), len(program.rates), len(source.inputs)
     counts = {
-        "joint": len(program.joints) + len(program.cuts),
+        "joint": len(program.joints),
         "coordinate": nq,
         "rate": nu,
         "body": len(program.bodies),
@@ -197,7 +197,6 @@ def _shape(simulator: Simulator, source: CSource) -> dict[str, object]:
         "edges": _segments(solid.edges),
         "sticks": _segments(solid.sticks),
         "hinges": _hinges(solid),
-        "closing": list(source.program.cuts),
     }
 
 

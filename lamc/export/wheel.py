@@ -160,7 +160,7 @@ def _context(source: CSource, options: ExportOptions) -> dict[str, object]:
         "title": comment(program.name).replace("\\", "/").replace('"', "'"),
         "digest": program.digest,
         "example": f"[{first!a}]" if first and re.fullmatch(r"\w+", first, re.ASCII) else "",
-        "joints": ascii((*program.joints, *program.cuts)),
+        "joints": ascii(program.joints),
         "coordinates": ascii(tuple(c.name for c in program.coordinates)),
         "coordinate_units": ascii(tuple(c.unit for c in program.coordinates)),
         "rates": ascii(tuple(r.name for r in program.rates)),

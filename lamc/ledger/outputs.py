@@ -14,8 +14,6 @@ from lamc.run.outputs import outputs_of, shared_ranges
 from lamc.run.request import Array
 from lamc.run.result import Result
 
-_TURN = 2.0 * np.pi
-
 
 @dataclass(frozen=True, eq=False)
 class Scales:
@@ -45,10 +43,10 @@ def scales(result: Result, scene: Scene) -> Scales:
     if scene.outputs is None and not result.joints:
         scene = replace(scene, outputs=tuple(coordinate.name for coordinate in result.coordinates))
     found = outputs_of(result, scene)
-    spans = [float(np.ptp(np.unwrap(f.values) if f.unit == "rad" else f.values)) for f in found]
+    spans = [float(np.ptp(f.values)) for f in found]
     spans = shared_ranges(found, spans, chosen=scene.outputs is not None)
     outputs = tuple(
-        Output(f.name, f.unit, float(f.values.min()), float(f.values.max()), span, f.unit == "rad")
+        Output(f.name, f.unit, float(f.values.min()), float(f.values.max()), span)
         for f, span in zip(found, spans, strict=True)
     )
     named = scene if scene.outputs is not None else replace(scene, outputs=tuple(f.name for f in found))
@@ -60,14 +58,11 @@ def scales(result: Result, scene: Scene) -> Scales:
 
 
 def differences(result: Result, other: Result, scale: Scales) -> Array:
-    """|result - other| of the outputs over their scales, shape (m, k); angles modulo 2π."""
+    """|result - other| of the outputs over their scales, shape (m, k)."""
     columns = []
     pairs = zip(outputs_of(result, scale.scene), outputs_of(other, scale.scene), scale.outputs, strict=True)
     for mine, its, output in pairs:
-        gap = mine.values - its.values
-        if output.is_angle:
-            gap = np.remainder(gap + 0.5 * _TURN, _TURN) - 0.5 * _TURN
-        columns.append(np.abs(gap) / output.scale)
+        columns.append(np.abs(mine.values - its.values) / output.scale)
     return np.stack(columns, axis=1)
 
 

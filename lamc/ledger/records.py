@@ -43,7 +43,6 @@ class Output:
     lowest: float  # over the reference run
     highest: float
     scale: float  # what its errors are relative to, in its unit
-    is_angle: bool  # compared modulo 2π
 
 
 @dataclass(frozen=True)

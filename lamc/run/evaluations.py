@@ -51,7 +51,7 @@ class Evaluations(Unchanging):
 
     @property
     def cut_joints(self) -> tuple[str, ...]:
-        """Names of the joints that close loops; their angles follow from the others."""
+        """Names of the last of `joints`, which close loops."""
         return self._model.cuts
 
     @lazy

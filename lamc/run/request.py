@@ -34,7 +34,6 @@ class Status(IntEnum):
     CLOSURE_LOST = -7
     RANK_LOST = -8  # it stays at a singular position
     EVENTS_PILE_UP = -9  # impacts follow each other ever faster (Zeno)
-    ANGLE_WRAPPED = -10  # a joint that closes a loop passes ±180°, and forces read its angle
     FAILED = -6  # for a reason of its own, told in the message; scipy's integrators only
 
 

@@ -67,7 +67,7 @@ def _parameters(motion: Motion) -> dict[str, float]:
 
 
 def _by_joint(motion: Motion, start: Array) -> tuple[dict[str, float], dict[str, float]]:
-    """Angles, rad, and rates, rad/s, of all joints in the state `start`, those that close loops too."""
+    """Angles, rad, and rates, rad/s, of all joints in the state `start`."""
     model = motion.model
     joints, count, nq = model.joints, len(model.joints), len(model.coordinates)
     angles = dict(zip(joints, start[:count].tolist(), strict=True))

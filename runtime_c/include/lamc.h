@@ -35,8 +35,7 @@ typedef enum lamc_status {
   LAMC_BAD_ARGUMENT = -5,   /* an argument breaks the rule written beside it */
   LAMC_CLOSURE_LOST = -7,   /* a loop came apart: no position nearby closes it */
   LAMC_RANK_LOST = -8,      /* the motion stays at a singular position, where it is not determined */
-  LAMC_EVENTS_PILE_UP = -9, /* impacts or switches follow each other ever faster (Zeno) */
-  LAMC_ANGLE_WRAPPED = -10  /* a joint that closes a loop passes +-180 deg, and forces read its angle */
+  LAMC_EVENTS_PILE_UP = -9  /* impacts or switches follow each other ever faster (Zeno) */
 } lamc_status;
 
 /* One line of English for people; never NULL, also for numbers that are no status. */
@@ -87,9 +86,9 @@ typedef struct lamc_model {
   /* -> M lower triangle by rows (nu (nu + 1) / 2), f (nu,) of M udot = f without the loops */
   void (*system)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                  lamc_real *system);
-  /* -> phi (m,) m, J (m, nu) m per unit of a rate times s: dphi/dt = J u */
+  /* -> phi (m,) rad or parts of the size, J (m, nu): dphi/dt = J u */
   void (*closure)(const lamc_real *constants, const lamc_real *q, lamc_real *closure);
-  /* -> what system gives, then J (m, nu), gamma (m,) m/s^2 of J udot + gamma = 0: all that an acceleration needs */
+  /* -> what system gives, then J (m, nu), gamma (m,) 1/s^2 of J udot + gamma = 0: all that an acceleration needs */
   void (*dynamics)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                    lamc_real *dynamics);
   /* -> energies (energy_count,) J */
@@ -99,7 +98,7 @@ typedef struct lamc_model {
   void (*poses)(const lamc_real *constants, lamc_real t, const lamc_real *q, lamc_real *poses);
   /* With acceleration: -> M lower triangle by rows (nu (nu + 1) / 2). NULL where nothing below needs it. */
   void (*inertia)(const lamc_real *constants, const lamc_real *q, lamc_real *inertia);
-  /* At udot, and lambda (m,) N of M udot = f + J^T lambda, -> (nu + m, nq + nu + 1) derivatives by q, u and t of the residuals
+  /* At udot, and lambda (m,) N m of M udot = f + J^T lambda, -> (nu + m, nq + nu + 1) derivatives by q, u and t of the residuals
    * M udot - f - J^T lambda (nu,) and J udot + gamma (m,); then, if there is rates, (nq, nq + nu) of dq/dt by q and u.
    * NULL: not worked out, differences are taken instead. */
   void (*jacobian)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
@@ -135,7 +134,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
 /* Steps of the run under way, or of the last one, that ended at a singular position, with equations of the loops let go */
 long long lamc_motion_singular_steps(const lamc_motion *motion);
 
-/* Row by row: -> phi (count, m) m and J (count, m, nu), one after the other in each row */
+/* Row by row: -> phi (count, m) rad or parts of the size, and J (count, m, nu), one after the other in each row */
 lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const lamc_real *y,
                                  lamc_real *closures);
 
@@ -172,10 +171,6 @@ typedef struct lamc_ode {
   lamc_status (*settle)(const void *context, lamc_real t, lamc_real *y, lamc_real *moved);
   /* After a step was accepted and its end settled: whether the run can go on. NULL: it always can. */
   lamc_status (*judge)(const void *context);
-  /* Whether a step from one state to another may be taken: LAMC_OK; LAMC_PAUSED: a shorter one is tried; a negative status
-   * ends the run where the step began. NULL: every step may. */
-  lamc_status (*allow)(const void *context, lamc_real t_old, const lamc_real *y_old, lamc_real t,
-                       const lamc_real *y);
   /* How many evaluations of rhs so far are not to be relied on between the ends of a step. NULL: all are. */
   long long (*doubts)(const void *context);
   int coordinate_count; /* y = [q, u], of which q are so many; 0: half of them */

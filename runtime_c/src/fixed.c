@@ -12,8 +12,7 @@ long long lamc_fixed_guards(const lamc_ode *ode) {
 
 long long lamc_fixed_scratch(const lamc_ode *ode) {
   const long long guards = lamc_fixed_guards(ode);
-  return (ode->allow == NULL ? 3LL : 4LL) * ode->n +
-         (guards > 0 ? guards : 1); /* one: also where nothing moves */
+  return 3LL * ode->n + (guards > 0 ? guards : 1); /* one: also where nothing moves */
 }
 
 /* Events of the guards that are positive at the end of the step, together: switches, and impacts that still go on */
@@ -34,20 +33,9 @@ lamc_status lamc_fixed_end(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_
   return status == LAMC_OK && ode->guard_count > 0 ? meet(ode, t, y, guards) : status;
 }
 
-lamc_status lamc_fixed_allow(const lamc_ode *ode, lamc_real t_old, const lamc_real *y_old, lamc_real t,
-                             const lamc_real *y) {
-  if (ode->allow == NULL) return LAMC_OK;
-  return ode->allow(ode->context, t_old, y_old, t, y) == LAMC_OK ? LAMC_OK : LAMC_ANGLE_WRAPPED;
-}
-
 lamc_status lamc_fixed_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_real *y, lamc_real *scratch) {
   const int n = ode->n;
   lamc_real *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
-  lamc_real *before = guards; /* where steps may not be allowed, and guards behind it */
-  if (ode->allow != NULL) {
-    guards += n;
-    memcpy(before, y, (size_t)n * sizeof *y);
-  }
   lamc_real size = 0, slopes = 0;
   ode->rhs(ode->context, t, y, slope);
   for (int i = 0; i < n; i++) {
@@ -69,6 +57,5 @@ lamc_status lamc_fixed_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_
     size += fabs(y[i]);
   }
   if (!is_finite(size)) return LAMC_NOT_FINITE;
-  const lamc_status status = lamc_fixed_end(ode, t + h, y, guards);
-  return status == LAMC_OK ? lamc_fixed_allow(ode, t, before, t + h, y) : status;
+  return lamc_fixed_end(ode, t + h, y, guards);
 }

@@ -10,8 +10,4 @@ long long lamc_fixed_guards(const lamc_ode *ode);
 /* y at the end t of a step, brought back to what must hold; then events, each guard's once */
 lamc_status lamc_fixed_end(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_real *guards);
 
-/* LAMC_ANGLE_WRAPPED where the equation does not allow a step between two states */
-lamc_status lamc_fixed_allow(const lamc_ode *ode, lamc_real t_old, const lamc_real *y_old, lamc_real t,
-                             const lamc_real *y);
-
 #endif /* LAMC_FIXED_H */

@@ -184,4 +184,3 @@ lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, con
   }
   return LAMC_OK;
 }
-

@@ -26,8 +26,6 @@ static const lamc_real SAFETY = 0.9;     /* aim below the tolerance */
 static const lamc_real SHRINK_AT_MOST = 5.0;
 static const lamc_real SHRINK_NOT_FINITE =
     10.0; /* the step is divided by this after NaN, infinity or lost closure */
-static const lamc_real TOO_LONG =
-    1e12; /* error norm, squared, of a step that is not allowed: shrink at most */
 static const lamc_real LOG_LEAST_ERROR =
     -13.287712379549449; /* log2(1e-4): a lucky step is not trusted further */
 
@@ -126,13 +124,9 @@ lamc_status lamc_run_take(lamc_run *run, lamc_real h, int is_last, lamc_real *sq
   }
   if (settled != LAMC_OK) return settled;
   run->was_finite = all_finite(run, slope_here(run));
-  lamc_status status = run->was_finite ? LAMC_OK : LAMC_PAUSED;
-  if (status == LAMC_OK && run->ode.allow != NULL) {
-    status = run->ode.allow(run->ode.context, run->t_old, y_there(run), run->t, y_here(run));
-    if (status == LAMC_PAUSED) *squared = TOO_LONG;
-  }
-  if (status != LAMC_OK) lamc_run_move_back(run);
-  return status;
+  if (run->was_finite) return LAMC_OK;
+  lamc_run_move_back(run);
+  return LAMC_PAUSED;
 }
 
 /* What follows from a step that holds. */

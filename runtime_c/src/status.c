@@ -25,8 +25,6 @@ const char *lamc_status_message(lamc_status status) {
     return "the motion stays at a singular position, where it is not determined";
   case LAMC_EVENTS_PILE_UP:
     return "impacts or switches follow each other ever faster";
-  case LAMC_ANGLE_WRAPPED:
-    return "a joint that closes a loop passes +-180 deg, and forces read its angle, which jumps there";
   }
   return "unknown status";
 }

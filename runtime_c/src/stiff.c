@@ -36,6 +36,5 @@ lamc_status lamc_stiff_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_
   const lamc_real squared = lamc_method_rodas5p.attempt(&run, h);
   memcpy(y, y_there(&run), bytes);
   if (!is_finite(squared)) return LAMC_NOT_FINITE;
-  const lamc_status status = lamc_fixed_end(ode, t + h, y, scratch + size);
-  return status == LAMC_OK ? lamc_fixed_allow(ode, t, y_here(&run), t + h, y) : status;
+  return lamc_fixed_end(ode, t + h, y, scratch + size);
 }

@@ -124,7 +124,7 @@ def test_passages_through_a_singular_position_keep_branch_and_energy(count: int,
     model = pair.single
     it = model.instance()
     start = outputs(model, it).total_energy
-    names = [model.ffi.string(model.call("joint_name", k)).decode() for k in range(pair.count + count)]
+    names = [model.ffi.string(model.call("joint_name", k)).decode() for k in range(pair.count)]
     upright = [names.index(f"g{k}") for k in range(count + 1)]
     passages, above = 0, True
     for _ in range(20_000):
@@ -168,7 +168,7 @@ def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs:
     pair = pairs(name)
     rank = pair.simulator.program.rank
     generator = np.random.default_rng(20)
-    reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG", "ANGLE_WRAPPED")}
+    reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG")}
     compared = 0
     for _ in range(150):
         state = random_state(pair, generator)
@@ -191,11 +191,6 @@ def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs:
             continue
         # A position is off by round-off over the pivot, and the tangent there turns by that over the pivot again; each
         # of sixteen steps adds two roundings of the state.
-        if status == pair.single.status("ANGLE_WRAPPED"):  # the double stays a hair on this side of the jump
-            angles = pair.simulator._model.motion({}).cut_states(np.array([state, *rows]))
-            nearest = np.abs(angles[:, : len(pair.simulator.cut_joints)]).max()
-            assert nearest > np.pi - 32 * EPSILON / least**2 * max(1.0, float(np.abs(rows).max()))
-            continue
         assert status == 0
         assert np.abs(moved - rows).max() <= 32 * EPSILON / least**2 * max(1.0, float(np.abs(rows).max()))
         compared += 1

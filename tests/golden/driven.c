@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 616ae186eef735af44584d26fc4b46c06d7abde8a8f031d5a2ceac553d9db1c9
+ * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -108,10 +108,6 @@ static const char *const joint_names[] = {
     "hinge",
 };
 
-static const char *const cut_names[] = {
-    "",
-};
-
 static const char *const body_names[] = {
     "flap",
 };
@@ -156,7 +152,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "616ae186eef735af44584d26fc4b46c06d7abde8a8f031d5a2ceac553d9db1c9",
+      "86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825",
       0.5,
       1,
       1,
@@ -177,7 +173,6 @@ const lamc_model *driven_model(void) {
       NULL,
       joint_names,
       NULL,
-      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -186,12 +181,10 @@ const lamc_model *driven_model(void) {
       NULL,
       parameter_defaults,
       NULL,
-      NULL,
       1.64,
       setup_from_array,
       NULL,
       driven_acceleration,
-      NULL,
       NULL,
       NULL,
       NULL,

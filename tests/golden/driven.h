@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 616ae186eef735af44584d26fc4b46c06d7abde8a8f031d5a2ceac553d9db1c9
+ * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

@@ -1,7 +1,7 @@
 /* measured: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest f06cada99e8c89f0821c7d460a0d039ebfa1b35f2bd970988267ff03dabc3211
+ * Program digest d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859
  * Accelerations by elimination (operations: elimination 3, mass matrix 3).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -153,10 +153,6 @@ static const char *const joint_names[] = {
     "hinge",
 };
 
-static const char *const cut_names[] = {
-    "",
-};
-
 static const char *const body_names[] = {
     "flap",
 };
@@ -210,7 +206,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *measured_model(void) {
   static const lamc_model model = {
       "measured",
-      "f06cada99e8c89f0821c7d460a0d039ebfa1b35f2bd970988267ff03dabc3211",
+      "d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859",
       0.5,
       1,
       1,
@@ -231,7 +227,6 @@ const lamc_model *measured_model(void) {
       NULL,
       joint_names,
       NULL,
-      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -240,12 +235,10 @@ const lamc_model *measured_model(void) {
       NULL,
       parameter_defaults,
       NULL,
-      NULL,
       0.92,
       setup_from_array,
       NULL,
       measured_acceleration,
-      NULL,
       NULL,
       NULL,
       NULL,

@@ -1,7 +1,7 @@
 /* measured: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest f06cada99e8c89f0821c7d460a0d039ebfa1b35f2bd970988267ff03dabc3211
+ * Program digest d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

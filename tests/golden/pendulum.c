@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 7d10c87741ac282b014d33af9aad860446132d4eb4ad842e40273002f81df3cf
+ * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -362,10 +362,6 @@ static const char *const joint_names[] = {
     "h3",
 };
 
-static const char *const cut_names[] = {
-    "",
-};
-
 static const char *const body_names[] = {
     "link_1",
     "link_2",
@@ -486,7 +482,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "7d10c87741ac282b014d33af9aad860446132d4eb4ad842e40273002f81df3cf",
+      "8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163",
       2.5000040999935202,
       3,
       3,
@@ -507,7 +503,6 @@ const lamc_model *pendulum_model(void) {
       NULL,
       joint_names,
       NULL,
-      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -516,12 +511,10 @@ const lamc_model *pendulum_model(void) {
       NULL,
       parameter_defaults,
       NULL,
-      NULL,
       1.64,
       setup_from_array,
       NULL,
       pendulum_acceleration,
-      NULL,
       NULL,
       NULL,
       NULL,

@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 7d10c87741ac282b014d33af9aad860446132d4eb4ad842e40273002f81df3cf
+ * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 63470d96e9b44e5ad94be6715b93236ba7b6b422ab665ab914da9ad8d8a9a541
+ * Program digest c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea
  * Accelerations by mass matrix (operations: elimination 108, mass matrix 99).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -329,10 +329,6 @@ static const char *const joint_names[] = {
     "elbow",
 };
 
-static const char *const cut_names[] = {
-    "",
-};
-
 static const char *const body_names[] = {
     "upper",
     "lower",
@@ -432,7 +428,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *two_links_in_space_model(void) {
   static const lamc_model model = {
       "two links in space",
-      "63470d96e9b44e5ad94be6715b93236ba7b6b422ab665ab914da9ad8d8a9a541",
+      "c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea",
       1.0307764064044151,
       2,
       2,
@@ -453,7 +449,6 @@ const lamc_model *two_links_in_space_model(void) {
       NULL,
       joint_names,
       NULL,
-      cut_names,
       body_names,
       parameter_names,
       parameter_units,
@@ -462,12 +457,10 @@ const lamc_model *two_links_in_space_model(void) {
       NULL,
       parameter_defaults,
       NULL,
-      NULL,
       1.86,
       setup_from_array,
       NULL,
       two_links_in_space_acceleration,
-      NULL,
       NULL,
       NULL,
       NULL,

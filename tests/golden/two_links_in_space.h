@@ -1,7 +1,7 @@
 /* two links in space: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 63470d96e9b44e5ad94be6715b93236ba7b6b422ab665ab914da9ad8d8a9a541
+ * Program digest c4a52cba48a50e40a6beb024331b25cb678523ae99e2ef90d7d70b21d1d60bea
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.

@@ -44,8 +44,7 @@ enum {
   at_rates = at_coordinates + MODEL(coordinate_count),
   at_slopes = at_rates + MODEL(rate_count), /* dq/dt, where that is not u */
   at_accelerations = at_slopes + (model_has_slopes ? MODEL(coordinate_count) : 0),
-  at_cuts = at_accelerations + MODEL(rate_count), /* angles, then rates */
-  at_poses = at_cuts + 2 * MODEL(cut_count),
+  at_poses = at_accelerations + MODEL(rate_count),
   at_energies = at_poses + 12 * MODEL(body_count),
   at_total = at_energies + MODEL(energy_count),
   at_gap = at_total + 1,

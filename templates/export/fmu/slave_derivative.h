@@ -61,7 +61,7 @@ static MODEL(status) slave_add_differences(slave *self, unsigned known, double s
   if (status == MODEL_CODE(OK)) status = slave_try(self, known, second, self->moved[1]);
   if (status != MODEL_CODE(OK)) return status;
   for (int i = at_slopes; i < slave_variable_count; ++i) {
-    const int is_exact = known >= at_coordinates && i >= at_accelerations && i < at_cuts;
+    const int is_exact = known >= at_coordinates && i >= at_accelerations && i < at_poses;
     const double change =
         inwards == 0 ? moved[i] - other[i] : 4.0 * (moved[i] - here[i]) - (other[i] - here[i]);
     if (!is_exact) sums[i] += seed * (change / span);

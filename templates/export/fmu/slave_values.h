@@ -70,12 +70,7 @@ static slave_status slave_set(slave *self, const unsigned *references, size_t co
 
 /* All variables of a model as it stands. */
 static MODEL(status) slave_evaluate(const MODEL(t) * model, const double *given, double *values) {
-  enum {
-    nq = MODEL(coordinate_count),
-    nu = MODEL(rate_count),
-    joints = MODEL(joint_count),
-    cuts = MODEL(cut_count)
-  };
+  enum { nq = MODEL(coordinate_count), nu = MODEL(rate_count) };
   double y[SLAVE_ROOM(nq + nu)], slope[SLAVE_ROOM(nq + nu)];
   MODEL(outputs) outputs;
   values[at_time] = model->t;
@@ -87,14 +82,10 @@ static MODEL(status) slave_evaluate(const MODEL(t) * model, const double *given,
   if (status != MODEL_CODE(OK)) return status;
   for (int i = 0; i < at_accelerations - at_slopes; ++i) values[at_slopes + i] = slope[i];
   for (int i = 0; i < nu; ++i) values[at_accelerations + i] = slope[nq + i];
-  for (int i = 0; i < cuts; ++i) {
-    values[at_cuts + i] = outputs.angle[joints + i];
-    values[at_cuts + cuts + i] = outputs.rate[joints + i];
-  }
   for (int i = 0; i < at_energies - at_poses; ++i) values[at_poses + i] = outputs.pose[i / 12][i % 12];
   for (int i = 0; i < at_total - at_energies; ++i) values[at_energies + i] = outputs.energy[i];
   values[at_total] = outputs.total_energy;
-  if (cuts > 0) values[slave_variable_count - 1] = outputs.closure;
+  if (MODEL(cut_count) > 0) values[slave_variable_count - 1] = outputs.closure;
   return MODEL_CODE(OK);
 }
 

@@ -1,13 +1,12 @@
 const LONGEST_FRAME = 0.05; // s: after a pause of the browser's the motion goes on, it does not jump
 
 /** Rows with a name each and cells to be written into; text only, whatever the design's names are */
-function rows(body, names, cells, note) {
+function rows(body, names, cells) {
   return names.map((name) => {
     const row = body.insertRow();
     const head = document.createElement("th");
     head.scope = "row";
     head.textContent = name;
-    if (note) head.append(Object.assign(document.createElement("small"), { textContent: note }));
     row.append(head);
     return Array.from({ length: cells }, () => row.insertCell());
   });
@@ -77,10 +76,8 @@ async function main() {
   // The rates of a base that floats are no derivatives of its coordinates: they have rows of their own.
   const isPaired = (i) => i < model.rates.length && model.rates[i].name === model.coordinates[i]?.name;
   const alone = model.rates.map((_, i) => i).filter((i) => !isPaired(i));
-  const following = model.joints.map((_, i) => i).filter((i) => SHAPE.closing.includes(model.joints[i].name));
   const angles = rows(byId("angles"), model.coordinates.map((c) => c.name), 2);
   const others = rows(byId("angles"), alone.map((i) => model.rates[i].name), 2);
-  const cuts = rows(byId("angles"), following.map((i) => model.joints[i].name), 2, "closes a loop: follows from the others");
   const energies = rows(byId("energies"), [...model.energies.map((e) => e.name), "total"], 1);
   let largest = 0; // J, of all energies since the start
 
@@ -92,10 +89,6 @@ async function main() {
       if (isPaired(i)) rate.textContent = shown(u[i], model.rates[i].unit);
     });
     alone.forEach((i, row) => (others[row][1].textContent = shown(u[i], model.rates[i].unit)));
-    following.forEach((i, row) => {
-      cuts[row][0].textContent = shown(outputs.angle[i], "rad");
-      cuts[row][1].textContent = shown(outputs.rate[i], "rad/s");
-    });
     const joules = [...outputs.energy, outputs.totalEnergy];
     largest = joules.reduce((most, value) => Math.max(most, Math.abs(value)), largest);
     prefixed(joules, "J", largest).forEach((text, i) => (energies[i][0].textContent = text));

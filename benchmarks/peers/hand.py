@@ -80,9 +80,9 @@ class HandRecursion:
     ) -> None:
         links = walk(mechanism, joints)
         loads = numeric_loads(mechanism, effects, joints)
-        if len(links) > MAX_BODIES or loads.torques or loads.at_points:
+        if not len(links) == len(joints) <= MAX_BODIES or loads.torques or loads.at_points:
             raise ValueError(
-                "the hand recursion takes 128 bodies at most, constant torques only and no forces at points"
+                "the hand recursion takes 128 bodies at most, no loops, constant torques only and no forces at points"
             )
         common = links[0].joint.axis
         parallel = all(np.linalg.norm(np.cross(common, link.joint.axis)) < 1e-12 for link in links)

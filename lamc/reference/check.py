@@ -14,7 +14,7 @@ from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.check_general import check_general
-from lamc.reference.check_loops import closures, cut_hinges, unchecked_rotations
+from lamc.reference.check_loops import closures, kept_closed
 from lamc.reference.check_motion import Budget, Progress, motions
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.closing import WELL_CONDITIONED, State, random_states
@@ -125,8 +125,7 @@ def check(
     if program.cuts:
         limits, reasons = (SAME_PROGRAM, INDEPENDENT), (_SAME, _OTHER)
         comparisons += closures(simulator, interpreter, constants, newton, random, limits, reasons)
-        comparisons += cut_hinges(interpreter, constants, newton, result, limits, reasons)
-        comparisons += unchecked_rotations(program.watched)
+        comparisons.append(kept_closed(newton, result))
     others = {name: budget for name, budget in _budgets(program).items() if name in cross_checks}
     if any(guard.mode < 0 for guard in program.guards):
         notes.append("the motion is not compared: the other cross-checks' runs know no impacts")

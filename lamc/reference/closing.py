@@ -37,7 +37,7 @@ def settled(
     """
     q, gap = np.array(q, dtype=np.float64), math.inf
     for _ in range(rounds):
-        closed = cross_check.closure.at(cross_check.still(q))
+        closed = cross_check.closed(q)
         residual, parts = closed.residual(), split(closed.jacobian(), rank)
         before, gap = gap, float(np.abs(residual).max(initial=0.0))
         if gap <= 1e-2 * CLOSED * cross_check.size or (

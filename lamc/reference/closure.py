@@ -1,8 +1,8 @@
-"""Hinges that close loops, as numbers: the motion of the bodies in, gaps, their derivatives and the hinges' angles out.
+"""Hinges that close loops, as numbers: the motion of the bodies and the hinges' angles in, gaps and derivatives out.
 
 A joint that the walk from the world does not use holds two bodies together all the same. Its two sides meet where
-three components of distance and two of direction vanish; here in world axes, by the bodies' own points and spins.
-Nothing is shared with the compiler's closure, which works in the frame of the loop's last common body.
+three components of distance and two of direction vanish, turned by its own coordinate; here in world axes, by the
+bodies' own points and spins. Nothing is shared with the compiler's closure, which knows other cycles and no bodies.
 """
 
 import math
@@ -11,18 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamc.basics.errors import DesignError
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference.kinematics import Array, Link, TreeState, cross, skew
 
-ROWS = 5  # equations of one hinge
+ROWS = 6  # equations of one hinge
 
 
 @dataclass(frozen=True)
 class CutHinge:
-    """A joint outside the tree: `parent` and `child` are places in the walk, -1 for the world; `across` (2, 3) are
-    two directions across the axis, as drawn, so that (first, second, axis) is right-handed."""
+    """A joint outside the tree: `coordinate` its place in q; `parent` and `child` are places in the walk, -1 for the
+    world; `across` (2, 3) are two directions across the axis, as drawn, so that (first, second, axis) is right-handed.
+    """
 
     joint: Joint
+    coordinate: int
     parent: int
     child: int
     across: Array
@@ -31,35 +34,43 @@ class CutHinge:
 @dataclass(frozen=True)
 class _Side:
     """One side of a hinge in the world: its point (3,), m, and directions (3, 3), rows first, second, axis, with
-    their rates and the accelerations that they have without joint accelerations; spin (3,), rad/s."""
+    their rates and the accelerations that they have without joint accelerations; so has spin_rate (3,), rad/s²."""
 
     point: Array
     point_acceleration: Array
     directions: Array
     direction_rates: Array
     direction_accelerations: Array
-    spin: Array
+    spin_rate: Array
 
 
 class Closure:
-    """All hinges of `mechanism` that `links` do not use, c of them. `at` gives their state."""
+    """All hinges of `mechanism` that `links` do not use, c of them. `at` gives their state.
 
-    def __init__(self, mechanism: Mechanism, links: Sequence[Link]) -> None:
-        self.links, self.size = links, mechanism.size
-        used = {link.joint.name for link in links}
+    joints: of the mechanism, all of them, in the order of q. Raises DesignError where one is left out.
+    """
+
+    def __init__(self, mechanism: Mechanism, links: Sequence[Link], joints: Sequence[str]) -> None:
+        self.links, self.size, self.count = links, mechanism.size, len(joints)
+        used, slots = {link.joint.name for link in links}, {name: k for k, name in enumerate(joints)}
         place = {link.body.name: i for i, link in enumerate(links)}
+        left_out = [joint.name for joint in mechanism.joints if joint.name not in slots]
+        if left_out:
+            raise DesignError(
+                f"joint {left_out[0]!r} has no coordinate: name it in `joints`, in the order of q"
+            )
         self.hinges = tuple(
-            CutHinge(j, place.get(j.parent, -1), place.get(j.child, -1), perpendicular(j.axis))
+            CutHinge(j, slots[j.name], place.get(j.parent, -1), place.get(j.child, -1), perpendicular(j.axis))
             for j in mechanism.joints
             if j.name not in used
         )
         self.names = tuple(hinge.joint.name for hinge in self.hinges)
         self.ways = [self._way(i) for i in range(len(links))]
 
-    def at(self, state: TreeState) -> "ClosureState":
-        """The hinges at the motion of the bodies."""
+    def at(self, state: TreeState, q: Array) -> "ClosureState":
+        """The hinges at the motion of the bodies and angles q (n,), rad."""
         sides = [(self._side(h, h.parent, state), self._side(h, h.child, state)) for h in self.hinges]
-        return ClosureState(self, state, sides)
+        return ClosureState(self, state, q[[h.coordinate for h in self.hinges]], sides)
 
     def _way(self, index: int) -> tuple[int, ...]:
         """Places in the walk from `index`, itself first, to the world."""
@@ -85,74 +96,65 @@ class Closure:
             directions=directions,
             direction_rates=directions @ turn.T,
             direction_accelerations=directions @ bend.T,
-            spin=spin,
+            spin_rate=state.spin_rate[place],
         )
 
 
 @dataclass(frozen=True)
 class ClosureState:
-    """The hinges of a `Closure` at one state.
+    """The hinges of a `Closure` at one state, with their coordinates `angles` (c,), rad, which count turns.
 
-    Residuals, five per hinge, m: the distance from the parent's point to the child's, and the mechanism's size times
-    the sines of the child's axis against two directions across the parent's. Columns follow the order of q.
+    Residuals, six per hinge, m: the distance from the parent's point to the child's; the mechanism's size times the
+    sines of the child's axis against two directions across the parent's, and times the angle between the two sides
+    beyond that of the coordinate, but for whole turns. Columns follow the order of q.
     """
 
     closure: Closure
     state: TreeState
+    angles: Array
     sides: Sequence[tuple[_Side, _Side]]  # parent, child
 
     def residual(self) -> Array:
-        """φ, shape (5 c,), m."""
-        rows = np.zeros((len(self.sides), ROWS))
-        for row, (parent, child) in zip(rows, self.sides, strict=True):
+        """φ, shape (6 c,), m."""
+        rows, size = np.zeros((len(self.sides), ROWS)), self.closure.size
+        for row, (parent, child), angle in zip(rows, self.sides, self.angles, strict=True):
             row[:3] = child.point - parent.point
-            row[3:] = self.closure.size * (parent.directions[:2] @ child.directions[2])
+            row[3:5] = size * (parent.directions[:2] @ child.directions[2])
+            cosine, sine = parent.directions[:2] @ child.directions[0]
+            row[5] = size * math.remainder(math.atan2(sine, cosine) - angle, 2.0 * math.pi)
         return rows.reshape(-1)
 
     def jacobian(self) -> Array:
-        """J = dφ/dq, shape (5 c, n), m/rad: each joint on the way from the world turns what comes after it."""
-        state, links = self.state, self.closure.links
-        matrix = np.zeros((len(self.sides), ROWS, len(links)))
+        """J, shape (6 c, n), m/rad, with dφ/dt = J u: each joint on the way from the world turns what comes after it.
+        Of the angle where the hinge is closed, as its bias."""
+        state, links, size = self.state, self.closure.links, self.closure.size
+        matrix = np.zeros((len(self.sides), ROWS, self.closure.count))
         for rows, hinge, (parent, child) in zip(matrix, self.closure.hinges, self.sides, strict=True):
-            turn = self.closure.size * (parent.directions[:2] @ skew(child.directions[2]))  # x × z, by rows
+            turn = size * (parent.directions[:2] @ skew(child.directions[2]))  # x × z, by rows
             for place, side, sign in ((hinge.parent, parent, -1.0), (hinge.child, child, 1.0)):
                 way = list(self.closure.ways[place]) if place >= 0 else []
                 columns = [links[i].coordinate for i in way]
                 axes = state.axis[way]
                 rows[:3, columns] += sign * cross(axes, side.point - state.point[way]).T
-                rows[3:, columns] -= sign * (
+                rows[3:5, columns] -= sign * (
                     turn @ axes.T
                 )  # d(x·z) = axis·(x × z) where x turns, else minus that
-        return matrix.reshape(-1, len(links))
+                rows[5, columns] += sign * size * (axes @ child.directions[2])
+            rows[5, hinge.coordinate] = -size
+        return matrix.reshape(-1, self.closure.count)
 
     def bias(self) -> Array:
-        """γ of J du/dt + γ = d²φ/dt², shape (5 c,), m/s²."""
+        """γ of J du/dt + γ = d²φ/dt², shape (6 c,), m/s². Of the angle: the rest of the two spins is along the axis,
+        which turns with either."""
         rows = np.zeros((len(self.sides), ROWS))
         for row, (parent, child) in zip(rows, self.sides, strict=True):
             row[:3] = child.point_acceleration - parent.point_acceleration
-            row[3:] = parent.direction_accelerations[:2] @ child.directions[2]
-            row[3:] += 2.0 * parent.direction_rates[:2] @ child.direction_rates[2]
-            row[3:] += parent.directions[:2] @ child.direction_accelerations[2]
+            row[3:5] = parent.direction_accelerations[:2] @ child.directions[2]
+            row[3:5] += 2.0 * parent.direction_rates[:2] @ child.direction_rates[2]
+            row[3:5] += parent.directions[:2] @ child.direction_accelerations[2]
+            row[5] = child.directions[2] @ (child.spin_rate - parent.spin_rate)
             row[3:] *= self.closure.size
         return rows.reshape(-1)
-
-    def angles(self) -> Array:
-        """Angles of the hinges, shape (c,), rad, within ±π; child relative to parent."""
-        first = [parent.directions[:2] @ child.directions[0] for parent, child in self.sides]
-        return np.array([math.atan2(sine, cosine) for cosine, sine in first])
-
-    def rates(self) -> Array:
-        """Rates of the hinges, shape (c,), rad/s."""
-        return np.array([c.directions[2] @ c.spin - p.directions[2] @ p.spin for p, c in self.sides])
-
-    def moments(self, torques: Array) -> Array:
-        """Moments on the bodies of the walk, shape (n, 3), N·m, world, of hinge torques (c,), N·m."""
-        moments = np.zeros((len(self.closure.links), 3))
-        for hinge, (parent, child), torque in zip(self.closure.hinges, self.sides, torques, strict=True):
-            for place, side, sign in ((hinge.parent, parent, -1.0), (hinge.child, child, 1.0)):
-                if place >= 0:
-                    moments[place] += sign * torque * side.directions[2]
-        return moments
 
 
 def perpendicular(axis: Array) -> Array:

@@ -87,16 +87,18 @@ class Elastic:
                 u[place] = min(_RATES * most, load / C) if C > 0.0 else _RATES * most
         return q, u
 
-    def largest_acceleration(self, mass: Array, springs: Sequence[Spring], gap: float) -> float:
+    def largest_acceleration(self, mass: Array, free: Array, springs: Sequence[Spring], gap: float) -> float:
         """That one entry of the elastic forces alone would make, by u; 0 without springs.
 
+        free (nu, f): directions of u that loops leave free
         gap  rad and sizes, by which deflections count as larger that follow from positions, not coordinates
         """
         columns = [np.zeros((len(mass), 1))]
         for spring in springs:
             more = gap * np.where(spring.is_rotation, 1.0, self._size) if spring.from_poses else 0.0
             columns.append(spring.partials @ (spring.stiffness * (np.abs(spring.amounts) + more)))
-        return float(np.abs(np.linalg.solve(mass, np.hstack(columns))).max())
+        moved = np.linalg.solve(free.T @ mass @ free, free.T @ np.hstack(columns))
+        return float(np.abs(free @ moved).max(initial=0.0))
 
 
 _TURNS = np.repeat([True, False], 3)  # of FREEDOMS

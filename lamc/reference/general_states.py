@@ -24,20 +24,20 @@ def general_states(
 ) -> list[State]:
     """Joints at random, closed where there are loops; deflections at which elastic forces are as large as weights; with
     any pose and motion of a floating base, at any time. They may be fewer than `count`."""
+    n, (_, q0, u0) = len(cross_check.joints), start
     loose = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in cross_check.held))
     rng = np.random.default_rng(seed)
-    n, (_, q0, u0) = len(cross_check.joints), start
     most_q, most_u = cross_check.typical()
     own = len(u0) - 6 * cross_check.floats
     found: list[State] = []
     # Where stiffness closes a loop, states that close it rigidly are near those that it is in, if there are any.
-    rigid = [
-        NewtonEuler(each, (), cross_check.joints) for each in (mechanism, loose)[: 1 + bool(cross_check.held)]
-    ]
-    tries = (random_states(still, q0[:n], count, t_end, seed) for still in rigid)
+    closed = NewtonEuler(mechanism, (), (*cross_check.joints, *cross_check.held))
+    rigid = [(closed, np.append(q0[:n], cross_check.held_angles(q0)))]
+    rigid += [(NewtonEuler(loose, (), cross_check.joints), q0[:n])] if cross_check.held else []
+    tries = (random_states(still, q, count, t_end, seed) for still, q in rigid)
     for t, angles, rates in next((states for states in tries if states), []):
-        q = np.append(angles, rng.uniform(-1.0, 1.0, own - n) * most_q[n:own])
-        u = np.append(rates, rng.uniform(-1.0, 1.0, own - n) * most_u[n:own])
+        q = np.append(angles[:n], rng.uniform(-1.0, 1.0, own - n) * most_q[n:own])
+        u = np.append(rates[:n], rng.uniform(-1.0, 1.0, own - n) * most_u[n:own])
         pose, motion = rng.normal(size=len(q0) - own), rng.uniform(-3.0, 3.0, len(u0) - own)
         state = _closed(cross_check, t, np.append(q, pose), np.append(u, motion))
         if state is not None:

@@ -17,12 +17,13 @@ from lamc.reference.kinematics import Array
 class Sides:
     """amounts (6,): twist_x, twist_y, angle, rad, and slide_x, slide_y, slide_z, m; their rates; partials (n, 6) of the
     rates; gap: position and direction that a rigid hinge keeps at nought, as a `Curve` of (5,) with directions times
-    the size, m."""
+    the size, m; of the angle of such a hinge the second derivative for unchanging rates, rad/s²."""
 
     amounts: Array
     rates: Array
     partials: Array
     gap: Curve
+    angle_second: float
 
 
 def apart(parent: Curve, child: Curve, axes: Array, point: Array, size: float) -> Sides:
@@ -56,7 +57,9 @@ def apart(parent: Curve, child: Curve, axes: Array, point: Array, size: float) -
             )
         )
     )
-    return Sides(amounts, rates, partials, gap)
+    # Ṙ Ṙᵀ is symmetric; the rest of the turning is about z, which stands still in the parent.
+    turning = rotated.second @ R.T
+    return Sides(amounts, rates, partials, gap, 0.5 * float(turning[1, 0] - turning[0, 1]))
 
 
 def _spin(W: Array) -> list[float]:

@@ -74,15 +74,11 @@ class Interpreter:
         return self._evaluate("rates", 0.0, q, u, constants)
 
     def gaps(self, q: Array, constants: Array) -> tuple[Array, Array]:
-        """Residuals φ (m,), m, of the loops and their Jacobian by rates (m, nu), at coordinates q (nq,)."""
+        """Residuals φ (m,) of the loops, rad or parts of the size, and their Jacobian by rates (m, nu), at coordinates
+        q (nq,)."""
         m, n = self.program.closure_count, len(self.program.rates)
         flat = self._evaluate("closure", 0.0, q, np.zeros(n), constants)
         return flat[:m], flat[m:].reshape(m, n)
-
-    def cut_states(self, q: Array, u: Array, constants: Array) -> tuple[Array, Array]:
-        """Angles, rad, within ±π, and rates, rad/s, of the joints that close loops; both (c,)."""
-        flat = self._evaluate("cuts", 0.0, q, u, constants)
-        return flat[: len(self.program.cuts)], flat[len(self.program.cuts) :]
 
     def energy(self, t: float, q: Array, u: Array, constants: Array) -> Array:
         """Energies, J, shape (len(program.energies),), "kinetic" first."""

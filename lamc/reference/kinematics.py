@@ -1,16 +1,16 @@
 """Where the bodies of a mechanism are and how fast they move: joint angles and rates in, world vectors out.
 
 Plain numpy on the `Mechanism` record, with its own walk from the world outwards and rotations by Rodrigues'
-formula. Trees only. Nothing here is symbolic, and nothing is shared with the compiler's own planning.
+formula. Joints that close loops move nothing here. Nothing is symbolic, nor shared with the compiler's planning.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from lamc.basics.errors import TopologyError, UnsupportedError
+from lamc.basics.errors import TopologyError
 from lamc.records.mechanism import Body, Joint, Mechanism
 
 Array = npt.NDArray[np.float64]
@@ -54,33 +54,36 @@ class TreeState:
     acceleration: Array
 
 
-def walk(mechanism: Mechanism, joints: Sequence[str]) -> tuple[Link, ...]:
-    """Moving bodies from the world outwards, least depth first.
+def walk(mechanism: Mechanism, joints: Sequence[str], first: Iterable[str] = ()) -> tuple[Link, ...]:
+    """Moving bodies from the world outwards, least depth first, along a spanning tree. The others of `joints` close
+    loops, and no body is entered through them.
 
-    Raises TopologyError for a body with no path to the world, UnsupportedError for a loop.
+    joints  order of q
+    first   names of joints that come before others into the tree; else these are taken as the mechanism lists them
+
+    Raises TopologyError for a body with no path to the world.
     """
+    slots, first = {name: k for k, name in enumerate(joints)}, set(first)
+    own = sorted((j for j in mechanism.joints if j.name in slots), key=lambda j: j.name not in first)
     reached = {body.name: -1 for body in mechanism.bodies if body.fixed}
     links: list[Link] = []
-    waiting = [(k, mechanism.joint(name)) for k, name in enumerate(joints)]
+    waiting = _spanning(mechanism, own)
     while waiting:
         known = dict(
             reached
         )  # bodies reached in earlier rounds: one round is one step further from the world
         later = []
-        for k, joint in waiting:
+        for joint in waiting:
             if joint.parent not in known and joint.child not in known:
-                later.append((k, joint))
+                later.append(joint)
                 continue
             outward = joint.parent in known
             inner, outer = (joint.parent, joint.child) if outward else (joint.child, joint.parent)
-            if outer in reached:
-                raise UnsupportedError(
-                    f"joint {joint.name!r} closes a loop; this cross-check takes trees only: leave the joint out"
-                )
             reached[outer] = len(links)
-            links.append(Link(mechanism.body(outer), joint, k, 1.0 if outward else -1.0, known[inner]))
+            sign = 1.0 if outward else -1.0
+            links.append(Link(mechanism.body(outer), joint, slots[joint.name], sign, known[inner]))
         if len(later) == len(waiting):
-            names = ", ".join(repr(joint.name) for _, joint in later)
+            names = ", ".join(repr(joint.name) for joint in later)
             raise TopologyError(f"joints {names} have no path to the world; join or fix one of their bodies")
         waiting = later
     lost = [body.name for body in mechanism.bodies if body.name not in reached]
@@ -89,8 +92,20 @@ def walk(mechanism: Mechanism, joints: Sequence[str]) -> tuple[Link, ...]:
     return tuple(links)
 
 
+def _spanning(mechanism: Mechanism, joints: Sequence[Joint]) -> list[Joint]:
+    """Those that join two parts which none before them joins; fixed bodies are one part."""
+    part = {body.name: -1 if body.fixed else i for i, body in enumerate(mechanism.bodies)}
+    found = []
+    for joint in joints:
+        one, other = part[joint.parent], part[joint.child]
+        if one != other:
+            found.append(joint)
+            part = {body: one if each == other else each for body, each in part.items()}
+    return found
+
+
 def motion(links: Sequence[Link], q: Array, u: Array) -> TreeState:
-    """Positions, velocities and bias accelerations at angles q and rates u, both shape (n,)."""
+    """Positions, velocities and bias accelerations at angles q and rates u of all joints, both shape (n,)."""
     n = len(links)
     rotation = np.zeros((n, 3, 3))
     centre, point, axis, spin, velocity, spin_rate, acceleration = np.zeros((7, n, 3))

@@ -9,6 +9,7 @@ From the effects' `arrange` come numbers: stiffness matrices, axes and freedoms 
 and their shapes at points.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -20,7 +21,7 @@ from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Body, Mechanism
 from lamc.reference.chain_poses import Chain, Placed
 from lamc.reference.closure import perpendicular
-from lamc.reference.constrained import constrained
+from lamc.reference.constrained import constrained, split
 from lamc.reference.curves import Curve, still
 from lamc.reference.elastic import Elastic
 from lamc.reference.hinge_sides import Sides, apart
@@ -35,7 +36,7 @@ ARRANGED = (*MOVING, "flexible_links", "twist_compliance")  # effects that act b
 class Lagrange:
     """Equations of motion as numbers, of all that a scene may arrange. States as the compiler has them.
 
-    joints  of the tree, as the compiler chose it; other joints close loops, rigidly or held by their stiffness
+    joints  all but those that close a loop and are held there by their stiffness, in the order of q
     rates   names of u
     acting  effects among these whose loads are known here; None: all, and another one is refused
 
@@ -54,18 +55,19 @@ class Lagrange:
         effects = tuple(effects)
         found = arrange(plan(mechanism), effects)
         self.joints, self.size = tuple(joints), mechanism.size
-        links = walk(mechanism, joints)
+        yielding = {hinge.joint: hinge for hinge in found.compliant}
+        # What yields does so against the hinge through which the compiler enters it.
+        yields = found.compliant or found.flexible
+        links = walk(mechanism, joints, [link.joint.name for link in found.tree.links if yields])
         fixed = [body for body in mechanism.bodies if body.fixed]
         mover = next((effect for effect in effects if effect.name in MOVING), None)
-        yielding = {hinge.joint: hinge for hinge in found.compliant}
         self._bushings = {bushing.hinge.joint: bushing.hinge for bushing in found.bushings}
         self._bending = {record.body: record for record in found.flexible}
         self._chain = Chain(links, fixed, mover, yielding, self._bending, tuple(rates))
-        closing = [joint for joint in mechanism.joints if joint.name not in self.joints]
-        self._closing = [j for j in closing if j.name not in self._bushings]
-        self._closing += [mechanism.joint(name) for name in self._bushings]
-        self.cuts = tuple(j.name for j in self._closing if j.name not in self._bushings)
+        walked = {link.joint.name for link in links}
+        self.cuts = tuple(name for name in self.joints if name not in walked)
         self.held = tuple(self._bushings)
+        self._closing = [mechanism.joint(name) for name in (*self.cuts, *self.held)]
         moving = [link.body for link in links]
         self.bodies = tuple(body.name for body in (*moving, *(fixed if mover is not None else ())))
         # What moves as prescribed needs no force for itself.
@@ -76,7 +78,7 @@ class Lagrange:
         ]
         self._centres = {body.name: body.com for body in mechanism.bodies}
         others = [effect for effect in (effects if acting is None else acting) if effect.name not in ARRANGED]
-        names = (*self.joints, *(joint.name for joint in self._closing))
+        names = (*self.joints, *self.held)
         self._loads = numeric_loads(mechanism, others, names, self.bodies if mover is not None else None)
         self._slots = [self._chain.index[name] for name in self.joints]
         self._elastic = Elastic(self._chain, self._bushings, self.size)
@@ -86,25 +88,26 @@ class Lagrange:
         return _solved(*self._system(q, u, t))
 
     def _system(self, q: Array, u: Array, t: float) -> tuple[Array, Array, Array, Array]:
-        """M (nu, nu), f (nu,), and J (5 c, nu) and γ (5 c,) of the joints that close loops rigidly."""
+        """M (nu, nu), f (nu,), and J (6 c, nu) and γ (6 c,) of the joints that close loops rigidly."""
         placed, sides = self._state(q, u, t)
         mass, force = self._inertia_forces(placed)
         angles, rates = self._angles(q, u, sides)
         torque = self._loads.hinge_torques(t, angles, rates)
-        n = len(self.joints)
+        n, held = len(self.joints), sides[len(self.cuts) :]
         force[self._slots] += torque[:n]
-        for side, value in zip(sides, torque[n:], strict=True):
+        for side, value in zip(held, torque[n:], strict=True):
             force += value * side.partials[:, 2]
         for push in self._loads.pushes(t, placed):
             force += placed.particle(push.body, push.point).partials @ push.force
             if push.moment is not None:
                 force += _turns(placed.poses[push.body]) @ push.moment
         self._add_fluid(placed, mass, force)
-        for spring in self._elastic.at(q, u, sides[len(self.cuts) :]):
+        for spring in self._elastic.at(q, u, held):
             force -= spring.force()
-        rows = [side.gap for side in sides[: len(self.cuts)]]
-        jacobian = np.concatenate([np.zeros((0, len(force))), *(row.partials.T for row in rows)])
-        return mass, force, jacobian, np.concatenate([np.zeros(0), *(row.second for row in rows)])
+        seconds = [
+            np.append(side.gap.second, self.size * side.angle_second) for side in sides[: len(self.cuts)]
+        ]
+        return mass, force, self._jacobian(sides), np.concatenate([np.zeros(0), *seconds])
 
     def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]:
         """Energy by name, J, in the world's frame: "kinetic" first, then what each effect stores."""
@@ -124,10 +127,27 @@ class Lagrange:
         return values
 
     def gaps(self, q: Array) -> tuple[Array, Array]:
-        """Residuals (5 c,), m, of the joints that close loops rigidly, and their Jacobian (5 c, nu)."""
+        """Residuals (6 c,), m, of the joints that close loops rigidly, and their Jacobian (6 c, nu)."""
         _, sides = self._state(q, np.zeros(len(self._chain.rates)), 0.0)
-        rows = [side.gap for side in sides[: len(self.cuts)]]
-        return np.concatenate([row.value for row in rows]), np.concatenate([row.partials.T for row in rows])
+        found = [np.zeros(0)]
+        for name, side in zip(self.cuts, sides, strict=False):
+            beyond = math.remainder(side.amounts[2] - q[self._chain.index[name]], 2.0 * math.pi)
+            found.append(np.append(side.gap.value, self.size * beyond))
+        return np.concatenate(found), self._jacobian(sides)
+
+    def _jacobian(self, sides: Sequence[Sides]) -> Array:
+        """Five rows of position and direction, then that of the angle beyond the joint's coordinate, m."""
+        rows = [np.zeros((0, len(self._chain.rates)))]
+        for name, side in zip(self.cuts, sides, strict=False):
+            beyond = side.partials[:, 2].copy()
+            beyond[self._chain.index[name]] -= 1.0
+            rows += [side.gap.partials.T, self.size * beyond[None]]
+        return np.concatenate(rows)
+
+    def held_angles(self, q: Array) -> Array:
+        """Angles of the joints that stiffness holds, rad, within ±π."""
+        sides = self._state(q, np.zeros(len(self._chain.rates)), 0.0)[1][len(self.cuts) :]
+        return np.array([side.amounts[2] for side in sides])
 
     def poses(self, q: Array, t: float = 0.0) -> tuple[Array, Array]:
         """Centres of mass as drawn (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
@@ -149,7 +169,8 @@ class Lagrange:
         nothing = np.zeros(len(self._chain.rates))
         placed, sides = self._state(q, nothing, 0.0)
         springs = self._elastic.at(q, nothing, sides[len(self.cuts) :])
-        return self._elastic.largest_acceleration(self._inertia_forces(placed)[0], springs, gap)
+        free = split(self._jacobian(sides)).free
+        return self._elastic.largest_acceleration(self._inertia_forces(placed)[0], free, springs, gap)
 
     def rounded(self, q: Array, u: Array, t: float) -> float:
         """The most that accelerations change where coordinates, rates and forces are other in the last digit, angles by
@@ -177,9 +198,10 @@ class Lagrange:
         return placed, sides
 
     def _angles(self, q: Array, u: Array, sides: Sequence[Sides]) -> tuple[Array, Array]:
-        """Of the tree's joints, then of those that close loops, rad and rad/s."""
+        """Of `joints`, then of those that stiffness holds, rad and rad/s."""
         own = (np.asarray(x, dtype=np.float64)[self._slots] for x in (q, u))
-        more = ([side.amounts[2] for side in sides], [side.rates[2] for side in sides])
+        held = sides[len(self.cuts) :]
+        more = ([side.amounts[2] for side in held], [side.rates[2] for side in held])
         angles, rates = (np.append(a, b) for a, b in zip(own, more, strict=True))
         return angles, rates
 

@@ -38,27 +38,22 @@ class MaximalCoordinates:
     ) -> None:
         self.joints = tuple(j.name for j in mechanism.joints) if joints is None else tuple(joints)
         self.links = walk(mechanism, self.joints)
-        self._closure = Closure(mechanism, self.links)
-        self.cuts = self._closure.names
-        by_coordinate = sorted(enumerate(self.links), key=lambda pair: pair[1].coordinate)
-        self._hinges = [_Hinge(link.joint, i, link.inner, link.sign) for i, link in by_coordinate]
-        self._hinges += [_Hinge(cut.joint, cut.child, cut.parent, 1.0) for cut in self._closure.hinges]
-        self._loads = rigid_loads(mechanism, effects, (*self.joints, *self.cuts))
+        self._size, cuts = mechanism.size, Closure(mechanism, self.links, self.joints).hinges
+        hinges = {
+            link.coordinate: _Hinge(link.joint, i, link.inner, link.sign) for i, link in enumerate(self.links)
+        }
+        hinges |= {cut.coordinate: _Hinge(cut.joint, cut.child, cut.parent, 1.0) for cut in cuts}
+        self._hinges = [hinges[k] for k in range(len(self.joints))]
+        self._loads = rigid_loads(mechanism, effects, self.joints)
 
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, shape (n,), rad/s²; q rad, u rad/s, shape (n,); t s."""
-        return self.all_accelerations(q, u, t)[: len(self.joints)]
-
-    def all_accelerations(self, q: Array, u: Array, t: float = 0.0) -> Array:
-        """Accelerations of `joints`, then of `cuts`, shape (n + c,), rad/s²."""
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
         state = motion(self.links, q, u)
-        closed = self._closure.at(state)
-        angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
-        mass, force = self._bodies(t, state, self._loads.hinge_torques(t, angles, rates))
+        mass, force = self._bodies(t, state, self._loads.hinge_torques(t, q, u))
         jacobian, bias = self._constraints(state)
         # Turns times the size beside displacements, m: equations and unknowns are then of one unit.
-        scale = np.tile([1.0, 1.0, 1.0, *(3 * [1.0 / self._closure.size])], len(self.links))
+        scale = np.tile([1.0, 1.0, 1.0, *(3 * [1.0 / self._size])], len(self.links))
         found = constrained(mass * np.outer(scale, scale), scale * force, scale * jacobian, bias)
         solution = scale * found
         return np.array([self._opening(hinge, state, solution) for hinge in self._hinges])
@@ -102,7 +97,7 @@ class MaximalCoordinates:
         Per hinge three rows, m/s², keep its two points together, and two, rad/s² times the size, keep the relative
         spin along the axis.
         """
-        size = self._closure.size
+        size = self._size
         h, n = len(self._hinges), len(self.links)
         jacobian, bias = np.zeros((5 * h, 6 * n)), np.zeros(5 * h)
         for k, hinge in enumerate(self._hinges):

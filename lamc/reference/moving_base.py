@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lamc.records.mechanism import Joint, Mechanism
-from lamc.reference.closure import Closure, ClosureState
+from lamc.reference.closure import Closure
 from lamc.reference.constrained import constrained
 from lamc.reference.jets import jet
 from lamc.reference.kinematics import Array, Link, TreeState, cross, motion, rodrigues, skew, walk
@@ -59,10 +59,10 @@ class MovingNewtonEuler:
         nowhere = Joint("fixed", "a", "b")
         self._all = (*self.links, *(Link(body, nowhere, -1, 1.0, -1) for body in fixed))
         self.bodies = tuple(link.body.name for link in self._all)
-        self.closure = Closure(mechanism, self.links)
+        self.closure = Closure(mechanism, self.links, self.joints)
         self.cuts = self.closure.names
         others = [effect for effect in effects if effect.name not in MOVING]
-        self._loads = rigid_loads(mechanism, others, (*self.joints, *self.cuts), self.bodies)
+        self._loads = rigid_loads(mechanism, others, self.joints, self.bodies)
         self._mass = np.array([link.body.mass for link in self._all])
         self._drawn = np.array([link.body.inertia for link in self._all]).reshape(-1, 3, 3)
         weights = [body.mass for body in fixed]
@@ -77,14 +77,10 @@ class MovingNewtonEuler:
 
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, (nu,)."""
-        n, base = len(self.links), self._base(q, u, t)
+        n, base = len(self.joints), self._base(q, u, t)
         relative = motion(self.links, q[:n], u[:n])
-        state, closed = self._moved(relative, base), self.closure.at(relative)
-        torque = self._loads.hinge_torques(
-            t, np.append(q[:n], closed.angles()), np.append(u[:n], closed.rates())
-        )
+        state = self._moved(relative, base)
         forces, moments = self._loads.point_wrenches(t, self._all, state)
-        moments += self._cut_moments(closed, torque[n:], base)
         turning, moving = self._jacobians(state, base)
         inertia = state.rotation @ self._drawn @ state.rotation.transpose(0, 2, 1)
         mass = np.einsum("b,bki,bli->kl", self._mass, moving, moving)
@@ -93,32 +89,32 @@ class MovingNewtonEuler:
         forces = forces - self._mass[:, None] * (state.acceleration - self._loads.gravity)
         moments = moments - gyration - np.einsum("bij,bj->bi", inertia, state.spin_rate)
         force = np.einsum("bki,bi->k", moving, forces) + np.einsum("bki,bi->k", turning, moments)
-        force[:n] += torque[:n]
+        force[:n] += self._loads.hinge_torques(t, q[:n], u[:n])
         if not self.cuts:
             return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
+        closed = self.closure.at(relative, q[:n])
         jacobian = np.pad(closed.jacobian(), ((0, 0), (0, len(u) - n)))
         return constrained(mass, force, jacobian, closed.bias())
 
     def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]:
         """Energy by name, J, in the world's frame: "kinetic" first, then what each effect stores."""
-        n = len(self.links)
+        n = len(self.joints)
         relative = motion(self.links, q[:n], u[:n])
         state = self._moved(relative, self._base(q, u, t))
         spin = np.einsum("bji,bj->bi", state.rotation, state.spin)
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin, self._drawn, spin))
-        angles = np.append(q[:n], self.closure.at(relative).angles())
         place = RigidBodyState(self._all, state)
-        return {"kinetic": kinetic, **self._loads.stored(t, angles, self._mass @ state.centre, place)}
+        return {"kinetic": kinetic, **self._loads.stored(t, q[:n], self._mass @ state.centre, place)}
 
     def gaps(self, q: Array) -> Array:
-        """Jacobian of the loops by the joints' rates, (5 c, n), m/rad."""
-        n = len(self.links)
-        return self.closure.at(motion(self.links, q[:n], np.zeros(n))).jacobian()
+        """Jacobian of the loops by the joints' rates, (6 c, n), m/rad."""
+        n = len(self.joints)
+        return self.closure.at(motion(self.links, q[:n], np.zeros(n)), q[:n]).jacobian()
 
     def poses(self, q: Array, t: float = 0.0) -> tuple[Array, Array]:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
-        n = len(self.links)
+        n = len(self.joints)
         nothing = np.zeros(n + (6 if self.floats else 0))
         state = self._moved(motion(self.links, q[:n], nothing[:n]), self._base(q, nothing, t))
         return state.centre, state.rotation
@@ -176,12 +172,10 @@ class MovingNewtonEuler:
     def _jacobians(self, state: TreeState, base: _Base) -> tuple[Array, Array]:
         """Angular and linear velocities of all bodies by the rates, both (b, nu, 3), world axes."""
         n, count = len(self.links), len(self._all)
-        turning = np.zeros((count, n, 3))
-        arms = state.centre[:, None, :] - state.point[None, :n, :]
         slots = [link.coordinate for link in self.links]
+        turning, placed = np.zeros((2, count, len(self.joints), 3))
         turning[:, slots] = self._ways[:, :, None] * state.axis[None, :n, :]
-        placed = np.zeros_like(arms)
-        placed[:, slots] = arms
+        placed[:, slots] = state.centre[:, None, :] - state.point[None, :n, :]
         moving = cross(turning, placed)
         if not self.floats:
             return turning, moving
@@ -190,12 +184,3 @@ class MovingNewtonEuler:
         along = np.broadcast_to(np.eye(3), (count, 3, 3))
         turning = np.concatenate([turning, np.zeros((count, 3, 3)), spins], axis=1)
         return turning, np.concatenate([moving, along, cross(spins, from_base)], axis=1)
-
-    def _cut_moments(self, closed: ClosureState, torques: Array, base: _Base) -> Array:
-        """Of torques on hinges that close loops, world axes; the base has what the walk does not take."""
-        moments = np.zeros((len(self._all), 3))
-        if len(torques):
-            own = closed.moments(torques) @ base.rotation.T
-            moments[: len(own)] = own
-            moments[len(own)] = -own.sum(axis=0)
-        return moments

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lamc.records.mechanism import Mechanism
-from lamc.reference.closure import Closure
+from lamc.reference.closure import Closure, ClosureState
 from lamc.reference.constrained import constrained, split
 from lamc.reference.kinematics import Array, TreeState, cross, motion, walk
 from lamc.reference.loads import rigid_loads
@@ -23,12 +23,11 @@ class NewtonEuler:
 
     mechanism   bodies and joints
     effects     what acts, as in `Scene.effects`
-    joints      order of q and u, a spanning tree; the mechanism's other joints close loops. Default: all joints, in
-                their order
+    joints      order of q and u: all joints. Default: their own order
 
-    `bodies` names the moving bodies in the order of `poses`, `cuts` the joints that close loops. Accelerations are
-    those of closed states. Raises UnsupportedError for a loop among `joints` and for an effect that this cross-check
-    does not know, TopologyError for a body with no path to the world.
+    `bodies` names the moving bodies in the order of `poses`, `cuts` the joints that close loops as the walk goes.
+    Accelerations are those of closed states. Raises UnsupportedError for an effect that this cross-check does not know,
+    TopologyError for a body with no path to the world, DesignError for a joint left out.
     """
 
     def __init__(
@@ -37,10 +36,10 @@ class NewtonEuler:
         self.joints = tuple(j.name for j in mechanism.joints) if joints is None else tuple(joints)
         self.links = walk(mechanism, self.joints)
         self.bodies = tuple(link.body.name for link in self.links)
-        self.closure = Closure(mechanism, self.links)
+        self.closure = Closure(mechanism, self.links, self.joints)
         self.cuts = self.closure.names
         self.size = mechanism.size
-        self._loads = rigid_loads(mechanism, effects, (*self.joints, *self.cuts))
+        self._loads = rigid_loads(mechanism, effects, self.joints)
         self._mass = np.array([link.body.mass for link in self.links])
         self._inertia_drawn = np.array([link.body.inertia for link in self.links]).reshape(-1, 3, 3)
         self._supports = self._support_mask()
@@ -49,18 +48,15 @@ class NewtonEuler:
     def acceleration(self, q: Array, u: Array, t: float = 0.0) -> Array:
         """du/dt, shape (n,), rad/s²; positive opens the fold. q rad, u rad/s, shape (n,); t s."""
         q, u = np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64)
-        n = len(self.links)
         state = motion(self.links, q, u)
-        closed = self.closure.at(state)
-        angles, rates = np.append(q, closed.angles()), np.append(u, closed.rates())
-        torque = self._loads.hinge_torques(t, angles, rates)
+        force = self._loads.hinge_torques(t, q, u)
         forces, moments = self._loads.point_wrenches(t, self.links, state)
-        moments += closed.moments(torque[n:])
-        mass, force = np.empty((n, n)), np.empty(n)
+        force[self._slot] -= self._bias(state, forces, moments)
+        mass = np.zeros((len(q), len(q)))  # of joints that close loops: nought, as they move no body
         mass[np.ix_(self._slot, self._slot)] = self._mass_matrix(state)
-        force[self._slot] = torque[self._slot] - self._bias(state, forces, moments)
         if not self.cuts:
             return np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
+        closed = self.closure.at(state, q)
         return constrained(mass, force, closed.jacobian(), closed.bias())
 
     def energy(self, q: Array, u: Array, t: float = 0.0) -> dict[str, float]:
@@ -70,20 +66,18 @@ class NewtonEuler:
         spin_drawn = np.einsum("bji,bj->bi", state.rotation, state.spin)
         kinetic = 0.5 * float(self._mass @ (state.velocity**2).sum(axis=1))
         kinetic += 0.5 * float(np.einsum("bi,bij,bj->", spin_drawn, self._inertia_drawn, spin_drawn))
-        angles = np.append(q, self.closure.at(state).angles())
         place = RigidBodyState(self.links, state)
-        return {"kinetic": kinetic, **self._loads.stored(t, angles, self._mass @ state.centre, place)}
+        return {"kinetic": kinetic, **self._loads.stored(t, q, self._mass @ state.centre, place)}
 
     def gaps(self, q: Array) -> tuple[Array, Array]:
-        """Residuals φ (5 c,), m, of the joints that close loops, and their Jacobian (5 c, n), m/rad."""
-        closed = self.closure.at(self.still(q))
+        """Residuals φ (6 c,), m, of the joints that close loops, and their Jacobian (6 c, n), m/rad."""
+        closed = self.closed(q)
         return closed.residual(), closed.jacobian()
 
-    def cut_states(self, q: Array, u: Array) -> tuple[Array, Array]:
-        """Angles, rad, within ±π, and rates, rad/s, of the joints that close loops; both (c,)."""
-        state = motion(self.links, np.asarray(q, dtype=np.float64), np.asarray(u, dtype=np.float64))
-        closed = self.closure.at(state)
-        return closed.angles(), closed.rates()
+    def closed(self, q: Array) -> ClosureState:
+        """The joints that close loops, with the bodies at rest at angles q (n,)."""
+        q = np.asarray(q, dtype=np.float64)
+        return self.closure.at(self._still(q), q)
 
     def condition(self, q: Array) -> tuple[int, float]:
         """Rank of the closure at q, and how far its equations are from a smaller one: largest over least singular
@@ -93,12 +87,12 @@ class NewtonEuler:
 
     def poses(self, q: Array) -> tuple[Array, Array]:
         """Centres of mass (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
-        state = self.still(q)
+        state = self._still(q)
         return state.centre, state.rotation
 
-    def still(self, q: Array) -> TreeState:
-        """The bodies at rest at angles q (n,)."""
-        return motion(self.links, np.asarray(q, dtype=np.float64), np.zeros(len(self.links)))
+    def _still(self, q: Array) -> TreeState:
+        q = np.asarray(q, dtype=np.float64)
+        return motion(self.links, q, np.zeros(len(q)))
 
     def _support_mask(self) -> Array:
         """1.0 at [b, j] where link j lies on the way from the world to link b, itself included."""

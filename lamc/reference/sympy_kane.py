@@ -71,13 +71,14 @@ def kane(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str] | N
     loops of laminates are redundant; and for springs between points.
     """
     names = tuple(j.name for j in mechanism.joints) if joints is None else tuple(joints)
-    outside = [j.name for j in mechanism.joints if j.name not in names]
+    links = walk(mechanism, names)
+    walked = {link.joint.name for link in links}
+    outside = [j.name for j in mechanism.joints if j.name not in walked]
     if outside:
         raise UnsupportedError(
             f"joint {outside[0]!r} closes a loop; KanesMethod takes independent closure equations only, chosen by "
             "hand: leave the joint out of the mechanism"
         )
-    links = walk(mechanism, names)
     loads = numeric_loads(mechanism, effects, names)
     if loads.at_points:
         unknown = loads.at_points[0].effect or "blade_element_drag"

@@ -18,7 +18,7 @@ enum { PARTS = 8, MAX_HALVINGS = 100, MAX_CORRECTIONS = 6, LONG_STREAK = 10 };
 
 static const lamc_real TOO_CLOSE = 1e-10; /* of the time of the run: events nearer to each other pile up */
 static const lamc_real AT_ONCE =
-    1e-10; /* of a step: guards so near to zero, at their rates, are struck too */
+    1e-10; /* of a step, besides the tolerance: guards so near to zero, at their rates, are struck too */
 
 /* The parts of a run's room for events; k guards */
 typedef struct room {
@@ -223,11 +223,11 @@ static lamc_status step_to(lamc_run *run, const room *r, int guard, int *is_reac
 }
 
 /* Which guards are struck where the run stands: those that the step showed to be, and those that differ from them by
- * round-off only. An impact that goes with another at one instant must not come after it: which of the two was first would
- * be round-off's choice. */
+ * less than a step may be wrong. An impact that goes with another at one instant must not come after it: which of the two
+ * was first would be the choice of an error. */
 static void find_struck(lamc_run *run, const room *r, int first, lamc_real whole) {
   const lamc_real together = r->when[first] + 64.0 * LAMC_EPSILON * larger(fabs(run->t), whole);
-  const lamc_real near = AT_ONCE * whole + 64.0 * LAMC_EPSILON * fabs(run->t);
+  const lamc_real near = (AT_ONCE + run->options.rtol) * whole + 64.0 * LAMC_EPSILON * fabs(run->t);
   run->ode.guards(run->ode.context, run->t, y_here(run), r->trial);
   for (int g = 0; g < r->k; g++) {
     const lamc_real value = r->trial[g], rate = r->trial[r->k + g];

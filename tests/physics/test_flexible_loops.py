@@ -26,11 +26,12 @@ def four_bar(*added: Effect, moduli: str = "GPa") -> Simulator:
 
 @pytest.mark.parametrize("bodies", [("arm",), ("arm", "link")])
 def test_a_plane_loop_asks_of_each_bending_link_not_to_twist(bodies: tuple[str, ...]) -> None:
-    """Two equations hold a plane loop in its plane, and one more each link that could twist its axes out of parallel.
+    """Two equations hold a plane loop in its plane, one tells an angle by the others, and there is one more for each
+    link that could twist its axes out of parallel.
     Were it the rank of deflections as large as the mechanism, all positions of the motion would pass for singular, and
     a run would end among the first of them."""
     sim = four_bar(FlexibleLinks(bodies=bodies))
-    assert len(sim.rates) - sim.freedoms == 2 + len(bodies)
+    assert len(sim.rates) - sim.freedoms == 3 + len(bodies)
     result = sim.run(0.2, rtol=1e-6)
     assert result.success, result.message
     assert result.t[-1] == 0.2

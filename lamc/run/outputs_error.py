@@ -31,10 +31,7 @@ def ranges(outputs: tuple[Output, ...], *, chosen: bool) -> dict[str, float]:
 
 def output_errors(result: Result, truth: Result, scene: Scene) -> dict[str, float]:
     """Largest |result - truth| of each output over its scale in `truth`, by name, over the rows that both have.
-
-    Angles of joints that close loops are known within ±π only and are compared modulo 2π; of other joints a whole turn
-    is an error.
-    """
+    A whole turn is an error."""
     rows = common_rows(result, truth)
     exact = compared_outputs(truth, scene)
     scale = ranges(exact, chosen=scene.outputs is not None)

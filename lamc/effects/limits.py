@@ -94,12 +94,6 @@ class JointLimits(RegisteredEffect):
         for hinge in loads.hinges():
             for side, limit in _limits(hinge.joint, flat_fold=self.flat_fold):
                 found = True
-                if loads.wraps(hinge.joint.name) and abs(limit) > math.pi - 1e-9:
-                    raise DesignError(
-                        f"joint {hinge.joint.name!r} closes a loop, and its limit of {math.degrees(limit):.6g}° would "
-                        "never act: the angle of such a joint is told within ±180° and jumps there. Limit it well "
-                        "within ±180°, or leave flat_fold out and limit another joint of the loop"
-                    )
                 self._hold(loads, hinge, side, limit)
         if not found:
             raise DesignError(

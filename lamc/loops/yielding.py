@@ -1,9 +1,11 @@
 """Starts of loops that hinges hold by their stiffness: as near to closed as rigid hinges could be.
 
-In: the tree with all its cuts, and a scene. Out: angles and rates of the tree's joints. A loop that does not fit is
-left open by its misfit, which the flexures take up; without this, angles given for some joints would tear it. Never:
-looks for equilibrium; a start is where the scene puts it.
+In: the tree with all its cuts, and a scene. Out: angles and rates of the tree's joints, angles of all. A loop that does
+not fit is left open by its misfit, which the flexures take up; without this, angles given for some joints would tear
+it. Never: looks for equilibrium; a start is where the scene puts it.
 """
+
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -17,14 +19,15 @@ from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
 
 
-def yielding_start(tree: Tree, scene: Scene) -> Array:
-    """State (2 k,) of the k tree joints, rad and rad/s: what the scene gives, and the others as rigid loops had them.
+def yielding_start(tree: Tree, scene: Scene) -> tuple[Array, Mapping[str, float]]:
+    """State (2 k,) of the k tree joints, rad and rad/s: what the scene gives, and the others as rigid loops had them;
+    and the angles of all joints of these.
 
     Where rigid loops could not have what is given, the others are zero, and the flexures take up all of it.
     """
     count = len(tree.links)
     if not any(scene.angles.values()) and not any(scene.rates.values()):
-        return np.zeros(2 * count)
+        return np.zeros(2 * count), {}
     found = count_loops(tree, scene.closure_tolerance)
     if found.misfit is not None and not found.accepted_gap:
         found = count_loops(tree, rounded_up(found.misfit.gap))
@@ -32,9 +35,11 @@ def yielding_start(tree: Tree, scene: Scene) -> Array:
     try:
         angles = starter.position(scene.angles)
     except DesignError:
-        return np.concatenate([starter.given(scene.angles)[:count], starter.given(scene.rates)[:count]])
+        given = starter.given(scene.angles)[:count], starter.given(scene.rates)[:count]
+        return np.concatenate(given), scene.angles
     try:
         rates = starter.rates(angles, scene.rates)
     except DesignError:
         rates = starter.given(scene.rates)
-    return np.concatenate([angles[:count], rates[:count]])
+    named = dict(zip(starter.geometry.names, angles.tolist(), strict=True))
+    return np.concatenate([angles[:count], rates[:count]]), named

@@ -3,12 +3,14 @@
 Goes in: a tree and the effects of the scene; those with an attribute `arrange` are asked for what they add. Comes out:
 an `Arrangement`. It is cheap, holds no symbol, and is made for every simulator, whether its code is new or cached.
 
-Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies;
-a floating base. All but the base's have q̇ = u. The base has seven coordinates, the world position of its centre of
+Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies,
+all of which have q̇ = u; angles of hinges that close loops and yield, which have no rate of their own but follow from
+the others, and count turns; a floating base. The base has seven coordinates, the world position of its centre of
 mass and a quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world axes and
 the angular velocity in axes of the body.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -17,6 +19,7 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
+from lamc.loops.geometry import LoopGeometry
 from lamc.mechanics.compliant_hinge import CROSS_FREEDOMS as CROSS_FREEDOMS
 from lamc.mechanics.compliant_hinge import FREEDOMS as FREEDOMS
 from lamc.mechanics.compliant_hinge import CompliantHinge as CompliantHinge
@@ -111,26 +114,27 @@ class Arrangement:
         return self.base is None and not added and not self.inverse_dynamics
 
     @property
-    def floats(self) -> bool:
-        """Whether q̇ = u does not hold for all coordinates."""
-        return isinstance(self.base, FloatingBase)
+    def held(self) -> tuple[str, ...]:
+        """Names of the hinges that bushings hold."""
+        return tuple(bushing.cut.joint.name for bushing in self.bushings)
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Of q, shape (nq,)."""
-        own = BASE_COORDINATES if self.floats else ()
-        return (*self.plain_coordinates, *(Coordinate(*entry) for entry in own))
+        own = BASE_COORDINATES if isinstance(self.base, FloatingBase) else ()
+        counted = (Coordinate(name, "rad") for name in self.held)
+        return (*self.plain_coordinates, *counted, *(Coordinate(*entry) for entry in own))
 
     @property
     def rates(self) -> tuple[Coordinate, ...]:
         """Of u, shape (nu,)."""
-        own = BASE_RATES if self.floats else ()
+        own = BASE_RATES if isinstance(self.base, FloatingBase) else ()
         plain = (Coordinate(c.name, f"{c.unit}/s") for c in self.plain_coordinates)
         return (*plain, *(Coordinate(*entry) for entry in own))
 
     @property
     def plain_coordinates(self) -> tuple[Coordinate, ...]:
-        """Those with q̇ = u: all but the floating base's."""
+        """Those with q̇ = u: the first ones."""
         hinges = (Coordinate(joint.name, "rad") for joint in self.tree.hinges)
         across = (
             Coordinate(f"{hinge.joint}.{freedom}", "rad" if freedom.startswith("twist") else "m")
@@ -163,15 +167,35 @@ class Arrangement:
             return np.concatenate(replace(self, base=placed).start(still_joints, still_joints))
         return np.zeros(len(self.coordinates) + len(self.rates))
 
-    def start(self, q_joints: Sequence[float], u_joints: Sequence[float]) -> tuple[Array, Array]:
-        """q (nq,) and u (nu,) from the joints' angles, rad, and rates, rad/s; hinges and bodies start undeformed."""
+    def start(
+        self, q_joints: Sequence[float], u_joints: Sequence[float], near: Mapping[str, float] | None = None
+    ) -> tuple[Array, Array]:
+        """q (nq,) and u (nu,) from the joints' angles, rad, and rates, rad/s; hinges and bodies start undeformed.
+
+        near: angles of hinges that bushings hold, by name, rad, that theirs are within half a turn of; else nought
+        """
         rest = len(self.plain_coordinates) - len(q_joints)
         q, u = np.append(q_joints, np.zeros(rest)), np.append(u_joints, np.zeros(rest))
+        q = np.append(q, self._held_angles(q_joints, near or {}))
         base = self.base
         if isinstance(base, FloatingBase):
             q = np.concatenate([q, base.position, base.rotation])
             u = np.concatenate([u, base.velocity, base.spin])
         return q, u
+
+    def _held_angles(self, q_joints: Sequence[float], near: Mapping[str, float]) -> Array:
+        """Of the hinges that bushings hold, rad, from where the joints' angles put their two sides."""
+        if not self.bushings:
+            return np.zeros(0)
+        geometry, angles = LoopGeometry(self.tree), []
+        rotation = geometry.poses(np.asarray(q_joints)).rotation
+        for bushing in self.bushings:
+            cut, axes = bushing.cut, bushing.hinge.axes
+            r = (rotation[cut.parent.link] @ axes).T @ rotation[cut.child.link] @ axes
+            close = near.get(cut.joint.name, 0.0)
+            turn = math.atan2(-r[0, 1], r[0, 0])
+            angles.append(close + math.remainder(turn - close, 2.0 * math.pi))
+        return np.array(angles)
 
 
 class Arranging:

@@ -105,9 +105,12 @@ def assemble(
 ) -> Equations:
     """The record: what was solved, with energies, poses and guards."""
     placement, base = loads.placement, loads.placement.base
-    held = symbols.u[: len(arrangement.plain_coordinates)]
-    rates = (*held, *base.coordinate_rates) if isinstance(base, StagedFloat) else None
-    speeds: dict[Value, Scalar] = dict(zip(symbols.q, rates or held, strict=True)) | {symbols.time: 1}
+    rates = (
+        *symbols.u[: len(arrangement.plain_coordinates)],
+        *(each.rate for each in loads.bushings.values()),
+    )
+    rates = (*rates, *base.coordinate_rates) if isinstance(base, StagedFloat) else rates
+    speeds: dict[Value, Scalar] = dict(zip(symbols.q, rates, strict=True)) | {symbols.time: 1}
     return Equations(
         tree=arrangement.tree,
         effects=tuple(effects),
@@ -124,7 +127,7 @@ def assemble(
         solver_flops=solved.flops or {},
         arrangement=arrangement,
         inputs=inputs,
-        coordinate_rates=rates,
+        coordinate_rates=rates if loads.bushings or isinstance(base, StagedFloat) else None,
         account_for_powers=partial(_powers, solved.problem, arrangement, masses, loads, speeds),
     )
 

@@ -48,11 +48,12 @@ def hinge_amounts(
 
 
 def bushing_amounts(
-    placement: Placement, bushing: Bushing, q: Sequence[Value], u: Sequence[Value]
+    placement: Placement, bushing: Bushing, q: Sequence[Value], u: Sequence[Value], counted: Value
 ) -> tuple[Held, SeenHinge]:
     """p of a compliant hinge that closes a loop, from where its two sides are; and the hinge as effects see it.
 
-    placement: seen from the base. q, u: those with q̇ = u.
+    placement: seen from the base. q, u: those with q̇ = u. counted: the hinge's coordinate, which tells its turns; the
+    rest of its angle is that of the two sides, whatever the coordinate is off by.
     """
     store, hinge = placement.kinematics.store, bushing.hinge
     with store.section(
@@ -69,6 +70,8 @@ def bushing_amounts(
         amounts = [twist_x, twist_y, angle, *slides]
         rates = derivatives(amounts, dict(zip(q, u, strict=True)))
         columns = [derivatives(amounts, {x: 1}) for x in q]
+        beyond = angle - counted
+        amounts[2] = angle = counted + call("atan2", call("sin", beyond), call("cos", beyond))
     partials = [
         tuple((k, c[row]) for k, c in enumerate(columns) if isinstance(c[row], Value) or c[row] != 0)
         for row in range(6)

@@ -59,7 +59,10 @@ def derive_general(
     masses = _masses(kinematics, symbols.parameters)
     plain = len(arrangement.plain_coordinates)
     seen = Placement(kinematics.on_still_base())
-    held = [compliance.bushing_amounts(seen, b, q[:plain], u[:plain]) for b in arrangement.bushings]
+    held = [
+        compliance.bushing_amounts(seen, b, q[:plain], u[:plain], q[plain + k])
+        for k, b in enumerate(arrangement.bushings)
+    ]
     hold = partial(_hold, arrangement=arrangement, bushings=[amounts for amounts, _ in held], q=q, u=u)
     bushings = [hinge for _, hinge in held]
     loads = collect(symbols, Placement(kinematics, base), bushings, effects, hold)

@@ -42,7 +42,7 @@ class Hinge:
 
 @dataclass(frozen=True)
 class SeenHinge:
-    """A hinge whose angle is no coordinate. angle rad, within ±π; rate rad/s; both child relative to parent.
+    """A hinge whose coordinate has no rate of its own. angle rad; rate rad/s; both child relative to parent.
 
     gradient  ∂angle/∂q, by which its torque does work
     """
@@ -96,13 +96,13 @@ class Loads(BodyPoints):
         self._parameters = parameters
         self._store = parameters.store
         self._index = {joint.name: i for i, joint in enumerate(tree.hinges)}
-        self._bushings = {hinge.joint.name: hinge for hinge in bushings}
+        self.bushings = {hinge.joint.name: hinge for hinge in bushings}
         self._effect = ""
 
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints: those of q in their order, then those that bushings hold."""
-        return (*self._index, *self._bushings)
+        return (*self._index, *self.bushings)
 
     @contextmanager
     def effect(self, name: str, title: str, source: str) -> Iterator[None]:
@@ -151,17 +151,13 @@ class Loads(BodyPoints):
 
     def hinge(self, joint: str) -> Hinge:
         """The hinge of that name. Raises DesignError with the names there are."""
-        if joint in self._bushings:
-            seen = self._bushings[joint]
+        if joint in self.bushings:
+            seen = self.bushings[joint]
             return Hinge(seen.joint, seen.angle, seen.rate)
         index = self._index.get(joint)
         if index is None:
             raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
         return Hinge(self.tree.hinges[index], self._q[index], self._u[index])
-
-    def wraps(self, joint: str) -> bool:
-        """True for a joint that a bushing holds: its angle is within ±180° and jumps there."""
-        return joint in self._bushings
 
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
@@ -184,7 +180,7 @@ class Loads(BodyPoints):
             self.hinge_torques[index] = self.hinge_torques[index] + value
             self._account.add_torque(index, value)
             return
-        for k, partial in enumerate(self._bushings[name].gradient):
+        for k, partial in enumerate(self.bushings[name].gradient):
             self.generalised_force(k, value * partial)
 
     def generalised_force(self, coordinate: int, force: Scalar) -> None:

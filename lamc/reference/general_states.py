@@ -28,17 +28,18 @@ def general_states(
     loose = replace(mechanism, joints=tuple(j for j in mechanism.joints if j.name not in cross_check.held))
     rng = np.random.default_rng(seed)
     most_q, most_u = cross_check.typical()
-    own = len(u0) - 6 * cross_check.floats
+    own, held = cross_check.own, len(cross_check.held)
     found: list[State] = []
     # Where stiffness closes a loop, states that close it rigidly are near those that it is in, if there are any.
     closed = NewtonEuler(mechanism, (), (*cross_check.joints, *cross_check.held))
-    rigid = [(closed, np.append(q0[:n], cross_check.held_angles(q0)))]
+    rigid = [(closed, np.append(q0[:n], q0[own : own + held]))]
     rigid += [(NewtonEuler(loose, (), cross_check.joints), q0[:n])] if cross_check.held else []
     tries = (random_states(still, q, count, t_end, seed) for still, q in rigid)
     for t, angles, rates in next((states for states in tries if states), []):
         q = np.append(angles[:n], rng.uniform(-1.0, 1.0, own - n) * most_q[n:own])
+        q = np.append(q, angles[n:] if len(angles) > n else np.zeros(held))
         u = np.append(rates[:n], rng.uniform(-1.0, 1.0, own - n) * most_u[n:own])
-        pose, motion = rng.normal(size=len(q0) - own), rng.uniform(-3.0, 3.0, len(u0) - own)
+        pose, motion = rng.normal(size=len(q0) - own - held), rng.uniform(-3.0, 3.0, len(u0) - own)
         state = _closed(cross_check, t, np.append(q, pose), np.append(u, motion))
         if state is not None:
             found.append(state)

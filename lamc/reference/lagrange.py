@@ -41,7 +41,8 @@ class Lagrange:
     acting  effects among these whose loads are known here; None: all, and another one is refused
 
     `bodies` names the moving bodies in the order of `poses`; `cuts` the joints that close loops rigidly, `held` those
-    that do so by stiffness. Raises UnsupportedError for an effect that this cross-check does not know.
+    that do so by stiffness: their coordinates, after the first `own`, tell how often they have turned. Raises
+    UnsupportedError for an effect that this cross-check does not know.
     """
 
     def __init__(
@@ -72,6 +73,7 @@ class Lagrange:
         self.bodies = tuple(body.name for body in (*moving, *(fixed if mover is not None else ())))
         # What moves as prescribed needs no force for itself.
         self.floats = mover is not None and mover.name == "free_base"
+        self.own = len(self._chain.rates) - 6 * self.floats
         self._inertias = [
             (body, _inertia(body, self._bending.get(body.name)))
             for body in (*moving, *(fixed if self.floats else ()))
@@ -144,11 +146,6 @@ class Lagrange:
             rows += [side.gap.partials.T, self.size * beyond[None]]
         return np.concatenate(rows)
 
-    def held_angles(self, q: Array) -> Array:
-        """Angles of the joints that stiffness holds, rad, within ±π."""
-        sides = self._state(q, np.zeros(len(self._chain.rates)), 0.0)[1][len(self.cuts) :]
-        return np.array([side.amounts[2] for side in sides])
-
     def poses(self, q: Array, t: float = 0.0) -> tuple[Array, Array]:
         """Centres of mass as drawn (m, 3), m, and rotations (m, 3, 3), drawn axes to world, by `bodies`."""
         placed = self._chain.at(q, np.zeros(len(self._chain.rates)), t)
@@ -195,15 +192,16 @@ class Lagrange:
             point = joint.point if hinge is None else hinge.point
             parent, child = (placed.surface(body, point) for body in (joint.parent, joint.child))
             sides.append(apart(parent, child, axes, point, self.size))
+        counted = q[self.own : self.own + len(self.held)]
+        for side, near in zip(sides[len(self.cuts) :], counted, strict=True):
+            side.amounts[2] = near + math.remainder(side.amounts[2] - near, 2.0 * math.pi)
         return placed, sides
 
     def _angles(self, q: Array, u: Array, sides: Sequence[Sides]) -> tuple[Array, Array]:
         """Of `joints`, then of those that stiffness holds, rad and rad/s."""
-        own = (np.asarray(x, dtype=np.float64)[self._slots] for x in (q, u))
         held = sides[len(self.cuts) :]
-        more = ([side.amounts[2] for side in held], [side.rates[2] for side in held])
-        angles, rates = (np.append(a, b) for a, b in zip(own, more, strict=True))
-        return angles, rates
+        angles = np.append(q[self._slots], [side.amounts[2] for side in held])
+        return angles, np.append(u[self._slots], [side.rates[2] for side in held])
 
     def _matrix(self, placed: Placed, body: Body) -> Curve:
         """P, (3, 4 + modes): world positions are P (r, 1, φ), r from the drawn centre of mass."""

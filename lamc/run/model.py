@@ -124,14 +124,19 @@ class Motion(Unchanging):
 
     def rhs(self, t: float, y: Array) -> Array:
         """dy/dt at one state y (nq + nu,): of the coordinates, then of the rates."""
-        model = self.model
-        row, nq = np.ascontiguousarray(y).reshape(1, -1), len(model.coordinates)
+        row = np.ascontiguousarray(y).reshape(1, -1)
         accelerations = self.accelerations(np.array([t]), row)[0]
+        return np.concatenate([self.coordinate_rates(row)[0], accelerations])
+
+    def coordinate_rates(self, y: Array) -> Array:
+        """Derivatives of the coordinates, shape (m, nq), at states y (m, nq + nu)."""
+        model, nq = self.model, len(self.model.coordinates)
         if model.handle.rates == model.ffi.NULL:
-            return np.concatenate([row[0, nq:], accelerations])
-        q, u, qdot = row[0, :nq].copy(), row[0, nq:].copy(), np.zeros(nq)
-        model.handle.rates(model.read(self.constants), model.read(q), model.read(u), model.write(qdot))
-        return np.concatenate([qdot, accelerations])
+            return y[:, nq:]
+        found, constants = np.zeros((len(y), nq)), model.read(self.constants)
+        for q, u, qdot in zip(y[:, :nq].copy(), y[:, nq:].copy(), found, strict=True):
+            model.handle.rates(constants, model.read(q), model.read(u), model.write(qdot))
+        return found
 
     def settled(self, t: float, y: Array) -> Array:
         """The state nearest to y (nq + nu,) where loops close, as far as one is near; y itself for a tree."""

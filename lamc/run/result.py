@@ -138,13 +138,15 @@ class Result(Unchanging):
     def angle(self, joint: str) -> Array:
         """Angle of a joint, shape (m,), rad; zero as drawn, positive by the right-hand rule about its axis,
         child relative to parent; it counts turns. Raises KeyError with the names there are."""
-        return self._of(joint, self.q)
+        return self.coordinate(joint) if joint in self._held else self._of(joint, self.q)
 
     def rate(self, joint: str) -> Array:
         """Rate of a joint, shape (m,), rad/s, or another of `rates`, as "base.vz", in the unit told there. Raises
         KeyError with the names there are."""
         if any(rate.name == joint for rate in self.rates[len(self.joints) :]):
             return self.u[:, _place(joint, self.rates, "rate")]
+        if joint in self._held:
+            return self.motion.coordinate_rates(self._rows)[:, _place(joint, self.coordinates, "joint")]
         return self._of(joint, self.u)
 
     @lazy
@@ -278,10 +280,17 @@ class Result(Unchanging):
         poses.flags.writeable = False
         return poses
 
+    @lazy
+    def _held(self) -> tuple[str, ...]:
+        """Joints whose angle is a coordinate without a rate of its own: they yield and close a loop."""
+        joints = {joint.name for joint in self.mechanism.joints}
+        return tuple(c.name for c in self.coordinates[len(self.joints) :] if c.name in joints)
+
     def _of(self, joint: str, values: Array) -> Array:
         """The column of a joint in q or u."""
         if joint not in self.joints:
-            raise KeyError(f"no joint is named {joint!r}; there are {', '.join(self.joints) or 'none'}")
+            names = ", ".join((*self.joints, *self._held)) or "none"
+            raise KeyError(f"no joint is named {joint!r}; there are {names}")
         return values[:, self.joints.index(joint)]
 
 

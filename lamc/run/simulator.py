@@ -118,20 +118,19 @@ class Simulator(Evaluations):
 
         Raises DesignError where they cannot be had.
         """
+        near = self.scene.angles
         if self._model.cuts:
             start = self._starter.state(self.scene)
         else:
             with located_at(self.scene.places):
                 refuse_branch(self.scene)
-            yields = len(self.joints) < len(self.mechanism.joints)
-            start = (
-                yielding_start(plan(self.mechanism), self.scene)
-                if yields
-                else drawn_start(self.scene, self.joints)
-            )
+            if len(self.joints) < len(self.mechanism.joints):
+                start, near = yielding_start(plan(self.mechanism), self.scene)
+            else:
+                start = drawn_start(self.scene, self.joints)
         if len(self.coordinates) > len(self.joints):
-            count = len(self.joints)
-            start = np.concatenate(self._arrangement.start(start[:count].tolist(), start[count:].tolist()))
+            q, u = np.split(start, 2)
+            start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
         start.flags.writeable = False
         with located_at(self.scene.places):
             check_start(self.effects, self.mechanism, self._default_motion, start)

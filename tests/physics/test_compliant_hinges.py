@@ -81,7 +81,8 @@ def linearised(general: General) -> tuple[Array, Array, Array]:
     n, h = len(u), 1e-5
     mass = general.system(0.0, q, u)[0]
     stiffness = [
-        (general.system(0.0, q - h * e, u)[1] - general.system(0.0, q + h * e, u)[1]) for e in np.eye(n)
+        (general.system(0.0, q - h * e, u)[1] - general.system(0.0, q + h * e, u)[1])
+        for e in np.eye(n, len(q))  # the angle of a bushing, which comes last, tells no more than turns
     ]
     damping = [
         (general.system(0.0, q, u - h * e)[1] - general.system(0.0, q, u + h * e)[1]) for e in np.eye(n)

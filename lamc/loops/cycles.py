@@ -142,8 +142,8 @@ def _rings(
                 before[far], depth[far] = (edge, node), depth[node] + 1
                 limb[far] = edge if node == root else limb[node]
                 queue.append(far)
-    for index, edge in enumerate(edges):
-        a, b = edge.parent, edge.child
+    for index, closing in enumerate(edges):
+        a, b = closing.parent, closing.child
         if a not in depth or b not in depth or index in (before[a][0], before[b][0]):
             continue
         if limb[a] != limb[b] or root in (a, b):

@@ -159,7 +159,9 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
   if (motion->baumgarte != 0) {
     pull_back(motion, &p, q, u);
   } else if (is_near_singular(motion, &p, count)) {
-    if ((p.state[4] > 0 || count < motion->model->rank) && solve_around(motion, &p, t, q, u, udot, lambda)) {
+    if ((p.state[4] > 0 || lamc_loop_last_pivot(motion, &p, count) < FADING) &&
+        solve_around(motion, &p, t, q, u, udot, lambda)) {
+      p.state[0] = (lamc_real)motion->model->rank; /* none is let go for good */
       return motion->model->rank;
     }
     /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last

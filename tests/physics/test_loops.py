@@ -233,14 +233,15 @@ def test_c_of_a_mechanism_with_loops_is_strict_and_clean_under_sanitizers(
 
 
 @needs_cc
-def test_c_says_where_a_spring_reads_an_angle_that_jumps(cases: dict[str, Any], tmp_path: Path) -> None:
-    """From rest as drawn, this sheet folds a cut hinge with a spring past 180°."""
+def test_c_folds_a_cut_hinge_with_a_spring_past_180_degrees(cases: dict[str, Any], tmp_path: Path) -> None:
+    """From rest as drawn: nothing stops this sheet there."""
     sim = simulator(cases["miura22"])
     _, tree = sources_of(sim.equations)
     write_sources(tree, tmp_path)
     cc(tmp_path, *STRICT, "-O1", "-fsanitize=address,undefined", *tree.compiled, "main.c", "-o", "run", "-lm")
     done = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, timeout=120, check=False)
-    assert (done.returncode, done.stderr.partition(",")[0]) == (
-        1,
-        "a joint that closes a loop passes +-180 deg",
-    )
+    assert done.returncode == 0, done.stderr
+    _, *rows = (line.split(",") for line in done.stdout.splitlines())
+    angles = np.array([float(row[len(sim.joints)]) for row in rows])  # the last joint's, behind the time
+    assert np.abs(angles).max() > np.pi
+    assert np.abs(np.diff(angles)).max() < np.pi  # from row to row; a jump would be 2 pi less that

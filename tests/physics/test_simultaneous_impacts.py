@@ -40,8 +40,8 @@ def test_a_symmetric_machine_stays_symmetric(rtol: float, integrator: str) -> No
     t = np.linspace(0.0, 0.4, 401)
     result = sim.run(t_end=0.4, rtol=rtol, atol=rtol / 100, t_eval=t, integrator=integrator)
     assert result.success
-    # The loop is closed from one body on, and stages of a step are closed to its error only: what is symmetric differs by a
-    # part of that, and not by what impacts taken one by one would make of it, which is 1 rad.
+    # The loop is closed from one body on, and stages of a step are closed to its error only: what is symmetric differs
+    # by a part of that, and not by what impacts taken one by one would make of it, which is 1 rad.
     assert np.abs(result.angle("j0") - result.angle("j4")).max() < max(1e-11, 0.1 * rtol)
     assert [e.name for e in result.events[:2]] == ["lower limit of j0", "lower limit of j4"]
     assert result.events[0].t == result.events[1].t

@@ -27,7 +27,7 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
   const long long state = nq + n, around = n + m;
-  return raw_size(n, m) + n * (n + 1) / 2 + 5 * n + 2 * m * n + 2 * n * n + 5 * m + nq + state +
+  return raw_size(n, m) + n * (n + 1) / 2 + 5 * n + 2 * m * n + 2 * n * n + 6 * m + nq + state +
          LAMC_LOOPS_KEPT + around;
 }
 
@@ -47,7 +47,8 @@ static lamc_loop_parts parts_of(const lamc_motion *motion) {
   p.a = p.extra + m;
   p.rows = p.a + m * n;
   p.columns = p.rows + m;
-  p.free = p.columns + n;
+  p.peak = p.columns + n;
+  p.free = p.peak + m;
   p.l = p.free + n * n;
   p.x = p.l + n * n;
   p.z = p.x + n;

@@ -250,16 +250,12 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   }
   const lamc_real tolerance = model->tolerance / model->size;
   if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
-  /* Rates: the momenta that are free */
-  lamc_loop_momenta(&p, u, p.z);
-  lamc_loop_along(&p, count, p.z, p.x);
-  memset(p.step, 0, (size_t)p.n * sizeof *p.step);
-  lamc_loop_add(&p, count, p.x, p.step);
-  for (int i = 0; i < p.n; i++) {
-    const lamc_real change = fabs(p.step[i] - u[i]);
-    if (change > *moved) *moved = change;
-    u[i] = p.step[i];
-  }
+  /* Rates, by what of them opens the loops: the rest keeps its last digit */
+  for (int i = 0; i < p.m; i++) p.goal[i] = lamc_dot(p.n, p.j + (ptrdiff_t)i * p.n, u);
+  lamc_loop_solve(&p, count, p.goal, NULL, p.step);
+  const lamc_real change = largest(p.n, p.step);
+  if (change > *moved) *moved = change;
+  for (int i = 0; i < p.n; i++) u[i] += p.step[i];
   p.state[0] = (lamc_real)count;
   return LAMC_OK;
 }

@@ -69,6 +69,20 @@ def test_every_example_has_its_theory() -> None:
 
 
 @pytest.mark.parametrize("name", [*examples.names(), *SIZED, LARGEST])
+@pytest.mark.quick(
+    "bricard",
+    "five_bar",
+    "flaps",
+    "four_bar",
+    "limit_stop",
+    "pendulum",
+    "pendulum.cad",
+    "stiff_triple",
+    "vertex",
+    "miura:2x2",
+    "miura:1x4",
+    "n_four_bar:1",
+)
 def test_every_example_runs_as_it_is(name: str) -> None:
     sim = simulator(name)
     loops, rank, freedoms = THEORY[name]
@@ -113,7 +127,7 @@ def test_miura_creases_keep_the_published_relation(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("columns", "rows"),
-    [(4, 4), pytest.param(5, 5, marks=pytest.mark.slow), pytest.param(8, 8, marks=pytest.mark.slow)],
+    [(4, 4), pytest.param(5, 5, marks=pytest.mark.slow), pytest.param(8, 8, marks=pytest.mark.campaign)],
     # 8 x 8: half a minute
 )
 def test_a_large_miura_has_one_freedom(columns: int, rows: int) -> None:
@@ -180,6 +194,7 @@ def test_the_box_folds_its_corners_alike() -> None:
     assert corners.max() > 1.5
 
 
+@pytest.mark.slow
 def test_radau_comes_to_rest_in_few_steps() -> None:
     """At rest round-off of the slopes, large as the loops are nearly singular, is what is left to solve for."""
     loose, tight = (
@@ -295,6 +310,7 @@ def test_an_example_of_a_size_runs_and_splits_like_a_file(tmp_path: Path) -> Non
     assert run("split", "--example", "n_four_bar:3", "--out", str(tmp_path), "--quiet")[0] == 0
 
 
+@pytest.mark.slow
 def test_the_picture_shows_every_example(tmp_path: Path) -> None:
     code, out, _ = run("examples", "--picture", str(tmp_path / "all.png"), "--quiet", "--json")
     assert code == 0

@@ -29,6 +29,7 @@ SCENES = (
 
 
 @pytest.mark.parametrize(("name", "t_end"), SCENES)
+@pytest.mark.quick("pendulum-*", "four_bar-*", "limit_stop-*")
 def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, t_end, 38)[1:]
@@ -41,6 +42,7 @@ def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp
 
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5"])
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
+@pytest.mark.quick("pendulum-*", "four_bar-radau5")
 def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, 0.3, 11)[1:]
@@ -66,6 +68,7 @@ def four_bar(tmp_path_factory: pytest.TempPathFactory) -> Exported:
     return Exported(c_files(mechanism_of("four_bar")), tmp_path_factory.mktemp("four_bar"))
 
 
+@pytest.mark.slow
 def test_many_targets_change_nothing(crawler: Exported) -> None:
     few, many = crawler.instance(t_stop=0.1), crawler.instance(t_stop=0.1)
     crawler.trajectory(few, np.array([0.05, 0.1]))
@@ -171,6 +174,7 @@ def test_rates_of_change_outputs_and_derivatives_are_those_of_python(four_bar: E
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
+@pytest.mark.quick("pendulum")
 def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> None:
     """Errors against a run at the tightest tolerance fall by 16 where the step is halved; by 13 at least, since steps
     of this length leave some of the next order. The same bits with `real_time`, which has nothing else."""

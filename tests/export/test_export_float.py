@@ -52,6 +52,7 @@ def states(model: Exported, h: float, count: int) -> tuple[Any, np.ndarray[Any, 
 
 
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.quick("pendulum", "stiff_triple")
 def test_no_double_is_in_the_text(name: str) -> None:
     files = exported(name, real_time=True, precision="float")
     for file in (f"{name}.h", f"{name}.c"):
@@ -81,6 +82,7 @@ def test_it_is_cxx_too(tmp_path: Path) -> None:
     [("pendulum", 2.0**-10, 2000), ("four_bar", 2.0**-10, 2000), ("stiff_triple", 2.0**-15, 2000),
      ("limit_stop", 2.0**-13, 2000), ("crawler", 2.0**-15, 100)],
 )  # fmt: skip
+@pytest.mark.quick("pendulum-*", "limit_stop-*")
 def test_motion_differs_from_that_of_doubles_by_round_off(
     name: str, h: float, count: int, tmp_path: Path
 ) -> None:
@@ -198,6 +200,7 @@ def test_derivatives_are_those_of_doubles_to_their_digits(name: str, tmp_path: P
 
 @needs_cc
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.quick("pendulum", "stiff_triple")
 def test_bytes_of_an_instance_are_those_told(name: str, tmp_path: Path) -> None:
     from lamc.export.c import c_source
     from lamc.export.driven import simulator_of
@@ -210,6 +213,7 @@ def test_bytes_of_an_instance_are_those_told(name: str, tmp_path: Path) -> None:
 
 @needs_cc
 @pytest.mark.parametrize("name", ["pendulum", pytest.param("four_bar", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits."""
     printed = []

@@ -85,6 +85,7 @@ def outputs(model: Exported, it: Any) -> Any:
 
 
 @pytest.mark.parametrize("name", slow_but({"four_bar", "two_loops", "bricard", "vertex"}, LOOPS))
+@pytest.mark.quick("four_bar")
 def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any) -> None:
     """A second of the scene, whose loops stay away from singular positions."""
     pair = pairs(name)
@@ -102,6 +103,7 @@ def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "six_bar", "bricard", "waterbomb"])
+@pytest.mark.quick("four_bar")
 def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) -> None:
     pair = pairs(name)
     model, it = pair.single, pair.single.instance()
@@ -116,6 +118,7 @@ def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) 
 
 
 @pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.quick("2")
 def test_passages_through_a_singular_position_keep_branch_and_energy(count: int, pairs: Any) -> None:
     """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip. Twenty seconds have
     twenty passages. In each, without the fading equations, the branch is left to forces for as long as these are below
@@ -160,6 +163,7 @@ def started(model: Exported, count: int, state: Array) -> tuple[int, Any]:
 
 
 @pytest.mark.parametrize("name", [*LOOPS[:-1], *(pytest.param(n, marks=pytest.mark.slow) for n in SLOW)])
+@pytest.mark.quick("four_bar", "bricard", "vertex")
 def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs: Any) -> None:
     """Random states. Where an equation of the loops has next to no say, single precision cannot tell it from a
     redundant one, and which way the mechanism moves is left to forces: nothing more is asked there than numbers and

@@ -125,6 +125,7 @@ def header(mechanism: Mechanism, scene: Scene | None = None, **options: Any) -> 
 
 
 @needs_cc
+@pytest.mark.slow
 def test_who_says_which_hinges_take_torques() -> None:
     said = Scene(effects=(ExternalTorque(("h 1",)),))
     assert "h_1_torque" in header(flap())

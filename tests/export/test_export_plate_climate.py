@@ -217,6 +217,7 @@ def _held(*loads: LoadRecord) -> Problem:
         (plate.ElectricField([1.0, lambda x, y: x + y]), "ElectricField"),
     ],
 )
+@pytest.mark.quick("load_record0-*", "load_record3-*")
 def test_a_climate_that_varies_is_refused_or_left_out_and_told(load_record: LoadRecord, kind: str) -> None:
     own = _held(load_record, plate.Temperature(3.0))
     with pytest.raises(
@@ -248,6 +249,7 @@ def test_the_refusal_tells_the_place_in_the_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["thermal", "bimorph"])
+@pytest.mark.quick("bimorph")
 def test_examples_that_expand_move_as_lamc_says(load: Load, name: str) -> None:
     """A corner of each, within the digits that the condition leaves."""
     from lamc.examples import plates

@@ -175,6 +175,7 @@ int main(void) {{
 
 
 @pytest.mark.parametrize("name", ["oblique", "squares"])
+@pytest.mark.quick("oblique")
 def test_points_are_looked_up_cleanly_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     """On and around the plate; as many are on it as its area, give or take the squares that its rim crosses."""
     flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")

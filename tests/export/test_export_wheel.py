@@ -48,7 +48,7 @@ def the_wheel(files: Mapping[str, bytes]) -> tuple[str, bytes]:
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A fresh environment, in which cffi alone can be imported besides what is installed there."""
     folder = tmp_path_factory.mktemp("fresh")
-    subprocess.run([sys.executable, "-m", "venv", str(folder / "venv")], check=True)
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder / "venv")], check=True)
     installed = Path(cffi.__file__).parent.parent
     needed = folder / "needed"
     needed.mkdir()
@@ -61,8 +61,10 @@ def install(python: Path, *wheels: tuple[str, bytes]) -> None:
     for name, content in wheels:
         path = python.parent.parent / name
         path.write_bytes(content)
-        pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--no-deps", "--no-index"]
-        done = subprocess.run([*pip, str(path)], capture_output=True, text=True, check=False)
+        pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", str(python), "install"]
+        done = subprocess.run(
+            [*pip, "--no-deps", "--no-index", str(path)], capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0, done.stderr
 
 
@@ -89,6 +91,7 @@ def told(work, *arguments):
 
 
 @pytest.mark.parametrize("name", slow_but({"four_bar", "crawler"}, KINDS))
+@pytest.mark.quick("four_bar")
 def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path) -> None:
     install(python, wheel_of(name))
     t_end = DURATION[name]
@@ -105,6 +108,7 @@ def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path
     assert found.tobytes() == np.hstack([expected.q, expected.u]).tobytes()
 
 
+@pytest.mark.slow
 def test_states_copies_inputs_and_refusals(python: Path) -> None:
     install(python, wheel_of("pendulum"), wheel_of("limit_stop"))
     found = run(
@@ -278,11 +282,13 @@ def test_steps_of_fixed_length_alone(python: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["json", "lambda", "cffi"])
+@pytest.mark.quick("json", "cffi")
 def test_names_that_no_package_can_have_are_refused(name: str) -> None:
     with pytest.raises(ExportError, match=f"{name}_model"):
         files_of(replace(mechanism_of("pendulum"), name=name), "wheel", scene_of("pendulum"))
 
 
+@pytest.mark.slow
 def test_a_hostile_name_stays_a_name(python: Path) -> None:
     mechanism = replace(mechanism_of("pendulum"), name='""" + exit(1) + """ \\')
     files = files_of(mechanism, "wheel", scene_of("pendulum"), lamc.ExportOptions(prefix="type_error"))

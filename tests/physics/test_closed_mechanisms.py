@@ -114,6 +114,7 @@ def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> bool:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.quick("planar", "spherical", "bennett")
 def test_every_family_closes_as_drawn_and_moves(family: str) -> None:
     assert examine(closed_mechanism(family, seed=5), seed=1, damped=False)
 
@@ -137,7 +138,7 @@ def test_random_closed_mechanisms(closed: ClosedMechanism, seed: int, damped: bo
     assume(examine(closed, seed, damped=damped))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @settings(max_examples=250, phases=AS_DRAWN, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(closed=closed_mechanisms(), seed=st.integers(0, 2**31), damped=st.booleans())
 def test_many_random_closed_mechanisms(closed: ClosedMechanism, seed: int, damped: bool) -> None:

@@ -205,6 +205,7 @@ def test_chain_of_bending_bodies_moves_as_particles_do(base: str) -> None:
         assert np.abs(found - expected).max() <= 1e-8 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_loads_at_points_and_hinges_store_and_release_all_their_energy() -> None:
     mechanism, strips = skewed()
     tip = strips[1].places[-1]

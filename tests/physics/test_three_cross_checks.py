@@ -49,7 +49,7 @@ def test_three_cross_checks_agree_on_random_trees(mechanism: Mechanism, seed: in
     compare(mechanism, seed)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
 def test_three_cross_checks_agree_on_many_random_trees(mechanism: Mechanism, seed: int) -> None:
@@ -57,6 +57,7 @@ def test_three_cross_checks_agree_on_many_random_trees(mechanism: Mechanism, see
 
 
 @pytest.mark.parametrize(("kind", "n"), [("parallel", 45), ("laminate", 20)])
+@pytest.mark.quick("laminate-20")
 def test_three_cross_checks_agree_where_the_c_is_laid_out_in_loops(kind: str, n: int) -> None:
     compare(random_tree(n, seed=n, kind=kind), seed=1)
 

@@ -86,6 +86,7 @@ STRIPS = {
 
 
 @pytest.mark.parametrize("name", STRIPS)
+@pytest.mark.quick("film", "fibres askew")
 def test_elements_lie_between_beam_and_plate(name: str) -> None:
     """Nearer to the beam for short strips, nearer to the plate for long ones."""
     parts = []

@@ -111,6 +111,7 @@ def test_an_ellipse(size: float) -> None:
         ),
     ],
 )
+@pytest.mark.quick("drawn0-*")
 def test_curves_that_end_at_straight_sides(drawn: Polygon, finer: Polygon) -> None:
     """Against four times the corners, of which cells see each as an edge of their own."""
     at = (0.0, 0.04) if drawn.bounds[1] == 0.0 else (0.0, 0.0)
@@ -169,6 +170,7 @@ outputs: [{at: [0, 0]}]
 
 @pytest.mark.parametrize("size", [10e-3, 5e-3, 2.5e-3])
 @pytest.mark.parametrize(("kind", "exact"), [("simply_supported", DISK), ("clamped", P * R**4 / (64.0 * D))])
+@pytest.mark.quick("*-0.01", "*-0.005")
 def test_a_circle_of_a_file_gets_better_with_its_mesh_and_the_estimate_knows(
     kind: str, exact: float, size: float
 ) -> None:

@@ -27,6 +27,7 @@ from tests.support.staged_elements import (
 
 
 @pytest.mark.parametrize("name", ALL)
+@pytest.mark.quick("bciz", "dkt", "cst", "lst", "q4", "q8", "dkt+cst", "bfs")
 def test_matrices_and_vectors_agree_with_numeric_quadrature(name: str) -> None:
     """ReferenceElement states elements by nodal conditions and integrates numerically, without sympy."""
     own, reference = staged(name), ReferenceElement(name)

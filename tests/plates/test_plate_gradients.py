@@ -205,6 +205,7 @@ def test_deflection_at_a_point_changes_as_differences_say() -> None:
     check(found, lambda p: float(plate.solve(p).deflection(*at)), problem, 1e-8)
 
 
+@pytest.mark.slow
 def test_weight_and_heat_change_with_the_plies_too() -> None:
     """Thicker plies weigh more and expand more strongly; a field works on what is piezoelectric."""
     loads = [plate.SelfWeight((0, 0, -9.81)), plate.Temperature(20.0), plate.ElectricField((1e4, 0.0, 2e4))]
@@ -255,6 +256,7 @@ def test_moved_supports_count_as_loads() -> None:
 
 
 @pytest.mark.parametrize("inertia", [True, False])
+@pytest.mark.quick("True")
 def test_frequency_changes_as_differences_say(inertia: bool) -> None:
     problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))
     modes = plate.modes(problem, 4, in_plane_inertia=inertia)

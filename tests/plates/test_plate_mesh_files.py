@@ -15,10 +15,13 @@ from shapely.geometry import box
 from lamc import plate
 from lamc.basics.errors import DesignError, LamcError, UnsupportedError
 from lamc.plates.meshing.mesh import Mesh
+from tests.support.quick import tries
 
 FORMATS = (".msh", ".vtk", ".vtu", ".inp", ".mesh")
 PATIENCE = 5.0  # s; a tenth is usual, but the machine may be busy with other tests
-FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(
+    max_examples=tries(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 SQUARE = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
 TWO = np.array([(0, 1, 2), (0, 2, 3)])
 

@@ -46,6 +46,7 @@ def case(shared: Path, name: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("name", "support"), [("freq_cccc", CLAMPED), ("freq_ssss", SIMPLE)])
+@pytest.mark.quick("freq_ssss*")
 def test_square_vibrates_as_published(shared: Path, name: str, support: Any) -> None:
     entry = case(shared, name)
     count = len(entry["expected"])

@@ -1,5 +1,6 @@
 """Commands do their work where streams are closed, as those of daemons are, or nobody reads them any more."""
 
+import json
 import os
 import subprocess
 import sys
@@ -9,6 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from lamc.cli import main
+from tests.support.paths import ROOT
+from tests.support.quick import QUICKLY
 
 COMMANDS = {
     "run": "run --example flaps --t-end 0.05 --no-animation --out o",
@@ -31,16 +34,48 @@ def shell(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(["sh", "-c", whole], cwd=folder, capture_output=True, text=True, timeout=600)
 
 
+# argv: commands by name, as JSON. Each has a folder of its own; what it prints follows its name. codes.json: exit codes
+_ALL = """
+import json, os, sys
+from lamc.cli import main
+COMMANDS = json.loads(sys.argv[1])
+codes, here = {}, os.getcwd()
+for name, line in COMMANDS.items():
+    os.makedirs(name)
+    os.chdir(name)
+    print("=====", name, flush=True)
+    try:
+        main(line.split())
+    except SystemExit as ended:
+        codes[name] = ended.code
+    os.chdir(here)
+with open("codes.json", "w") as file:
+    json.dump(codes, file)
+"""
+
+
 @posix_only
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_works_with_stderr_closed(name: str, tmp_path: Path) -> None:
-    ended = shell(f"{COMMANDS[name]} 2>&-", tmp_path)
+def test_every_command_works_with_stderr_closed(tmp_path: Path) -> None:
+    """One process for all of them: the stream is closed before it starts."""
+    (tmp_path / "all.py").write_text(QUICKLY + _ALL)
+    ended = subprocess.run(
+        ["sh", "-c", f"exec '{sys.executable}' all.py '{json.dumps(COMMANDS)}' 2>&-"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert ended.returncode == 0, ended.stdout
-    assert ended.stdout
+    assert json.loads((tmp_path / "codes.json").read_text()) == dict.fromkeys(COMMANDS, 0), ended.stdout
+    _, *printed = ended.stdout.split("===== ")
+    assert [text.partition("\n")[0] for text in printed] == list(COMMANDS)
+    assert all(text.partition("\n")[2] for text in printed)
 
 
 @posix_only
 @pytest.mark.parametrize("closed", [">&- 2>&-", "<&- >&- 2>&-", ">&-"])
+@pytest.mark.quick("<&-*")
 def test_results_hold_nothing_else_where_all_streams_are_closed(closed: str, tmp_path: Path) -> None:
     ended = shell(f"{COMMANDS['run']} {closed}", tmp_path)
     assert ended.returncode == 0, ended.stderr
@@ -56,6 +91,7 @@ def test_an_error_keeps_its_exit_code_where_nobody_can_be_told(tmp_path: Path) -
 
 
 @posix_only
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 def test_work_goes_on_where_stderr_cannot_be_written(tmp_path: Path) -> None:
     """It ended the run with an exit code of 0 and no results where a pipe had lost its reader."""

@@ -218,6 +218,7 @@ def test_the_film_is_a_gif_without_ffmpeg(
     assert (foot[:, third:-third] == 255).all()
 
 
+@pytest.mark.slow
 def test_an_ffmpeg_that_fails_gives_a_gif(result: Result, tmp_path: Path) -> None:
     assert draw_animation(result, tmp_path, ffmpeg="/bin/false").name == "animation.gif"
     assert [p.name for p in tmp_path.iterdir()] == ["animation.gif"]

@@ -53,6 +53,7 @@ def simulator(name: str, compiler: str | None = None) -> lamc.Simulator:
 @needs_zig
 @needs_cc
 @pytest.mark.parametrize("name", ["flaps", "four_bar"])
+@pytest.mark.slow
 def test_models_by_zig_are_those_of_the_systems_compiler(name: str, only_zig: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PATH", os.defpath)
@@ -64,6 +65,7 @@ def test_models_by_zig_are_those_of_the_systems_compiler(name: str, only_zig: Pa
 
 
 @needs_zig
+@pytest.mark.slow
 def test_plates_by_zig_have_elements_plies_and_a_mesher(only_zig: Path) -> None:
     module = element_module(DKT)
     assert "ziglang" in module.compiler
@@ -78,6 +80,7 @@ def test_plates_by_zig_have_elements_plies_and_a_mesher(only_zig: Path) -> None:
 
 @needs_zig
 @pytest.mark.parametrize("target", ["fmu", "wheel"])
+@pytest.mark.slow
 def test_exports_by_zig_hold_a_library(target: str, only_zig: Path) -> None:
     files = files_of(simulator("flaps").mechanism, target)
     (archive,) = [name for name in files if name.endswith((".fmu", ".whl"))]
@@ -90,6 +93,7 @@ def test_exports_by_zig_hold_a_library(target: str, only_zig: Path) -> None:
 
 
 @needs_zig
+@pytest.mark.slow
 def test_doctor_builds_and_runs_a_model_by_zig_where_no_home_can_be_used(
     only_zig: Path, tmp_path: Path
 ) -> None:

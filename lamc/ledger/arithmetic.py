@@ -18,7 +18,9 @@ from lamc.ledger.runners import Own, grid
 from lamc.records.scene import Scene
 
 _TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # at which the floor is looked for
-_OF_FLOATS = 4  # of them: below 1e-10, steps with the round-off of single precision are tried in vain, for minutes
+_OF_FLOATS = (
+    4  # of them: below 1e-10, steps with the round-off of single precision are tried in vain, for minutes
+)
 _REPEATS = 0.3  # s
 
 

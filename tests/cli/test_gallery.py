@@ -111,6 +111,7 @@ def test_every_example_tells_what_is_hard_and_where_to_look(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["miura:2x2", "miura:3x3", "miura:2x5", "miura:4x3", LARGEST])
+@pytest.mark.quick("miura:2x2", "miura:3x3")
 def test_miura_creases_keep_the_published_relation(name: str) -> None:
     """Tachi 2009: zigzag creases alike, straight ones alike, tan(s/2) = cos(acute angle) tan(z/2)."""
     result = folded(name, 1.0, 1e-9)
@@ -302,6 +303,7 @@ def test_copy_without_a_name_is_refused(tmp_path: Path) -> None:
     assert "--copy needs the name of an example" in err
 
 
+@pytest.mark.slow
 def test_an_example_of_a_size_runs_and_splits_like_a_file(tmp_path: Path) -> None:
     words = ("--example", "miura:2x3", "--out", str(tmp_path), "--quiet")
     assert run("run", *words, "--t-end", "0.1", "--no-animation")[0] == 0

@@ -139,6 +139,7 @@ def test_ctrl_c_keeps_what_is_measured(design: str) -> None:
     assert (folder / "ledger.png").is_file()
 
 
+@pytest.mark.slow
 def test_ctrl_c_before_anything_is_measured_writes_nothing(design: str) -> None:
     code, out, err = interrupted_after("reference …", "--t-end", "1e5", "--budget", "10 min")
     assert code == 130

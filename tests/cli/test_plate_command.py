@@ -247,6 +247,7 @@ def test_a_plate_under_its_critical_load_is_told_what_it_bears(tmp_path: Path) -
     assert factor == pytest.approx(exact, rel=1e-2)  # second order, at 16 cells
 
 
+@pytest.mark.slow
 def test_strength_is_told_where_it_is_known_and_large_deflections_are_warned_of() -> None:
     cooled = answer("--example", "thermal")["cases"][""]
     # Every point alike: transverse tension beyond cure, Yt over the stress within a few per cent of Tsai-Wu's ratio.

@@ -129,6 +129,7 @@ def test_names_from_a_design_stay_names(tmp_path: Path) -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_c_and_cxx_give_the_same_bits(tmp_path: Path) -> None:
     files = c_files(hostile(), options=ExportOptions(prefix="chain"))
     states = []

@@ -71,7 +71,7 @@ int main() {
 @needs("g++")
 @pytest.mark.parametrize("integrator", ["auto", "rodas5p"])
 @pytest.mark.parametrize("name", slow_but({"pendulum", "four_bar"}, [*KINDS, "stiff_triple"]))
-@pytest.mark.quick("pendulum-auto", "four_bar-rodas5p")
+@pytest.mark.quick("pendulum-auto")
 def test_no_step_takes_more(name: str, integrator: str, tmp_path: Path) -> None:
     options = lamc.ExportOptions(real_time=True, integrator=integrator, prefix="model", jacobian=False)
     source = c_source(simulator_of(mechanism_of(name), scene_of(name), options), options)

@@ -76,6 +76,7 @@ def test_many_targets_change_nothing(crawler: Exported) -> None:
     assert crawler.state(few) == crawler.state(many)
 
 
+@pytest.mark.slow
 def test_a_state_goes_on_with_the_same_bits_elsewhere(crawler: Exported) -> None:
     """In another instance, through bytes as a file would hold them, and in a copy by assignment."""
     times = np.linspace(0.0, 0.1, 21)[1:]

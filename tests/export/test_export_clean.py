@@ -177,7 +177,7 @@ int main(void) {
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum", "limit_stop")
+@pytest.mark.quick("limit_stop")
 def test_every_function_runs_clean_under_the_address_and_undefined_behaviour_sanitizers(
     name: str, tmp_path: Path
 ) -> None:
@@ -252,6 +252,7 @@ def with_threads(folder: Path, names: Sequence[str], *flags: str) -> str:
     return does([folder / "threads"], folder)
 
 
+@pytest.mark.slow
 def test_eight_threads_run_four_models_and_get_the_bits_of_one(tmp_path: Path) -> None:
     assert with_threads(tmp_path, KINDS, "-std=c99") == "alike\n"
 

@@ -71,6 +71,7 @@ def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], t
 
 
 @needs("g++")
+@pytest.mark.slow
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", real_time=True, precision="float"), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])

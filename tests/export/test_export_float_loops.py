@@ -118,7 +118,7 @@ def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) 
 
 
 @pytest.mark.parametrize("count", [2, 3])
-@pytest.mark.quick("2")
+@pytest.mark.slow
 def test_passages_through_a_singular_position_keep_branch_and_energy(count: int, pairs: Any) -> None:
     """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip. Twenty seconds have
     twenty passages. In each, without the fading equations, the branch is left to forces for as long as these are below

@@ -87,6 +87,7 @@ class TestEveryKind:
         assert "central differences" in page
         assert f"FMI {fmi}.0" in page
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_trajectory_is_that_of_the_simulator_to_the_last_bit(self, made, name, fmi):
         simulator, _, folder = made(name, fmi)
         fmu = Fmu(folder).begin(stop=T_END)

@@ -150,7 +150,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-@pytest.mark.quick("3")
+@pytest.mark.slow
 def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
     folder = sources("five_bar", fmi)
     (tmp_path / "driver.c").write_text(DRIVER_2 if fmi == 2 else DRIVER_3)
@@ -172,6 +172,7 @@ def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++"])
+@pytest.mark.quick("*-3")
 def test_sources_compile_without_a_warning(sources, fmi, compiler, tmp_path):
     if shutil.which(compiler) is None:
         pytest.skip(f"needs {compiler}")

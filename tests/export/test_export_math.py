@@ -49,6 +49,7 @@ def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path)
 
 
 @needs("g++")
+@pytest.mark.slow
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", libm=False), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])

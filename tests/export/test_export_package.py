@@ -94,7 +94,7 @@ def test_the_header_begins_with_a_step_that_is_stable(name: str) -> None:
 
 
 @pytest.mark.parametrize("options", [{}, {"real_time": True}, {"real_time": True, "precision": "float"}])
-@pytest.mark.quick("options1")
+@pytest.mark.slow
 def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_path: Path) -> None:
     """A fixed step has four right-hand sides; a call to the next row of the table has one at least, of six a step."""
     folder = put(exported("pendulum", **options), tmp_path)
@@ -110,7 +110,7 @@ def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_pa
 
 
 @pytest.mark.parametrize(("name", "compiler"), builds(KINDS))
-@pytest.mark.quick("pendulum-gcc")
+@pytest.mark.slow
 def test_it_builds_without_a_warning_and_prints_the_same_bytes(
     name: str, compiler: Sequence[str], tmp_path: Path
 ) -> None:
@@ -154,7 +154,7 @@ def test_the_example_refuses_words_that_it_does_not_know(tmp_path: Path) -> None
 
 @needs("g++")
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum", "limit_stop")
+@pytest.mark.quick("pendulum")
 def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", "-c", *STRICT, f"{name}.c", "-o", "c.o", command=["g++"])
@@ -188,7 +188,7 @@ int main() {
 
 @needs("g++")
 @pytest.mark.parametrize("single", [False, True])
-@pytest.mark.quick("True")
+@pytest.mark.slow
 def test_two_models_live_in_one_cxx_program(single: bool, tmp_path: Path) -> None:
     """As C objects and as single headers in one file of C++; both ways the same bits."""
     names = ("pendulum", "four_bar")
@@ -301,7 +301,8 @@ def application(folder: Path, cmake: str) -> Path:
 
 
 @needs("cmake")
-@pytest.mark.parametrize("shared", ["OFF", pytest.param("ON", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("shared", ["OFF", "ON"])
 def test_cmake_finds_it_installed_and_in_its_build_tree(shared: str, tmp_path: Path) -> None:
     prefix = tmp_path / "prefix"
     for name in MODELS:
@@ -323,7 +324,6 @@ def test_cmake_finds_it_installed_and_in_its_build_tree(shared: str, tmp_path: P
 
 
 @needs("cmake")
-@pytest.mark.slow
 def test_cmake_takes_several_folders_into_one_project(tmp_path: Path) -> None:
     for name in MODELS:
         put(exported(name), tmp_path / name)

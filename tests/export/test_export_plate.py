@@ -54,6 +54,7 @@ def test_the_matrix_has_the_bits_of_the_compiler_own(load: Load, name: str) -> N
     assert columns == pattern_of(made).indices.tolist()
 
 
+@pytest.mark.slow
 def test_oblique_supports_and_hinge_lines_give_the_same_matrix(load: Load) -> None:
     """Sums of a few products in another order: each within some units of round-off of the largest beside it."""
     made = system(problem("oblique"))
@@ -66,6 +67,7 @@ def test_oblique_supports_and_hinge_lines_give_the_same_matrix(load: Load) -> No
 
 
 @pytest.mark.parametrize("name", sorted(MAKERS))
+@pytest.mark.quick("coupled", "oblique", "square")
 def test_every_node_moves_as_the_solver_says(load: Load, name: str) -> None:
     """Within the digits that the condition leaves to a solution in double precision; lamc's own is refined beyond."""
     own = problem(name)
@@ -170,7 +172,7 @@ def test_one_cell_is_that_of_quadrature(load: Load, name: str, element: str) -> 
 
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", sorted(MAKERS))
-@pytest.mark.quick("coupled-gcc", "squares-gcc", "warm-clang")
+@pytest.mark.quick("coupled-gcc", "warm-clang")
 def test_it_builds_without_a_warning_and_prints_the_same(
     name: str, compiler: list[str], tmp_path: Path
 ) -> None:
@@ -216,7 +218,7 @@ def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
-@pytest.mark.quick("coupled", "squares")
+@pytest.mark.quick("coupled")
 def test_it_runs_clean_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     if not sanitizer_works(tmp_path, *flags):

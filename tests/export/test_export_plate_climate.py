@@ -103,6 +103,7 @@ def test_plies_and_climates_are_parameters(load: Load) -> None:
             assert np.abs(found[:, column] - expected).max() < 1e-9 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_a_cooled_cross_ply_becomes_the_saddle_of_laminate_theory(load: Load) -> None:
     """[0/90] cooled by 150 K on three points: curvature is the same everywhere, so w is a saddle, and the element,
     which holds constant strains, is exact on any mesh: what is left is round-off by the condition."""

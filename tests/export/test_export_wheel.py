@@ -160,6 +160,7 @@ def test_states_copies_inputs_and_refusals(python: Path) -> None:
     assert found["bodies"] == ["link_1", "link_2", "link_3"]
 
 
+@pytest.mark.slow
 def test_what_is_no_name_and_no_number_is_reported_in_one_line(python: Path) -> None:
     install(python, wheel_of("pendulum"))
     calls = {
@@ -200,6 +201,7 @@ def test_it_starts_from_what_it_gave_and_shows_its_own_names_alone(python: Path)
     assert not {"Mapping", "TypedDict", "annotations", "dataclass"} & set(names)
 
 
+@pytest.mark.slow
 def test_types_hold_for_who_checks_them(tmp_path: Path) -> None:
     """The package itself, strictly, and a program that uses it; cffi has no types of its own."""
     (tmp_path / "it.whl").write_bytes(wheel_of("pendulum")[1])
@@ -254,6 +256,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
     assert the_wheel(again) == wheel_of("pendulum")
 
 
+@pytest.mark.slow
 def test_what_the_readme_shows_runs(python: Path) -> None:
     files = files_of(mechanism_of("pendulum"), "wheel", scene_of("pendulum"))
     readme, wheel = files["README.md"].decode(), the_wheel(files)

@@ -108,6 +108,7 @@ def test_steps_of_fixed_length_say_so_too() -> None:
     assert 0.0 < t - end < 2.0 * h  # of the step over the jump
 
 
+@pytest.mark.slow
 def test_check_does_not_vouch_for_what_all_cross_checks_share() -> None:
     sim = spun(-1, "BC")
     report = check(sim, states=3, t_end=0.02)

@@ -113,6 +113,7 @@ def test_one_pendulum_written_out_is_the_textbook_equation() -> None:
 # ---- no swell -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_expressions_do_not_swell() -> None:
     equations = equations_of(chain(30, "space", seed=2), ALL_PASSIVE)
     largest = max(sp.count_ops(a.expression) for a in equations.assignments)

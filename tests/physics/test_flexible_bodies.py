@@ -267,6 +267,7 @@ def test_tip_force_on_a_still_beam_deflects_it_as_statics_says() -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_bending_bodies_compile_and_run_as_their_equations_say() -> None:
     mechanism, strips = skewed()
     effects = (GRAVITY, HingeStiffness(), HingeDamping(), Bending(tuple(s.flexible for s in strips)))

@@ -14,7 +14,7 @@ import lamc
 from lamc.codegen.build import write_sources
 from lamc.pipeline import sources_of
 from lamc.run.simulator import Simulator
-from tests.support.ctools import SANITIZED, cc, needs_cc, objects_of, output_of
+from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
 from tests.support.mechanisms import from_reference
 
 CASES = (
@@ -224,6 +224,7 @@ def test_accelerations_keep_the_loops_closed(cases: dict[str, Any]) -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_c_of_a_mechanism_with_loops_is_strict_and_clean_under_sanitizers(
     cases: dict[str, Any], tmp_path: Path
 ) -> None:
@@ -240,7 +241,7 @@ def test_c_says_where_a_spring_reads_an_angle_that_jumps(cases: dict[str, Any], 
     sim = simulator(cases["miura22"])
     _, tree = sources_of(sim.equations)
     write_sources(tree, tmp_path)
-    cc(tmp_path, *SANITIZED, "main.c", *objects_of(tree, tmp_path, *SANITIZED), "-o", "run", "-lm")
+    cc(tmp_path, *STRICT, "main.c", *objects_of(tree, tmp_path, *STRICT), "-o", "run", "-lm")
     done = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, timeout=120, check=False)
     assert (done.returncode, done.stderr.partition(",")[0]) == (
         1,

@@ -39,7 +39,7 @@ def tries(count: int) -> int:
     """How many examples hypothesis tries of a test: a fifth without `--thorough`, and the same ones in each run."""
     from hypothesis import settings
 
-    return count if settings.get_current_profile_name() == "thorough" else max(10, count // 5)
+    return count if settings.get_current_profile_name() == "thorough" else max(3, count // 5)
 
 
 def quickly(flags: Sequence[str]) -> tuple[str, ...]:

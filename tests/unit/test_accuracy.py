@@ -297,6 +297,7 @@ def test_what_is_no_accuracy_is_refused(arguments: Mapping[str, Any], reported: 
         triple(0.0).run(1.0, **{"accuracy": 1e-3, **arguments})
 
 
+@pytest.mark.slow
 def test_the_command_tells_error_choice_and_cost(tmp_path: Path) -> None:
     words = ["run", "--example", "two_loops", "--t-end", "1", "--accuracy", "0.1 %", "--no-animation"]
     done = CliRunner().invoke(main, [*words, "--out", str(tmp_path)], standalone_mode=False)

@@ -435,6 +435,7 @@ def test_a_compiler_that_changed_is_another_compiler(root: Path, tmp_path: Path)
     assert not compiled(compiler=name)[1].from_cache
 
 
+@pytest.mark.slow
 def test_a_killed_build_leaves_nothing_that_counts(root: Path, tmp_path: Path) -> None:
     """The whole process dies while the compiler runs; the next one builds as if nothing had been."""
     checkout = ROOT

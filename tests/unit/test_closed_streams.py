@@ -13,16 +13,19 @@ from lamc.cli import main
 from tests.support.paths import ROOT
 from tests.support.quick import QUICKLY
 
-COMMANDS = {
+Commands = dict[str, str]
+COMMANDS: Commands = {
     "run": "run --example flaps --t-end 0.05 --no-animation --out o",
     "split": "split --example flaps --out o",
     "check": "check --example pendulum --states 2 --t-end 0.01",
     "build": "build --example pendulum --out o",
     "export": "export --example pendulum --out o",
+    "schema": "schema",
+}
+SLOW: Commands = {
     "plate": "plate --example strip --out o",
     "ledger": "ledger --example pendulum --budget 1s --out o",
     "examples": "examples",
-    "schema": "schema",
     "doctor": "doctor",
 }
 posix_only = pytest.mark.skipif(os.name != "posix", reason="the shell closes the streams")
@@ -55,11 +58,12 @@ with open("codes.json", "w") as file:
 
 
 @posix_only
-def test_every_command_works_with_stderr_closed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("commands", [COMMANDS, pytest.param(SLOW, marks=pytest.mark.slow)])
+def test_every_command_works_with_stderr_closed(commands: Commands, tmp_path: Path) -> None:
     """One process for all of them: the stream is closed before it starts."""
     (tmp_path / "all.py").write_text(QUICKLY + _ALL)
     ended = subprocess.run(
-        ["sh", "-c", f"exec '{sys.executable}' all.py '{json.dumps(COMMANDS)}' 2>&-"],
+        ["sh", "-c", f"exec '{sys.executable}' all.py '{json.dumps(commands)}' 2>&-"],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(tmp_path / "cache")},
         capture_output=True,
@@ -67,9 +71,9 @@ def test_every_command_works_with_stderr_closed(tmp_path: Path) -> None:
         timeout=600,
     )
     assert ended.returncode == 0, ended.stdout
-    assert json.loads((tmp_path / "codes.json").read_text()) == dict.fromkeys(COMMANDS, 0), ended.stdout
+    assert json.loads((tmp_path / "codes.json").read_text()) == dict.fromkeys(commands, 0), ended.stdout
     _, *printed = ended.stdout.split("===== ")
-    assert [text.partition("\n")[0] for text in printed] == list(COMMANDS)
+    assert [text.partition("\n")[0] for text in printed] == list(commands)
     assert all(text.partition("\n")[2] for text in printed)
 
 

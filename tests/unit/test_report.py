@@ -170,6 +170,7 @@ def test_one_metre_is_as_long_across_as_it_is_up(result: Result) -> None:
     assert np.linalg.det(axes) == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_folded_device_shows_every_body(result: Result, tmp_path: Path) -> None:
     path = draw_folded(result, tmp_path / "f.png")
     with Image.open(path) as image:
@@ -197,6 +198,7 @@ def test_bodies_without_outline_are_drawn_as_sticks(tmp_path: Path) -> None:
 # --- film ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_film_is_a_gif_without_ffmpeg(
     result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -113,6 +113,7 @@ def test_doctor_builds_and_runs_a_model_by_zig_where_no_home_can_be_used(
 
 
 @needs_zig
+@pytest.mark.slow
 def test_objects_are_made_one_by_one(only_zig: Path, tmp_path: Path) -> None:
     """`zig cc -c a.c b.c` makes a.o only, and exits with 0."""
     for name in "ab":

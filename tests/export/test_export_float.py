@@ -20,7 +20,6 @@ from tests.support.ctools import needs_cc
 from tests.support.exported import C99, Exported
 from tests.support.exported_folders import (
     STRICT,
-    builds,
     cc,
     compilers,
     does,
@@ -63,7 +62,9 @@ def test_no_double_is_in_the_text(name: str) -> None:
 
 
 @needs_cc
-@pytest.mark.parametrize(("name", "compiler"), builds(MODELS))
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.quick("pendulum-*")
 def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], tmp_path: Path) -> None:
     folder = put(exported(name, real_time=True, precision="float"), tmp_path)
     flags = ("-std=c99", *STRICT, "-Wdouble-promotion", "-O2", "-c", f"{name}.c", "-o", "it.o")

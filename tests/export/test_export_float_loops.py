@@ -14,7 +14,6 @@ from lamc.export.driven import simulator_of
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
 from tests.support.exported import Exported, c_files
-from tests.support.quick import slow_but
 
 pytestmark = needs_cc
 
@@ -25,7 +24,6 @@ LOOPS = (
     "four_bar", "five_bar", "six_bar", "two_loops", "bricard", "sarrus", "vertex", "waterbomb", "miura:2x2",
     "miura:3x3",
 )  # fmt: skip
-SLOW = ("miura:3x3", "folding_box")
 H = 2.0**-10  # s, exact in both precisions
 CLOSED, LOST = (
     2e-6,
@@ -84,7 +82,7 @@ def outputs(model: Exported, it: Any) -> Any:
     return found
 
 
-@pytest.mark.parametrize("name", slow_but({"four_bar", "two_loops", "bricard", "vertex"}, LOOPS))
+@pytest.mark.parametrize("name", LOOPS)
 @pytest.mark.quick("four_bar")
 def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any) -> None:
     """A second of the scene, whose loops stay away from singular positions."""
@@ -162,7 +160,7 @@ def started(model: Exported, count: int, state: Array) -> tuple[int, Any]:
     return model.call("start", it, 0.0, state[:count].tolist(), state[count:].tolist()), it
 
 
-@pytest.mark.parametrize("name", [*LOOPS[:-1], *(pytest.param(n, marks=pytest.mark.slow) for n in SLOW)])
+@pytest.mark.parametrize("name", [*LOOPS[:-1], "miura:3x3", "folding_box"])
 @pytest.mark.quick("four_bar", "bricard", "vertex")
 def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs: Any) -> None:
     """Random states. Where an equation of the loops has next to no say, single precision cannot tell it from a

@@ -14,7 +14,6 @@ from tests.support.exported_folders import (
     DURATION,
     KINDS,
     STRICT,
-    builds,
     cc,
     compilers,
     does,
@@ -31,7 +30,8 @@ MODELS = (*KINDS, "stiff_triple")
 
 
 @needs("nm")
-@pytest.mark.parametrize(("name", "compiler"), builds(MODELS))
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("name", MODELS)
 @pytest.mark.quick("pendulum-gcc")
 def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path) -> None:
     """But blocks of memory, which compilers copy and clear by calls whether a program says so or not."""

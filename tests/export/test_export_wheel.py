@@ -25,7 +25,6 @@ from lamc.export import files_of
 from lamc.export.wheel import class_name
 from tests.support.ctools import needs_cc
 from tests.support.exported_folders import DURATION, KINDS, mechanism_of, scene_of
-from tests.support.quick import slow_but
 
 pytestmark = needs_cc
 
@@ -90,7 +89,7 @@ def told(work, *arguments):
 """
 
 
-@pytest.mark.parametrize("name", slow_but({"four_bar", "crawler"}, KINDS))
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.quick("four_bar")
 def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path) -> None:
     install(python, wheel_of(name))

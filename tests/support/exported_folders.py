@@ -47,17 +47,6 @@ def compilers() -> list[ParameterSet]:
     ]
 
 
-def builds(names: Sequence[str]) -> list[object]:
-    """(name, command) of every model and compiler, for tests that optimise, which takes seconds a model: the first
-    model by every compiler in each run, the others among the slow tests."""
-    return [
-        pytest.param(name, *known.values, id=f"{name}-{known.id}", marks=[*known.marks, *slow])
-        for name in names
-        for slow in [[pytest.mark.slow] if name != names[0] else []]
-        for known in compilers()
-    ]
-
-
 def needs(*programs: str) -> pytest.MarkDecorator:
     missing = [program for program in programs if shutil.which(program) is None]
     return pytest.mark.skipif(bool(missing), reason=f"needs {', '.join(missing)}")

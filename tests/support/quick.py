@@ -7,13 +7,12 @@ The runtime of other caches, those of tests of the cache and of ledgers, is comp
 twenty calls of the compiler that give the same bytes. `pytest --as-shipped` compiles everything as users get it.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import pytest
-from _pytest.mark.structures import ParameterSet
 
 from lamc.codegen import build, toolchain
 from lamc.export import fmu, wheel
@@ -28,11 +27,6 @@ def _quickly(make):
     return lambda compiler, flags, *others: make(compiler, ["-O0" if f == "-O2" else f for f in flags], *others)
 build.make_objects, build.make_library = _quickly(toolchain.make_objects), _quickly(toolchain.make_library)
 """
-
-
-def slow_but(quick: Collection[object], values: Iterable[object]) -> list[ParameterSet]:
-    """Parameters of a test of one argument: all but `quick` are among the slow ones."""
-    return [pytest.param(value, marks=[] if value in quick else [pytest.mark.slow]) for value in values]
 
 
 def tries(count: int) -> int:

@@ -178,6 +178,7 @@ def test_every_option_has_somebody_who_reads_it_and_the_name_that_the_command_kn
     assert set(FLAGS) == read - {"jacobian"}  # of Python alone
 
 
+@pytest.mark.slow
 def test_it_ends_with_what_acts_and_what_comes_next(tmp_path: Path) -> None:
     """The effects are those of the README, torques from outside among them; the line compiles and runs as it is."""
     result = call("--example", "pendulum", "--out", "my pendulum")

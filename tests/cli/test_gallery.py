@@ -271,6 +271,7 @@ def run(*words: str) -> tuple[int, str, str]:
     return code, done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_the_list_names_every_example_with_its_loops_and_freedoms() -> None:
     code, out, _ = run("examples", "--quiet", "--json")
     assert code == 0

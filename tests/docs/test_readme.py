@@ -113,6 +113,7 @@ def test_each_lamc_command_of_the_pages_succeeds(
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 def test_the_command_is_a_process_too(folder: Path) -> None:
     """The tests above call what this one starts, once: lamc and its libraries load for a second."""
     command = [sys.executable, "-m", "lamc", "check", "design.cad"]

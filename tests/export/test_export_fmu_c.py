@@ -183,7 +183,7 @@ def test_sources_compile_without_a_warning(sources, fmi, compiler, tmp_path):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-@pytest.mark.quick("3")
+@pytest.mark.slow
 def test_two_fmus_in_one_program(sources, fmi, tmp_path):
     """Linked statically, with the prefixes that the standard's headers give to functions."""
     objects = []

@@ -76,6 +76,7 @@ def test_coordinates_say_which_body_turns_and_where_they_start() -> None:
     assert reported[0][3] == "rear_leg relative to body"
 
 
+@pytest.mark.slow
 def test_the_picture_shows_this_mechanism() -> None:
     pictures = []
     for name in KINDS:

@@ -187,6 +187,7 @@ def test_what_is_no_name_and_no_number_is_reported_in_one_line(python: Path) -> 
     assert names == {"UnknownNameError", "TypeError", "SimulatorError", "ValueError"}
 
 
+@pytest.mark.slow
 def test_it_starts_from_what_it_gave_and_shows_its_own_names_alone(python: Path) -> None:
     install(python, wheel_of("pendulum"))
     here, there, names, known = run(

@@ -226,7 +226,7 @@ def test_a_free_strip_under_a_pure_moment_is_exact_on_any_mesh(
 
 @pytest.mark.parametrize("element", ["dkt", "specht", "bciz"])
 @pytest.mark.parametrize("family", ["one-diagonal", "delaunay"])
-@pytest.mark.quick("*-dkt", "delaunay-*")
+@pytest.mark.quick("*-dkt")
 def test_a_free_laminate_curls_in_the_cold_as_laminate_theory_says(
     shared: Path, family: str, element: str
 ) -> None:

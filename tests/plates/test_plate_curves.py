@@ -245,6 +245,7 @@ def test_halved_cells_that_keep_the_corners_of_a_circle_say_so() -> None:
     assert plate.error_of(held(box(0, 0, R, R), 0.02), quantity).note == ""
 
 
+@pytest.mark.slow
 def test_a_second_mesh_grows_circles_of_files_and_says_where_it_keeps_corners() -> None:
     """Modes on halved cells are those of the finer circle; a polygon in well-known text stays what it is."""
     text = FILE % "simply_supported" + "modes: 1\n"

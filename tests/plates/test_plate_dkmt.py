@@ -80,6 +80,7 @@ def test_c_and_program_agree_with_numeric_quadrature(name: str, backend: Any, sc
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick("dkmt")
 def test_c_gives_the_bits_of_the_program(name: str) -> None:
     one, other = (plate.kernels(name, backend) for backend in ("c", "interpreted"))  # type: ignore[arg-type]
     rng = np.random.default_rng(6)

@@ -186,6 +186,7 @@ SOME = ["ply[0].angle", "ply[1].thickness", "ply[2].E1", "ply[0].nu12", "ply[1].
 STIFFNESS = ["*.angle", "*.thickness", "*.E1", "*.E2", "*.nu12", "*.G12"]
 
 
+@pytest.mark.slow
 def test_compliance_of_a_coupled_plate_changes_as_differences_say() -> None:
     problem = cantilever(THICK, LOADS)
     found = plate.gradient(plate.solve(problem), "compliance", STIFFNESS)
@@ -240,6 +241,7 @@ def test_one_laminate_for_all_regions_sums_over_them() -> None:
     assert second["ply[1].angle"] == pytest.approx(first["ply[1].angle"], rel=1e-11)  # round-off
 
 
+@pytest.mark.slow
 def test_free_plate_under_balanced_loads_has_gradients() -> None:
     ends = [plate.EdgeMoment(LineString([(x, 0), (x, 1)]), 50.0) for x in (0, 2)]
     problem = replace(cantilever(THICK, ends), supports=())
@@ -247,6 +249,7 @@ def test_free_plate_under_balanced_loads_has_gradients() -> None:
     check(found, lambda p: plate.solve(p).compliance, problem, 1e-8)
 
 
+@pytest.mark.slow
 def test_moved_supports_count_as_loads() -> None:
     """A tip held down at a given depth: the reaction changes with the plies, and so the deflection elsewhere."""
     tip = plate.Support(LineString([(2, 0), (2, 1)]), ("w",), -1e-2)
@@ -256,7 +259,7 @@ def test_moved_supports_count_as_loads() -> None:
 
 
 @pytest.mark.parametrize("inertia", [True, False])
-@pytest.mark.quick("True")
+@pytest.mark.slow
 def test_frequency_changes_as_differences_say(inertia: bool) -> None:
     problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))
     modes = plate.modes(problem, 4, in_plane_inertia=inertia)

@@ -266,6 +266,7 @@ def polygon_centre(n: int) -> float:
 
 @pytest.mark.parametrize("kind", ["hard", "soft"])
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 8])
+@pytest.mark.quick("3-*", "6-*")
 def test_simply_supported_polygons_deflect_alike_hard_and_soft(n: int, kind: str) -> None:
     """Slopes go to zero in a blunt corner as r^(π/angle - 1), slower the blunter it is, and so does the error: 2 % for
     eight corners at this size. (Both slopes held in every corner would cost 8 %.)"""

@@ -34,7 +34,7 @@ def states(sim: Simulator) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "flaps"])
-@pytest.mark.quick("four_bar")
+@pytest.mark.slow
 def test_fast_accelerations_are_those_of_double(name: str) -> None:
     plain = compiled(name, CompileOptions())
     q, u = states(plain)

@@ -89,6 +89,7 @@ def test_results_hold_nothing_else_where_all_streams_are_closed(closed: str, tmp
 
 
 @posix_only
+@pytest.mark.slow
 def test_an_error_keeps_its_exit_code_where_nobody_can_be_told(tmp_path: Path) -> None:
     for closed in ("2>&-", ">&- 2>&-"):
         assert shell(f"run missing.yaml --out o {closed}", tmp_path).returncode == 2

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import ClassVar
 
@@ -44,19 +45,20 @@ def made(mechanism: Mechanism) -> tuple[Program, SourceTree]:
     return sources_of(equations_of(mechanism, EFFECTS))
 
 
-@pytest.fixture(scope="module")
-def trees() -> dict[str, tuple[Program, SourceTree]]:
-    return {name: made(mechanism) for name, mechanism in MECHANISMS.items()}
+@cache
+def tree_of(name: str) -> tuple[Program, SourceTree]:
+    return made(MECHANISMS[name])
 
 
 # ---- the same bytes -------------------------------------------------------------------------------------------
 
 
-def test_repeating_gives_the_same_bytes(trees: dict[str, tuple[Program, SourceTree]]) -> None:
-    for name in ("small", "laminate40"):
-        program, tree = made(MECHANISMS[name])
-        assert program.digest == trees[name][0].digest
-        assert dict(tree.files) == dict(trees[name][1].files)
+@pytest.mark.parametrize("name", ["small", "laminate40"])
+@pytest.mark.quick("small")
+def test_repeating_gives_the_same_bytes(name: str) -> None:
+    (program, tree), (again, same) = made(MECHANISMS[name]), made(MECHANISMS[name])
+    assert program.digest == again.digest
+    assert dict(tree.files) == dict(same.files)
 
 
 def test_order_of_the_input_leaves_the_c_alone() -> None:
@@ -65,8 +67,8 @@ def test_order_of_the_input_leaves_the_c_alone() -> None:
     assert dict(made(rotated)[1].files) == dict(made(mechanism)[1].files)
 
 
-def test_no_date_and_no_path_gets_into_the_c(trees: dict[str, tuple[Program, SourceTree]]) -> None:
-    text = "".join(trees["small"][1].files.values())
+def test_no_date_and_no_path_gets_into_the_c() -> None:
+    text = "".join(tree_of("small")[1].files.values())
     assert str(ROOT) not in text
     assert not re.search(r"\b(19|20)\d\d-\d\d-\d\d\b", text)
 
@@ -264,10 +266,8 @@ int main(void) {{
 @needs_cc
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
 @pytest.mark.quick("small")
-def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(
-    name: str, trees: dict[str, tuple[Program, SourceTree]], tmp_path: Path
-) -> None:
-    program, tree = trees[name]
+def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(name: str, tmp_path: Path) -> None:
+    program, tree = tree_of(name)
     assert (name in WITH_LOOPS) == (
         len(program.functions["acceleration"].statements) > MAX_BLOCK_AT_EVERY_STEP
     )
@@ -303,8 +303,8 @@ def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
 @pytest.mark.parametrize("name", ["small", "laminate40"])
 @pytest.mark.slow  # in each run: test_it_is_valid_cxx_too, of exports
-def test_c_is_cxx_as_well(name: str, trees: dict[str, tuple[Program, SourceTree]], tmp_path: Path) -> None:
-    tree = trees[name][1]
+def test_c_is_cxx_as_well(name: str, tmp_path: Path) -> None:
+    tree = tree_of(name)[1]
     write_sources(tree, tmp_path)
     flags = ("-x", "c++", *STRICT_CXX)
     objects = objects_of(tree, tmp_path, *flags, compiler="g++")
@@ -314,8 +314,8 @@ def test_c_is_cxx_as_well(name: str, trees: dict[str, tuple[Program, SourceTree]
 
 
 @needs_cc
-def test_headers_stand_alone(trees: dict[str, tuple[Program, SourceTree]], tmp_path: Path) -> None:
-    tree = trees["small"][1]
+def test_headers_stand_alone(tmp_path: Path) -> None:
+    tree = tree_of("small")[1]
     write_sources(tree, tmp_path)
     for header in sorted(p.name for p in tmp_path.glob("*.h")):
         (tmp_path / "alone.c").write_text(f'#include "{header}"\n#include "{header}"\nextern int x;\n')

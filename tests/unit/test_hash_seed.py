@@ -55,6 +55,7 @@ def digests(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]
 
 
 @pytest.mark.parametrize("kind", ["small", "tree", "element", "names of C", "folder with a picture"])
+@pytest.mark.slow
 def test_equal_designs_give_equal_bytes_on_every_hash_seed(
     kind: str, digests: list[dict[str, object]]
 ) -> None:

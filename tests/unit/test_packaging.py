@@ -74,6 +74,7 @@ print(json.dumps([lamc.__file__, str(lamc.basics.resources.data_dir("templates")
 
 
 @needs_cc
+@pytest.mark.slow
 def test_the_wheel_compiles_and_runs_a_design_outside_the_checkout(wheel: Path, tmp_path: Path) -> None:
     site = tmp_path / "site"
     zipfile.ZipFile(wheel).extractall(site)

@@ -138,7 +138,7 @@ SCENES: Mapping[str, tuple[Effect, ...]] = {
 
 
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
-@pytest.mark.quick("closed", "floating", "nothing moves", "straight")
+@pytest.mark.quick("closed", "floating")
 def test_generated_c_runs_clean(name: str, tmp_path: Path) -> None:
     if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")

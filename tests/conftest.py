@@ -83,23 +83,21 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """`quick` names the parameters of a test that `make test` runs, by patterns of their ids; others are slow, and so
     are campaigns."""
-    known: dict[str, bool] = {}  # whether any of a test's parameters is quick
+    unmet: dict[str, set[str]] = {}  # patterns that no parameter has met, by test
     for item in items:
         if item.get_closest_marker("campaign") is not None:
             item.add_marker(pytest.mark.slow)
         mark = item.get_closest_marker("quick")
         if mark is None or not isinstance(item, pytest.Function):
             continue
-        given = item.callspec.id
-        is_quick = any(fnmatchcase(given, pattern) for pattern in mark.args)
-        test = item.nodeid.partition("[")[0]
-        known[test] = known.get(test, False) or is_quick
-        if not is_quick:
+        met = {pattern for pattern in mark.args if fnmatchcase(item.callspec.id, pattern)}
+        unmet.setdefault(item.nodeid.partition("[")[0], set(mark.args)).difference_update(met)
+        if not met:
             item.add_marker(pytest.mark.slow)
     if not any("::" in argument for argument in config.args):  # all parameters were collected
-        lost = [test for test, any_is_quick in known.items() if not any_is_quick]
+        lost = [f"{test}: {pattern!r}" for test, patterns in unmet.items() for pattern in sorted(patterns)]
         if lost:
-            raise pytest.UsageError(f"no parameter has an id that mark.quick names: {', '.join(lost)}")
+            raise pytest.UsageError(f"mark.quick names ids that no parameter has: {'; '.join(lost)}")
 
 
 @pytest.fixture(scope="session")

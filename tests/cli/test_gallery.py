@@ -183,6 +183,7 @@ def test_the_n_four_bar_is_iftomms(shared: Path) -> None:
         assert np.abs(result.angle(f"g{k}") - result.angle("g0")).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_the_box_folds_its_corners_alike() -> None:
     """Walls that start alike stay alike: the box and its springs have fourfold symmetry, and gravity too."""
     result = folded("folding_box", 1.0, 1e-9)

@@ -131,6 +131,7 @@ def test_parameters_changed_on_the_way_act_from_there_on(pendulum: Exported) -> 
     np.testing.assert_allclose(pendulum.state(it), [*result.q[-1], *result.u[-1]], rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_modes_of_contact_survive_a_change_of_parameters(crawler: Exported) -> None:
     """The same parameters once more, every millisecond: another sequence of steps, the same motion. Contact multiplies
     the tolerance of 1e-9 by some thousands."""

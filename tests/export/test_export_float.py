@@ -154,6 +154,7 @@ def test_time_does_not_drift(tmp_path: Path) -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_kept_states_go_on_with_the_same_bits(tmp_path: Path) -> None:
     model = single("four_bar", tmp_path)
     it, _ = states(model, 1e-3, 37)

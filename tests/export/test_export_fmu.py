@@ -98,6 +98,7 @@ class TestEveryKind:
         assert fmu.said == []
         fmu.free()
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_outputs_are_those_of_the_result(self, made, name, fmi):
         simulator, _, folder = made(name, fmi)
         fmu = Fmu(folder).begin(stop=T_END)

@@ -103,7 +103,7 @@ def test_a_held_input_is_the_parameter_of_a_run(opened, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-@pytest.mark.quick("3")
+@pytest.mark.slow
 def test_an_input_changed_on_the_way_is_in_a_saved_state(opened, fmi):
     mechanism = chain(2, "space", seed=4)
     a, _ = (joint.name for joint in mechanism.joints)

@@ -75,7 +75,7 @@ def test_any_design_name_gives_a_prefix_that_meets_nothing(name: str, tmp_path: 
         ((HOSTILE, HOSTILE + "2"), set()),
     ],
 )
-@pytest.mark.quick("joints1*")
+@pytest.mark.slow
 def test_names_that_are_no_names_or_equal_ones_stay_apart(
     joints: tuple[str, str], fields: set[str], tmp_path: Path
 ) -> None:

@@ -83,6 +83,7 @@ def test_the_example_of_fixed_steps_runs_to_its_end(name: str, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum", "limit_stop")
 def test_the_header_begins_with_a_step_that_is_stable(name: str) -> None:
     """Stops push back with dampers that 1 ms is too long for; the example's step is no longer than the header's."""
     files = exported(name, real_time=True)
@@ -214,6 +215,7 @@ def test_two_models_live_in_one_cxx_program(single: bool, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.quick("gcc")
 def test_the_single_header_is_all_there_is(compiler: Sequence[str], tmp_path: Path) -> None:
     files = exported("pendulum", single_header=True)
     assert {name for name in files if name.endswith((".c", ".h"))} == {"example_main.c", "pendulum.h"}

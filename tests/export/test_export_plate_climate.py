@@ -144,6 +144,7 @@ def test_a_cooled_cross_ply_becomes_the_saddle_of_laminate_theory(load: Load) ->
         assert out[3:5] == pytest.approx(slope, rel=1e-8, abs=1e-8 * abs(kappa) * a)
 
 
+@pytest.mark.slow
 def test_a_symmetric_bimorph_bends_as_two_strips_that_pull_apart(load: Load) -> None:
     """Free of width: κ of a beam of one material whose halves want to strain by ∓e is 3 e / (2 t), t that of a half.
     Isotropic halves want it along x and y alike, so nothing is held back and κ_x = κ_y."""

@@ -269,6 +269,7 @@ def test_what_the_readme_shows_runs(python: Path) -> None:
     assert list(q) == list(u) == ["h1", "h2", "h3"]
 
 
+@pytest.mark.slow
 def test_steps_of_fixed_length_alone(python: Path) -> None:
     install(python, wheel_of("pendulum", real_time=True, prefix="pendulum_rt"))
     found = run(

@@ -199,6 +199,7 @@ def test_energy_is_kept_by_modes_and_lost_by_their_damping() -> None:
     assert not FlexibleLinks().conservative
 
 
+@pytest.mark.slow
 def test_energy_balance_close_with_yielding_hinges_on_a_floating_base() -> None:
     """Work of all effects is what the motion has; modes lose what their damping takes, strips without it keep all."""
     made = flag(count=2)
@@ -219,6 +220,7 @@ def test_energy_balance_close_with_yielding_hinges_on_a_floating_base() -> None:
         assert np.abs(energy_balance.supplied[conservative]).max() <= 1e-10 * energy_balance.scale
 
 
+@pytest.mark.slow
 def test_other_forms_have_the_frequencies_that_more_modes_and_finer_meshes_give() -> None:
     """Without static shapes, modes are nested: the lowest of one is among those of three. On cells of twice and of half
     the size, frequencies are those of the plate's own elements of that size."""

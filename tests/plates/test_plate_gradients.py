@@ -225,6 +225,7 @@ def test_weight_and_heat_change_with_the_plies_too() -> None:
     )
 
 
+@pytest.mark.slow
 def test_regions_have_their_own_gradients() -> None:
     regions = {"tip": box(1, 0, 2, 1)}
     thin = plate.Laminate([plate.Ply(CFRP, 0.05, 20.0)])
@@ -273,6 +274,7 @@ def test_frequency_changes_as_differences_say(inertia: bool) -> None:
         )
 
 
+@pytest.mark.slow
 def test_buckling_factor_changes_as_differences_say() -> None:
     problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))
     forces = (-1e5, 0.0, 3e4)

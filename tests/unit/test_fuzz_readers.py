@@ -182,6 +182,7 @@ def test_networks_of_any_shape_are_mechanisms_or_errors_with_their_line(
     assert (again.bodies, again.joints) == (mechanism.bodies, mechanism.joints)
 
 
+@pytest.mark.slow
 def test_truncated_files_are_a_record_or_an_error(shared: Path, tmp_path: Path) -> None:
     for text in sources(shared):
         for part in range(23):

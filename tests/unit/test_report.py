@@ -65,6 +65,7 @@ def colours_of(path: Path) -> set[tuple[int, int, int]]:
 # --- plots --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_angles_and_energy_are_drawn_at_a_readable_size(result: Result, tmp_path: Path) -> None:
     path = draw_angles_energy(result, tmp_path / "a.png")
     with Image.open(path) as image:

@@ -81,23 +81,24 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before pytest chooses by marks
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """`quick` names the parameters of a test that `make test` runs, by patterns of their ids; others are slow, and so
-    are campaigns."""
-    unmet: dict[str, set[str]] = {}  # patterns that no parameter has met, by test
+    """`quick` and `ci` name parameters of a test, by patterns of their ids: those that `make test` runs, and those that
+    `.ci/run` runs. Others are slow, or campaigns, which are slow too."""
+    unmet: dict[tuple[str, str], set[str]] = {}  # patterns that no parameter has met, by test and mark
     for item in items:
+        for name, otherwise in (("quick", "slow"), ("ci", "campaign")):
+            mark = item.get_closest_marker(name)
+            if mark is None or not isinstance(item, pytest.Function):
+                continue
+            met = {pattern for pattern in mark.args if fnmatchcase(item.callspec.id, pattern)}
+            unmet.setdefault((item.nodeid.partition("[")[0], name), set(mark.args)).difference_update(met)
+            if not met:
+                item.add_marker(otherwise)
         if item.get_closest_marker("campaign") is not None:
-            item.add_marker(pytest.mark.slow)
-        mark = item.get_closest_marker("quick")
-        if mark is None or not isinstance(item, pytest.Function):
-            continue
-        met = {pattern for pattern in mark.args if fnmatchcase(item.callspec.id, pattern)}
-        unmet.setdefault(item.nodeid.partition("[")[0], set(mark.args)).difference_update(met)
-        if not met:
-            item.add_marker(pytest.mark.slow)
+            item.add_marker("slow")
     if not any("::" in argument for argument in config.args):  # all parameters were collected
-        lost = [f"{test}: {pattern!r}" for test, patterns in unmet.items() for pattern in sorted(patterns)]
+        lost = [f"mark.{name} of {test}: {sorted(left)}" for (test, name), left in unmet.items() if left]
         if lost:
-            raise pytest.UsageError(f"mark.quick names ids that no parameter has: {'; '.join(lost)}")
+            raise pytest.UsageError(f"no parameter has an id like {'; '.join(lost)}")
 
 
 @pytest.fixture(scope="session")

@@ -128,7 +128,7 @@ def test_miura_creases_keep_the_published_relation(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("columns", "rows"),
-    [(4, 4), pytest.param(5, 5, marks=pytest.mark.slow), pytest.param(8, 8, marks=pytest.mark.campaign)],
+    [(4, 4), pytest.param(5, 5, marks=pytest.mark.campaign), pytest.param(8, 8, marks=pytest.mark.campaign)],
     # 8 x 8: half a minute
 )
 def test_a_large_miura_has_one_freedom(columns: int, rows: int) -> None:

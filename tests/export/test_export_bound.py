@@ -71,6 +71,7 @@ int main() {
 @pytest.mark.parametrize("integrator", ["auto", "rodas5p"])
 @pytest.mark.parametrize("name", [*KINDS, "stiff_triple"])
 @pytest.mark.quick("pendulum-auto")
+@pytest.mark.ci("pendulum-*", "four_bar-*")
 def test_no_step_takes_more(name: str, integrator: str, tmp_path: Path) -> None:
     options = lamc.ExportOptions(real_time=True, integrator=integrator, prefix="model", jacobian=False)
     source = c_source(simulator_of(mechanism_of(name), scene_of(name), options), options)

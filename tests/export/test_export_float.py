@@ -65,6 +65,7 @@ def test_no_double_is_in_the_text(name: str) -> None:
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.quick("pendulum-*")
+@pytest.mark.ci("pendulum-*", "limit_stop-*")
 def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], tmp_path: Path) -> None:
     folder = put(exported(name, real_time=True, precision="float"), tmp_path)
     flags = ("-std=c99", *STRICT, "-Wdouble-promotion", "-O2", "-c", f"{name}.c", "-o", "it.o")
@@ -217,6 +218,7 @@ def test_bytes_of_an_instance_are_those_told(name: str, tmp_path: Path) -> None:
 @needs_cc
 @pytest.mark.parametrize("name", ["pendulum", pytest.param("four_bar", marks=pytest.mark.slow)])
 @pytest.mark.slow
+@pytest.mark.ci("pendulum")
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits."""
     printed = []

@@ -33,6 +33,7 @@ MODELS = (*KINDS, "stiff_triple")
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.slow
+@pytest.mark.ci("pendulum-*")
 def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path) -> None:
     """But blocks of memory, which compilers copy and clear by calls whether a program says so or not."""
     folder = put(exported(name, libm=False), tmp_path)
@@ -94,6 +95,7 @@ def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_s
 
 @pytest.mark.parametrize("name", ["pendulum", pytest.param("crawler", marks=pytest.mark.slow)])
 @pytest.mark.slow
+@pytest.mark.ci("pendulum")
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits. Without contraction nothing is left that compilers may choose."""
     printed = []

@@ -112,6 +112,7 @@ def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_pa
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.slow
+@pytest.mark.ci("pendulum-*", "limit_stop-gcc")
 def test_it_builds_without_a_warning_and_prints_the_same_bytes(
     name: str, compiler: Sequence[str], tmp_path: Path
 ) -> None:
@@ -305,6 +306,7 @@ def application(folder: Path, cmake: str) -> Path:
 @needs("cmake")
 @pytest.mark.slow
 @pytest.mark.parametrize("shared", ["OFF", "ON"])
+@pytest.mark.ci("OFF")
 def test_cmake_finds_it_installed_and_in_its_build_tree(shared: str, tmp_path: Path) -> None:
     prefix = tmp_path / "prefix"
     for name in MODELS:

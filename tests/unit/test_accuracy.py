@@ -61,6 +61,7 @@ def check_honest(sim: Simulator, result: Result, wanted: float) -> None:
 
 @pytest.mark.parametrize("name", examples.names())
 @pytest.mark.quick("five_bar", "flaps", "four_bar", "limit_stop", "pendulum", "pendulum.cad", "vertex")
+@pytest.mark.ci("[!cf]*", "five_bar", "flaps", "four_bar")  # seconds for each reference of the others
 def test_errors_of_the_gallery_are_what_is_estimated(name: str) -> None:
     sim = simulator(name)
     for wanted in (1e-2, 1e-3, 1e-6):

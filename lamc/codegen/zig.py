@@ -14,6 +14,7 @@ from lamc.basics.errors import BuildError
 from lamc.codegen.cache import cache_root, make_root
 
 _OWN_FOLDERS = ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR")
+_SCRIPT = "python-zig"
 _MACHINES = {"AMD64": "x86_64", "x64": "x86_64", "arm64": "aarch64", "ARM64": "aarch64"}
 
 
@@ -23,8 +24,8 @@ def has_package() -> bool:
 
 
 def is_zig(program: str, arguments: Sequence[str]) -> bool:
-    """Whether the command is `zig cc`, or the same through Python's package."""
-    return "cc" in arguments and (Path(program).stem == "zig" or "ziglang" in arguments)
+    """Whether the command is `zig cc`, or the same through Python's package, whose own script is python-zig."""
+    return "cc" in arguments and (Path(program).stem in ("zig", _SCRIPT) or "ziglang" in arguments)
 
 
 def target(machine: str) -> str | None:
@@ -37,18 +38,21 @@ def target(machine: str) -> str | None:
 
 def with_target(arguments: tuple[str, ...], machine: str) -> tuple[str, ...]:
     """Without an explicit target zig compiles for the very processor it runs on, FMA included. Without optimisation it
-    adds a sanitizer, whose library a shared object then lacks."""
+    adds a sanitizer, whose library a shared object then lacks; and always what debuggers read, the folder's name in it,
+    so that no two libraries are the same bytes."""
     if any(word == "-target" or word.startswith("--target") for word in arguments):
         own: tuple[str, ...] = ()
     else:
         known = target(machine)
         own = ("-target", known) if known else ()
-    return (*arguments, *own, "-fno-sanitize=undefined")
+    return (*arguments, *own, "-fno-sanitize=undefined", "-g0")
 
 
 def program_files(program: str, arguments: Sequence[str]) -> list[Path]:
     """The files behind a command that Python runs; an update of the package changes them."""
-    if "ziglang" not in arguments or Path(program).resolve() != Path(sys.executable).resolve():
+    by_module = "ziglang" in arguments and Path(program).resolve() == Path(sys.executable).resolve()
+    by_script = Path(program).stem == _SCRIPT and Path(program).parent == Path(sys.executable).parent
+    if not (by_module or by_script):
         return []
     spec = importlib.util.find_spec("ziglang")
     if spec is None or spec.origin is None:

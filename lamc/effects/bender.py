@@ -197,6 +197,7 @@ class PiezoBender(RegisteredEffect):
         return stiffness, side * curvature * rigidity
 
     def contribute(self, loads: Loads) -> None:
+        loads.check_apart("the piezo bender", self.body_a, self.body_b)
         label = self._label(loads.parameter_names)
         voltage: Scalar
         if isinstance(self.voltage, str):

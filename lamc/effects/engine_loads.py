@@ -180,10 +180,17 @@ class EngineLoads:
     ) -> None:
         """A spring between two points, each with its body; see `PointSpring`. Raises DesignError for a body that is not
         there."""
-        names = [body.name for body in self.mechanism.bodies]
+        links = {
+            body.name: "" if body.fixed else body.name for body in self.mechanism.bodies
+        }  # the fixed are one
         for name, _ in (end_a, end_b):
-            if name not in names:
-                raise DesignError(f"no body is named {name!r}; the bodies are {listed_names(sorted(names))}")
+            if name not in links:
+                raise DesignError(f"no body is named {name!r}; the bodies are {listed_names(sorted(links))}")
+        if links[end_a[0]] == links[end_b[0]]:
+            self.lose(
+                f"the spring between {end_a[0]!r} and {end_b[0]!r}, one rigid body, on which it acts on nothing"
+            )
+            return
         self.springs.append(PointSpring(*end_a, *end_b, stiffness, rest_length, damping))
 
     def add_ground(

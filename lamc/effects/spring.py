@@ -53,6 +53,7 @@ class Spring(RegisteredEffect):
         return not self.damping
 
     def contribute(self, loads: Loads) -> None:
+        loads.check_apart("the spring", self.body_a, self.body_b)
         between = _difference(
             loads.position(self.body_b, self.point_b), loads.position(self.body_a, self.point_a)
         )

@@ -14,6 +14,7 @@ from lamc.codegen.names import comment
 from lamc.codegen.printer import REAL, literal
 from lamc.export.amalgam.files import amalgamate, public_functions
 from lamc.export.bound import spins, step_bound
+from lamc.export.driven import run_length
 from lamc.export.fixed_step import suitable_step
 from lamc.export.members import CMember, members_of
 from lamc.export.options import ExportOptions
@@ -23,6 +24,7 @@ from lamc.export.run_fields import integer_ranges, run_fields
 from lamc.export.runtime import BARE, lean, macros, runtime_files, table_of_methods, units
 from lamc.export.sizes import sizes_of
 from lamc.export.statuses import STATUSES
+from lamc.records.effect import hooked
 from lamc.run.methods import constant
 from lamc.run.simulator import Simulator
 from lamc.symbolic.program import Program
@@ -92,6 +94,11 @@ def _check_ranges(simulator: Simulator, program: Program) -> None:
         check_range(float(motion.constants[k]), "a number that follows from the parameters")
 
 
+def _needs_smooth(simulator: Simulator) -> bool:
+    """Whether an effect differentiates an expression in time."""
+    return any(drive.smooth for effect in simulator.effects for drive in hooked(effect).drives())
+
+
 def _context(
     simulator: Simulator,
     program: Program,
@@ -153,6 +160,7 @@ def _context(
         "wide": run.wide,
         "real_time": options.real_time,
         "stable_step": stable_step,
+        "smooth_until": f"{run_length(simulator.scene):g}" if _needs_smooth(simulator) else "",
         "is_stiff": options.is_stiff,
         "spins": spins(program),
         "jacobian": options.jacobian,

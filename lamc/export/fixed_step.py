@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.run.defaults import DURATION
+from lamc.export.driven import run_length
 from lamc.run.model import Model
 from lamc.run.request import Array
 from lamc.run.simulator import Simulator
@@ -25,7 +25,7 @@ def suitable_step(simulator: Simulator, *, is_stiff: bool) -> float:
 
     is_stiff  whether steps are those for stiff equations
     """
-    t_end = min(simulator.scene.duration or DURATION, _WINDOW)
+    t_end = min(run_length(simulator.scene), _WINDOW)
     run = simulator.run(t_end, rtol=1e-5, atol=1e-7, max_steps=100_000)
     largest = _SLACK * max(1e-3, float(np.abs(run.u).max(initial=0.0)))
     for h in _LENGTHS:

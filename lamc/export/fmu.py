@@ -21,7 +21,7 @@ from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.toolchain import find_compiler, make_library
 from lamc.export.c import CSource, c_source
-from lamc.export.driven import simulator_of
+from lamc.export.driven import run_length, simulator_of
 from lamc.export.fmu_description import (
     FmuFacts,
     build_description,
@@ -47,7 +47,6 @@ _FLAGS = (
     "-fvisibility=hidden",
     "-Werror=implicit",
 )
-_DURATION = 10.0  # s, where the scene does not say
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
 _SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
 
@@ -92,7 +91,7 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
 
 
 def _facts(source: CSource, simulator: Simulator, options: ExportOptions) -> FmuFacts:
-    duration = getattr(simulator.scene, "duration", None) or _DURATION
+    duration = run_length(simulator.scene)
     return FmuFacts(
         title=source.program.name,
         identifier=source.prefix,

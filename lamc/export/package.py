@@ -15,14 +15,14 @@ from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
 from lamc.export.bound import step_bound
 from lamc.export.c import CSource, c_source
-from lamc.export.driven import simulator_of
+from lamc.export.driven import run_length, simulator_of
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.run.defaults import DURATION, default_rows
+from lamc.run.defaults import default_rows
 from lamc.run.files import titles
 from lamc.run.simulator import Simulator
 from lamc.symbolic.program import Program
@@ -89,7 +89,7 @@ def single_header(prefix: str, header: str, source: str) -> str:
 
 def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> dict[str, object]:
     program, prefix = source.program, source.prefix
-    duration = simulator.scene.duration or DURATION
+    duration = run_length(simulator.scene)
     count = len(program.coordinates)
     start = simulator.start.tolist()
     row_count = default_rows(duration, len(start))

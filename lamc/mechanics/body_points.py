@@ -79,6 +79,18 @@ class BodyPoints:
             return rotate(self.placement.carrier(index), self.kinematics.motions(self._u)[index].omega)
         return rotate(base.rotation, base.velocity.angular) if base is not None else ZERO
 
+    def check_apart(self, what: str, body_a: str, body_b: str) -> None:
+        """Raises DesignError where forces between the two cancel, as `what` would act on nothing: they are one rigid
+        body, or fixed, which all together are one. A flexible body may be both."""
+        a, b = self.link_of(body_a), self.link_of(body_b)
+        if a == b and a not in self.kinematics.flexible:
+            where = f"is within body {body_a!r}" if body_a == body_b else f"joins {body_a!r} and {body_b!r}"
+            why = "which is rigid" if a != WORLD or body_a == body_b else "which are both fixed"
+            raise DesignError(
+                f"{what} {where}, {why}, so that it acts on nothing; let it join bodies that move against each other, "
+                "or leave it out"
+            )
+
     def link_of(self, body: str) -> int:
         """Index of its link, WORLD for a fixed body. Raises DesignError with the names there are."""
         if body in self._bodies:

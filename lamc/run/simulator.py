@@ -40,7 +40,7 @@ from lamc.run.parameters import with_limits
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
-from lamc.run.start_checks import check_driven, check_poses, check_start, refuse_branch
+from lamc.run.start_checks import check_run, check_start, refuse_branch
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
@@ -226,8 +226,7 @@ class Simulator(Evaluations):
             limited = with_limits(self.mechanism, parameters)
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
-            check_driven(self.effects, motion, self.start, request.t_end)
-            check_poses(self.effects, self.mechanism, motion, self.start)
+            check_run(self.effects, self.mechanism, motion, self.start, request.t_end)
         telling = (lambda: motion) if energy_balance else (lambda: self._telling.motion(parameters, rate))
 
         def run(name: str, asked: Request) -> tuple[Result, float]:

@@ -42,8 +42,18 @@ def check_angles(effects: Sequence[Any], mechanism: Mechanism, angles: Mapping[s
                 effect.check_start(mechanism, angles)
 
 
-def check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array) -> None:
-    """Shows where the bodies are at the start, as `check_start`."""
+def check_run(
+    effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array, t_end: float
+) -> None:
+    """Shows the run of t_end s: drives from the start (nq + nu,) on, and where the bodies are there.
+
+    Raises ExpressionError for a drive without a value, or with a kink where it has to be smooth, and DesignError for a
+    position that an effect refuses."""
+    _check_driven(effects, motion, start, t_end)
+    _check_poses(effects, mechanism, motion, start)
+
+
+def _check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, start: Array) -> None:
     checks = [effect for effect in effects if overrides(effect, "check_poses")]
     if checks:
         (rows,) = motion.poses(np.zeros(1), start.reshape(1, -1))
@@ -54,8 +64,7 @@ def check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, st
                 effect.check_poses(mechanism, placed, _parameters(motion))
 
 
-def check_driven(effects: Sequence[Any], motion: Motion, start: Array, t_end: float) -> None:
-    """Raises ExpressionError for a drive without a value at the start, or within a run of t_end s."""
+def _check_driven(effects: Sequence[Any], motion: Motion, start: Array, t_end: float) -> None:
     driven = [effect for effect in effects if overrides(effect, "drives")]
     if driven:
         check_drives(driven, *_by_joint(motion, start), t_end, _parameters(motion))

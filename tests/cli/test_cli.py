@@ -536,3 +536,27 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     )
     assert done.stdout.strip() == "{"
     assert done.stderr == ""
+
+
+_INTERRUPTED_IMPORT = """
+import sys
+class Interrupts:
+    def find_spec(self, name, path=None, target=None):
+        if name == "numpy":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupts())
+sys.argv = ["lamc", "examples"]
+from importlib.metadata import EntryPoint
+import tomllib
+with open(sys.orig_argv[-1], "rb") as project:
+    named = tomllib.load(project)["project"]["scripts"]["lamc"]
+EntryPoint("lamc", named, "console_scripts").load()()
+"""
+
+
+def test_ctrl_c_while_lamc_is_imported_is_one_line_and_no_traceback() -> None:
+    command = [sys.executable, "-c", _INTERRUPTED_IMPORT, str(ROOT / "pyproject.toml")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "error: interrupted; nothing was written\n"

@@ -325,3 +325,13 @@ def test_flexible_bodies_that_cannot_be_are_refused_by_name() -> None:
         replace(body, mass=np.zeros((1, 1)))
     with pytest.raises(DesignError, match=r"damping_ratios .* none may be negative"):
         replace(body, damping_ratios=np.array([-0.1]))
+
+
+def test_a_spring_between_points_of_one_flexible_body_bends_it() -> None:
+    # From a point 0.5 m above the root to the tip, which bends by η: V = ½ k (1 + (0.5 - η)²)
+    beam, mechanism = hub_beam()
+    spring = Spring("beam", (0.0, 0.0, 0.5), "beam", (1.0, 0.0, 0.0), 5.0)
+    _, force, _, _ = General(mechanism, (Bending((beam.flexible,)), spring)).system(
+        0.0, np.zeros(2), np.zeros(2)
+    )
+    assert force == pytest.approx([0.0, 5.0 * 0.5], abs=1e-13)  # a few roundings of numbers near one

@@ -4,12 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from shapely.geometry import LineString, MultiPoint, Point, Polygon, box
 from shapely.geometry.base import BaseGeometry
 
 from lamc import plate
 from lamc.basics.errors import DesignError
 from lamc.plates.problem import Problem
+from lamc.readers.plates.bands import Band
 from lamc.readers.plates.follow import to_follow
 from lamc.readers.plates.problem_file import plate_of_text
 from lamc.readers.plates.problem_make import problem_of
@@ -183,3 +185,19 @@ def test_what_a_design_fixes_is_followed(tmp_path: Path) -> None:
     assert made.mesh.areas[inside].sum() == pytest.approx(
         3.7e-3 * 10e-3, rel=1e-5
     )  # coordinates are rounded to 1e-8 m
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_band_cuts_lines_where_shapes_of_it_would(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    segments, line, near = rng.uniform(0.0, 1.0, (6, 2, 2)), LineString(rng.uniform(0.0, 1.0, (4, 2))), 0.05
+    segments[0, 1] = segments[0, 0]  # a point
+    beyond, within = Band(segments, near).cut([line])
+    there = shapely.union_all([*shapely.linestrings(segments[1:]), Point(segments[0, 0])])
+    area = shapely.buffer(there, near, quad_segs=2000)  # chords of its arcs are within 1e-7 of `near`
+    for parts, expected in ((beyond, line.difference(area)), (within, line.intersection(area))):
+        assert sum(part.length for part in parts) == pytest.approx(expected.length, abs=1e-6)
+        assert (
+            shapely.hausdorff_distance(shapely.union_all(parts), expected) < 1e-5
+        )  # grazing: the root of 1e-7 near
+    assert sum(part.length for part in (*beyond, *within)) == pytest.approx(line.length, rel=1e-12)

@@ -1,7 +1,8 @@
 """What is told of shear through the thickness against what the element with shear adds, on meshes that show it."""
 
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -208,3 +209,60 @@ def test_modes_are_told_what_the_element_with_shear_takes_off() -> None:
     reported = float(note.split("would lower mode 4 by about ")[1].split(" %")[0])
     missing = 100.0 * (1.0 - thick.frequencies[3] / thin.frequencies[3])
     assert 0.75 * missing < reported < 1.35 * missing
+
+
+def with_shear(problem: plate.Problem) -> plate.Problem:
+    return replace(problem, element="dkmt")
+
+
+def layer_notes(notes: Sequence[str]) -> list[str]:
+    return [note for note in notes if "cells are" in note and "along free edges" in note]
+
+
+def softly_held(n: int) -> plate.Problem:
+    held = plate.SimplySupported("boundary", "soft")
+    mesh = plate.grid(0.2, 0.2, n, n)
+    return plate.Problem(mesh, ply(0.02), supports=[held], loads=[plate.Pressure(1e3)])
+
+
+def twisted(n: int) -> plate.Problem:
+    return cantilever(ply(10e-3), n, twisted=True)
+
+
+@pytest.mark.parametrize(("made", "sizes", "finest"), [(twisted, (16, 32), 192), (softly_held, (8, 16), 96)])
+def test_an_element_with_shear_tells_of_layers_that_its_cells_do_not_show(
+    made: Callable[[int], plate.Problem], sizes: tuple[int, ...], finest: int
+) -> None:
+    """Cells two and four times as long as the layers are wide miss 2 to 10 %; 0.9 to 1.2 times that is told."""
+    fine = plate.solve(with_shear(made(finest)))
+    assert not layer_notes(fine.report.notes)
+    for n in sizes:
+        found = plate.solve(with_shear(made(n)))
+        missing = 100.0 * float(fine.compliance / found.compliance - 1.0)
+        (note,) = layer_notes(found.report.notes)
+        told = re.search(r"keeps to layers (.*) mm wide, and cells are (.*) times .* add about (.*) %", note)
+        assert told is not None
+        width, longer, percent = map(float, told.groups())
+        assert 0.8 * missing < percent < 1.3 * missing
+        h = float(found.problem.laminates[0].thickness)
+        assert width == pytest.approx(
+            1e3 * h / math.sqrt(10.0), rel=0.06
+        )  # two digits are told, of 5/6 G h and G h³/12
+        assert longer == pytest.approx(0.2 / n / (h / math.sqrt(10.0)), rel=0.06)
+
+
+def test_modes_that_twist_tell_of_layers_too() -> None:
+    """Fine cells have the frequency lower by what was told."""
+    frequencies, told = [], []
+    for n in (16, 128):
+        strip = replace(cantilever(ply(10e-3), n), element="dkmt", loads=[])
+        modes = plate.modes(strip, 4)
+        frequencies.append(modes.frequencies)
+        told.append(layer_notes(modes.notes))
+    ((note,), none) = told
+    assert not none
+    numbers = re.search(r"lower mode (\d+) by about (.*) %, and others less", note)
+    assert numbers is not None
+    k, percent = int(numbers[1]) - 1, float(numbers[2])
+    lower = 100.0 * (1.0 - frequencies[1][k] / frequencies[0][k])
+    assert 0.7 * lower < percent < 1.5 * lower

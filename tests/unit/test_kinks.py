@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import lamc
+from lamc.export import files_of
+from lamc.readers.load_scene import scene_of_text
 from lamc.symbolic.kinks import first_kink
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain
@@ -65,3 +67,24 @@ def test_a_base_that_stops_dead_is_refused_and_not_simulated_without_the_blow() 
     ):
         sim.run(t_end=0.2)
     assert sim.run(t_end=0.04).success
+
+
+@needs_cc
+@pytest.mark.parametrize("to", ["c", "fmu", "wasm", "wheel"])
+def test_exports_refuse_such_a_base_in_the_words_of_a_run(to: str) -> None:
+    text = "effects:\n  - base_motion: {displacement: ['0.5*min(t, 0.05)', 0, 0]}\nduration: 0.2\n"
+    scene = scene_of_text(text, "scene.yaml")
+    with pytest.raises(lamc.ExpressionError) as of_a_run:
+        lamc.compile(chain(1), scene).run(t_end=0.2)
+    with pytest.raises(lamc.ExpressionError) as of_an_export:
+        files_of(chain(1), to, scene)
+    assert str(of_an_export.value) == str(of_a_run.value)
+    assert "scene.yaml:2" in str(of_an_export.value)
+
+
+@needs_cc
+def test_exports_say_until_when_a_base_is_known_to_move_smoothly() -> None:
+    ramp = lamc.BaseMotion(displacement=("0.5*min(t, 0.05)", 0, 0))
+    files = files_of(chain(1), "c", lamc.Scene(effects=(ramp,), duration=0.04))
+    assert b"no jump and no kink until t = 0.04 s" in files["chain1.h"]
+    assert b"kink" not in files_of(chain(1), "c", lamc.Scene())["chain1.h"]

@@ -15,7 +15,10 @@ from tests.support.paths import ROOT
 from tests.support.quick import QUICKLY
 
 CHECKOUT = ROOT
-PARTS = ("lamc", "templates", "runtime_c", "pyproject.toml", "packaging_hook.py", "README.md", "LICENSE")
+PARTS = (
+    *("lamc", "lamc_command.py", "templates", "runtime_c"),
+    *("pyproject.toml", "packaging_hook.py", "README.md", "LICENSE"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +59,7 @@ def test_the_wheel_holds_templates_runtime_and_examples(wheel: Path) -> None:
         for path in sorted((CHECKOUT / folder).rglob("*.[chj]*")):
             if path.is_file() and path.suffix in (".c", ".h", ".j2"):
                 assert f"{target}/{path.relative_to(CHECKOUT / folder).as_posix()}" in names
+    assert "lamc_command.py" in names
     assert "lamc/examples/pendulum.cad" in names
     assert "lamc/examples/plates/strip.yaml" in names
     assert "lamc/py.typed" in names or not (CHECKOUT / "lamc" / "py.typed").exists()

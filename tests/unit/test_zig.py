@@ -3,6 +3,7 @@
 What gcc or clang would make and what zig makes agree to round-off: neither contracts or reorders.
 """
 
+import importlib
 import importlib.util
 import os
 import subprocess
@@ -126,7 +127,8 @@ def test_objects_are_made_one_by_one(only_zig: Path, tmp_path: Path) -> None:
 def test_zig_compiles_for_a_plain_processor_unless_told(only_zig: Path) -> None:
     known = zig.target(machine())
     for wanted in (None, PACKAGE):
-        assert find_compiler(wanted).command[-3:-1] == ("-target", known)
+        command = find_compiler(wanted).command
+        assert command[command.index("-target") + 1] == known
     chosen = find_compiler(f"{PACKAGE} -target x86_64-windows-gnu").command
     assert chosen.count("-target") == 1
 
@@ -173,3 +175,29 @@ def test_a_path_of_windows_keeps_its_backslashes(monkeypatch: pytest.MonkeyPatch
     words = toolchain._split('"C:\\Program Files\\gcc.exe" -m64', "--cc")
     monkeypatch.undo()
     assert words == ["C:\\Program Files\\gcc.exe", "-m64"]
+
+
+@needs_zig
+def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was taken for another compiler: its sanitizer was left in, and code was for the very processor it ran on."""
+    script = Path(sys.executable).parent / "python-zig"
+    if not script.is_file():
+        pytest.skip("this release of ziglang has no script")
+    compiler = find_compiler(f"{script} cc")
+    assert "-target" in compiler.command
+    assert "-fno-sanitize=undefined" in compiler.command
+    assert str(Path(importlib.import_module("ziglang").__file__ or "").parent / "zig") in compiler.identity
+    monkeypatch.setenv("CC", f"{script} cc")
+    assert (
+        "python-zig" in element_module(DKT).compiler
+    )  # it compiles, and loads without a sanitizer's library
+
+
+@needs_zig
+@pytest.mark.parametrize("to", ["fmu", "wheel"])
+def test_exports_by_zig_are_the_same_bytes_each_time(to: str, only_zig: Path) -> None:
+    """Debug information held the name of the folder in which they were made."""
+    from lamc.examples import path
+
+    design = lamc.load(path("pendulum.cad"))
+    assert files_of(design, to) == files_of(design, to)

@@ -50,7 +50,7 @@ def shear_notes(solution: "Solution") -> tuple[str, ...]:
     if not element.bends or not solution.values.any():
         return ()
     if element.shear:
-        return _point_notes(solution)
+        return (*_point_notes(solution), *_layer_notes(solution))
     if any(_has_gap(laminate) for laminate in solution.problem.laminates):
         return (
             "a laminate has a gap, in which nothing bears shear through the thickness: the plies on both sides "
@@ -78,23 +78,46 @@ def _point_notes(solution: "Solution") -> tuple[str, ...]:
     )
 
 
+def _layer_notes(solution: "Solution") -> tuple[str, ...]:
+    """Of an element with shear, on cells that do not show the layers along free edges."""
+    found = _layers(solution)
+    if found.missed < REPORTED:
+        return ()
+    return (
+        f"{_layer_text(found)} add about {100.0 * found.missed:.2g} % to the deflection where the loads act",
+    )
+
+
+def _layer_text(found: ShearEnergy) -> str:
+    return (
+        f"along free edges shear through the thickness keeps to layers {1e3 * found.layer:.2g} mm wide, and cells are "
+        f"{found.cells / found.layer:.2g} times as long there: finer ones would"
+    )
+
+
 def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tuple[str, ...]:
     """A sentence where shear takes more than `REPORTED` off numbers that belong to shapes, frequencies (`power` 1/2) or
-    critical loads (1); `what` is one of them, and `shapes` are by number, without rigid ones, which store nothing."""
+    critical loads (1); `what` is one of them, and `shapes` are by number, without rigid ones, which store nothing.
+    Of an element with shear it is the shear that its cells do not show."""
     chosen = next((shape.problem.dofs.element for shape in shapes.values()), None)
-    if chosen is None or chosen.shear or not chosen.bends:
+    if chosen is None or not chosen.bends:
         return ()
-    if any(_has_gap(laminate) for laminate in next(iter(shapes.values())).problem.laminates):
-        lost = dict.fromkeys(shapes, 1.0)
+    layers = {k: _layers(shape) for k, shape in shapes.items()} if chosen.shear else {}
+    if chosen.shear:
+        shares = {k: found.missed for k, found in layers.items()}
+    elif any(_has_gap(laminate) for laminate in next(iter(shapes.values())).problem.laminates):
+        shares = dict.fromkeys(shapes, math.inf)
     else:
-        lost = {k: 1.0 - (1.0 + _told_energy(shape).share) ** -power for k, shape in shapes.items()}
+        shares = {k: _told_energy(shape).share for k, shape in shapes.items()}
+    lost = {k: 1.0 - (1.0 + share) ** -power for k, share in shares.items()}
     worst = max(lost, key=lost.__getitem__)
     if lost[worst] < REPORTED:
         return ()
-    return (
-        f"shear through the thickness, which element {chosen.name!r} leaves out, would lower {what} {worst + 1} by "
-        f"about {100.0 * lost[worst]:.2g} %, and others less{_instead(chosen.name)}",
-    )
+    lowered = f"lower {what} {worst + 1} by about {100.0 * lost[worst]:.2g} %, and others less"
+    if chosen.shear:
+        return (f"{_layer_text(layers[worst])} {lowered}",)
+    left_out = f"shear through the thickness, which element {chosen.name!r} leaves out"
+    return (f"{left_out}, would {lowered}{_instead(chosen.name)}",)
 
 
 def _told_energy(solution: "Solution") -> ShearEnergy:
@@ -107,6 +130,11 @@ def _energy(solution: "Solution") -> ShearEnergy:
     """By patches; of few cells the larger of both."""
     ways = (True, False) if len(solution.problem.mesh.cells) < _FEW else (True,)
     return max((_energy_of(solution, recovered=way) for way in ways), key=lambda found: found.share)
+
+
+def _layers(solution: "Solution") -> ShearEnergy:
+    """Of an element with shear: what it shows least of."""
+    return shear_energy(solution, _corner_values(solution, recovered=False), layers_only=True)
 
 
 def _energy_of(solution: "Solution", *, recovered: bool) -> ShearEnergy:

@@ -11,16 +11,17 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-import shapely.ops
-from shapely.geometry import LineString, MultiPoint, Point
+from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
 from lamc.plates.supports import Where
+from lamc.readers.plates.bands import Band
 
 _NEAR = 1e-7  # of the plate's size, a tenth of a Problem's tolerance: lines so near are one
-MOST_STEPS = 200_000  # every place is cut at all that is there, some 20 µs for a corner
+MOST_STEPS = 200_000  # every place is held against all that is there
+MOST_PARTS = 5_000  # of places, cut where they meet: some 0.4 ms each
 _ALONG = 10.0  # times that: what lies longer in the other's band runs along it, what lies shorter crosses it
 
 
@@ -31,7 +32,7 @@ def to_follow(
 
     drawn  lines, points and areas that the mesh follows besides, such as regions and hinge lines
 
-    Raises DesignError where places times corners are too many.
+    Raises DesignError where places times corners are too many, or parts into which they are cut.
     """
     parts = [
         part
@@ -48,12 +49,15 @@ def to_follow(
         )
     x0, y0, x1, y1 = outline.bounds
     near = _NEAR * float(np.hypot(x1 - x0, y1 - y0))
-    lines = [_as_line(place) for place in (outline, *drawn)]
+    plate = shapely.buffer(outline, near)
+    there = np.concatenate([_segments(_as_line(place)) for place in (outline, *drawn)])
     found: list[BaseGeometry] = []
     for part in parts:
-        made = _new(_as_line(part), outline, lines, near)
+        inside = shapely.intersection(_as_line(part), plate)
+        made = [] if inside.is_empty else _new(inside, there, near)
         found += made
-        lines += made
+        _check_count(len(found))
+        there = np.concatenate([there, *map(_segments, made)])
     return found
 
 
@@ -62,52 +66,63 @@ def _as_line(place: BaseGeometry) -> BaseGeometry:
     return place.boundary if shapely.get_dimensions(place) == 2 else place
 
 
-def _new(
-    place: BaseGeometry, outline: BaseGeometry, lines: Sequence[BaseGeometry], near: float
-) -> list[BaseGeometry]:
-    """What `place` adds to `lines`."""
-    inside = shapely.intersection(place, shapely.buffer(outline, near))
-    there = shapely.union_all(lines)
-    corners = MultiPoint(np.unique(shapely.get_coordinates(lines), axis=0))
-    band = shapely.buffer(there, near)
+def _segments(place: BaseGeometry) -> Array:
+    """Ends of its segments, (k, 2, 2), m; of a point twice the same."""
+    lines = [shapely.get_coordinates(part) for part in shapely.get_parts(shapely.get_parts(place))]
+    pairs = [np.stack([line[:-1], line[1:]] if len(line) > 1 else [line, line], axis=1) for line in lines]
+    return np.concatenate([np.zeros((0, 2, 2)), *pairs])
+
+
+def _check_count(parts: int) -> None:
+    if parts > MOST_PARTS:
+        raise DesignError(
+            f"places that hold the plate or load its edges are cut into more than {MOST_PARTS} parts where they meet "
+            "each other and what is drawn: let fewer of them cross, or take a grid"
+        )
+
+
+def _new(place: BaseGeometry, there: Array, near: float) -> list[BaseGeometry]:
+    """What `place`, which is on the plate, adds to the segments `there` (k, 2, 2)."""
+    reach = 2.0 * _ALONG * near
+    x0, y0, x1, y1 = place.bounds
+    beside = (there.min(axis=1) <= (x1 + reach, y1 + reach)) & (there.max(axis=1) >= (x0 - reach, y0 - reach))
+    band = Band(there[beside.all(axis=1)], near)
+    corners = np.unique(band.segments.reshape(-1, 2), axis=0)
+    apart, along = (_chains(parts) for parts in band.cut(shapely.get_parts(place)))
+    _check_count(len(apart))
     made: list[BaseGeometry] = []
-    ends: list[Array] = []
-    for part in _chains(shapely.difference(inside, band)):
-        points = shapely.get_coordinates(part)
-        if len(points) > 1 and part.length > _ALONG * near:
-            points[[0, -1]] = [_joined(point, there, corners, near) for point in points[[0, -1]]]
-            made.append(LineString(points))
-        elif len(points) == 1:
+    for part in apart:
+        line = shapely.get_coordinates(part)
+        if len(line) == 1:
             made.append(part)
-    for part in _chains(shapely.intersection(inside, band)):
-        points = shapely.get_coordinates(part)
-        if len(points) > 1 and part.length > _ALONG * near and not part.is_ring:
-            ends += [points[0], points[-1]]
-        elif len(points) == 1:
-            ends.append(points[0])
-    taken = shapely.get_coordinates([corners, *made])
+        elif part.length > _ALONG * near:
+            line[[0, -1]] = [_joined(point, band, corners) for point in line[[0, -1]]]
+            made.append(LineString(line))
+    ends: list[Array] = []
+    for part in along:
+        line = shapely.get_coordinates(part)
+        if len(line) == 1 or (part.length > _ALONG * near and not part.is_closed):
+            ends += [line[0], line[-1]]
+    taken = np.concatenate([corners, shapely.get_coordinates(made)])
     for end in ends:
-        at = _joined(end, there, corners, near)
-        if np.hypot(*(taken - at).T).min() > _ALONG * near:
+        at = _joined(end, band, corners)
+        if np.hypot(*(taken - at).T).min(initial=np.inf) > _ALONG * near:
             made.append(Point(at))
             taken = np.concatenate([taken, at[None]])
     return made
 
 
-def _chains(place: BaseGeometry) -> list[BaseGeometry]:
+def _chains(parts: Sequence[BaseGeometry]) -> list[BaseGeometry]:
     """Lines as long as they go on without a fork, and points."""
-    parts = shapely.get_parts(place)
-    lines = parts[shapely.get_dimensions(parts) == 1]
-    return [
-        *shapely.get_parts(shapely.line_merge(shapely.union_all(lines))),
-        *parts[shapely.get_dimensions(parts) == 0],
-    ]
+    lines = [part for part in parts if shapely.get_dimensions(part) == 1]
+    points = [part for part in parts if shapely.get_dimensions(part) == 0]
+    return [*shapely.get_parts(shapely.line_merge(shapely.union_all(lines))), *points]
 
 
-def _joined(point: Array, there: BaseGeometry, corners: BaseGeometry, near: float) -> Array:
-    """The corner at `point`, or else the place on `there` beside it; where nothing is near, the point itself."""
-    here = Point(point)
-    for other, reach in ((corners, 8.0 * near), (there, 2.0 * near)):
-        if other.distance(here) <= reach:
-            return np.asarray(shapely.get_coordinates(shapely.ops.nearest_points(other, here)[0])[0])
-    return point
+def _joined(point: Array, band: Band, corners: Array) -> Array:
+    """The corner at `point`, or else the place on the segments beside it; where nothing is near, the point itself."""
+    far = np.hypot(*(corners - point).T)
+    if far.min(initial=np.inf) <= 8.0 * band.near:
+        return np.asarray(corners[np.argmin(far)])
+    place, away = band.nearest(point)
+    return place if away <= 2.0 * band.near else point

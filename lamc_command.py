@@ -1,0 +1,17 @@
+"""What the command `lamc` calls: it is outside the package, so that Ctrl-C while that is imported ends as later on.
+
+In: the words of the command line. Out: the process's exit code, as `lamc.cli` has it. It imports nothing itself.
+"""
+
+import sys
+
+
+def main() -> None:
+    """Runs the command line; Ctrl-C during the imports is told in one line and is exit code 130."""
+    try:
+        from lamc.cli import main as work
+    except KeyboardInterrupt:
+        if sys.stderr is not None:  # daemons have none
+            print("error: interrupted; nothing was written", file=sys.stderr)
+        raise SystemExit(130) from None
+    work()

@@ -200,6 +200,7 @@ def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> Non
     assert not hasattr(lean.lib, f"{lean.prefix}_step")
 
 
+@pytest.mark.slow
 def test_fixed_steps_and_adaptive_ones_go_on_from_each_other(crawler: Exported) -> None:
     """Neither kind of step forgets where the other one was. Steps of 20 us see contacts begin at their ends: rates of
     some 10 rad/s are off by 1e-4 of that, and angles by what this comes to within milliseconds."""

@@ -115,6 +115,7 @@ class TestEveryKind:
         assert np.array_equal(rows[:, 1:], np.hstack([positions, rotations]))
         fmu.free()
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_a_saved_state_goes_on_with_the_same_bits(self, made, name, fmi):
         _, _, folder = made(name, fmi)
         whole, other = Fmu(folder).begin(stop=T_END), Fmu(folder, "two").begin(stop=T_END)

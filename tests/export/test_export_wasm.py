@@ -168,6 +168,7 @@ def test_outputs_are_those_of_python(tmp_path: Path) -> None:
 
 
 @needs("node")
+@pytest.mark.slow
 def test_a_state_goes_on_elsewhere_with_the_same_bits(tmp_path: Path) -> None:
     one, other = in_node(
         in_wasm("limit_stop"), tmp_path, "limit_stop",

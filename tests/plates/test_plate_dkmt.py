@@ -254,6 +254,7 @@ def test_buckling_is_mindlins() -> None:
         assert found == pytest.approx(expected, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_heat_bends_a_free_bimetal_without_shear() -> None:
     """κ of the free laminate all over, whatever the shear stiffness is; so the corner of a square lifts by κ a²."""
     hot = plate.Material(70e9, 70e9, 0.3, 70e9 / 2.6, 2700, alpha1=23e-6, alpha2=23e-6)

@@ -178,6 +178,7 @@ def test_a_path_of_windows_keeps_its_backslashes(monkeypatch: pytest.MonkeyPatch
 
 
 @needs_zig
+@pytest.mark.slow
 def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It was taken for another compiler: its sanitizer was left in, and code was for the very processor it ran on."""
     script = Path(sys.executable).parent / "python-zig"
@@ -195,6 +196,7 @@ def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.
 
 @needs_zig
 @pytest.mark.parametrize("to", ["fmu", "wheel"])
+@pytest.mark.slow
 def test_exports_by_zig_are_the_same_bytes_each_time(to: str, only_zig: Path) -> None:
     """Debug information held the name of the folder in which they were made."""
     from lamc.examples import path

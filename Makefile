@@ -7,7 +7,7 @@ OUT ?= out/demo
 STAMP := $(VENV)/.lamc-installed
 PARALLEL ?= -n 2 --dist worksteal # neighbours stay with one worker, which has what a module's tests share
 
-.PHONY: demo test test-hostile test-all lint types format docs map methods bench ledgers pictures clean check-tools
+.PHONY: demo test test-ci test-hostile test-all lint types format docs map methods bench ledgers pictures clean check-tools
 
 demo: $(STAMP)
 	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
@@ -21,12 +21,15 @@ demo: $(STAMP)
 test: $(STAMP)
 	$(BIN)/python -m pytest -q $(PARALLEL) -m "not slow"
 
+test-ci: $(STAMP) # all tests but the campaigns
+	$(BIN)/python -m pytest -q $(PARALLEL) -m "not campaign" --thorough
+
 test-hostile: $(STAMP) # umask 077, a home that cannot be written, stderr closed; with another compiler: CC=clang
 	$(BIN)/python -m pytest -q $(PARALLEL) -m "not slow" --hostile -p no:faulthandler 2>&-
 
-test-all: $(STAMP) # with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
+test-all: $(STAMP) # campaigns too, with the flags that users get, and with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench,fmi,cc]'
-	$(BIN)/python -m pytest -q $(PARALLEL) --as-shipped
+	$(BIN)/python -m pytest -q $(PARALLEL) --as-shipped --thorough
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

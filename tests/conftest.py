@@ -6,18 +6,20 @@ import signal
 import sys
 import tempfile
 from collections.abc import Iterator
+from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import BinaryIO
 
 import pytest
-from matplotlib.figure import Figure
+from hypothesis import settings
 
-from tests.support.quick import quick_compilation
+from tests.support.quick import quick_compilation, unpainted_figures
 
 FOREIGN = {  # variables of developers' machines
     *("CFLAGS", "CPPFLAGS", "LDFLAGS", "PYTHONDONTWRITEBYTECODE"),
     *("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"),
 }
+settings.register_profile("quick", derandomize=True)
+settings.register_profile("thorough")
 NOWHERE = "/proc/nowhere"  # a home that nobody can make or write to, root neither
 
 
@@ -34,6 +36,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--as-shipped",
         action="store_true",
         help="compile models and exports with the flags that users get; without it tests compile quickly",
+    )
+    parser.addoption(
+        "--thorough",
+        action="store_true",
+        help="have hypothesis try new examples, and five times as many; without it they are the same in each run",
     )
 
 
@@ -54,6 +61,7 @@ def pytest_configure(config: pytest.Config) -> None:
     # Ignored in what a shell starts behind its back, and in all that is started from there: tests of Ctrl-C would wait.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    settings.load_profile("thorough" if config.getoption("--thorough") else "quick")
     hostile = config.getoption("--hostile")
     os.umask(0o077 if hostile else 0o022)
     if is_worker:
@@ -69,6 +77,28 @@ def pytest_configure(config: pytest.Config) -> None:
         (folder / name).mkdir(mode=0o700)
     os.environ["LAMC_CACHE_DIR"] = str(folder / "cache")
     os.environ["HOME"] = NOWHERE if hostile else str(folder / "home")
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest chooses by marks
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """`quick` and `ci` name parameters of a test, by patterns of their ids: those that `make test` runs, and those that
+    `.ci/run` runs. Others are slow, or campaigns, which are slow too."""
+    unmet: dict[tuple[str, str], set[str]] = {}  # patterns that no parameter has met, by test and mark
+    for item in items:
+        for name, otherwise in (("quick", "slow"), ("ci", "campaign")):
+            mark = item.get_closest_marker(name)
+            if mark is None or not isinstance(item, pytest.Function):
+                continue
+            met = {pattern for pattern in mark.args if fnmatchcase(item.callspec.id, pattern)}
+            unmet.setdefault((item.nodeid.partition("[")[0], name), set(mark.args)).difference_update(met)
+            if not met:
+                item.add_marker(otherwise)
+        if item.get_closest_marker("campaign") is not None:
+            item.add_marker("slow")
+    if not any("::" in argument for argument in config.args):  # all parameters were collected
+        lost = [f"mark.{name} of {test}: {sorted(left)}" for (test, name), left in unmet.items() if left]
+        if lost:
+            raise pytest.UsageError(f"no parameter has an id like {'; '.join(lost)}")
 
 
 @pytest.fixture(scope="session")
@@ -95,13 +125,10 @@ def _quick(request: pytest.FixtureRequest, cache_of_the_session: Path) -> Iterat
 
 
 @pytest.fixture
-def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
+def unpainted() -> Iterator[None]:
     """Figures are composed and not painted, which takes a second each; for tests that do not look at pictures."""
-
-    def savefig(_figure: Figure, stream: BinaryIO, **_settings: object) -> None:
-        stream.write(b"\x89PNG\r\n\x1a\n")
-
-    monkeypatch.setattr(Figure, "savefig", savefig)
+    with unpainted_figures():
+        yield
 
 
 @pytest.fixture

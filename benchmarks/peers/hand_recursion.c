@@ -213,6 +213,7 @@ void space_acceleration(const space_model *model, const double *q, const double 
         }
         e[i].bias_spin[0] = w[1] * u[i];
         e[i].bias_spin[1] = -w[0] * u[i];
+        e[i].bias_spin[2] = 0.0;
         w[2] += u[i];
         double momentum[3], turning[3];
         symmetric(b->inertia, w, momentum);
@@ -309,7 +310,6 @@ void space_acceleration(const space_model *model, const double *q, const double 
             al[c] += e[i].bias_spin[c];
             a[c] += e[i].bias[c];
         }
-        al[2] -= e[i].bias_spin[2];
         du[i] = e[i].residual * e[i].inverse - al[2] - e[i].g[0] * al[0] - e[i].g[1] * al[1] - e[i].h[0] * a[0] -
                 e[i].h[1] * a[1] - e[i].h[2] * a[2];
         al[2] += du[i];

@@ -7,8 +7,10 @@ outside the cache.
 """
 
 import hashlib
+import io
 import sys
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 
 import cffi
@@ -22,8 +24,9 @@ from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import Compiler, make_library, make_objects
 
-# The generic name under which the Python side asks for the model, the element or the ply, whatever its prefix is.
-_THIS = """#include "{prefix}.h"
+# The one unit of the library: the C of the model, the element or the ply, and the generic name under which the Python
+# side asks for it, whatever its prefix is. Two units would have the compiler read the headers twice.
+_THIS = """#include "{prefix}.c"
 
 const lamc_{kind} *lamc_this_{kind}(void);
 
@@ -94,17 +97,12 @@ def _maker(
         source = folder / SOURCES
         source.mkdir()
         write_sources(tree, source)
-        entry = f"_this_{tree.kind}.c"  # no design has such a prefix: objects are named after their units
+        entry = f"_this_{tree.kind}.c"  # no unit of the runtime has such a name: objects are named after their units
         (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
-        units = [entry, f"{SOURCES}/{tree.prefix}.c"]
-        make_library(compiler, [*options.flags, f"-I{SOURCES}"], units, LIBRARY, folder, objects)
-        binding = cffi.FFI()
-        binding.cdef(tree.declarations + f"const lamc_{tree.kind} *lamc_this_{tree.kind}(void);\n")
-        binding.set_source("binding", None)
-        # What FFI.emit_python_code does, without the line that it prints.
-        recompiler.make_py_source(binding, "binding", str(folder / BINDING))
+        make_library(compiler, [*options.flags, f"-I{SOURCES}"], [entry], LIBRARY, folder, objects)
+        (folder / BINDING).write_text(_binding(tree.declarations, tree.kind), encoding="utf-8")
         try:
-            binding.dlopen(str(folder / LIBRARY))
+            cffi.FFI().dlopen(str(folder / LIBRARY))
         except OSError as error:
             raise BuildError(
                 f"the C compiler {compiler.command[0]!r} made a library that does not load: {error}; "
@@ -112,6 +110,20 @@ def _maker(
             ) from error
 
     return make
+
+
+@cache
+def _binding(declarations: str, kind: str) -> str:
+    """Python's text of the binding, as FFI.emit_python_code writes it to a file. Parsing C in Python takes 50 ms, and
+    models differ in nothing that Python calls."""
+    binding = cffi.FFI()
+    binding.cdef(declarations + f"const lamc_{kind} *lamc_this_{kind}(void);\n")
+    binding.set_source("binding", None)
+    writer, text = recompiler.Recompiler(binding, "binding", target_is_python=True), io.StringIO()
+    writer.collect_type_table()
+    writer.collect_step_tables()
+    writer.write_source_to_f(text, None)
+    return text.getvalue()
 
 
 def write_sources(tree: SourceTree, folder: Path) -> list[Path]:

@@ -82,9 +82,8 @@ def emit(program: Program, precision: str = "double", prefix: str = "", number: 
         **runtime,
     }
     compiled = (f"{prefix}.c", *(name for name in sorted(runtime) if name.endswith(".c")))
-    declarations = declarations_of(runtime["lamc_real.h"] + runtime["lamc.h"]) + declarations_of(
-        files[f"{prefix}.h"]
-    )
+    # Those of the model's own functions are C users' alone: what Python calls is the same for every model.
+    declarations = declarations_of(runtime["lamc_real.h"] + runtime["lamc.h"])
     return SourceTree(prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)))
 
 

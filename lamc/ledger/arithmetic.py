@@ -18,6 +18,9 @@ from lamc.ledger.runners import Own, grid
 from lamc.records.scene import Scene
 
 _TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # at which the floor is looked for
+_OF_FLOATS = (
+    4  # of them: below 1e-10, steps with the round-off of single precision are tried in vain, for minutes
+)
 _REPEATS = 0.3  # s
 
 
@@ -54,7 +57,8 @@ def measure_arithmetic(
             rows.append(replace(row, note=error.message))
             continue
         runner = Own(truth.facts.integrator, made.simulator, grid(sweep.t_end, sweep.rows), ())
-        floors = _floors(runner, truth, clock)
+        tolerances = _TOLERANCES[:_OF_FLOATS] if options.precision == "float" else _TOLERANCES
+        floors = _floors(runner, truth, clock, tolerances)
         job = end_run(made.simulator, sweep.t_end, setting.rtol, setting.integrator)
         ended = job()
         if not floors or not ended.success:
@@ -71,10 +75,12 @@ def measure_arithmetic(
         rows[k] = replace(rows[k], seconds=best)
 
 
-def _floors(runner: Own, truth: Truth, clock: Clock) -> Sequence[tuple[float, float]]:
+def _floors(
+    runner: Own, truth: Truth, clock: Clock, tolerances: Sequence[float]
+) -> Sequence[tuple[float, float]]:
     """Path errors with the tolerances that gave them."""
     found = []
-    for rtol in _TOLERANCES:
+    for rtol in tolerances:
         result = runner.trace(rtol, clock, max(clock.left(), 0.5)).result
         if result is not None:
             found.append((errors(result, truth.result, truth.scales).path, rtol))

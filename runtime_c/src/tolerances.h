@@ -25,8 +25,8 @@ static const lamc_real EXACT = 5e-7f;
 static const lamc_real OUT_OF_NOTHING = 2e-3f;
 static const lamc_real LOST = 1e-4f;
 static const lamc_real NO_EQUATION = 1e-5f;
-static const lamc_real FADING = 2e-2f;
-static const lamc_real AROUND = 0.1f;
+static const lamc_real FADING = 5e-2f;
+static const lamc_real AROUND = 0.15f;
 #else
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
 #define LAMC_LEAST DBL_MIN       /* the least number that can still be divided by */

@@ -201,6 +201,7 @@ def test_a_failed_run_keeps_its_rows_and_ends_with_3(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("painted")
+@pytest.mark.slow
 def test_a_film_of_an_earlier_run_is_taken_away(tmp_path: Path) -> None:
     file = pendulum(tmp_path / "p.yaml")
     first = call("run", str(file), "--t-end", "0.1", "--out", "o", "--json")
@@ -496,6 +497,7 @@ def test_split_of_a_mechanism_without_plates_says_why_there_is_no_picture(tmp_pa
 
 
 @pytest.mark.usefixtures("painted")
+@pytest.mark.slow
 def test_bench_shows_four_ways_that_agree(tmp_path: Path) -> None:
     pendulum(tmp_path / "p.yaml")
     result = call("bench", "p.yaml", "--out", "o")

@@ -69,6 +69,20 @@ def test_every_example_has_its_theory() -> None:
 
 
 @pytest.mark.parametrize("name", [*examples.names(), *SIZED, LARGEST])
+@pytest.mark.quick(
+    "bricard",
+    "five_bar",
+    "flaps",
+    "four_bar",
+    "limit_stop",
+    "pendulum",
+    "pendulum.cad",
+    "stiff_triple",
+    "vertex",
+    "miura:2x2",
+    "miura:1x4",
+    "n_four_bar:1",
+)
 def test_every_example_runs_as_it_is(name: str) -> None:
     sim = simulator(name)
     loops, rank, freedoms = THEORY[name]
@@ -97,6 +111,7 @@ def test_every_example_tells_what_is_hard_and_where_to_look(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["miura:2x2", "miura:3x3", "miura:2x5", "miura:4x3", LARGEST])
+@pytest.mark.quick("miura:2x2", "miura:3x3")
 def test_miura_creases_keep_the_published_relation(name: str) -> None:
     """Tachi 2009: zigzag creases alike, straight ones alike, tan(s/2) = cos(acute angle) tan(z/2)."""
     result = folded(name, 1.0, 1e-9)
@@ -113,7 +128,7 @@ def test_miura_creases_keep_the_published_relation(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("columns", "rows"),
-    [(4, 4), pytest.param(5, 5, marks=pytest.mark.slow), pytest.param(8, 8, marks=pytest.mark.slow)],
+    [(4, 4), pytest.param(5, 5, marks=pytest.mark.campaign), pytest.param(8, 8, marks=pytest.mark.campaign)],
     # 8 x 8: half a minute
 )
 def test_a_large_miura_has_one_freedom(columns: int, rows: int) -> None:
@@ -168,6 +183,7 @@ def test_the_n_four_bar_is_iftomms(shared: Path) -> None:
         assert np.abs(result.angle(f"g{k}") - result.angle("g0")).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_the_box_folds_its_corners_alike() -> None:
     """Walls that start alike stay alike: the box and its springs have fourfold symmetry, and gravity too."""
     result = folded("folding_box", 1.0, 1e-9)
@@ -180,6 +196,7 @@ def test_the_box_folds_its_corners_alike() -> None:
     assert corners.max() > 1.5
 
 
+@pytest.mark.slow
 def test_radau_comes_to_rest_in_few_steps() -> None:
     """At rest round-off of the slopes, large as the loops are nearly singular, is what is left to solve for."""
     loose, tight = (
@@ -255,6 +272,7 @@ def run(*words: str) -> tuple[int, str, str]:
     return code, done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_the_list_names_every_example_with_its_loops_and_freedoms() -> None:
     code, out, _ = run("examples", "--quiet", "--json")
     assert code == 0
@@ -287,6 +305,7 @@ def test_copy_without_a_name_is_refused(tmp_path: Path) -> None:
     assert "--copy needs the name of an example" in err
 
 
+@pytest.mark.slow
 def test_an_example_of_a_size_runs_and_splits_like_a_file(tmp_path: Path) -> None:
     words = ("--example", "miura:2x3", "--out", str(tmp_path), "--quiet")
     assert run("run", *words, "--t-end", "0.1", "--no-animation")[0] == 0
@@ -295,6 +314,7 @@ def test_an_example_of_a_size_runs_and_splits_like_a_file(tmp_path: Path) -> Non
     assert run("split", "--example", "n_four_bar:3", "--out", str(tmp_path), "--quiet")[0] == 0
 
 
+@pytest.mark.slow
 def test_the_picture_shows_every_example(tmp_path: Path) -> None:
     code, out, _ = run("examples", "--picture", str(tmp_path / "all.png"), "--quiet", "--json")
     assert code == 0

@@ -36,6 +36,7 @@ def call(*words: str) -> Result:
     return CliRunner().invoke(main, ["ledger", *words])
 
 
+@pytest.mark.slow
 def test_ledger_writes_what_it_prints(design: str) -> None:
     found = call(
         design,
@@ -94,6 +95,7 @@ def test_words_that_make_no_sweep_are_refused_in_one_line(
     assert len(found.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_run_that_cannot_be_referenced_is_an_error_with_the_way_out(design: str) -> None:
     found = call(design, "--t-end", "1e9", "--budget", "200 ms")
     assert found.exit_code == 3
@@ -121,6 +123,7 @@ def interrupted_after(reported: str, *words: str) -> tuple[int, str, str]:
         return process.returncode, out, "".join(lines) + rest
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_measured(design: str) -> None:
     """The first line with a share of the work comes after 2 s: settings are measured by then, and minutes are left."""
     words = ("--t-end", "500", "--budget", "10 min")
@@ -136,6 +139,7 @@ def test_ctrl_c_keeps_what_is_measured(design: str) -> None:
     assert (folder / "ledger.png").is_file()
 
 
+@pytest.mark.slow
 def test_ctrl_c_before_anything_is_measured_writes_nothing(design: str) -> None:
     code, out, err = interrupted_after("reference …", "--t-end", "1e5", "--budget", "10 min")
     assert code == 130

@@ -92,6 +92,7 @@ def test_the_square_tends_to_the_series_with_the_square_of_the_cells() -> None:
     assert reported["expected"] == pytest.approx(NAVIER, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_table_tells_the_error_against_the_series() -> None:
     result = call("--example", "square", "--no-pictures")
     assert result.exit_code == 0, result.output
@@ -154,6 +155,7 @@ def test_the_work_of_the_moment_is_the_energy_of_the_hinge() -> None:
     assert lower < 0.2e-3 / slope < upper
 
 
+@pytest.mark.slow
 def test_supports_of_the_perforated_plate_carry_the_pressure_on_its_area() -> None:
     data = answer("--example", "holes")
     path = plates.find("holes").path
@@ -245,6 +247,7 @@ def test_a_plate_under_its_critical_load_is_told_what_it_bears(tmp_path: Path) -
     assert factor == pytest.approx(exact, rel=1e-2)  # second order, at 16 cells
 
 
+@pytest.mark.slow
 def test_strength_is_told_where_it_is_known_and_large_deflections_are_warned_of() -> None:
     cooled = answer("--example", "thermal")["cases"][""]
     # Every point alike: transverse tension beyond cure, Yt over the stress within a few per cent of Tsai-Wu's ratio.

@@ -44,6 +44,7 @@ def script(name: str) -> list[str]:
 
 @pytest.mark.usefixtures("unpainted")
 @pytest.mark.parametrize("name", sorted(TEXTS))
+@pytest.mark.quick("docs/guide/export.md")
 def test_commands_in_their_order_leave_a_program_that_prints(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -62,6 +63,7 @@ def test_commands_in_their_order_leave_a_program_that_prints(
 
 
 @pytest.mark.parametrize("name", sorted(TEXTS))
+@pytest.mark.quick("docs/guide/export.md")
 def test_programs_compile_without_a_warning_and_run(name: str, tmp_path: Path) -> None:
     put(exported("pendulum"), tmp_path)
     put(files_of(plate.load_plate(plates.find("strip").path), "c"), tmp_path)
@@ -96,6 +98,7 @@ def test_cmake_lines_name_what_the_folder_has() -> None:
 
 
 @needs("rustc", "ar")
+@pytest.mark.slow
 def test_the_program_in_rust_gets_the_bits_of_python(tmp_path: Path) -> None:
     put(exported("pendulum"), tmp_path)
     text = TEXTS["docs/embedding.md"]

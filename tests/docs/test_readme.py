@@ -82,6 +82,22 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
 
 
 @pytest.mark.parametrize("command", [c for c in commands() if c.startswith("lamc")])
+@pytest.mark.quick(
+    "lamc run --example pendulum*",
+    "lamc export --*",
+    "lamc examples ??*it_stop*",
+    "lamc examples vertex*",
+    "lamc plate --element*",
+    "lamc plate --example?",
+    "lamc plate --example folded*",
+    "lamc split*",
+    "lamc run design.cad",
+    "lamc run design.cad --energy*",
+    "lamc build*",
+    "lamc run --example limit*",
+    "lamc run --example bricard*",
+    "lamc run --example flaps --scene commanded*",
+)
 def test_each_lamc_command_of_the_pages_succeeds(
     command: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -97,6 +113,7 @@ def test_each_lamc_command_of_the_pages_succeeds(
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 def test_the_command_is_a_process_too(folder: Path) -> None:
     """The tests above call what this one starts, once: lamc and its libraries load for a second."""
     command = [sys.executable, "-m", "lamc", "check", "design.cad"]

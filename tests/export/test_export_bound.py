@@ -11,7 +11,6 @@ from lamc.export.bound import step_bound
 from lamc.export.c import c_source
 from lamc.export.driven import simulator_of
 from tests.support.exported_folders import KINDS, cc, mechanism_of, needs, scene_of
-from tests.support.quick import slow_but
 
 OWN_TRIG = (
     100  # operations of lamc's own sine and cosine of one angle, which the bound has as one call or two
@@ -70,7 +69,9 @@ int main() {
 
 @needs("g++")
 @pytest.mark.parametrize("integrator", ["auto", "rodas5p"])
-@pytest.mark.parametrize("name", slow_but({"pendulum", "four_bar"}, [*KINDS, "stiff_triple"]))
+@pytest.mark.parametrize("name", [*KINDS, "stiff_triple"])
+@pytest.mark.quick("pendulum-auto")
+@pytest.mark.ci("pendulum-*", "four_bar-*")
 def test_no_step_takes_more(name: str, integrator: str, tmp_path: Path) -> None:
     options = lamc.ExportOptions(real_time=True, integrator=integrator, prefix="model", jacobian=False)
     source = c_source(simulator_of(mechanism_of(name), scene_of(name), options), options)

@@ -29,6 +29,7 @@ SCENES = (
 
 
 @pytest.mark.parametrize(("name", "t_end"), SCENES)
+@pytest.mark.quick("pendulum-*", "four_bar-*", "limit_stop-*")
 def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, t_end, 38)[1:]
@@ -41,6 +42,7 @@ def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp
 
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5"])
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
+@pytest.mark.quick("pendulum-*", "four_bar-radau5")
 def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, 0.3, 11)[1:]
@@ -66,6 +68,7 @@ def four_bar(tmp_path_factory: pytest.TempPathFactory) -> Exported:
     return Exported(c_files(mechanism_of("four_bar")), tmp_path_factory.mktemp("four_bar"))
 
 
+@pytest.mark.slow
 def test_many_targets_change_nothing(crawler: Exported) -> None:
     few, many = crawler.instance(t_stop=0.1), crawler.instance(t_stop=0.1)
     crawler.trajectory(few, np.array([0.05, 0.1]))
@@ -73,6 +76,7 @@ def test_many_targets_change_nothing(crawler: Exported) -> None:
     assert crawler.state(few) == crawler.state(many)
 
 
+@pytest.mark.slow
 def test_a_state_goes_on_with_the_same_bits_elsewhere(crawler: Exported) -> None:
     """In another instance, through bytes as a file would hold them, and in a copy by assignment."""
     times = np.linspace(0.0, 0.1, 21)[1:]
@@ -127,6 +131,7 @@ def test_parameters_changed_on_the_way_act_from_there_on(pendulum: Exported) -> 
     np.testing.assert_allclose(pendulum.state(it), [*result.q[-1], *result.u[-1]], rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_modes_of_contact_survive_a_change_of_parameters(crawler: Exported) -> None:
     """The same parameters once more, every millisecond: another sequence of steps, the same motion. Contact multiplies
     the tolerance of 1e-9 by some thousands."""
@@ -171,6 +176,7 @@ def test_rates_of_change_outputs_and_derivatives_are_those_of_python(four_bar: E
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
+@pytest.mark.quick("pendulum")
 def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> None:
     """Errors against a run at the tightest tolerance fall by 16 where the step is halved; by 13 at least, since steps
     of this length leave some of the next order. The same bits with `real_time`, which has nothing else."""
@@ -194,6 +200,7 @@ def test_steps_of_one_length_are_of_order_four(name: str, tmp_path: Path) -> Non
     assert not hasattr(lean.lib, f"{lean.prefix}_step")
 
 
+@pytest.mark.slow
 def test_fixed_steps_and_adaptive_ones_go_on_from_each_other(crawler: Exported) -> None:
     """Neither kind of step forgets where the other one was. Steps of 20 us see contacts begin at their ends: rates of
     some 10 rad/s are off by 1e-4 of that, and angles by what this comes to within milliseconds."""

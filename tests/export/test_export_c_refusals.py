@@ -186,6 +186,7 @@ def spinning(kind: str) -> tuple[Mechanism, Scene]:
 
 
 @pytest.mark.parametrize("kind", ["hinged", "floating"])
+@pytest.mark.quick("hinged")
 def test_a_fast_spin_that_steps_resolve(kind: str, tmp_path: Path) -> None:
     """1000 rad/s: one radian in a step of a millisecond, and four in one of four, which is more than half a turn. A
     rate that nothing changes stays but for round-off."""
@@ -295,6 +296,7 @@ def test_messages_and_names_out_of_range(pendulum: Exported) -> None:
             assert pendulum.call(f"{what}_name", i) == ffi.NULL
 
 
+@pytest.mark.slow
 def test_no_writable_data_and_nothing_but_libm(tmp_path: Path) -> None:
     """memcpy and memset are what compilers make of copies, whatever the source says."""
     allowed = {"memcpy", "memset", "memmove"}

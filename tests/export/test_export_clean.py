@@ -50,6 +50,7 @@ BLOCKS = {"memcpy", "memset", "memmove"}
 
 @needs("nm", "size")
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum", "limit_stop")
 def test_nothing_is_allocated_nothing_is_writable_and_only_the_api_is_seen(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     # Code at a fixed address: elsewhere tables of names are filled in by the loader, and then made read-only.
@@ -176,6 +177,7 @@ int main(void) {
 
 
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("limit_stop")
 def test_every_function_runs_clean_under_the_address_and_undefined_behaviour_sanitizers(
     name: str, tmp_path: Path
 ) -> None:
@@ -250,10 +252,12 @@ def with_threads(folder: Path, names: Sequence[str], *flags: str) -> str:
     return does([folder / "threads"], folder)
 
 
+@pytest.mark.slow
 def test_eight_threads_run_four_models_and_get_the_bits_of_one(tmp_path: Path) -> None:
     assert with_threads(tmp_path, KINDS, "-std=c99") == "alike\n"
 
 
+@pytest.mark.slow
 def test_eight_threads_are_clean_under_the_thread_sanitizer(tmp_path: Path) -> None:
     flags = ("-std=c99", "-g", "-fsanitize=thread")
     if not sanitizer_works(tmp_path, *flags):

@@ -20,7 +20,6 @@ from tests.support.ctools import needs_cc
 from tests.support.exported import C99, Exported
 from tests.support.exported_folders import (
     STRICT,
-    builds,
     cc,
     compilers,
     does,
@@ -52,6 +51,7 @@ def states(model: Exported, h: float, count: int) -> tuple[Any, np.ndarray[Any, 
 
 
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.quick("pendulum", "stiff_triple")
 def test_no_double_is_in_the_text(name: str) -> None:
     files = exported(name, real_time=True, precision="float")
     for file in (f"{name}.h", f"{name}.c"):
@@ -62,7 +62,10 @@ def test_no_double_is_in_the_text(name: str) -> None:
 
 
 @needs_cc
-@pytest.mark.parametrize(("name", "compiler"), builds(MODELS))
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.quick("pendulum-*")
+@pytest.mark.ci("pendulum-*", "limit_stop-*")
 def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], tmp_path: Path) -> None:
     folder = put(exported(name, real_time=True, precision="float"), tmp_path)
     flags = ("-std=c99", *STRICT, "-Wdouble-promotion", "-O2", "-c", f"{name}.c", "-o", "it.o")
@@ -70,6 +73,7 @@ def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], t
 
 
 @needs("g++")
+@pytest.mark.slow
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", real_time=True, precision="float"), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])
@@ -81,6 +85,7 @@ def test_it_is_cxx_too(tmp_path: Path) -> None:
     [("pendulum", 2.0**-10, 2000), ("four_bar", 2.0**-10, 2000), ("stiff_triple", 2.0**-15, 2000),
      ("limit_stop", 2.0**-13, 2000), ("crawler", 2.0**-15, 100)],
 )  # fmt: skip
+@pytest.mark.quick("pendulum-*", "limit_stop-*")
 def test_motion_differs_from_that_of_doubles_by_round_off(
     name: str, h: float, count: int, tmp_path: Path
 ) -> None:
@@ -150,6 +155,7 @@ def test_time_does_not_drift(tmp_path: Path) -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_kept_states_go_on_with_the_same_bits(tmp_path: Path) -> None:
     model = single("four_bar", tmp_path)
     it, _ = states(model, 1e-3, 37)
@@ -198,6 +204,7 @@ def test_derivatives_are_those_of_doubles_to_their_digits(name: str, tmp_path: P
 
 @needs_cc
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.quick("pendulum", "stiff_triple")
 def test_bytes_of_an_instance_are_those_told(name: str, tmp_path: Path) -> None:
     from lamc.export.c import c_source
     from lamc.export.driven import simulator_of
@@ -210,6 +217,8 @@ def test_bytes_of_an_instance_are_those_told(name: str, tmp_path: Path) -> None:
 
 @needs_cc
 @pytest.mark.parametrize("name", ["pendulum", pytest.param("four_bar", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.ci("pendulum")
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits."""
     printed = []

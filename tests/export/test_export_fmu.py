@@ -69,6 +69,7 @@ class TestEveryKind:
         _, file, _ = made(name, fmi)
         assert validate_fmu(str(file)) == []  # schema, names, units, starts, structure
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_its_page_tells_every_variable_and_what_its_flags_say(self, made, name, fmi):
         _, _, folder = made(name, fmi)
         page = html.unescape((folder / "documentation" / "index.html").read_text(encoding="utf-8"))
@@ -86,6 +87,7 @@ class TestEveryKind:
         assert "central differences" in page
         assert f"FMI {fmi}.0" in page
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_trajectory_is_that_of_the_simulator_to_the_last_bit(self, made, name, fmi):
         simulator, _, folder = made(name, fmi)
         fmu = Fmu(folder).begin(stop=T_END)
@@ -96,6 +98,7 @@ class TestEveryKind:
         assert fmu.said == []
         fmu.free()
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_outputs_are_those_of_the_result(self, made, name, fmi):
         simulator, _, folder = made(name, fmi)
         fmu = Fmu(folder).begin(stop=T_END)
@@ -112,6 +115,7 @@ class TestEveryKind:
         assert np.array_equal(rows[:, 1:], np.hstack([positions, rotations]))
         fmu.free()
 
+    @pytest.mark.quick("pendulum-*", "limit_stop-3")
     def test_a_saved_state_goes_on_with_the_same_bits(self, made, name, fmi):
         _, _, folder = made(name, fmi)
         whole, other = Fmu(folder).begin(stop=T_END), Fmu(folder, "two").begin(stop=T_END)

@@ -2,6 +2,7 @@
 
 import shutil
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import pint
@@ -149,6 +150,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.slow
 def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
     folder = sources("five_bar", fmi)
     (tmp_path / "driver.c").write_text(DRIVER_2 if fmi == 2 else DRIVER_3)
@@ -170,6 +172,7 @@ def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++"])
+@pytest.mark.quick("*-3")
 def test_sources_compile_without_a_warning(sources, fmi, compiler, tmp_path):
     if shutil.which(compiler) is None:
         pytest.skip(f"needs {compiler}")
@@ -180,6 +183,7 @@ def test_sources_compile_without_a_warning(sources, fmi, compiler, tmp_path):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.slow
 def test_two_fmus_in_one_program(sources, fmi, tmp_path):
     """Linked statically, with the prefixes that the standard's headers give to functions."""
     objects = []
@@ -203,10 +207,15 @@ UNITS = (
 )  # fmt: skip
 
 
+@cache
+def units_of_pint():
+    return pint.UnitRegistry()
+
+
 @pytest.mark.parametrize("unit", UNITS)
 def test_base_units_are_those_of_pint(unit):
     """pint knows the same units; to it a radian is a number, to FMI a unit."""
-    registry = pint.UnitRegistry()
+    registry = units_of_pint()
     exponents = base_units(unit)
     assert exponents is not None
     assert set(exponents) <= set(BASE)

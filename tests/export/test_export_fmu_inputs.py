@@ -42,6 +42,7 @@ def wheel() -> tuple[Mechanism, float]:
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.quick("3")
 def test_a_torque_in_steps_turns_a_wheel_by_parabolas(opened, fmi):
     mechanism, inertia = wheel()
     joint = mechanism.joints[0]
@@ -66,6 +67,7 @@ def test_a_torque_in_steps_turns_a_wheel_by_parabolas(opened, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.quick("3")
 def test_a_held_input_is_the_parameter_of_a_run(opened, fmi):
     """Named inputs in an expression and torques on hinges, given before initialisation, to the last bit."""
     mechanism = chain(2, "space", seed=4)
@@ -101,6 +103,7 @@ def test_a_held_input_is_the_parameter_of_a_run(opened, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.slow
 def test_an_input_changed_on_the_way_is_in_a_saved_state(opened, fmi):
     mechanism = chain(2, "space", seed=4)
     a, _ = (joint.name for joint in mechanism.joints)
@@ -123,6 +126,7 @@ def test_an_input_changed_on_the_way_is_in_a_saved_state(opened, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.quick("3")
 def test_fmpy_feeds_a_signal(opened, fmi):
     """A torque that holds a body against gravity: the body stays where it starts."""
     mechanism, _ = wheel()

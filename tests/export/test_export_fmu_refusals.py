@@ -71,6 +71,7 @@ class TestRefusals:
         untouched.free()
 
     @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
+    @pytest.mark.quick("*-3")
     def test_numbers_that_are_none(self, fmu, fmi, value):
         name = next(n for n in fmu.by_name if n.endswith(".stiffness"))
         with fmu.refusing(name, "finite"):
@@ -170,6 +171,7 @@ def test_the_binary_of_another_description_is_refused(made, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.quick("3")
 def test_a_start_that_closes_no_loop_is_refused(fmi, tmp_path):
     examples = Path(lamc.__file__).parent / "examples"
     simulator = lamc.compile(lamc.load(examples / "five_bar.yaml"))
@@ -266,6 +268,7 @@ class TestTuning:
         fmu.free()
 
 
+@pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes(made):
     simulator, _ = made(2)
     for fmi in VERSIONS:
@@ -324,6 +327,7 @@ def test_names_that_are_hard_to_bear(fmi, tmp_path):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.quick("3")
 def test_a_body_without_a_hinge_falls(fmi, tmp_path):
     """A mechanism of no joints: coordinates and rates are the base's alone."""
     plain = chain(1, "parallel", seed=1)

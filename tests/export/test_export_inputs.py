@@ -104,6 +104,7 @@ def test_an_input_that_is_no_number_changes_nothing(exported: Exported) -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_named_inputs_of_a_scene(tmp_path: Path) -> None:
     """torque = -gain θ: an oscillator whose frequency is an input."""
     gain = Input(default=INERTIA, unit="N*m/rad", meaning="of the controller")
@@ -125,6 +126,7 @@ def header(mechanism: Mechanism, scene: Scene | None = None, **options: Any) -> 
 
 
 @needs_cc
+@pytest.mark.slow
 def test_who_says_which_hinges_take_torques() -> None:
     said = Scene(effects=(ExternalTorque(("h 1",)),))
     assert "h_1_torque" in header(flap())

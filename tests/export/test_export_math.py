@@ -14,7 +14,6 @@ from tests.support.exported_folders import (
     DURATION,
     KINDS,
     STRICT,
-    builds,
     cc,
     compilers,
     does,
@@ -31,7 +30,10 @@ MODELS = (*KINDS, "stiff_triple")
 
 
 @needs("nm")
-@pytest.mark.parametrize(("name", "compiler"), builds(MODELS))
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.slow
+@pytest.mark.ci("pendulum-*")
 def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path) -> None:
     """But blocks of memory, which compilers copy and clear by calls whether a program says so or not."""
     folder = put(exported(name, libm=False), tmp_path)
@@ -48,6 +50,7 @@ def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path)
 
 
 @needs("g++")
+@pytest.mark.slow
 def test_it_is_cxx_too(tmp_path: Path) -> None:
     folder = put(exported("crawler", libm=False), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", *STRICT, "-c", "crawler.c", "-o", "it.o", command=["g++"])
@@ -61,6 +64,7 @@ def test_what_the_model_does_not_call_is_not_there() -> None:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "limit_stop"])
+@pytest.mark.quick("limit_stop")
 def test_the_motion_is_that_with_a_library_to_the_tolerance(name: str, tmp_path: Path) -> None:
     """A first step comes of pow, whose last digits differ, and with it all steps; nothing else does."""
     t_end = DURATION[name]
@@ -75,6 +79,7 @@ def test_the_motion_is_that_with_a_library_to_the_tolerance(name: str, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "limit_stop", "stiff_triple"])
+@pytest.mark.quick("pendulum")
 def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_step_is_given(
     name: str, tmp_path: Path
 ) -> None:
@@ -89,6 +94,8 @@ def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_s
 
 
 @pytest.mark.parametrize("name", ["pendulum", pytest.param("crawler", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.ci("pendulum")
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits. Without contraction nothing is left that compilers may choose."""
     printed = []

@@ -86,6 +86,7 @@ def test_trajectories_of_trees_differ_by_the_error_of_rk4(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("family", "seed"), [("planar", 1), ("spherical", 2), ("spatial", 1), ("bennett", 1)]
 )
+@pytest.mark.quick("planar-1", "bennett-1")
 def test_trajectories_of_loops_differ_by_the_softness_of_welds(
     tmp_path: Path, family: str, seed: int
 ) -> None:

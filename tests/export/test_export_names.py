@@ -13,7 +13,6 @@ from lamc.export import files_of
 from lamc.export.markdown import markdown
 from tests.support.ctools import needs_cc
 from tests.support.exported_folders import STRICT, cc, does, put
-from tests.support.quick import slow_but
 
 pytestmark = needs_cc
 
@@ -60,7 +59,9 @@ NAMES = (
 )
 
 
-@pytest.mark.parametrize("name", slow_but({HOSTILE, "math", "int", "main", "lamc", "3d"}, NAMES))
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick('a"; system*', "math")
+@pytest.mark.ci('a"; system*', "math", "int", "main", "lamc", "3d")
 def test_any_design_name_gives_a_prefix_that_meets_nothing(name: str, tmp_path: Path) -> None:
     prefix, table = built(double_pendulum(name), tmp_path)
     assert re.fullmatch(r"[a-z][a-z0-9_]{0,43}", prefix)
@@ -75,6 +76,7 @@ def test_any_design_name_gives_a_prefix_that_meets_nothing(name: str, tmp_path: 
         ((HOSTILE, HOSTILE + "2"), set()),
     ],
 )
+@pytest.mark.slow
 def test_names_that_are_no_names_or_equal_ones_stay_apart(
     joints: tuple[str, str], fields: set[str], tmp_path: Path
 ) -> None:

@@ -19,7 +19,6 @@ from tests.support.exported_folders import (
     DURATION,
     KINDS,
     STRICT,
-    builds,
     cc,
     compilers,
     does,
@@ -64,6 +63,7 @@ def test_the_example_prints_the_table_of_lamc_run_to_the_last_bit(name: str, tmp
 
 
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum", "limit_stop")
 def test_the_example_of_fixed_steps_runs_to_its_end(name: str, tmp_path: Path) -> None:
     """The step that it begins with is stable, and where nothing strikes it is accurate, too: a step of 1 ms, short
     against periods of some 0.1 s and more, leaves RK4 an error of (0.001/0.1)^4 = 1e-8 of angles of about 1 rad."""
@@ -83,6 +83,7 @@ def test_the_example_of_fixed_steps_runs_to_its_end(name: str, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum", "limit_stop")
 def test_the_header_begins_with_a_step_that_is_stable(name: str) -> None:
     """Stops push back with dampers that 1 ms is too long for; the example's step is no longer than the header's."""
     files = exported(name, real_time=True)
@@ -93,6 +94,7 @@ def test_the_header_begins_with_a_step_that_is_stable(name: str) -> None:
 
 
 @pytest.mark.parametrize("options", [{}, {"real_time": True}, {"real_time": True, "precision": "float"}])
+@pytest.mark.slow
 def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_path: Path) -> None:
     """A fixed step has four right-hand sides; a call to the next row of the table has one at least, of six a step."""
     folder = put(exported("pendulum", **options), tmp_path)
@@ -107,7 +109,10 @@ def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_pa
     assert step > 2 * slope or "real_time" not in options  # 4, and clocks of busy machines
 
 
-@pytest.mark.parametrize(("name", "compiler"), builds(KINDS))
+@pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.slow
+@pytest.mark.ci("pendulum-*", "limit_stop-gcc")
 def test_it_builds_without_a_warning_and_prints_the_same_bytes(
     name: str, compiler: Sequence[str], tmp_path: Path
 ) -> None:
@@ -121,6 +126,7 @@ def test_it_builds_without_a_warning_and_prints_the_same_bytes(
 @pytest.mark.parametrize("options", [{"real_time": True}, {"integrator": "rk45"}, {"integrator": "radau5"}])
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum-*", "four_bar-*-options0")
 def test_what_is_left_out_leaves_no_warning(
     name: str, compiler: Sequence[str], options: dict[str, object], tmp_path: Path
 ) -> None:
@@ -150,6 +156,7 @@ def test_the_example_refuses_words_that_it_does_not_know(tmp_path: Path) -> None
 
 @needs("g++")
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum")
 def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", "-c", *STRICT, f"{name}.c", "-o", "c.o", command=["g++"])
@@ -183,6 +190,7 @@ int main() {
 
 @needs("g++")
 @pytest.mark.parametrize("single", [False, True])
+@pytest.mark.slow
 def test_two_models_live_in_one_cxx_program(single: bool, tmp_path: Path) -> None:
     """As C objects and as single headers in one file of C++; both ways the same bits."""
     names = ("pendulum", "four_bar")
@@ -208,6 +216,7 @@ def test_two_models_live_in_one_cxx_program(single: bool, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("compiler", compilers())
+@pytest.mark.quick("gcc")
 def test_the_single_header_is_all_there_is(compiler: Sequence[str], tmp_path: Path) -> None:
     files = exported("pendulum", single_header=True)
     assert {name for name in files if name.endswith((".c", ".h"))} == {"example_main.c", "pendulum.h"}
@@ -232,6 +241,7 @@ def test_the_single_header_is_all_there_is(compiler: Sequence[str], tmp_path: Pa
         {"libm": False, "single_header": True},
     ],
 )
+@pytest.mark.quick("options0", "options1", "options3")
 def test_the_commands_of_its_readme_build_it(options: dict[str, object], tmp_path: Path) -> None:
     """And the first lines of code that it shows, in a program of two lines more."""
     files = exported("pendulum", **options)
@@ -294,7 +304,9 @@ def application(folder: Path, cmake: str) -> Path:
 
 
 @needs("cmake")
-@pytest.mark.parametrize("shared", ["OFF", pytest.param("ON", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("shared", ["OFF", "ON"])
+@pytest.mark.ci("OFF")
 def test_cmake_finds_it_installed_and_in_its_build_tree(shared: str, tmp_path: Path) -> None:
     prefix = tmp_path / "prefix"
     for name in MODELS:
@@ -326,6 +338,7 @@ def test_cmake_takes_several_folders_into_one_project(tmp_path: Path) -> None:
 
 
 @needs("cmake", "pkg-config")
+@pytest.mark.slow
 def test_pkg_config_finds_it_wherever_it_was_moved(tmp_path: Path) -> None:
     prefix, moved = tmp_path / "prefix", tmp_path / "moved here"
     for name in MODELS:

@@ -42,6 +42,7 @@ def load(tmp_path_factory: pytest.TempPathFactory) -> Load:
 
 
 @pytest.mark.parametrize("name", ["square", "coupled", "squares"])
+@pytest.mark.quick("square")
 def test_the_matrix_has_the_bits_of_the_compiler_own(load: Load, name: str) -> None:
     """From the same sections: where every unknown is free or held, cells are summed in the same order."""
     made = system(problem(name))
@@ -53,6 +54,7 @@ def test_the_matrix_has_the_bits_of_the_compiler_own(load: Load, name: str) -> N
     assert columns == pattern_of(made).indices.tolist()
 
 
+@pytest.mark.slow
 def test_oblique_supports_and_hinge_lines_give_the_same_matrix(load: Load) -> None:
     """Sums of a few products in another order: each within some units of round-off of the largest beside it."""
     made = system(problem("oblique"))
@@ -65,6 +67,7 @@ def test_oblique_supports_and_hinge_lines_give_the_same_matrix(load: Load) -> No
 
 
 @pytest.mark.parametrize("name", sorted(MAKERS))
+@pytest.mark.quick("coupled", "oblique", "square")
 def test_every_node_moves_as_the_solver_says(load: Load, name: str) -> None:
     """Within the digits that the condition leaves to a solution in double precision; lamc's own is refined beyond."""
     own = problem(name)
@@ -169,6 +172,7 @@ def test_one_cell_is_that_of_quadrature(load: Load, name: str, element: str) -> 
 
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", sorted(MAKERS))
+@pytest.mark.quick("coupled-gcc", "warm-clang")
 def test_it_builds_without_a_warning_and_prints_the_same(
     name: str, compiler: list[str], tmp_path: Path
 ) -> None:
@@ -189,6 +193,7 @@ def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["oblique", "squares"])
+@pytest.mark.quick("squares")
 def test_the_single_header_without_a_library_is_all_there_is(name: str, tmp_path: Path) -> None:
     """Sines and cosines of plies are lamc's own either way, so the bits are the same."""
     folder = put(exported(name), tmp_path / "usual")
@@ -213,6 +218,7 @@ def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
+@pytest.mark.quick("coupled")
 def test_it_runs_clean_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     if not sanitizer_works(tmp_path, *flags):
@@ -223,6 +229,7 @@ def test_it_runs_clean_under_the_sanitizers(name: str, tmp_path: Path) -> None:
 
 
 @needs("cmake", "pkg-config")
+@pytest.mark.slow
 def test_cmake_and_pkg_config_find_two_plates_for_one_program(tmp_path: Path) -> None:
     names, prefix = ("square", "oblique"), tmp_path / "prefix"
     for name in names:
@@ -338,6 +345,7 @@ def test_the_command_knows_a_plate_by_its_content(tmp_path: Path, monkeypatch: p
         assert all(stage.endswith(" …") for stage in stages)
 
 
+@pytest.mark.slow
 def test_the_length_of_edges_that_a_refusal_tells_is_long_enough(tmp_path: Path) -> None:
     """By the limit of cells: the gallery's square, as the command meets it. By that of the factors, five unknowns per
     node: the same mesh but for the plies."""

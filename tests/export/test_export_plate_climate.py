@@ -103,6 +103,7 @@ def test_plies_and_climates_are_parameters(load: Load) -> None:
             assert np.abs(found[:, column] - expected).max() < 1e-9 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_a_cooled_cross_ply_becomes_the_saddle_of_laminate_theory(load: Load) -> None:
     """[0/90] cooled by 150 K on three points: curvature is the same everywhere, so w is a saddle, and the element,
     which holds constant strains, is exact on any mesh: what is left is round-off by the condition."""
@@ -143,6 +144,7 @@ def test_a_cooled_cross_ply_becomes_the_saddle_of_laminate_theory(load: Load) ->
         assert out[3:5] == pytest.approx(slope, rel=1e-8, abs=1e-8 * abs(kappa) * a)
 
 
+@pytest.mark.slow
 def test_a_symmetric_bimorph_bends_as_two_strips_that_pull_apart(load: Load) -> None:
     """Free of width: κ of a beam of one material whose halves want to strain by ∓e is 3 e / (2 t), t that of a half.
     Isotropic halves want it along x and y alike, so nothing is held back and κ_x = κ_y."""
@@ -217,6 +219,7 @@ def _held(*loads: LoadRecord) -> Problem:
         (plate.ElectricField([1.0, lambda x, y: x + y]), "ElectricField"),
     ],
 )
+@pytest.mark.quick("load_record0-*", "load_record3-*")
 def test_a_climate_that_varies_is_refused_or_left_out_and_told(load_record: LoadRecord, kind: str) -> None:
     own = _held(load_record, plate.Temperature(3.0))
     with pytest.raises(
@@ -248,6 +251,7 @@ def test_the_refusal_tells_the_place_in_the_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["thermal", "bimorph"])
+@pytest.mark.quick("bimorph")
 def test_examples_that_expand_move_as_lamc_says(load: Load, name: str) -> None:
     """A corner of each, within the digits that the condition leaves."""
     from lamc.examples import plates

@@ -130,6 +130,7 @@ def test_solutions_that_are_not_finite_are_refused(load: Load) -> None:
         assert BAD_INPUT in nodes <= {0, BAD_INPUT}  # those that are held stay where they are
 
 
+@pytest.mark.slow
 def test_a_plate_with_holes_and_fine_corners_is_found_within_the_cells_that_are_reported(load: Load) -> None:
     """The bound that the header states is that of the tables; in a hole there is no plate."""
     outline = shapely.box(0.0, 0.0, 0.2, 0.1).difference(shapely.Point(0.05, 0.05).buffer(0.02))
@@ -175,6 +176,7 @@ int main(void) {{
 
 
 @pytest.mark.parametrize("name", ["oblique", "squares"])
+@pytest.mark.quick("oblique")
 def test_points_are_looked_up_cleanly_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     """On and around the plate; as many are on it as its area, give or take the squares that its rim crosses."""
     flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")

@@ -36,6 +36,7 @@ def exact(name: str, t: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 
 
 @pytest.mark.parametrize(("name", "h"), [("pendulum", 0.005), ("four_bar", 0.01)])
+@pytest.mark.quick("pendulum-*")
 def test_halved_steps_have_a_thirty_second_of_the_error(name: str, h: float, tmp_path: Path) -> None:
     """20 to 45: steps of this length leave some of the next order."""
     model, count = stiff(name, tmp_path), round(0.4 / h)
@@ -44,6 +45,7 @@ def test_halved_steps_have_a_thirty_second_of_the_error(name: str, h: float, tmp
     assert 20.0 < errors[0] / errors[1] < 45.0, errors
 
 
+@pytest.mark.slow
 def test_a_millisecond_is_enough_where_hinges_ring_at_kilohertz(tmp_path: Path) -> None:
     """An explicit method does not bear such steps. The stiff hinges ring by less than 1e-5 rad, which is what a step
     that does not resolve them may be off."""
@@ -57,6 +59,7 @@ def test_a_millisecond_is_enough_where_hinges_ring_at_kilohertz(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("name", ["limit_stop", "crawler"])
+@pytest.mark.quick("limit_stop")
 def test_stops_and_contact_are_met(name: str, tmp_path: Path) -> None:
     """Events are looked at at ends of steps of 20 us, within which rates of some rad/s change by what 1e-3 allows."""
     t = 0.02
@@ -67,6 +70,7 @@ def test_stops_and_contact_are_met(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "count"), [("pendulum", 200), ("four_bar", 200), ("stiff_triple", 200), ("crawler", 50)]
 )
+@pytest.mark.quick("pendulum-*")
 def test_single_precision_follows_double_within_its_round_off(name: str, count: int, tmp_path: Path) -> None:
     """A step rounds the state by half a unit. Its change is a sum that cancels: weights of one stage add up to 325, and
     what a stage rounds is in all that follow, so that a thousand half units of it are lost. Contacts make errors grow:
@@ -79,6 +83,7 @@ def test_single_precision_follows_double_within_its_round_off(name: str, count: 
 
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("options", [{"precision": "float"}, {"libm": False}, {"real_time": False}])
+@pytest.mark.quick("options0-*")
 def test_it_compiles_without_a_warning(
     options: dict[str, object], compiler: list[str], tmp_path: Path
 ) -> None:

@@ -103,6 +103,7 @@ def motion_here(name: str, times: Array, folder: Path) -> Array:
 
 
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum")
 def test_it_imports_nothing(name: str) -> None:
     found = list(sections(in_wasm(name)[f"{name}.wasm"]))
     assert 2 not in found  # imports
@@ -113,6 +114,7 @@ def test_the_triple_pendulum_with_all_integrators_is_at_most_60_000_bytes() -> N
     assert len(in_wasm("pendulum")["pendulum.wasm"]) <= 60_000
 
 
+@pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes() -> None:
     again = files_of(mechanism_of("pendulum"), "wasm", scene_of("pendulum"), lamc.ExportOptions())
     assert dict(again) == dict(in_wasm("pendulum"))
@@ -120,6 +122,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
 
 @needs("node")
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("pendulum")
 def test_the_motion_has_the_bits_of_the_native_one(name: str, tmp_path: Path) -> None:
     """Both have IEEE 754 arithmetic, no contraction and lamc's own functions: there is nothing to differ in."""
     times = np.linspace(0.0, DURATION[name], 21)[1:]
@@ -163,6 +166,7 @@ def test_outputs_are_those_of_python(tmp_path: Path) -> None:
 
 
 @needs("node")
+@pytest.mark.slow
 def test_a_state_goes_on_elsewhere_with_the_same_bits(tmp_path: Path) -> None:
     one, other = in_node(
         in_wasm("limit_stop"), tmp_path, "limit_stop",
@@ -436,6 +440,7 @@ def test_the_classic_script_is_the_same_simulator(tmp_path: Path) -> None:
 
 
 @needs("node")
+@pytest.mark.slow
 def test_a_hostile_name_stays_a_name(tmp_path: Path) -> None:
     from dataclasses import replace
 

@@ -25,7 +25,6 @@ from lamc.export import files_of
 from lamc.export.wheel import class_name
 from tests.support.ctools import needs_cc
 from tests.support.exported_folders import DURATION, KINDS, mechanism_of, scene_of
-from tests.support.quick import slow_but
 
 pytestmark = needs_cc
 
@@ -48,7 +47,7 @@ def the_wheel(files: Mapping[str, bytes]) -> tuple[str, bytes]:
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A fresh environment, in which cffi alone can be imported besides what is installed there."""
     folder = tmp_path_factory.mktemp("fresh")
-    subprocess.run([sys.executable, "-m", "venv", str(folder / "venv")], check=True)
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder / "venv")], check=True)
     installed = Path(cffi.__file__).parent.parent
     needed = folder / "needed"
     needed.mkdir()
@@ -61,8 +60,10 @@ def install(python: Path, *wheels: tuple[str, bytes]) -> None:
     for name, content in wheels:
         path = python.parent.parent / name
         path.write_bytes(content)
-        pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--no-deps", "--no-index"]
-        done = subprocess.run([*pip, str(path)], capture_output=True, text=True, check=False)
+        pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", str(python), "install"]
+        done = subprocess.run(
+            [*pip, "--no-deps", "--no-index", str(path)], capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0, done.stderr
 
 
@@ -88,7 +89,9 @@ def told(work, *arguments):
 """
 
 
-@pytest.mark.parametrize("name", slow_but({"four_bar", "crawler"}, KINDS))
+@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.quick("four_bar")
+@pytest.mark.ci("four_bar", "crawler")
 def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path) -> None:
     install(python, wheel_of(name))
     t_end = DURATION[name]
@@ -105,6 +108,7 @@ def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path
     assert found.tobytes() == np.hstack([expected.q, expected.u]).tobytes()
 
 
+@pytest.mark.slow
 def test_states_copies_inputs_and_refusals(python: Path) -> None:
     install(python, wheel_of("pendulum"), wheel_of("limit_stop"))
     found = run(
@@ -156,6 +160,7 @@ def test_states_copies_inputs_and_refusals(python: Path) -> None:
     assert found["bodies"] == ["link_1", "link_2", "link_3"]
 
 
+@pytest.mark.slow
 def test_what_is_no_name_and_no_number_is_reported_in_one_line(python: Path) -> None:
     install(python, wheel_of("pendulum"))
     calls = {
@@ -183,6 +188,7 @@ def test_what_is_no_name_and_no_number_is_reported_in_one_line(python: Path) -> 
     assert names == {"UnknownNameError", "TypeError", "SimulatorError", "ValueError"}
 
 
+@pytest.mark.slow
 def test_it_starts_from_what_it_gave_and_shows_its_own_names_alone(python: Path) -> None:
     install(python, wheel_of("pendulum"))
     here, there, names, known = run(
@@ -196,6 +202,7 @@ def test_it_starts_from_what_it_gave_and_shows_its_own_names_alone(python: Path)
     assert not {"Mapping", "TypedDict", "annotations", "dataclass"} & set(names)
 
 
+@pytest.mark.slow
 def test_types_hold_for_who_checks_them(tmp_path: Path) -> None:
     """The package itself, strictly, and a program that uses it; cffi has no types of its own."""
     (tmp_path / "it.whl").write_bytes(wheel_of("pendulum")[1])
@@ -250,6 +257,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
     assert the_wheel(again) == wheel_of("pendulum")
 
 
+@pytest.mark.slow
 def test_what_the_readme_shows_runs(python: Path) -> None:
     files = files_of(mechanism_of("pendulum"), "wheel", scene_of("pendulum"))
     readme, wheel = files["README.md"].decode(), the_wheel(files)
@@ -262,6 +270,7 @@ def test_what_the_readme_shows_runs(python: Path) -> None:
     assert list(q) == list(u) == ["h1", "h2", "h3"]
 
 
+@pytest.mark.slow
 def test_steps_of_fixed_length_alone(python: Path) -> None:
     install(python, wheel_of("pendulum", real_time=True, prefix="pendulum_rt"))
     found = run(
@@ -278,11 +287,13 @@ def test_steps_of_fixed_length_alone(python: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["json", "lambda", "cffi"])
+@pytest.mark.quick("json", "cffi")
 def test_names_that_no_package_can_have_are_refused(name: str) -> None:
     with pytest.raises(ExportError, match=f"{name}_model"):
         files_of(replace(mechanism_of("pendulum"), name=name), "wheel", scene_of("pendulum"))
 
 
+@pytest.mark.slow
 def test_a_hostile_name_stays_a_name(python: Path) -> None:
     mechanism = replace(mechanism_of("pendulum"), name='""" + exit(1) + """ \\')
     files = files_of(mechanism, "wheel", scene_of("pendulum"), lamc.ExportOptions(prefix="type_error"))

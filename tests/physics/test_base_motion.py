@@ -51,6 +51,7 @@ def textbook(right: object, start: tuple[float, float], times: Array) -> Array:
 
 
 @pytest.mark.parametrize(("start", "stays_up"), [(0.3, False), (np.pi - 0.2, True)])
+@pytest.mark.quick("2.94*")
 def test_pendulum_on_a_shaken_pivot(start: float, stays_up: bool) -> None:
     # (I + m l²) θ̈ = -m l (g + z̈) sin θ; upright is stable for a² Ω² > 2 g (l + I / (m l)) (Kapitza 1951)
     amplitude, omega = 0.02, 200.0
@@ -186,6 +187,7 @@ def test_second_cross_check_knows_moved_bases() -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_check_compares_the_cross_checks_where_the_base_is_moved() -> None:
     moved = BaseMotion(("0.1*sin(3*t)", 0, "0.2*t^2"), "0.4*sin(2*t)", (1.0, 2.0, -0.5), (0.3, -0.1, 0.2))
     scene = Scene(effects=(GRAVITY, HingeStiffness(), moved))

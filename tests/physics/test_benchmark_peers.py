@@ -72,6 +72,7 @@ def test_casadi_and_cvodes_fold_the_papers_plates_as_published() -> None:
     assert np.abs(angles - [0.3479767274690896, 0.1416890662362707, 0.03314863340808915]).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_lambdified_forms_agree_with_newton_euler() -> None:
     mechanism = plates(3, CROSSED)
     model = kane(mechanism, SCENE.effects or ())

@@ -20,6 +20,7 @@ from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.support.floating import lone_body, quaternion_matrix
 from tests.support.general_motion import General
+from tests.support.quick import tries
 
 Array = npt.NDArray[np.float64]
 
@@ -208,7 +209,7 @@ def power_of(effect: lamc.BladeElementDrag, velocity: Array, spin: Array) -> tup
     rotation=st.floats(-5.0, 5.0),
     point=st.floats(-0.5, 1.5),
 )
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=tries(40))
 def test_still_air_only_takes(
     velocity: Array, spin: Array, lift: float, drag: float, ratio: float, rotation: float, point: float
 ) -> None:
@@ -230,7 +231,7 @@ def test_still_air_only_takes(
 
 
 @given(velocity=triples, spin=triples, point=st.floats(-0.5, 1.5))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=tries(20))
 def test_lift_does_no_work(velocity: Array, spin: Array, point: float) -> None:
     effect = lamc.BladeElementDrag(
         "ground",
@@ -281,6 +282,7 @@ def test_wind_is_what_motion_against_it_is(added_mass: bool) -> None:
 
 @needs_cc
 @pytest.mark.parametrize("way", ["broadside", "edge-on"])
+@pytest.mark.quick("broadside")
 def test_falling_plate_comes_to_its_terminal_speed(way: str) -> None:
     """v = v∞ tanh(m g t / ((m + m') v∞)), v∞ = sqrt(2 m g / (ρ S C)); m' = π ρ c²/4 per span broadside, and 0."""
     mass, chord, gravity = 0.05, 0.4, 9.81

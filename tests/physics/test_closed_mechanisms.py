@@ -21,6 +21,7 @@ from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from tests.support.closed_mechanisms import FAMILIES, ClosedMechanism, closed_mechanism, closed_mechanisms
 from tests.support.ctools import needs_cc
+from tests.support.quick import tries
 
 pytestmark = needs_cc
 
@@ -112,6 +113,7 @@ def examine(closed: ClosedMechanism, seed: int, *, damped: bool) -> bool:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.quick("planar", "spherical", "bennett")
 def test_every_family_closes_as_drawn_and_moves(family: str) -> None:
     assert examine(closed_mechanism(family, seed=5), seed=1, damped=False)
 
@@ -124,10 +126,9 @@ def test_a_joint_that_can_turn_little_does_not_lock_the_count(seed: int) -> None
 
 
 @settings(
-    max_examples=6,
+    max_examples=tries(15),
     phases=AS_DRAWN,
     deadline=None,
-    derandomize=True,  # the same mechanisms in each run of the quick tests; the campaign below looks for new ones
     suppress_health_check=[HealthCheck.too_slow],
 )
 @given(closed=closed_mechanisms(), seed=st.integers(0, 2**31), damped=st.booleans())
@@ -135,7 +136,7 @@ def test_random_closed_mechanisms(closed: ClosedMechanism, seed: int, damped: bo
     assume(examine(closed, seed, damped=damped))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @settings(max_examples=250, phases=AS_DRAWN, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(closed=closed_mechanisms(), seed=st.integers(0, 2**31), damped=st.booleans())
 def test_many_random_closed_mechanisms(closed: ClosedMechanism, seed: int, damped: bool) -> None:

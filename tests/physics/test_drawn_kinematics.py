@@ -57,6 +57,7 @@ def heading(start: Point, end: Point) -> float:
 
 
 @pytest.mark.parametrize(("name", "number"), sorted(RINGS))
+@pytest.mark.quick("four_bar-1", "two_loops-*")
 def test_rings_of_four_obey_freudenstein(name: str, number: int) -> None:
     ring, result = RINGS[name, number], motion(name)
     (_, o2), (_, a), (_, o4), (_, b) = ring.crank, ring.coupler, ring.follower, ring.closing

@@ -25,12 +25,10 @@ from tests.support.drawn import (
     same_angle,
     simulator,
 )
-from tests.support.quick import slow_but
 
 RING = {"four_bar": (4, 4), "five_bar": (5, 5), "six_bar": (6, 7), "two_loops": (7, 8)}  # bodies, hinges
 VERTEX = {"vertex": (4, 4), "waterbomb": (6, 6)}
 COUNTS = RING | VERTEX
-SLOW = {"five_bar"}  # to the independent cross-checks: seconds
 HEIGHTS = {
     "four_bar": {LOW, HIGH},
     "five_bar": {NEAR, FAR},
@@ -78,7 +76,8 @@ def test_what_the_energy_loses_is_what_the_hinges_take(name: str) -> None:
     assert abs(result.energy[-1] - result.energy[0] + whole) <= limit
 
 
-@pytest.mark.parametrize("name", slow_but(set(COUNTS) - SLOW, sorted(COUNTS)))
+@pytest.mark.parametrize("name", sorted(COUNTS))
+@pytest.mark.quick("four_bar", "vertex")
 def test_three_cross_checks_agree_on_drawn_loops(name: str) -> None:
     assert check(simulator(name), states=5, t_end=0.1).passed
 

@@ -37,6 +37,9 @@ def cross_checks_of(report: Report, quantity: str) -> set[str]:
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
+@pytest.mark.quick(
+    "base_motion", "flexible_links", "free_base", "gravity", "piezo_bender", "twist_compliance"
+)
 def test_every_effect_is_said_by_an_independent_cross_check(name: str) -> None:
     company = () if name == "gravity" else (SAMPLES["gravity"],)
     report = check(compiled(SAMPLES[name], *company), states=6, t_end=0.2)
@@ -50,6 +53,7 @@ def test_every_effect_is_said_by_an_independent_cross_check(name: str) -> None:
 
 
 @pytest.mark.parametrize("base", ["free_base", "base_motion"])
+@pytest.mark.quick("free_base")
 def test_all_effects_together_are_said_alike(base: str) -> None:
     """The bender joins a body that bends, and the ground is touched by one on a hinge that yields."""
     without = {"free_base", "base_motion", "hinge_stiffness"} - {base}
@@ -100,6 +104,14 @@ OTHERWISE: Mapping[str, tuple[Effect, Mapping[str, Any]]] = {
 
 
 @pytest.mark.parametrize("case", sorted(OTHERWISE))
+@pytest.mark.quick(
+    "damping of stops",
+    "extension of a bender",
+    "stiffness of stops",
+    "voltage of a bender",
+    "retardation of a strip",
+    "rotation",
+)
 def test_a_number_that_is_another_is_noticed(case: str) -> None:
     effect, changes = OTHERWISE[case]
     whole = (effect, SAMPLES["gravity"])

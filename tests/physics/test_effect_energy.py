@@ -11,6 +11,7 @@ from lamc.records.scene import Scene
 from lamc.run.energy_balance import IMPACTS
 from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES, mechanism
+from tests.support.quick import tries
 
 pytestmark = needs_cc
 
@@ -38,6 +39,16 @@ FROM_OUTSIDE = {"external_torque": {"h2.torque": 0.5}}  # N·m; nothing comes fr
 
 
 @pytest.mark.parametrize("case", sorted(CASES))
+@pytest.mark.quick(
+    "gravity",
+    "dull impacts",
+    "free_base",
+    "joint_limits",
+    "piezo_bender",
+    "twist_compliance",
+    "ground_contact",
+    "flexible_links",
+)
 def test_effects_that_say_so_keep_the_energy_and_the_others_do_not(case: str) -> None:
     effect = CASES[case]
     scene = Scene(effects=(effect,), angles={"h1": 0.9, "h2": -0.8}, rates={"h1": 2.0, "h2": -1.5})
@@ -51,6 +62,15 @@ def test_effects_that_say_so_keep_the_energy_and_the_others_do_not(case: str) ->
 
 
 @pytest.mark.parametrize("case", sorted(CASES))
+@pytest.mark.quick(
+    "gravity",
+    "dull impacts",
+    "free_base",
+    "joint_limits",
+    "piezo_bender",
+    "twist_compliance",
+    "ground_contact",
+)
 def test_energy_balance_balance_under_every_effect(case: str) -> None:
     """Kinetic energy is the sum of all work, and what keeps the energy neither supplies nor dissipates any."""
     effect = CASES[case]
@@ -78,9 +98,10 @@ DISSIPATE = {
 
 
 @pytest.mark.parametrize("case", sorted(DISSIPATE))
+@pytest.mark.quick("damped spring", "damped stops", "ground_contact")
 def test_dissipation_takes_energy_at_every_instant_from_any_start(case: str) -> None:
     @given(state=st.tuples(st.floats(-0.9, 0.2), st.floats(-0.5, 0.5), *[st.floats(-4.0, 4.0)] * 2))
-    @settings(deadline=None, max_examples=25)
+    @settings(deadline=None, max_examples=tries(25))
     def every(state: tuple[float, ...]) -> None:
         angles, rates = (dict(zip(("h1", "h2"), part, strict=True)) for part in (state[:2], state[2:]))
         scene = Scene(effects=(DISSIPATE[case], lamc.Gravity()), angles=angles, rates=rates)

@@ -51,6 +51,7 @@ def test_two_halves_clamped_to_a_speck_that_floats_are_a_free_beam() -> None:
     assert frequencies == pytest.approx(np.array([4.7300, 7.8532]) ** 2 * unit, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_robot_that_flaps_on_the_ground_moves_alike_by_all_methods_and_keeps_its_energy_balance() -> None:
     """Free base, ground, motors, nonlinear hinges, stops, air, which is touched and left again and again."""
     bodies = (

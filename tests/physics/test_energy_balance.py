@@ -23,6 +23,7 @@ from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
 from tests.support.closed_mechanisms import closed_mechanism
 from tests.support.every_effect import SAMPLES, mechanism
+from tests.support.quick import tries
 
 Array = npt.NDArray[np.float64]
 
@@ -31,7 +32,7 @@ DRIVEN = ("torque", "external_torque", "linear_motor", "piezo_bender", "base_mot
 METHODS = ("rk45", "dop853", "rodas5p", "radau5", "auto")
 START = {"h1": 0.3, "h2": -0.4}  # rad
 PATIENT = settings(
-    max_examples=30,
+    max_examples=tries(30),
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
@@ -50,6 +51,9 @@ def names() -> list[str]:
 
 
 @pytest.mark.parametrize("name", names())
+@pytest.mark.quick(
+    "flexible_links", "free_base", "ground_contact", "hinge_damping", "piezo_bender", "twist_compliance"
+)
 def test_the_rate_of_the_kinetic_energy_is_the_sum_of_all_powers(name: str) -> None:
     """Along the motion at random states; the rate by central differences of the energy along (1, dy/dt)."""
     sim = simulator(name)
@@ -187,6 +191,7 @@ def test_impacts_are_booked() -> None:
 
 
 @pytest.mark.parametrize("family", ["planar", "spherical", "bennett"])
+@pytest.mark.quick("planar")
 def test_energy_balance_of_loops_balance(family: str) -> None:
     """Springs and dampers on hinges that close loops do work as on others; the closure itself does none."""
     closed = closed_mechanism(family, seed=3).mechanism
@@ -214,6 +219,7 @@ class Fluid:
 
 
 @pytest.mark.parametrize("base", [None, lamc.FreeBase(spin=(0.3, 0.2, 0.1))])
+@pytest.mark.quick("None")
 def test_a_fluid_gives_back_what_it_took(base: Effect | None) -> None:
     """Its kinetic energy is what it stores, so that its work is minus the change of that."""
     effects: tuple[Effect, ...] = (lamc.Gravity(), Fluid(), *((base,) if base else ()))

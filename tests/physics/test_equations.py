@@ -30,6 +30,7 @@ def defined_before_use(equations: Equations) -> None:
 
 @needs_cc
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: m.name)
+@pytest.mark.quick("chain2")
 def test_assignments_in_order_give_the_accelerations(mechanism: Mechanism) -> None:
     scene = Scene(effects=(*ALL_PASSIVE, Torque({"h0": "0.2*sin(3*t) - 0.1*rate*abs(rate) + max(angle, 0)"})))
     sim = lamc.compile(mechanism, scene)
@@ -48,6 +49,7 @@ def test_assignments_in_order_give_the_accelerations(mechanism: Mechanism) -> No
 
 @needs_cc
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: m.name)
+@pytest.mark.quick("chain2")
 def test_mass_matrix_and_forces_solve_to_the_accelerations(mechanism: Mechanism) -> None:
     sim = lamc.compile(mechanism, Scene(effects=ALL_PASSIVE))
     equations, n = sim.equations, len(sim.joints)
@@ -111,6 +113,7 @@ def test_one_pendulum_written_out_is_the_textbook_equation() -> None:
 # ---- no swell -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_expressions_do_not_swell() -> None:
     equations = equations_of(chain(30, "space", seed=2), ALL_PASSIVE)
     largest = max(sp.count_ops(a.expression) for a in equations.assignments)

@@ -61,6 +61,7 @@ def after_first_impact(mechanism: Mechanism, scene: Scene, restitution: float) -
 
 
 @pytest.mark.parametrize("joint", ["h0", "h1", "h2"])
+@pytest.mark.quick("h1")
 def test_an_impact_is_an_impulse_on_its_hinge_alone(joint: str) -> None:
     """Two restitutions, one state before: u differs by M⁻¹ times an impulse on the hinge, and the hinge's rate by 2."""
     mechanism = limited(chain(3, "laminate", seed=4), {joint: (-0.15, 0.15)})

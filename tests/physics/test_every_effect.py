@@ -25,6 +25,7 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.support.mechanisms import trees
+from tests.support.quick import tries
 
 each_effect = pytest.mark.parametrize("name", [kind.name for kind in EFFECTS])
 
@@ -197,7 +198,9 @@ DATA = st.recursive(
     max_leaves=12,
 )
 PATIENT = settings(
-    deadline=None, max_examples=120, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
+    deadline=None,
+    max_examples=tries(120),
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 
 
@@ -235,6 +238,7 @@ def attempt(name: str, data: object, *, acts: bool = False) -> None:
 
 
 @each_effect
+@pytest.mark.quick("ground_contact", "linear_motor", "spring", "torque")
 def test_any_data_is_an_effect_or_an_error_of_one_line(name: str) -> None:
     @given(data=DATA)
     @PATIENT
@@ -271,6 +275,7 @@ def test_any_value_of_a_field_in_python_acts_or_is_an_error_of_one_line(name: st
 
 
 @each_effect
+@pytest.mark.quick("gravity", "joint_limits", "nonlinear_stiffness", "torque")
 def test_data_with_one_part_spoilt_is_an_effect_or_an_error_of_one_line(name: str) -> None:
     good = plain(name)
     places = list(parts(good))

@@ -96,6 +96,9 @@ def accelerations(made: Mechanism, effects: tuple[Effect, ...], scene: Scene) ->
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.quick(
+    "five_bar", "flaps", "four_bar", "limit_stop", "pendulum", "shutter", "stiff_triple", "vertex"
+)
 def test_with_zero_torques_every_example_moves_as_without_them_to_the_last_bit(path: Path) -> None:
     made = load(path)
     for scene in (made.scene or Scene(), *made.scenes.values()):
@@ -106,6 +109,7 @@ def test_with_zero_torques_every_example_moves_as_without_them_to_the_last_bit(p
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("n", [2, 6, 8])
+@pytest.mark.quick("2-*", "6-space", "8-laminate")
 def test_with_zero_torques_chains_are_solved_in_the_same_way(n: int, kind: str) -> None:
     """Also where the two ways to solve cost nearly the same, as eight mixed hinges do without any other load."""
     for seed in range(4):

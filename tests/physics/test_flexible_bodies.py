@@ -205,6 +205,7 @@ def test_chain_of_bending_bodies_moves_as_particles_do(base: str) -> None:
         assert np.abs(found - expected).max() <= 1e-8 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_loads_at_points_and_hinges_store_and_release_all_their_energy() -> None:
     mechanism, strips = skewed()
     tip = strips[1].places[-1]
@@ -266,6 +267,7 @@ def test_tip_force_on_a_still_beam_deflects_it_as_statics_says() -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_bending_bodies_compile_and_run_as_their_equations_say() -> None:
     mechanism, strips = skewed()
     effects = (GRAVITY, HingeStiffness(), HingeDamping(), Bending(tuple(s.flexible for s in strips)))

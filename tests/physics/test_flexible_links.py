@@ -105,6 +105,7 @@ def test_a_drawn_link_has_the_frequencies_of_its_plate() -> None:
 
 
 @pytest.mark.parametrize("spring", [0.02, 1.0])
+@pytest.mark.quick("1.0")
 def test_a_link_on_a_spring_tends_to_the_plate_on_it(spring: float) -> None:
     """A floating frame and modes against all of the elements with an elastic hinge: from above, as 1/modes² or faster.
     Statics helps the first: what inertia does in it is nearly what weight does."""
@@ -198,6 +199,7 @@ def test_energy_is_kept_by_modes_and_lost_by_their_damping() -> None:
     assert not FlexibleLinks().conservative
 
 
+@pytest.mark.slow
 def test_energy_balance_close_with_yielding_hinges_on_a_floating_base() -> None:
     """Work of all effects is what the motion has; modes lose what their damping takes, strips without it keep all."""
     made = flag(count=2)
@@ -218,6 +220,7 @@ def test_energy_balance_close_with_yielding_hinges_on_a_floating_base() -> None:
         assert np.abs(energy_balance.supplied[conservative]).max() <= 1e-10 * energy_balance.scale
 
 
+@pytest.mark.slow
 def test_other_forms_have_the_frequencies_that_more_modes_and_finer_meshes_give() -> None:
     """Without static shapes, modes are nested: the lowest of one is among those of three. On cells of twice and of half
     the size, frequencies are those of the plate's own elements of that size."""
@@ -234,6 +237,7 @@ def test_other_forms_have_the_frequencies_that_more_modes_and_finer_meshes_give(
         assert frequencies(simulated(mechanism, forms[name]))[:3] == pytest.approx(expected, rel=3e-6)
 
 
+@pytest.mark.slow
 def test_a_sagging_link_rests_on_the_ground_at_its_tip() -> None:
     """A propped cantilever: ground half as deep as the tip sags, where a rigid link would not come. The prop bears
     R = k (sag - gap) with the tip's k, which is 3 E I / L³ of a beam, and of a plate that stays flat across up to
@@ -270,6 +274,7 @@ def tip(sim: lamc.Simulator, result: lamc.Result) -> float:
     return float(heights.mean())
 
 
+@pytest.mark.slow
 def test_what_floats_and_bends_falls_on_the_ground_with_its_energy_balance_in_order() -> None:
     """The crawler thrown on the ground: contact and modes only take energy, and what acts adds up."""
     with as_file(files("lamc.examples") / "crawler.yaml") as path:
@@ -392,6 +397,7 @@ def test_a_drawn_body_without_moduli_is_refused_with_the_way_out() -> None:
         arrange(plan(mechanism), (FlexibleLinks(("shelf",)),))
 
 
+@pytest.mark.slow
 def test_two_links_of_many_modes_have_exact_derivatives() -> None:
     """19 rates: the runtime factors M, so that the Jacobian is worth its operations."""
     sim = simulated(flag(count=2), FlexibleLinks(modes=6, laminate=SHEET))

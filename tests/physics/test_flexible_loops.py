@@ -25,6 +25,7 @@ def four_bar(*added: Effect, moduli: str = "GPa") -> Simulator:
 
 
 @pytest.mark.parametrize("bodies", [("arm",), ("arm", "link")])
+@pytest.mark.quick("bodies0")
 def test_a_plane_loop_asks_of_each_bending_link_not_to_twist(bodies: tuple[str, ...]) -> None:
     """Two equations hold a plane loop in its plane, one tells an angle by the others, and there is one more for each
     link that could twist its axes out of parallel.
@@ -37,6 +38,7 @@ def test_a_plane_loop_asks_of_each_bending_link_not_to_twist(bodies: tuple[str, 
     assert result.t[-1] == 0.2
 
 
+@pytest.mark.slow
 def test_stiff_links_of_a_loop_are_rigid_ones() -> None:
     """E times 1e6: boards that sag by some 1e-3 of their length, with the shelf on them, sag by 1e-9. The limit is for
     what the integrator is off, at 1e-8 in each step."""
@@ -50,6 +52,7 @@ def test_stiff_links_of_a_loop_are_rigid_ones() -> None:
 
 
 @pytest.mark.parametrize("base", [(), pytest.param((FreeBase(),), marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_a_loop_whose_links_bend_moves_as_the_independent_cross_check_says(base: tuple[Effect, ...]) -> None:
     """Also at the start, where stiff modes would show any move by a last digit as an acceleration."""
     report = check(four_bar(FlexibleLinks(bodies=("arm", "link")), *base), states=4, t_end=0.05)

@@ -21,6 +21,7 @@ from tests.support.ctools import needs_cc
 from tests.support.floating import lone_body, momenta, with_base
 from tests.support.general_motion import General
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_state, trees
+from tests.support.quick import tries
 
 Array = npt.NDArray[np.float64]
 
@@ -93,7 +94,7 @@ def test_elastic_stop_on_a_turning_base_keeps_jacobis_integral() -> None:
     assert np.ptp(kept) <= 1e-8 * max(np.abs(kept))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=tries(25), deadline=None)
 @given(mechanism=trees(5), seed=st.integers(0, 2**32 - 1))
 def test_any_floating_tree_accelerates_as_newton_and_euler_say(mechanism: Mechanism, seed: int) -> None:
     mechanism = with_base(mechanism)

@@ -17,6 +17,7 @@ from lamc.reference.check import check
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain
+from tests.support.quick import tries
 
 pytestmark = needs_cc
 
@@ -50,7 +51,7 @@ def push(sim: Simulator, depth: float, speed: float, **parameters: float) -> flo
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=tries(40), deadline=None)
 @given(
     depth=st.floats(1e-6, 1e-2),
     speed=st.floats(-0.5, 3.0),
@@ -67,7 +68,7 @@ def test_the_ground_pushes_by_the_law_of_hunt_and_crossley(
     assert force == pytest.approx(law * factor, rel=1e-12, abs=law * (1e-8 + 0.05 * math.exp(-factor / 0.05)))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=tries(40), deadline=None)
 @given(depth=st.floats(-1e-2, 1e-2), speed=st.floats(-1e3, 1e3))
 def test_the_ground_never_pulls_and_does_nothing_from_afar(depth: float, speed: float) -> None:
     force = push(on_ground(contact()), depth, speed, damping=5.0)

@@ -17,6 +17,7 @@ from lamc import Body, Gravity, GroundContact, Mechanism, Scene, Slab
 from lamc.effects.free_base import FreeBase
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
+from tests.support.quick import tries
 
 pytestmark = needs_cc
 
@@ -53,6 +54,7 @@ def tossed(ground: GroundContact) -> Simulator:
         ("radau5", 1e-4, 1e-6),
     ],
 )
+@pytest.mark.quick("auto-1e-06-1e-07", "radau5-*")
 def test_a_tossed_plate_rests_for_100_s_without_drift(integrator: str, rtol: float, rises: float) -> None:
     """It rattles on its eight corners for half a second, with a hundred touches, and then lies; rest costs nothing."""
     sim = tossed(GroundContact())
@@ -75,6 +77,7 @@ def test_a_tossed_plate_rests_for_100_s_without_drift(integrator: str, rtol: flo
     assert centre[-1, 2] == pytest.approx(THICKNESS / 2 - depth, abs=1e-8 * SIZE)
 
 
+@pytest.mark.slow
 def test_auto_bears_friction_that_is_a_hundred_times_as_sharp() -> None:
     """The rate at which friction brings to rest goes with 1 / slip_speed; steps of an explicit method follow it, and
     those of auto nearly do not."""
@@ -141,7 +144,7 @@ def test_a_free_plate_sticks_and_slides_on_a_slope(direction: float) -> None:
     assert speeds[0.7][-2] == pytest.approx(creep, rel=1e-3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=tries(60), deadline=None)
 @given(
     turn=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
     height=st.floats(-0.04, 0.06),
@@ -208,6 +211,7 @@ def test_a_ball_of_one_point_bounces_as_high_as_its_restitution_says() -> None:
         assert 0.5 * G * (next_touch - left) == pytest.approx(speed, rel=3e-4)
 
 
+@pytest.mark.slow
 def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
     """A wheel on its rim, 64 corners, on a slope of 5°: 2/3 g sin, less what the corners' blows take."""
     radius, slope = 0.05, math.radians(5.0)
@@ -231,6 +235,7 @@ def test_a_disc_of_many_corners_rolls_down_as_a_disc_does() -> None:
     assert np.abs(centre[:, 1]).max() < 1e-3 * radius  # straight on
 
 
+@pytest.mark.slow
 def test_the_crawler_walks_alike_by_any_method() -> None:
     """Strokes are alike once the gait is found, 36 mm/s, and do not depend on the method. From rtol 1e-5 on they are
     alike to 1e-4; around 1e-4 they scatter by up to 0.8 %, as touches fall on other steps (any change of step control
@@ -314,6 +319,7 @@ def test_a_plate_slides_and_sticks_as_mujoco_says(friction: float, degrees: floa
         assert max(abs(ours[-1] - ours[1]), abs(theirs[-1] - theirs[1])) < 2e-3 * times[-1]  # both creep, m
 
 
+@pytest.mark.slow
 def test_a_dropped_origami_stays_closed_and_comes_to_rest() -> None:
     """Six panels round a vertex, one loop, 48 corners: closure holds through hundreds of touches."""
     mechanism = lamc.split(lamc.load(Path(lamc.__file__).parent / "examples" / "waterbomb.yaml"))

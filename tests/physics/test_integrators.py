@@ -88,6 +88,7 @@ def central(acceleration: Any, q: np.ndarray, u: np.ndarray) -> tuple[np.ndarray
 
 @pytest.mark.parametrize("kind", ["parallel", "laminate", "space"])
 @pytest.mark.parametrize("count", [1, 3, 6])
+@pytest.mark.quick("1-space", "3-laminate")
 def test_derivatives_are_those_of_the_independent_formulation(kind: str, count: int) -> None:
     mechanism = chain(count, kind, seed=count)
     sim = lamc.compile(mechanism)
@@ -105,6 +106,7 @@ def test_derivatives_are_those_of_the_independent_formulation(kind: str, count: 
 @pytest.mark.parametrize(
     "name", ["fourbar_crank", "fivebar", "vertex4_flatfoldable", "bricard", "sarrus", "waterbomb6"]
 )
+@pytest.mark.quick("fourbar_crank", "fivebar", "vertex4_flatfoldable")
 def test_derivatives_hold_the_loops(cases: dict[str, Any], name: str) -> None:
     """Along all directions in which closed states remain closed to first order."""
     mechanism, scene = from_reference(cases[name]["spec"])

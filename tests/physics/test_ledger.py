@@ -233,6 +233,7 @@ def test_one_method_alone_is_held_against_itself_and_that_is_reported(
     assert "dop853 alone" in ledger_text(ledger)
 
 
+@pytest.mark.slow
 def test_a_slow_contact_scene_has_a_reference_and_says_its_floor(slow_machine: Callable[..., Tried]) -> None:
     """Half a second of the crawler, some 60 touches, on a machine that hardly gets through at any tolerance."""
     mechanism = mechanism_of_example(examples.find("crawler"))
@@ -407,6 +408,7 @@ def test_operations_of_an_effect_are_those_that_leave_with_it(swinging: Ledger) 
         assert row.operations == alone.program.functions["acceleration"].operations.flops
 
 
+@pytest.mark.slow
 def test_effect_that_the_design_asks_for_and_the_scene_lacks_is_tried() -> None:
     sweep = sweep_of(1.0, "rk45", tolerances=(1e-4, 1e-6))
     ledger = measure(rod(), FREE, CompileOptions(), sweep, Quiet())

@@ -17,6 +17,7 @@ from tests.physics.test_effects import ABOUT_HINGE, pendulum, simulator
 from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.support.mechanisms import chain
+from tests.support.quick import tries
 
 pytestmark = needs_cc
 
@@ -123,7 +124,7 @@ def test_the_energy_balance_use_the_parameters_of_the_run() -> None:
     ratio=st.floats(-50, 50).filter(lambda n: abs(n) > 1e-3),
     seed=st.integers(0, 2**32 - 1),
 )
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=tries(50))
 def test_a_shorted_motor_brakes(rate: float, ratio: float, seed: int) -> None:
     sim = simulator(pendulum(), motor(0.0))
     angle = float(np.random.default_rng(seed).uniform(-3, 3))

@@ -27,6 +27,7 @@ from lamc.reference.closing import settled
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.run.simulator import Simulator
 from tests.support.mechanisms import from_reference
+from tests.support.quick import tries
 
 FLAT = ("vertex4_flatfoldable", "waterbomb6", "miura22", "miura33")  # drawn flat, where they are singular
 
@@ -128,6 +129,7 @@ def test_a_loop_that_fits_badly_is_refused_with_its_misfit(cases: dict[str, Any]
 
 
 @pytest.mark.parametrize("tilt", [1e-8, 1e-6, 1e-4, 1e-3])
+@pytest.mark.quick("1e-06", "0.001")
 def test_an_accepted_misfit_runs_as_smoothly_as_none(cases: dict[str, Any], tilt: float) -> None:
     case = cases["fourbar_crank"]
     mechanism, scene = tilted(case, tilt)
@@ -205,7 +207,7 @@ def test_a_flat_vertex_has_the_two_published_branches(cases: dict[str, Any], key
     assert np.abs(np.array(found) - case["expected"][key]).max() <= case["tol"]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=tries(40), deadline=None)
 @given(st.lists(st.floats(20.0, 160.0), min_size=3, max_size=3))
 def test_any_flat_vertex_of_four_creases_has_two_branches(three: list[float]) -> None:
     """Below 360° in all, every sector under 180° and no two creases in line: generic. Each branch solves the first and
@@ -228,7 +230,7 @@ def test_any_flat_vertex_of_four_creases_has_two_branches(three: list[float]) ->
         assert np.abs(second).max() <= 1e-10  # likewise, over the angle between two creases, 0.05 at least
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=tries(40), deadline=None)
 @given(st.floats(30.0, 150.0), st.floats(30.0, 150.0))
 def test_flat_foldable_vertices_fold_by_the_published_multipliers(alpha: float, beta: float) -> None:
     """Kawasaki: opposite sectors sum to 180°. Opposite creases then turn alike, in one pair with opposite signs, and
@@ -254,6 +256,7 @@ def test_flat_foldable_vertices_fold_by_the_published_multipliers(alpha: float, 
 
 
 @pytest.mark.parametrize("name", FLAT)
+@pytest.mark.quick("vertex4_flatfoldable", "miura22")
 def test_branches_of_flat_origami_are_directions_of_motion(cases: dict[str, Any], name: str) -> None:
     mechanism, _ = from_reference(cases[name]["spec"])
     sim = compiled(mechanism)
@@ -272,6 +275,7 @@ def test_branches_of_flat_origami_are_directions_of_motion(cases: dict[str, Any]
 
 
 @pytest.mark.parametrize("name", FLAT)
+@pytest.mark.quick("vertex4_flatfoldable", "miura22")
 def test_a_run_leaves_a_flat_start_on_the_branch_that_was_chosen(cases: dict[str, Any], name: str) -> None:
     mechanism, _ = from_reference(cases[name]["spec"])
     branches = compiled(mechanism).branches

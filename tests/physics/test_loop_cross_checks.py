@@ -230,6 +230,7 @@ def test_a_place_where_axes_run_against_each_other_is_not_closed() -> None:
 
 
 @pytest.mark.parametrize("name", ["vertex4_flatfoldable", "sarrus", "nfourbar2"])
+@pytest.mark.quick("nfourbar2")
 def test_check_of_loops_compares_all_cross_checks(cases: dict[str, Any], name: str) -> None:
     report = check(compiled(cases[name]), states=4, t_end=0.05)
     assert report.passed, report.table()
@@ -263,6 +264,7 @@ class Faulty:
         return self.sim.run(t_end, **arguments)
 
 
+@pytest.mark.slow
 def test_check_catches_what_is_wrong_in_loops(cases: dict[str, Any]) -> None:
     sim = compiled(cases["sarrus"])
 

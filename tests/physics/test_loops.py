@@ -14,7 +14,7 @@ import lamc
 from lamc.codegen.build import write_sources
 from lamc.pipeline import sources_of
 from lamc.run.simulator import Simulator
-from tests.support.ctools import STRICT, cc, needs_cc, output_of
+from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
 from tests.support.mechanisms import from_reference
 
 CASES = (
@@ -92,6 +92,7 @@ def test_a_mechanism_passes_through_its_singular_position_on_its_branch(
 
 @pytest.mark.parametrize("rtol", [1e-8, 1e-12])
 @pytest.mark.parametrize("name", ["vertex4_flatfoldable", "miura22", "miura33"])
+@pytest.mark.quick("vertex4_flatfoldable-*", "miura22-*")
 def test_origami_swings_through_its_flat_state_at_any_tolerance(
     cases: dict[str, Any], name: str, rtol: float
 ) -> None:
@@ -121,6 +122,7 @@ def test_origami_swings_through_its_flat_state_at_any_tolerance(
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("down", [-9.81, 9.81])
 @pytest.mark.parametrize("name", ["vertex4_flatfoldable", "miura22", "miura33"])
+@pytest.mark.quick("vertex4_flatfoldable-*-1e-08", "miura22-*", "miura33-9.81-1e-08")
 def test_gravity_drives_origami_through_its_flat_state(
     cases: dict[str, Any], name: str, down: float, rtol: float
 ) -> None:
@@ -222,13 +224,14 @@ def test_accelerations_keep_the_loops_closed(cases: dict[str, Any]) -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_c_of_a_mechanism_with_loops_is_strict_and_clean_under_sanitizers(
     cases: dict[str, Any], tmp_path: Path
 ) -> None:
     sim = simulator(cases["miura33"])
     _, tree = sources_of(sim.equations)
     write_sources(tree, tmp_path)
-    cc(tmp_path, *STRICT, "-O1", "-fsanitize=address,undefined", *tree.compiled, "main.c", "-o", "run", "-lm")
+    cc(tmp_path, *SANITIZED, "main.c", *objects_of(tree, tmp_path, *SANITIZED), "-o", "run", "-lm")
     assert output_of(tmp_path / "run").count("\n") == 102  # a header and 101 rows
 
 
@@ -238,7 +241,7 @@ def test_c_folds_a_cut_hinge_with_a_spring_past_180_degrees(cases: dict[str, Any
     sim = simulator(cases["miura22"])
     _, tree = sources_of(sim.equations)
     write_sources(tree, tmp_path)
-    cc(tmp_path, *STRICT, "-O1", "-fsanitize=address,undefined", *tree.compiled, "main.c", "-o", "run", "-lm")
+    cc(tmp_path, *STRICT, "main.c", *objects_of(tree, tmp_path, *STRICT), "-o", "run", "-lm")
     done = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     _, *rows = (line.split(",") for line in done.stdout.splitlines())

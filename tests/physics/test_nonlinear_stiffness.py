@@ -39,6 +39,7 @@ from lamc.symbolic.staging import Store
 from tests.physics.test_effects import ABOUT_HINGE, pendulum, simulator
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain
+from tests.support.quick import tries
 
 ALPHA, BETA = 0.3, 0.8  # N·m/rad, N·m/rad³
 ANGLES = np.array([-1.1, -0.6, -0.25, 0.0, 0.1, 0.45, 0.5, 1.2])
@@ -101,6 +102,7 @@ def test_a_table_is_scipys_curve_and_goes_on_straight(between: str) -> None:
 @needs_cc
 @pytest.mark.parametrize("between", sorted(CURVES))
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])
+@pytest.mark.quick("dop853-*")
 def test_a_tables_energy_is_the_integral_of_its_torque(between: str, integrator: str) -> None:
     """Energy is conserved through every piece and outside, and is scipy's integral; the Jacobian is exact, or the
     implicit method would not converge to this tolerance."""
@@ -157,6 +159,7 @@ def with_rests(mechanism: Mechanism) -> Mechanism:
 
 @needs_cc
 @pytest.mark.parametrize("kind", ["space", "laminate"])
+@pytest.mark.quick("laminate")
 def test_every_law_agrees_with_the_independent_cross_checks(kind: str) -> None:
     mechanism = with_rests(chain(5, kind, seed=4))
     scene = Scene(effects=(lamc.Gravity(), HingeStiffness(), RestAngle(), NonlinearStiffness(LAWS)))
@@ -347,7 +350,7 @@ _SUMS = st.lists(_TERMS, min_size=1, max_size=4).map(" - 0.7*".join)
 
 
 @given(text=_SUMS, at=st.floats(-0.6, 0.6))
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=tries(150))
 def test_the_derivative_of_an_antiderivative_is_the_expression(text: str, at: float) -> None:
     store = Store()
     x = store.symbol("angle", Space.ANGLE, 0)
@@ -418,7 +421,7 @@ def test_tables_that_cannot_be_are_refused_with_their_place(tmp_path: Path, data
 
 
 @given(data=st.binary(max_size=200))
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=tries(200))
 def test_any_bytes_are_a_table_or_an_error_of_lamcs_own(
     tmp_path_factory: pytest.TempPathFactory, data: bytes
 ) -> None:

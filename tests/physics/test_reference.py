@@ -28,6 +28,7 @@ from tests.support.mechanisms import (
     trees,
     unit_plate_pendulum,
 )
+from tests.support.quick import tries
 
 FORMULA = Torque({"h0": "0.3*sin(2*pi*t) - 0.2*rate + angle**2", "h1": 0.7})
 
@@ -37,7 +38,7 @@ def relative(found: Any, expected: Any) -> float:
     return float(np.abs(np.asarray(found) - expected).max() / np.abs(expected).max())
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=tries(25), deadline=None)
 @given(mechanism=trees(12), seed=st.integers(0, 2**31))
 def test_newton_euler_agrees_with_maximal_coordinates_on_random_trees(
     mechanism: Mechanism, seed: int
@@ -50,6 +51,7 @@ def test_newton_euler_agrees_with_maximal_coordinates_on_random_trees(
 
 
 @pytest.mark.parametrize(("kind", "n"), [("mixed", 4), ("space", 1)])
+@pytest.mark.quick("space-1")
 def test_newton_euler_agrees_with_kanes_method(kind: str, n: int) -> None:
     mechanism = random_tree(n, seed=n, kind=kind)
     effects = (*ALL_PASSIVE, FORMULA) if n > 1 else ALL_PASSIVE
@@ -156,6 +158,9 @@ def test_unit_plates_of_the_paper_fold_as_published() -> None:
 @pytest.mark.parametrize("cross_check", [NewtonEuler, MaximalCoordinates])
 @pytest.mark.parametrize(
     ("case", "last"), [("double_pendulum", 3.0), ("mass_ratio", 2.0), ("triple_stiff_e2", 0.1)]
+)
+@pytest.mark.quick(
+    "double_pendulum-*-MaximalCoordinates", "mass_ratio-*-MaximalCoordinates", "triple_stiff_e2-*-NewtonEuler"
 )
 def test_reference_cases(shared: Path, case: str, last: float, cross_check: Any) -> None:
     cases = {c["id"]: c for c in json.loads((shared / "reference" / "dynamics.json").read_text())["cases"]}

@@ -89,6 +89,7 @@ def swing(t: Any) -> tuple[Any, Any]:
     return np.sin(from_hanging), -np.cos(from_hanging)
 
 
+@pytest.mark.slow
 def test_point_mass_on_a_massless_rod_keeps_time_for_2000_s(cases: dict[str, Any]) -> None:
     """845 swings. What is left at this step is round-off, 2e-10 m; the time must be summed without bias for that."""
     case = cases["iftomm_A01"]

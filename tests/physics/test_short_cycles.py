@@ -64,6 +64,7 @@ def test_a_basis_is_as_short_as_can_be() -> None:
 
 @needs_cc
 @pytest.mark.parametrize("name", [*LOOPS, "miura"])
+@pytest.mark.quick("five_bar", "four_bar", "sarrus", "six_bar", "two_loops", "vertex", "waterbomb")
 def test_positions_rates_and_accelerations_close_the_loops(name: str) -> None:
     mechanism = mechanism_of(name)
     sim = lamc.compile(mechanism)

@@ -192,6 +192,7 @@ def textbook(mechanism: Mechanism, gravity: Array) -> tuple[System, Kane]:
 
 @needs_cc
 @pytest.mark.parametrize(("kind", "n"), [("space", 2), ("parallel", 3), ("mixed", 3)])
+@pytest.mark.quick("parallel-3", "mixed-3")
 def test_textbook_simulator_and_sympy_find_the_same_accelerations(kind: str, n: int) -> None:
     mechanism = chain(n, kind, seed=8)
     system, kane = textbook(mechanism, np.array(ALL_PASSIVE[0].acceleration))
@@ -284,6 +285,7 @@ def test_drag_written_in_sympy_enters_by_an_effect_and_by_the_textbook() -> None
 
 @needs_cc
 @pytest.mark.parametrize("kind", ["space", "parallel", "mixed"])
+@pytest.mark.quick("parallel")
 def test_a_force_at_a_point_does_virtual_work_through_its_jacobian(kind: str) -> None:
     mechanism = random_tree(5, seed=21, kind=kind)
     body, joint, n = "body4", "h4", 5

@@ -25,6 +25,7 @@ from tests.support.mechanisms import (
     trees,
     unit_plate_pendulum,
 )
+from tests.support.quick import tries
 
 SCENE = Scene(effects=(*ALL_PASSIVE, Torque({"h0": "0.3*sin(2*pi*t) - 0.2*rate*abs(rate) + angle^2"})))
 
@@ -43,13 +44,13 @@ def compare(mechanism: Mechanism, seed: int) -> None:
         assert np.abs(found - newton.acceleration(q, u, 0.3)).max() <= 1e-10 * size
 
 
-@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=tries(15), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
 def test_three_cross_checks_agree_on_random_trees(mechanism: Mechanism, seed: int) -> None:
     compare(mechanism, seed)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
 def test_three_cross_checks_agree_on_many_random_trees(mechanism: Mechanism, seed: int) -> None:
@@ -57,6 +58,7 @@ def test_three_cross_checks_agree_on_many_random_trees(mechanism: Mechanism, see
 
 
 @pytest.mark.parametrize(("kind", "n"), [("parallel", 45), ("laminate", 20)])
+@pytest.mark.quick("laminate-20")
 def test_three_cross_checks_agree_where_the_c_is_laid_out_in_loops(kind: str, n: int) -> None:
     compare(random_tree(n, seed=n, kind=kind), seed=1)
 

@@ -166,6 +166,7 @@ def test_energy_is_kept_by_strips_and_lost_by_their_retardation() -> None:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_energy_balance_close_and_retardation_only_takes() -> None:
     """A ring on its bushing: the strips' damping, and that of the hinges, lose energy at every row."""
     effects = (Gravity(tuple(G)), HingeStiffness(), HingeDamping(), TwistCompliance(**RING, retardation=1e-4))
@@ -256,6 +257,7 @@ def potential_of(mechanism: Mechanism) -> Potential:
 
 
 @needs_cc
+@pytest.mark.slow
 def test_a_loop_that_does_not_fit_rests_where_its_energy_is_least() -> None:
     """A slow descent of all 18 coordinates of the free bodies, against where the compiled accelerations vanish."""
     mechanism = ring()

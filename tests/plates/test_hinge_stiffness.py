@@ -86,6 +86,7 @@ STRIPS = {
 
 
 @pytest.mark.parametrize("name", STRIPS)
+@pytest.mark.quick("film", "fibres askew")
 def test_elements_lie_between_beam_and_plate(name: str) -> None:
     """Nearer to the beam for short strips, nearer to the plate for long ones."""
     parts = []
@@ -290,6 +291,7 @@ def split_as_json(*words: str) -> dict[str, object]:
     return data
 
 
+@pytest.mark.slow
 def test_command_line_tells_where_each_stiffness_comes_from(tmp_path: Path) -> None:
     file = tmp_path / "crease.yaml"
     file.write_text(CREASE, encoding="utf-8")

@@ -114,6 +114,7 @@ def test_the_same_input_gives_the_same_bits() -> None:
 
 @pytest.mark.parametrize("dtype", [float, np.longdouble])
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick("bciz-*", "cst-*", "dkt-*", "lst-*", "q4-*", "dkt+cst-*")
 def test_forces_of_all_cells_are_those_of_each(name: str, dtype: type) -> None:
     """Round-off of sums over the cells around a node, in the precision asked for."""
     mesh, made = meshed(name), kernels(name)
@@ -130,6 +131,7 @@ def test_forces_of_all_cells_are_those_of_each(name: str, dtype: type) -> None:
 
 
 @pytest.mark.parametrize("name", ["bciz", "lst", "q9", "bfs"])
+@pytest.mark.quick("bciz", "lst")
 def test_interpreted_kernels_give_the_same_matrix(name: str) -> None:
     """1e-15 times the cells around a node: numpy sums in another order."""
     mesh = meshed(name)

@@ -77,6 +77,7 @@ SQUARES = [
 
 
 @pytest.mark.parametrize(("name", "edges", "load"), SQUARES)
+@pytest.mark.quick("ssss_unif*")
 def test_square_plates_deflect_as_computed_independently(
     shared: Path, name: str, edges: str, load: Any
 ) -> None:
@@ -111,6 +112,7 @@ def test_a_clamped_disk_deflects_as_in_closed_form(shared: Path) -> None:
     assert found == within(published(shared, "disk_clamped_unif"))
 
 
+@pytest.mark.slow
 def test_slivers_cost_what_is_known(shared: Path) -> None:
     """Triangles 1:1000. What they cost DKT is known to 1e-3, and is within the 5 % that is asked for; Specht collapses,
     and BCIZ loses a third."""
@@ -132,6 +134,7 @@ def test_slivers_cost_what_is_known(shared: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["nav_E25_[0/90/90/0]", "nav_E25_[0/90]", "nav_E25_[45/-45]"])
+@pytest.mark.quick("*90[]]")
 def test_square_laminates_deflect_and_vibrate_as_navier_says(shared: Path, name: str) -> None:
     """Sine-shaped and uniform pressure; the fundamental frequency follows from the first where nothing that moves in
     the plane has mass."""
@@ -223,6 +226,7 @@ def test_a_free_strip_under_a_pure_moment_is_exact_on_any_mesh(
 
 @pytest.mark.parametrize("element", ["dkt", "specht", "bciz"])
 @pytest.mark.parametrize("family", ["one-diagonal", "delaunay"])
+@pytest.mark.quick("*-dkt")
 def test_a_free_laminate_curls_in_the_cold_as_laminate_theory_says(
     shared: Path, family: str, element: str
 ) -> None:

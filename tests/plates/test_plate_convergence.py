@@ -139,6 +139,7 @@ def patch_error(name: str, family: str, n: int = 6) -> float:
 
 @pytest.mark.parametrize("family", TRIANGLES)
 @pytest.mark.parametrize("name", ["dkt", "specht", "cst", "lst", "dkt+cst", "specht+lst"])
+@pytest.mark.quick("dkt-*", "specht-*", "cst-*", "lst-*", "dkt+cst-*")
 def test_triangles_pass_the_patch_test_on_every_mesh(name: str, family: str) -> None:
     # 1e-10, of strains of size 1: round-off of 1e-16 times the condition of some 1e5.
     assert patch_error(name, family) < 1e-10
@@ -150,6 +151,7 @@ def test_squares_pass_the_patch_test_where_sides_are_not_parallel(name: str) -> 
 
 
 @pytest.mark.parametrize("name", ["bfs", "bfs+q4", "bfs+q9"])
+@pytest.mark.quick("bfs", "bfs+q4")
 def test_rectangles_pass_the_patch_test(name: str) -> None:
     assert patch_error(name, "squares") < 1e-10
 

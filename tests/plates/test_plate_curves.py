@@ -111,6 +111,7 @@ def test_an_ellipse(size: float) -> None:
         ),
     ],
 )
+@pytest.mark.quick("drawn0-*")
 def test_curves_that_end_at_straight_sides(drawn: Polygon, finer: Polygon) -> None:
     """Against four times the corners, of which cells see each as an edge of their own."""
     at = (0.0, 0.04) if drawn.bounds[1] == 0.0 else (0.0, 0.0)
@@ -169,6 +170,7 @@ outputs: [{at: [0, 0]}]
 
 @pytest.mark.parametrize("size", [10e-3, 5e-3, 2.5e-3])
 @pytest.mark.parametrize(("kind", "exact"), [("simply_supported", DISK), ("clamped", P * R**4 / (64.0 * D))])
+@pytest.mark.quick("*-0.01", "*-0.005")
 def test_a_circle_of_a_file_gets_better_with_its_mesh_and_the_estimate_knows(
     kind: str, exact: float, size: float
 ) -> None:
@@ -243,6 +245,7 @@ def test_halved_cells_that_keep_the_corners_of_a_circle_say_so() -> None:
     assert plate.error_of(held(box(0, 0, R, R), 0.02), quantity).note == ""
 
 
+@pytest.mark.slow
 def test_a_second_mesh_grows_circles_of_files_and_says_where_it_keeps_corners() -> None:
     """Modes on halved cells are those of the finer circle; a polygon in well-known text stays what it is."""
     text = FILE % "simply_supported" + "modes: 1\n"

@@ -50,6 +50,7 @@ def relative(found: Any, expected: Any) -> float:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("backend", ["c", "interpreted"])
 @pytest.mark.parametrize("scale", [1e-4, 0.1, 10.0])  # thin, thick, and far thicker than long
+@pytest.mark.quick("*-dkmt")
 def test_c_and_program_agree_with_numeric_quadrature(name: str, backend: Any, scale: float) -> None:
     own, reference = plate.kernels(name, backend), ReferenceShearElement(name)
     assert own.element.dofs == reference.dofs
@@ -79,6 +80,7 @@ def test_c_and_program_agree_with_numeric_quadrature(name: str, backend: Any, sc
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick("dkmt")
 def test_c_gives_the_bits_of_the_program(name: str) -> None:
     one, other = (plate.kernels(name, backend) for backend in ("c", "interpreted"))  # type: ignore[arg-type]
     rng = np.random.default_rng(6)
@@ -252,6 +254,7 @@ def test_buckling_is_mindlins() -> None:
         assert found == pytest.approx(expected, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_heat_bends_a_free_bimetal_without_shear() -> None:
     """κ of the free laminate all over, whatever the shear stiffness is; so the corner of a square lifts by κ a²."""
     hot = plate.Material(70e9, 70e9, 0.3, 70e9 / 2.6, 2700, alpha1=23e-6, alpha2=23e-6)

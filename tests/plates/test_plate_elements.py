@@ -27,6 +27,7 @@ from tests.support.staged_elements import (
 
 
 @pytest.mark.parametrize("name", ALL)
+@pytest.mark.quick("bciz", "dkt", "cst", "lst", "q4", "q8", "dkt+cst", "bfs")
 def test_matrices_and_vectors_agree_with_numeric_quadrature(name: str) -> None:
     """ReferenceElement states elements by nodal conditions and integrates numerically, without sympy."""
     own, reference = staged(name), ReferenceElement(name)
@@ -116,6 +117,7 @@ def test_three_points_are_too_few_for_specht() -> None:
 
 
 @pytest.mark.parametrize("name", ALL)
+@pytest.mark.quick("bciz", "dkt", "specht", "bfs", "cst", "lst", "q4", "q8", "q9", "dkt+cst")
 def test_stiffness_resists_everything_but_rigid_motion(name: str) -> None:
     own = staged(name)
     K = own.stiffness(cells(name), sections(name))

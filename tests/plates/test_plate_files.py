@@ -36,9 +36,12 @@ from lamc.readers.plates.problem_records import PlateFile
 from lamc.readers.plates.problem_schema import PlateFileModel
 from lamc.readers.schema import FILES, json_schema
 from lamc.report.plate_marks import load_text
+from tests.support.quick import tries
 
 PATIENCE = 5.0  # s; a second is the promise, and the machine may be busy with other tests
-FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(
+    max_examples=tries(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 
 BASE = """\
 kind: plate
@@ -602,7 +605,7 @@ def test_damaged_plate_files_are_a_plate_or_an_error(data: st.DataObject) -> Non
     attempt(text[:start] + patch + text[start + length :])
 
 
-@settings(FEW, max_examples=150)
+@settings(FEW, max_examples=tries(150))
 @given(data=st.data())
 def test_plate_files_with_one_value_replaced_are_a_plate_or_an_error(data: st.DataObject) -> None:
     """Replaces whole values, so that the file stays YAML and the damage reaches the readers behind it."""

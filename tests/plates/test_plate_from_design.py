@@ -220,6 +220,7 @@ def test_plates_of_an_example_weigh_what_its_bodies_weigh(name: str) -> None:
 
 @pytest.mark.parametrize("name", drawn_examples())
 @pytest.mark.parametrize("hinges", ["lines", "strips"])
+@pytest.mark.quick("*-flaps", "*-four_bar", "*-pendulum", "*-vertex", "*-folding_box")
 def test_every_hinge_of_an_example_is_an_edge_of_its_plates(name: str, hinges: str) -> None:
     steps = steps_of(name)
     materials = materials_of(steps)

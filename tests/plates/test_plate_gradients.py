@@ -186,6 +186,7 @@ SOME = ["ply[0].angle", "ply[1].thickness", "ply[2].E1", "ply[0].nu12", "ply[1].
 STIFFNESS = ["*.angle", "*.thickness", "*.E1", "*.E2", "*.nu12", "*.G12"]
 
 
+@pytest.mark.slow
 def test_compliance_of_a_coupled_plate_changes_as_differences_say() -> None:
     problem = cantilever(THICK, LOADS)
     found = plate.gradient(plate.solve(problem), "compliance", STIFFNESS)
@@ -205,6 +206,7 @@ def test_deflection_at_a_point_changes_as_differences_say() -> None:
     check(found, lambda p: float(plate.solve(p).deflection(*at)), problem, 1e-8)
 
 
+@pytest.mark.slow
 def test_weight_and_heat_change_with_the_plies_too() -> None:
     """Thicker plies weigh more and expand more strongly; a field works on what is piezoelectric."""
     loads = [plate.SelfWeight((0, 0, -9.81)), plate.Temperature(20.0), plate.ElectricField((1e4, 0.0, 2e4))]
@@ -223,6 +225,7 @@ def test_weight_and_heat_change_with_the_plies_too() -> None:
     )
 
 
+@pytest.mark.slow
 def test_regions_have_their_own_gradients() -> None:
     regions = {"tip": box(1, 0, 2, 1)}
     thin = plate.Laminate([plate.Ply(CFRP, 0.05, 20.0)])
@@ -239,6 +242,7 @@ def test_one_laminate_for_all_regions_sums_over_them() -> None:
     assert second["ply[1].angle"] == pytest.approx(first["ply[1].angle"], rel=1e-11)  # round-off
 
 
+@pytest.mark.slow
 def test_free_plate_under_balanced_loads_has_gradients() -> None:
     ends = [plate.EdgeMoment(LineString([(x, 0), (x, 1)]), 50.0) for x in (0, 2)]
     problem = replace(cantilever(THICK, ends), supports=())
@@ -246,6 +250,7 @@ def test_free_plate_under_balanced_loads_has_gradients() -> None:
     check(found, lambda p: plate.solve(p).compliance, problem, 1e-8)
 
 
+@pytest.mark.slow
 def test_moved_supports_count_as_loads() -> None:
     """A tip held down at a given depth: the reaction changes with the plies, and so the deflection elsewhere."""
     tip = plate.Support(LineString([(2, 0), (2, 1)]), ("w",), -1e-2)
@@ -255,6 +260,7 @@ def test_moved_supports_count_as_loads() -> None:
 
 
 @pytest.mark.parametrize("inertia", [True, False])
+@pytest.mark.slow
 def test_frequency_changes_as_differences_say(inertia: bool) -> None:
     problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))
     modes = plate.modes(problem, 4, in_plane_inertia=inertia)
@@ -268,6 +274,7 @@ def test_frequency_changes_as_differences_say(inertia: bool) -> None:
         )
 
 
+@pytest.mark.slow
 def test_buckling_factor_changes_as_differences_say() -> None:
     problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))
     forces = (-1e5, 0.0, 3e4)

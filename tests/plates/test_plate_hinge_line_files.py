@@ -225,6 +225,7 @@ def test_lines_that_do_not_fit_the_plate_are_reported_at_their_place(lines: str,
 # --- the command -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_all_bodies_of_a_design_fold_by_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(

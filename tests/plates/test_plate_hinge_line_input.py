@@ -11,6 +11,7 @@ from shapely.geometry import LineString, MultiLineString, Point, box
 from lamc import plate
 from lamc.basics.errors import DesignError, UnsupportedError
 from tests.support.plates import assert_refused, isotropic
+from tests.support.quick import tries
 
 SQUARE = box(0, 0, 1, 1)
 LEFT, RIGHT = LineString([(0, 0), (0, 1)]), LineString([(1, 0), (1, 1)])
@@ -211,7 +212,7 @@ def test_a_free_plate_with_a_free_hinge_has_four_motions_and_then_modes() -> Non
 _at = st.floats(0.03, 0.97)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=tries(25), deadline=None)
 @given(a=_at, b=_at, sides=st.sampled_from(["ns", "ew", "corner"]), k=st.sampled_from([0.0, 1.0, 1e9]))
 def test_any_line_through_a_square_is_a_hinge(a: float, b: float, sides: str, k: float) -> None:
     """The mesh follows it, energy balances close, and a free hinge leaves one motion of two rigid parts."""

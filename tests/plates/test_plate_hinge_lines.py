@@ -50,6 +50,7 @@ def test_a_cantilever_of_two_links_bends_and_folds(stiffness: float) -> None:
 
 
 @pytest.mark.parametrize("element", ["dkt", "bciz", "specht", "dkt+cst", "specht+lst"])
+@pytest.mark.quick("dkt", "bciz", "dkt+cst")
 def test_triangles_tend_to_the_beam_with_a_hinge(element: str) -> None:
     P, a, k = 0.3, 0.375, 0.7 * D / L
     expected = P * L**3 / (3 * D) + P * (L - a) ** 2 / k
@@ -66,6 +67,7 @@ def test_triangles_tend_to_the_beam_with_a_hinge(element: str) -> None:
 
 
 @pytest.mark.parametrize("element", ["bfs+q4", "bfs+q8", "bfs+q9", "bfs+q12"])
+@pytest.mark.slow
 def test_rectangles_with_membranes_fold_as_exactly(element: str) -> None:
     P, a, k = 0.3, 0.375, 0.7
     mesh = plate.grid(L, B, 8, 2, "squares")
@@ -217,6 +219,7 @@ def test_a_supported_strip_with_a_middle_hinge_buckles(k: float) -> None:
 
 @pytest.mark.parametrize("element", ["dkt", "bciz", "specht", "dkt+cst", "dkt+lst"])
 @pytest.mark.parametrize("family", FAMILIES[:4])
+@pytest.mark.quick("*-dkt", "*-bciz", "*-specht", "*-dkt+cst")
 def test_a_hinge_of_great_stiffness_is_none(family: str, element: str) -> None:
     # A line through the middle of a square, and a load that bends and twists: the same unknowns at every node.
     mesh = plate.grid(1.0, 1.0, 6, 6, family) if family != "jittered" else plate.grid(1.0, 1.0, 6, 6)

@@ -37,6 +37,7 @@ CASES = [(k, parts) for k in range(3) for parts in (COARSE, FINE)]
 
 
 @pytest.mark.parametrize(("k", "parts"), CASES)
+@pytest.mark.quick("0-parts0", "1-parts2")
 def test_a_soft_strip_between_stiff_links_turns_as_in_closed_form(
     shared: Path, k: int, parts: tuple[int, int, int]
 ) -> None:

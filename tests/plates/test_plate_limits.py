@@ -35,6 +35,7 @@ def energy_error(family: str, element: str, n: int) -> float:
 
 @pytest.mark.parametrize("element", ["dkt", "specht"])
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.quick("one-diagonal-*", "jittered-*")
 def test_dkt_and_specht_converge_as_h_squared_on_any_mesh(family: str, element: str) -> None:
     """The order between 8 and 32 parts a side. On random meshes the errors of three meshes scatter by some percent,
     which moves it by a tenth; 0.15 leaves no room for any other whole order."""
@@ -99,6 +100,7 @@ def test_bciz_fails_the_patch_test_as_known(shared: Path) -> None:
 
 @pytest.mark.parametrize("edges", ["SSSS", "CCCC"])
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.quick("one-diagonal-*", "union-jack-*")
 def test_bciz_converges_to_its_known_wrong_limits(shared: Path, family: str, edges: str) -> None:
     """How far it is off in the limit, for simply supported and clamped squares alike, within a tenth of the bias.
 

@@ -28,6 +28,7 @@ def cook_mesh(n: int, pattern: str) -> plate.Mesh:
 @pytest.mark.parametrize(
     ("element", "n"), [("lst", 24), ("q4", 64), ("q8", 16), ("q9", 16), ("q12", 10), ("cst", 96)]
 )
+@pytest.mark.quick("q8-16", "lst-24", "cst-96")
 def test_cooks_membrane_moves_as_published(element: str, n: int) -> None:
     """E = 1, ν = 1/3, shear of 1 in all along the right edge: 23.96 up at its middle (R. D. Cook, J. Struct. Div. ASCE
     100, 1974; 23.9642 from meshes of later authors). 1 %: a corner with infinite stress makes convergence slow."""

@@ -21,10 +21,11 @@ from lamc.basics.errors import DesignError, LamcError
 from lamc.plates.meshing.mesh import Mesh
 from lamc.readers.load import load
 from lamc.records.design import Design
+from tests.support.quick import tries
 
 # Areas of thousands of triangles, each with round-off of a few parts in 1e16, added up.
 EXACT = 1e-12
-FEW = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FEW = settings(max_examples=tries(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 LINKS = {
     "left": box(0, 0, 10e-3, 5e-3),
     "hinge": box(10e-3, 0, 10.1e-3, 5e-3),

@@ -65,6 +65,7 @@ SHEETS = {
 @pytest.mark.parametrize("kind", sorted(SHEETS))
 @pytest.mark.parametrize("load", sorted(LOADS))
 @pytest.mark.parametrize("b", [1.0, 2.0])
+@pytest.mark.quick("2.0-*")
 def test_simply_supported_rectangles_deflect_as_naviers_series(load: str, kind: str, b: float) -> None:
     """After extrapolation of O(h²): 5e-4; under a point load the error is O(h² log h), and less is gained."""
     make, coefficients = LOADS[load]
@@ -121,6 +122,7 @@ CLAMPED = [
 
 
 @pytest.mark.parametrize(("kind", "b", "w", "edge"), CLAMPED)
+@pytest.mark.quick("pressure-1.2-*", "force-1.0-*")
 def test_clamped_rectangles_are_as_tabulated(kind: str, b: float, w: float, edge: float) -> None:
     """Half a unit of three digits is 0.4 %; moments at a clamped edge come from linear curvatures of the triangles
     along it, O(h): extrapolated, 2 %."""
@@ -264,6 +266,7 @@ def polygon_centre(n: int) -> float:
 
 @pytest.mark.parametrize("kind", ["hard", "soft"])
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 8])
+@pytest.mark.quick("3-*", "6-*")
 def test_simply_supported_polygons_deflect_alike_hard_and_soft(n: int, kind: str) -> None:
     """Slopes go to zero in a blunt corner as r^(π/angle - 1), slower the blunter it is, and so does the error: 2 % for
     eight corners at this size. (Both slopes held in every corner would cost 8 %.)"""

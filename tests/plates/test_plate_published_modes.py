@@ -38,6 +38,7 @@ LEVY = {
 
 
 @pytest.mark.parametrize("edges", sorted(LEVY))
+@pytest.mark.quick("SCSC", "SFSF")
 def test_squares_between_simple_supports_vibrate_as_levys_solution(edges: str) -> None:
     """Extrapolated from 16 and 32 parts a side: what is left is O(h⁴) of four waves or fewer, 5e-4."""
     found = [
@@ -109,6 +110,7 @@ def factor(
 
 
 @pytest.mark.parametrize("a", [0.5, 1.0, 1.5, 3.0])
+@pytest.mark.quick("0.5", "1.5")
 def test_pressed_simply_supported_plates_buckle_in_whole_waves(a: float) -> None:
     """k = min over m of (m/a + a/m)²."""
     waves = min((m / a + a / m) ** 2 for m in range(1, 8))
@@ -130,6 +132,7 @@ TABLES = [
 
 
 @pytest.mark.parametrize(("edges", "forces", "a", "k", "tolerance"), TABLES)
+@pytest.mark.quick("SSSS-forces0*", "SSSS-forces1*", "CCCC-forces4*", "SCSC*")
 def test_plates_buckle_as_tabulated(edges: str, forces: Any, a: float, k: float, tolerance: float) -> None:
     assert factor(edges, forces, a) == pytest.approx(k, rel=tolerance)
 

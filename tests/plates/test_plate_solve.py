@@ -36,6 +36,7 @@ SQUARES = [
 
 @pytest.mark.parametrize("element", ["dkt", "specht", "bciz"])
 @pytest.mark.parametrize(("name", "support", "load"), SQUARES)
+@pytest.mark.quick("ssss_unif-*", "ssss_point-*-dkt", "cccc_unif-*")
 def test_square_plates_approach_the_series(
     shared: Path, name: str, support: object, load: object, element: str
 ) -> None:
@@ -188,6 +189,7 @@ def test_a_heated_free_laminate_curls_as_theory_says(shared: Path) -> None:
         ("[45/-45]", (45.0, -45.0), ("u", "v")),
     ],
 )
+@pytest.mark.quick("*-angles1-*")
 def test_laminated_squares_deflect_as_naviers_series(
     shared: Path, layup: str, angles: tuple[float, ...], held: tuple[str, str]
 ) -> None:

@@ -190,6 +190,7 @@ def test_a_strip_of_two_layers_bends_as_each_section_would(load: Callable[[Any],
     assert middle == pytest.approx(per_unit * (start + end) / 2, rel=1e-3)  # as the deflection's
 
 
+@pytest.mark.slow
 def test_expansion_agrees_with_an_element_written_independently() -> None:
     """∫ Bᵀ r(x, y) dA of a cubic r by the numpy elements and a rule of degree 12."""
 

@@ -77,6 +77,7 @@ def prescribed(laminate: Laminate, width: float, length: float, direction: str) 
 @needs_cc
 @pytest.mark.parametrize("laminate", [FILM, FIBRES], ids=["film", "fibres"])
 @pytest.mark.parametrize(("ratio", "limit"), [(0.2, 0.04), (1.0, 0.14), (4.0, 0.08), (12.0, 0.04)])
+@pytest.mark.quick("0.2-*", "1.0-*")
 def test_elements_bear_the_formulas_out(laminate: Laminate, ratio: float, limit: float) -> None:
     """They leave out what happens at the strip's free ends, within about half a width of them: ν L/b or so, most where
     the strip is square; elements of thin plates know no shear through the thickness, 1 % here at most."""

@@ -11,7 +11,7 @@ import pytest
 
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache, cache_root
-from lamc.codegen.emit import emit
+from lamc.codegen.emit import SourceTree, emit
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
 from lamc.mechanics.equations import Equations
@@ -26,6 +26,15 @@ STRICT = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshado
 STRICT_CXX = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror")
 CC = os.environ.get("CC", "cc")
 
+SANITIZED = (
+    *STRICT,
+    "-O0",
+    "-g",
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+)
+
 needs_cc = pytest.mark.skipif(shutil.which(CC.split()[0]) is None, reason="needs a C compiler (set CC)")
 
 
@@ -35,6 +44,27 @@ def cc(folder: Path, *arguments: str, compiler: str = CC) -> None:
         [*compiler.split(), *arguments], cwd=folder, capture_output=True, text=True, timeout=300, check=False
     )
     assert done.returncode == 0, done.stderr[:3000]
+
+
+_runtimes: dict[tuple[str, ...], dict[str, bytes]] = {}
+
+
+def objects_of(tree: SourceTree, folder: Path, *flags: str, compiler: str = CC) -> list[str]:
+    """Names of the objects of `tree`, compiled in `folder`, where its files are.
+
+    The runtime, the same for every model, is compiled once by each process with the same flags, and copied.
+    """
+    shared = [unit for unit in tree.compiled if unit in tree.shared]
+    own = [unit for unit in tree.compiled if unit not in tree.shared]
+    key = (compiler, *flags, *(tree.files[name] for name in tree.shared))
+    if key not in _runtimes:
+        cc(folder, *flags, "-c", *shared, compiler=compiler)
+        made = [Path(unit).stem + ".o" for unit in shared]
+        _runtimes[key] = {name: (folder / name).read_bytes() for name in made}
+    for name, content in _runtimes[key].items():
+        (folder / name).write_bytes(content)
+    cc(folder, *flags, "-c", *own, compiler=compiler)
+    return [*_runtimes[key], *(Path(unit).stem + ".o" for unit in own)]
 
 
 def sanitizer_works(folder: Path, *flags: str) -> bool:

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -15,8 +16,10 @@ from _pytest.mark.structures import ParameterSet
 import lamc
 from lamc.export import files_of
 from tests.support.ctools import CC
+from tests.support.quick import unpainted_figures
 
 STRICT = ("-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+_MADE = Path(os.environ["LAMC_CACHE_DIR"]).parent / "exports"  # of the session: tests/conftest.py
 EXAMPLES = Path(lamc.__file__).parent / "examples"
 
 # A tree; loops; impacts and stops, which are events; a floating base on the ground.
@@ -44,17 +47,6 @@ def compilers() -> list[ParameterSet]:
     ]
 
 
-def builds(names: Sequence[str]) -> list[object]:
-    """(name, command) of every model and compiler, for tests that optimise, which takes seconds a model: the first
-    model by every compiler in each run, the others among the slow tests."""
-    return [
-        pytest.param(name, *known.values, id=f"{name}-{known.id}", marks=[*known.marks, *slow])
-        for name in names
-        for slow in [[pytest.mark.slow] if name != names[0] else []]
-        for known in compilers()
-    ]
-
-
 def needs(*programs: str) -> pytest.MarkDecorator:
     missing = [program for program in programs if shutil.which(program) is None]
     return pytest.mark.skipif(bool(missing), reason=f"needs {', '.join(missing)}")
@@ -74,8 +66,21 @@ def scene_of(name: str) -> lamc.Scene:
 
 @cache
 def exported(name: str, **options: object) -> Mapping[str, bytes]:
-    """Files of an example's export; it is also their prefix."""
-    return files_of(mechanism_of(name), "c", scene_of(name), lamc.ExportOptions(**options))  # type: ignore[arg-type]
+    """Files of an example's export, without its picture's content; the example's name is also their prefix.
+
+    They are made once for all workers, who find them beside the session's cache.
+    """
+    chosen = lamc.ExportOptions(**options)  # type: ignore[arg-type]
+    made = _MADE / f"{name} {sorted(options.items())}.pickle"
+    if made.is_file():
+        return pickle.loads(made.read_bytes())
+    with unpainted_figures():
+        files = files_of(mechanism_of(name), "c", scene_of(name), chosen)
+    made.parent.mkdir(exist_ok=True)
+    unfinished = made.with_suffix(f".{os.getpid()}")
+    unfinished.write_bytes(pickle.dumps(dict(files)))
+    unfinished.replace(made)
+    return files
 
 
 def put(files: Mapping[str, bytes], folder: Path) -> Path:

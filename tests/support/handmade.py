@@ -18,6 +18,7 @@ import pytest
 
 from lamc.codegen.emit import declarations_of
 from tests.support.paths import RUNTIME
+from tests.support.quick import LEVEL
 
 LENGTH, GRAVITY, MASS = 0.3, 9.81, 0.02  # m, m/s², kg
 
@@ -70,7 +71,7 @@ class HandmadeModule:
     lib: Any
     source_dir: Path
     compiler: str = "cc of the test"
-    flags: tuple[str, ...] = ("-O2", "-ffp-contract=off")
+    flags: tuple[str, ...] = (LEVEL, "-ffp-contract=off")
 
 
 def build(folder: Path, *, hinges: int = 1) -> HandmadeModule:
@@ -88,7 +89,7 @@ def build(folder: Path, *, hinges: int = 1) -> HandmadeModule:
         source,
         sources=[str(path) for path in sorted((RUNTIME / "src").glob("*.c"))],
         include_dirs=[str(RUNTIME / "include")],
-        extra_compile_args=["-O2", "-ffp-contract=off"],
+        extra_compile_args=[LEVEL, "-ffp-contract=off"],
         libraries=["m"],
     )
     module = _load(name, Path(ffi.compile(tmpdir=str(folder))))

@@ -3,16 +3,16 @@
 The generated C keeps to IEEE arithmetic without contraction, so its bits do not depend on the level; tests of exports
 hold that with two compilers at three levels (`test_compilers_agree_to_the_last_bit`). The runtime of the session's
 cache, the elements of plates and the mesher are compiled once per run and do most of the arithmetic: they keep theirs.
-`pytest --as-shipped` compiles everything as users get it.
+The runtime of other caches, those of tests of the cache and of ledgers, is compiled once by each process and copied:
+twenty calls of the compiler that give the same bytes. `pytest --as-shipped` compiles everything as users get it.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import pytest
-from _pytest.mark.structures import ParameterSet
 
 from lamc.codegen import build, toolchain
 from lamc.export import fmu, wheel
@@ -20,15 +20,39 @@ from lamc.export import fmu, wheel
 KEPT = frozenset({"_this_element.c", "_this_ply.c"})  # entries of plates' modules (`lamc.codegen.build`)
 LEVEL = "-O0"  # gcc 12, the C of four hinges: 0.13 s; 0.34 s with -O1, 0.52 s with -O2
 
+# The same for a process: a program begins with this, and has a cache of its own.
+QUICKLY = """
+from lamc.codegen import build, toolchain
+def _quickly(make):
+    return lambda compiler, flags, *others: make(compiler, ["-O0" if f == "-O2" else f for f in flags], *others)
+build.make_objects, build.make_library = _quickly(toolchain.make_objects), _quickly(toolchain.make_library)
+"""
 
-def slow_but(quick: Collection[object], values: Iterable[object]) -> list[ParameterSet]:
-    """Parameters of a test of one argument: all but `quick` are among the slow ones."""
-    return [pytest.param(value, marks=[] if value in quick else [pytest.mark.slow]) for value in values]
+
+def tries(count: int) -> int:
+    """How many examples hypothesis tries of a test: a fifth without `--thorough`, and the same ones in each run."""
+    from hypothesis import settings
+
+    return count if settings.get_current_profile_name() == "thorough" else max(3, count // 5)
 
 
 def quickly(flags: Sequence[str]) -> tuple[str, ...]:
     """The flags, optimising nothing."""
     return tuple(LEVEL if flag == "-O2" else flag for flag in flags)
+
+
+@contextmanager
+def unpainted_figures() -> Iterator[None]:
+    """Within it, figures are composed and not painted, which takes up to a second each; their files are no pictures."""
+
+    from matplotlib.figure import Figure
+
+    def savefig(_figure: object, stream: BinaryIO, **_settings: object) -> None:
+        stream.write(b"\x89PNG\r\n\x1a\n")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", savefig)
+        yield
 
 
 @contextmanager
@@ -42,11 +66,23 @@ def quick_compilation(shared: Path | None = None) -> Iterator[None]:
         flags = quickly(flags) if KEPT.isdisjoint(units) else flags
         toolchain.make_library(compiler, flags, units, *others, **named)
 
+    known: dict[tuple[str, ...], list[bytes]] = {}
+
     def objects(
         compiler: toolchain.Compiler, flags: Sequence[str], units: Sequence[str], folder: Path
     ) -> list[Path]:
-        own = folder.parent == shared  # an entry is made in its cache's folder
-        return toolchain.make_objects(compiler, flags if own else quickly(flags), units, folder)
+        if folder.parent == shared:  # an entry is made in its cache's folder
+            return toolchain.make_objects(compiler, flags, units, folder)
+        texts = [path.read_text(encoding="utf-8") for path in sorted(folder.iterdir())]
+        key = (compiler.identity, *flags, *units, *texts)
+        if key not in known:
+            made = toolchain.make_objects(compiler, quickly(flags), units, folder)
+            known[key] = [path.read_bytes() for path in made]
+            return made
+        paths = [folder / f"{Path(unit).stem}.o" for unit in units]
+        for path, content in zip(paths, known[key], strict=True):
+            path.write_bytes(content)
+        return paths
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build, "make_objects", objects)

@@ -28,11 +28,9 @@ from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from tests.physics.test_integrators import WEIGHT, triple
-from tests.support.quick import slow_but
 
 HONEST = 10.0  # the factor within which an estimate is promised to lie
 REFERENCE = 3e-12  # relative: what runs at 1e-13 differ by among themselves on the gallery, over 10 s
-LONG = {"crawler", "folding_box", "flapping_wing"}  # seconds for each reference
 STIFF = {"knee.stiffness": 981_000.0, "ankle.stiffness": 981_000.0}  # N·m/rad: k / (m g L) some 1e7
 
 
@@ -61,14 +59,16 @@ def check_honest(sim: Simulator, result: Result, wanted: float) -> None:
 # ---- honesty -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", slow_but(set(examples.names()) - LONG, examples.names()))
+@pytest.mark.parametrize("name", examples.names())
+@pytest.mark.quick("five_bar", "flaps", "four_bar", "limit_stop", "pendulum", "pendulum.cad", "vertex")
+@pytest.mark.ci("[!cf]*", "five_bar", "flaps", "four_bar")  # seconds for each reference of the others
 def test_errors_of_the_gallery_are_what_is_estimated(name: str) -> None:
     sim = simulator(name)
     for wanted in (1e-2, 1e-3, 1e-6):
         check_honest(sim, sim.run(2.0, accuracy=wanted), wanted)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", examples.names())
 @pytest.mark.parametrize("wanted", [1e-3, 1e-6, 1e-8])
 def test_errors_of_long_runs_are_what_is_estimated(name: str, wanted: float) -> None:
@@ -98,6 +98,7 @@ def test_a_plate_swings_as_jacobis_functions_say(wanted: float) -> None:
     assert result.error_estimate <= HONEST * (true + 1e-13)
 
 
+@pytest.mark.slow
 def test_estimates_hold_where_steps_pass_over_fast_motion() -> None:
     """Hinges of k / (m g L) = 1e7 keep three rods straight but for some 1e-7 rad, so that they swing as one."""
     sim = simulator("stiff_triple")
@@ -203,6 +204,7 @@ def test_probes_take_the_method_that_does_with_less(wanted: float) -> None:
 
 
 @pytest.mark.parametrize("name", ["five_bar", "shutter", "stiff_triple", "two_loops", "pendulum"])
+@pytest.mark.quick("five_bar", "two_loops", "pendulum")
 def test_probes_and_all_runs_cost_a_bounded_multiple(name: str) -> None:
     """Evaluations, not seconds: what one run at the final tolerance takes is the unit."""
     sim = simulator(name)
@@ -296,6 +298,7 @@ def test_what_is_no_accuracy_is_refused(arguments: Mapping[str, Any], reported: 
         triple(0.0).run(1.0, **{"accuracy": 1e-3, **arguments})
 
 
+@pytest.mark.slow
 def test_the_command_tells_error_choice_and_cost(tmp_path: Path) -> None:
     words = ["run", "--example", "two_loops", "--t-end", "1", "--accuracy", "0.1 %", "--no-animation"]
     done = CliRunner().invoke(main, [*words, "--out", str(tmp_path)], standalone_mode=False)
@@ -313,6 +316,7 @@ def test_the_command_tells_error_choice_and_cost(tmp_path: Path) -> None:
     assert "--accuracy 'much' is no number" in done.stderr
 
 
+@pytest.mark.slow
 def test_an_accuracy_that_is_not_reached_is_reported_and_no_failure(tmp_path: Path) -> None:
     """Single precision leaves errors of some 1e-8 of an angle: 1e-10 is out of reach, and all else is there."""
     words = ["run", "--example", "pendulum", "--t-end", "1", "--accuracy", "1e-10", "--precision", "float"]

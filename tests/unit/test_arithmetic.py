@@ -34,6 +34,7 @@ def states(sim: Simulator) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "flaps"])
+@pytest.mark.slow
 def test_fast_accelerations_are_those_of_double(name: str) -> None:
     plain = compiled(name, CompileOptions())
     q, u = states(plain)
@@ -75,6 +76,7 @@ def test_loops_close_in_double_whatever_the_accelerations_are() -> None:
     assert result.constraint_error.max() <= 1e-9 * sim.mechanism.size  # what lamc promises for any run
 
 
+@pytest.mark.slow
 def test_kernels_are_single_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Functions that are too long for one block, as those of a hundred hinges are."""
     mechanism = mechanism_of_example(examples.find("pendulum"))

@@ -112,6 +112,7 @@ def test_more_layers_than_any_laminate_has_are_refused_at_their_line(tmp_path: P
     assert len(str(found.value).splitlines()) == 1  # and no layer's name was looked for among 3000 others
 
 
+@pytest.mark.slow
 def test_thousands_of_cuts_are_joined_and_cut_in_one_go(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -194,6 +195,7 @@ def mutant(text: str, dice: random.Random) -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.slow
 def test_mutated_examples_overlay_no_more_than_the_limits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -306,6 +308,7 @@ def test_popupcad_laminates_that_cross_too_often_are_refused_at_their_operation(
             cads.read(text)
 
 
+@pytest.mark.slow
 def test_popupcad_buffers_wider_than_what_they_grow_are_counted() -> None:
     """A comb of 800 teeth grown by 80 of their widths: 10 s. Smooth outlines are simplified first, and cost nothing."""
     text = cad_of_combs(800, cads.buffer_operation(7, 5, "[10.0, 5]"))

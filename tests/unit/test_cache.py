@@ -29,6 +29,7 @@ from lamc.records.scene import Scene
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain, random_state
 from tests.support.paths import ROOT
+from tests.support.quick import QUICKLY
 
 pytestmark = needs_cc
 
@@ -128,11 +129,11 @@ def test_where_the_cache_lies() -> None:
 
 _BUILD = """
 import sys, numpy as np, lamc
-from tests.unit.test_cache import MECHANISM, SCENE
-from tests.support.mechanisms import random_state
+from tests.support.mechanisms import chain, random_state
 sys.stdin.readline()
 q, u = random_state(2, 1)
-print(lamc.compile(MECHANISM, SCENE).acceleration(q, u).tobytes().hex())
+scene = lamc.Scene(effects=(lamc.Gravity((0.0, 0.0, -9.81)), lamc.HingeStiffness()))
+print(lamc.compile(chain(2, "space", seed=31), scene).acceleration(q, u).tobytes().hex())
 """
 
 
@@ -141,7 +142,7 @@ def test_processes_that_build_the_same_design_at_once_all_get_it(root: Path) -> 
     environment = {**os.environ, "PYTHONPATH": str(checkout)}
     processes = [
         subprocess.Popen(
-            [sys.executable, "-c", _BUILD],
+            [sys.executable, "-c", QUICKLY + _BUILD],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -434,6 +435,7 @@ def test_a_compiler_that_changed_is_another_compiler(root: Path, tmp_path: Path)
     assert not compiled(compiler=name)[1].from_cache
 
 
+@pytest.mark.slow
 def test_a_killed_build_leaves_nothing_that_counts(root: Path, tmp_path: Path) -> None:
     """The whole process dies while the compiler runs; the next one builds as if nothing had been."""
     checkout = ROOT

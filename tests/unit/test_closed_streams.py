@@ -1,5 +1,6 @@
 """Commands do their work where streams are closed, as those of daemons are, or nobody reads them any more."""
 
+import json
 import os
 import subprocess
 import sys
@@ -9,17 +10,22 @@ import pytest
 from click.testing import CliRunner
 
 from lamc.cli import main
+from tests.support.paths import ROOT
+from tests.support.quick import QUICKLY
 
-COMMANDS = {
+Commands = dict[str, str]
+COMMANDS: Commands = {
     "run": "run --example flaps --t-end 0.05 --no-animation --out o",
     "split": "split --example flaps --out o",
     "check": "check --example pendulum --states 2 --t-end 0.01",
     "build": "build --example pendulum --out o",
     "export": "export --example pendulum --out o",
+    "schema": "schema",
+}
+SLOW: Commands = {
     "plate": "plate --example strip --out o",
     "ledger": "ledger --example pendulum --budget 1s --out o",
     "examples": "examples",
-    "schema": "schema",
     "doctor": "doctor",
 }
 posix_only = pytest.mark.skipif(os.name != "posix", reason="the shell closes the streams")
@@ -31,16 +37,49 @@ def shell(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(["sh", "-c", whole], cwd=folder, capture_output=True, text=True, timeout=600)
 
 
+# argv: commands by name, as JSON. Each has a folder of its own; what it prints follows its name. codes.json: exit codes
+_ALL = """
+import json, os, sys
+from lamc.cli import main
+COMMANDS = json.loads(sys.argv[1])
+codes, here = {}, os.getcwd()
+for name, line in COMMANDS.items():
+    os.makedirs(name)
+    os.chdir(name)
+    print("=====", name, flush=True)
+    try:
+        main(line.split())
+    except SystemExit as ended:
+        codes[name] = ended.code
+    os.chdir(here)
+with open("codes.json", "w") as file:
+    json.dump(codes, file)
+"""
+
+
 @posix_only
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_works_with_stderr_closed(name: str, tmp_path: Path) -> None:
-    ended = shell(f"{COMMANDS[name]} 2>&-", tmp_path)
+@pytest.mark.parametrize("commands", [COMMANDS, pytest.param(SLOW, marks=pytest.mark.slow)])
+def test_every_command_works_with_stderr_closed(commands: Commands, tmp_path: Path) -> None:
+    """One process for all of them: the stream is closed before it starts."""
+    (tmp_path / "all.py").write_text(QUICKLY + _ALL)
+    ended = subprocess.run(
+        ["sh", "-c", f"exec '{sys.executable}' all.py '{json.dumps(commands)}' 2>&-"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert ended.returncode == 0, ended.stdout
-    assert ended.stdout
+    assert json.loads((tmp_path / "codes.json").read_text()) == dict.fromkeys(commands, 0), ended.stdout
+    _, *printed = ended.stdout.split("===== ")
+    assert [text.partition("\n")[0] for text in printed] == list(commands)
+    assert all(text.partition("\n")[2] for text in printed)
 
 
 @posix_only
 @pytest.mark.parametrize("closed", [">&- 2>&-", "<&- >&- 2>&-", ">&-"])
+@pytest.mark.quick("<&-*")
 def test_results_hold_nothing_else_where_all_streams_are_closed(closed: str, tmp_path: Path) -> None:
     ended = shell(f"{COMMANDS['run']} {closed}", tmp_path)
     assert ended.returncode == 0, ended.stderr
@@ -50,12 +89,14 @@ def test_results_hold_nothing_else_where_all_streams_are_closed(closed: str, tmp
 
 
 @posix_only
+@pytest.mark.slow
 def test_an_error_keeps_its_exit_code_where_nobody_can_be_told(tmp_path: Path) -> None:
     for closed in ("2>&-", ">&- 2>&-"):
         assert shell(f"run missing.yaml --out o {closed}", tmp_path).returncode == 2
 
 
 @posix_only
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 def test_work_goes_on_where_stderr_cannot_be_written(tmp_path: Path) -> None:
     """It ended the run with an exit code of 0 and no results where a pipe had lost its reader."""

@@ -2,13 +2,12 @@
 stay strings, and what a scene leaves out leaves no trace."""
 
 import math
-import os
 import random
 import re
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import ClassVar
 
@@ -33,7 +32,7 @@ from lamc.reference.interpreter import Interpreter
 from lamc.symbolic.functions import FUNCTIONS
 from lamc.symbolic.operations import SCALAR
 from lamc.symbolic.program import Operand, Program, Shape, Space
-from tests.support.ctools import STRICT, STRICT_CXX, cc, needs_cc, output_of
+from tests.support.ctools import STRICT, STRICT_CXX, cc, needs_cc, objects_of, output_of
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_state, random_tree, unit_plate_pendulum
 from tests.support.paths import ROOT
 
@@ -46,48 +45,20 @@ def made(mechanism: Mechanism) -> tuple[Program, SourceTree]:
     return sources_of(equations_of(mechanism, EFFECTS))
 
 
-@pytest.fixture(scope="module")
-def trees() -> dict[str, tuple[Program, SourceTree]]:
-    return {name: made(mechanism) for name, mechanism in MECHANISMS.items()}
+@cache
+def tree_of(name: str) -> tuple[Program, SourceTree]:
+    return made(MECHANISMS[name])
 
 
 # ---- the same bytes -------------------------------------------------------------------------------------------
 
-_PRINT_DIGEST = """
-import hashlib
-from tests.unit.test_codegen import MECHANISMS, made
-text = hashlib.sha256()
-for name in ("small", "tree"):
-    program, tree = made(MECHANISMS[name])
-    for file in sorted(tree.files):
-        text.update(tree.files[file].encode())
-    text.update(program.digest.encode())
-print(text.hexdigest())
-"""
 
-
-def test_the_same_design_gives_the_same_bytes_whatever_the_hash_seed() -> None:
-    root = ROOT
-    digests = set()
-    for seed in ("0", "4242"):
-        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(root)}
-        done = subprocess.run(
-            [sys.executable, "-c", _PRINT_DIGEST],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-            cwd=root,
-        )
-        digests.add(done.stdout.strip())
-    assert len(digests) == 1
-
-
-def test_repeating_gives_the_same_bytes(trees: dict[str, tuple[Program, SourceTree]]) -> None:
-    for name in ("small", "laminate40"):
-        program, tree = made(MECHANISMS[name])
-        assert program.digest == trees[name][0].digest
-        assert dict(tree.files) == dict(trees[name][1].files)
+@pytest.mark.parametrize("name", ["small", "laminate40"])
+@pytest.mark.quick("small")
+def test_repeating_gives_the_same_bytes(name: str) -> None:
+    (program, tree), (again, same) = made(MECHANISMS[name]), made(MECHANISMS[name])
+    assert program.digest == again.digest
+    assert dict(tree.files) == dict(same.files)
 
 
 def test_order_of_the_input_leaves_the_c_alone() -> None:
@@ -96,8 +67,8 @@ def test_order_of_the_input_leaves_the_c_alone() -> None:
     assert dict(made(rotated)[1].files) == dict(made(mechanism)[1].files)
 
 
-def test_no_date_and_no_path_gets_into_the_c(trees: dict[str, tuple[Program, SourceTree]]) -> None:
-    text = "".join(trees["small"][1].files.values())
+def test_no_date_and_no_path_gets_into_the_c() -> None:
+    text = "".join(tree_of("small")[1].files.values())
     assert str(ROOT) not in text
     assert not re.search(r"\b(19|20)\d\d-\d\d-\d\d\b", text)
 
@@ -186,8 +157,10 @@ def test_hostile_names_compile_and_come_back_unchanged(tmp_path: Path) -> None:
     q, u = random_state(len(HOSTILE), 1)
     expected = lamc.compile(plain, Scene(effects=effects)).acceleration(q, u)
     assert (sim.acceleration(q, u) == expected).all()
-    write_sources(emit(sim.program), tmp_path)
-    cc(tmp_path, *STRICT, "-trigraphs", "-Wno-trigraphs", "-c", *sorted(p.name for p in tmp_path.glob("*.c")))
+    tree = emit(sim.program)
+    write_sources(tree, tmp_path)
+    units = ("main.c", *(unit for unit in tree.compiled if unit not in tree.shared))
+    cc(tmp_path, *STRICT, "-trigraphs", "-Wno-trigraphs", "-c", *units)
 
 
 SYSTEM_HEADERS = ("float", "limits", "math", "stddef", "stdint", "stdio", "stdlib", "string", "tgmath")
@@ -230,7 +203,7 @@ def test_designs_named_like_files_and_words_of_c_compile_alone_and_as_a_library(
     tree = emit(sim.program)
     assert len(tree.files) == len({f.lower() for f in tree.files})
     write_sources(tree, tmp_path)
-    cc(tmp_path, *STRICT, *sorted(p.name for p in tmp_path.glob("*.c")), "-lm", "-o", "run")
+    cc(tmp_path, *STRICT, "main.c", *objects_of(tree, tmp_path, *STRICT), "-lm", "-o", "run")
     assert output_of(tmp_path / "run").startswith("t_s,q0_rad")
 
 
@@ -292,18 +265,16 @@ int main(void) {{
 
 @needs_cc
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
-def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(
-    name: str, trees: dict[str, tuple[Program, SourceTree]], tmp_path: Path
-) -> None:
-    program, tree = trees[name]
+@pytest.mark.quick("small")
+def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(name: str, tmp_path: Path) -> None:
+    program, tree = tree_of(name)
     assert (name in WITH_LOOPS) == (
         len(program.functions["acceleration"].statements) > MAX_BLOCK_AT_EVERY_STEP
     )
     assert (name in WITH_LOOPS) == ("acceleration_kernel_0(" in tree.files[f"{tree.prefix}.c"])
     write_sources(tree, tmp_path)
     strict = (*STRICT, "-O1", "-ffp-contract=off")
-    cc(tmp_path, *strict, "-c", *tree.compiled)
-    objects = [name.replace(".c", ".o") for name in tree.compiled]
+    objects = objects_of(tree, tmp_path, *strict)
     cc(tmp_path, *strict, "main.c", *objects, "-lm", "-o", "example")
     rows = output_of(tmp_path / "example").splitlines()
     assert len(rows) == 102  # a header, then 0 … 1 s
@@ -331,26 +302,20 @@ def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
 @pytest.mark.parametrize("name", ["small", "laminate40"])
-def test_c_is_cxx_as_well(name: str, trees: dict[str, tuple[Program, SourceTree]], tmp_path: Path) -> None:
-    tree = trees[name][1]
+@pytest.mark.slow  # in each run: test_it_is_valid_cxx_too, of exports
+def test_c_is_cxx_as_well(name: str, tmp_path: Path) -> None:
+    tree = tree_of(name)[1]
     write_sources(tree, tmp_path)
-    cc(
-        tmp_path,
-        "-x",
-        "c++",
-        *STRICT_CXX,
-        *sorted(p.name for p in tmp_path.glob("*.c")),
-        "-lm",
-        "-o",
-        "run",
-        compiler="g++",
-    )
+    flags = ("-x", "c++", *STRICT_CXX)
+    objects = objects_of(tree, tmp_path, *flags, compiler="g++")
+    cc(tmp_path, *flags, "-c", "main.c", compiler="g++")
+    cc(tmp_path, "main.o", *objects, "-lm", "-o", "run", compiler="g++")
     assert len(output_of(tmp_path / "run").splitlines()) == 102
 
 
 @needs_cc
-def test_headers_stand_alone(trees: dict[str, tuple[Program, SourceTree]], tmp_path: Path) -> None:
-    tree = trees["small"][1]
+def test_headers_stand_alone(tmp_path: Path) -> None:
+    tree = tree_of("small")[1]
     write_sources(tree, tmp_path)
     for header in sorted(p.name for p in tmp_path.glob("*.h")):
         (tmp_path / "alone.c").write_text(f'#include "{header}"\n#include "{header}"\nextern int x;\n')
@@ -468,6 +433,7 @@ def model_text(mechanism: Mechanism, effects: tuple) -> str:
 
 @needs_cc
 @pytest.mark.parametrize("left_out", OPTIONAL, ids=lambda kind: kind.name)
+@pytest.mark.quick("gravity", "hinge_stiffness", "torque")
 def test_an_effect_left_out_leaves_no_trace_and_equals_zero_parameters(left_out: type) -> None:
     mechanism = chain(3, "space", seed=7)
     rest = tuple(e for e in FULL if type(e) is not left_out)

@@ -20,6 +20,7 @@ def test_a_common_unit_is_what_pint_says(unit: str, si: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["flaps", "four_bar", "waterbomb", "folding_box", "pendulum"])
+@pytest.mark.quick("flaps")
 def test_examples_are_read_without_pint(name: str) -> None:
     code = (
         "import sys, lamc; from lamc.examples import path\n"

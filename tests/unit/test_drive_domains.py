@@ -18,6 +18,7 @@ from lamc.readers.load_scene import scene_of_text
 from lamc.symbolic.domain import EVERYWHERE, undefined
 from lamc.symbolic.expression import stage
 from tests.support.mechanisms import chain
+from tests.support.quick import tries
 
 ANY = {"t": (0.0, math.inf), "angle": EVERYWHERE, "rate": EVERYWHERE}
 
@@ -135,7 +136,7 @@ MATHS = {
 MATHS |= {"abs": abs, "min": min, "max": max, "pow": lambda x, y: x**y}
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=tries(400), deadline=None)
 @given(text=st.recursive(LEAF, compound, max_leaves=8), data=st.data())
 def test_nothing_that_has_a_value_is_refused(text: str, data: st.DataObject) -> None:
     """mpmath is the other cross-check, with exponents that do not overflow: where it gives a value, no refusal is
@@ -156,7 +157,7 @@ def test_nothing_that_has_a_value_is_refused(text: str, data: st.DataObject) -> 
     assert not has_value, (text, values, found)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=tries(200), deadline=None)
 @given(text=st.recursive(LEAF, compound, max_leaves=8), data=st.data())
 def test_at_a_point_nothing_that_has_a_value_is_refused(text: str, data: st.DataObject) -> None:
     values = {name: data.draw(st.floats(*bounds)) for name, bounds in NAMES.items()}

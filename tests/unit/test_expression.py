@@ -17,6 +17,7 @@ from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Store
 from lamc.symbolic.substitution import substitute
 from tests.support import expressions
+from tests.support.quick import tries
 
 
 def with_names() -> dict[str, Scalar]:
@@ -37,7 +38,7 @@ def value_of(text: str, **inputs: float) -> float:
 # ---- accepted -------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=tries(300), deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(tree=expressions.trees(), a=st.floats(-2, 2), b=st.floats(-2, 2), c=st.floats(-2, 2))
 def test_expressions_mean_what_they_mean_in_python(
     tree: expressions.Tree, a: float, b: float, c: float
@@ -250,19 +251,19 @@ def value_or_refusal(text: str) -> None:
     assert time.perf_counter() - start < 1.0  # takes milliseconds; the rest is for a loaded machine
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=tries(500), deadline=None)
 @given(st.text(max_size=200))
 def test_any_text_is_a_value_or_one_error(text: str) -> None:
     value_or_refusal(text)
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=tries(500), deadline=None)
 @given(st.lists(TOKENS, max_size=40))
 def test_any_row_of_tokens_is_a_value_or_one_error(tokens: list[str]) -> None:
     value_or_refusal("".join(tokens))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=tries(100), deadline=None)
 @given(st.lists(TOKENS, min_size=150, max_size=400))
 def test_long_rows_of_tokens_end_soon(tokens: list[str]) -> None:
     value_or_refusal(" ".join(tokens)[:MAX_LENGTH])

@@ -14,12 +14,15 @@ from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.mechanism_file import write_mechanism
 from lamc.records.mechanism import Mechanism
+from tests.support.quick import tries
 
 # Small limits keep a case short; the largest real file here has 3000 values.
 LIMITS = Limits(bytes=200_000, nodes=20_000, depth=100)
 # A second is the promise; the machine may be busy with other tests at once, so the bound here is larger.
 PATIENCE = 5.0
-FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(
+    max_examples=tries(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 
 FRAGMENTS = (
     "!!python/object/apply:os.system ['touch pwned']",
@@ -152,7 +155,7 @@ def networks(draw: st.DrawFn) -> tuple[list[str], int]:
     return [*lines, f"scene: {{angles: {angles}}}"], len(joints)
 
 
-@settings(FEW, max_examples=300)
+@settings(FEW, max_examples=tries(300))
 @given(network=networks())
 def test_networks_of_any_shape_are_mechanisms_or_errors_with_their_line(
     tmp_path: Path, network: tuple[list[str], int]
@@ -179,6 +182,7 @@ def test_networks_of_any_shape_are_mechanisms_or_errors_with_their_line(
     assert (again.bodies, again.joints) == (mechanism.bodies, mechanism.joints)
 
 
+@pytest.mark.slow
 def test_truncated_files_are_a_record_or_an_error(shared: Path, tmp_path: Path) -> None:
     for text in sources(shared):
         for part in range(23):

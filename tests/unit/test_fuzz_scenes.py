@@ -19,10 +19,13 @@ from lamc.readers.load_scene import load_scene, scene_of_text
 from lamc.readers.mechanism_file import mechanism_text
 from lamc.records.mechanism import Mechanism
 from tests.support.mechanisms import chain
+from tests.support.quick import tries
 from tests.unit.test_fuzz_readers import FRAGMENTS, LIMITS, PATIENCE
 from tests.unit.test_scenes import SCENES
 
-FEW = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(
+    max_examples=tries(100), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 
 FIELDS = {kind.name: [f.name for f in fields(kind)] for kind in EFFECTS}  # type: ignore[arg-type]
 HOSTILE = [
@@ -118,7 +121,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
     return {"scenes": {name: one() for name in names}} | ({"scene": one()} if draw(st.booleans()) else {})
 
 
-@settings(FEW, max_examples=400)
+@settings(FEW, max_examples=tries(400))
 @given(data=scenes())
 def test_scenes_of_any_kind_are_read_or_refused_at_their_line(tmp_path: Path, data: dict[str, Any]) -> None:
     text = json.dumps(data, indent=1)
@@ -198,6 +201,7 @@ def test_damaged_scenes_are_scenes_or_errors(tmp_path: Path, data: st.DataObject
         "a: &a [*a]\nscenes: *a",
     ],
 )  # fmt: skip
+@pytest.mark.quick("text[134579]", "text10", "a:*")
 def test_scenes_made_to_exhaust_end_soon(text: str) -> None:
     began = time.monotonic()
     reported = ""

@@ -33,6 +33,7 @@ from lamc.reference.interpreter import Interpreter
 from lamc.symbolic.program import Program
 from tests.support.ctools import needs_cc
 from tests.support.every_effect import BIMORPH, mechanism
+from tests.support.quick import tries
 
 DRIVEN = Torque({"h1": "drive*sin(3*t) + bias"})
 INPUTS = {"drive": Input(0.3, "N*m", "amplitude"), "bias": Input(unit="N·m")}
@@ -410,7 +411,7 @@ VALUES = st.recursive(
 
 
 @given(inputs=st.one_of(st.dictionaries(NAMES, VALUES, max_size=4), VALUES))
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=tries(300))
 def test_any_inputs_of_a_file_are_a_scene_or_errors_with_their_place(inputs: object) -> None:
     text = json.dumps({"scene": {"effects": {"torque": {"h1": "drive*t + bias"}}, "inputs": inputs}})
     reported, made = "", Scene()

@@ -31,6 +31,7 @@ from lamc.symbolic.program import (
     Statement,
 )
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_state, random_tree, trees
+from tests.support.quick import tries
 
 NO_OPERATIONS = Operations()
 SECTION = (Section("by hand", "", ""),)
@@ -135,7 +136,7 @@ def test_states_of_the_wrong_size_are_refused() -> None:
         interpreter.acceleration(0.0, np.zeros(3), np.zeros(3), interpreter.constants())
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=tries(20), deadline=None)
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
 def test_derived_equations_agree_with_newton_euler_on_random_trees(mechanism: Mechanism, seed: int) -> None:
     torque = Torque({"h0": "0.1*sin(2*pi*t) - 0.2*rate + angle^2*max(t, 0.1) + atan2(t, angle)"})
@@ -162,12 +163,13 @@ def test_derived_equations_agree_with_newton_euler_on_random_trees(mechanism: Me
     "mechanism",
     [
         chain(2, "space", seed=2),
-        pytest.param(chain(3, "laminate", seed=3), marks=pytest.mark.slow),
-        pytest.param(chain(4, "mixed", seed=4), marks=pytest.mark.slow),
+        pytest.param(chain(3, "laminate", seed=3), marks=pytest.mark.campaign),
+        pytest.param(chain(4, "mixed", seed=4), marks=pytest.mark.campaign),
         random_tree(4, seed=5, kind="mixed"),
     ],
     ids=lambda m: m.name,
 )
+@pytest.mark.slow
 def test_derived_equations_equal_kanes_method_of_sympy(mechanism: Mechanism) -> None:
     interpreter = Interpreter(lower(derive(plan(mechanism), ALL_PASSIVE)))
     constants = interpreter.constants()

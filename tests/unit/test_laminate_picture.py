@@ -84,6 +84,7 @@ def test_strokes_have_the_angle_of_the_fibres_on_paper(
         assert abs((rotation + 90.0) % 180.0 - 90.0) < 1e-6  # round-off of some hundred pixels
 
 
+@pytest.mark.slow
 def test_same_laminate_gives_the_same_picture(tmp_path: Path) -> None:
     laminate = Laminate.parse("[0/90/±45/22.5]10s", plate.material("T300/5208"), 1e-4)
     one, other = (draw_stack(laminate, tmp_path / name).read_bytes() for name in ("a.png", "b.png"))

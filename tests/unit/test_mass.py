@@ -14,6 +14,7 @@ from shapely.geometry import Point, Polygon, box
 from lamc.basics.errors import DesignError
 from lamc.design.mass import body_properties, polygon_moments
 from lamc.records.mechanism import Slab
+from tests.support.quick import tries
 
 # Sums of a few terms of like size, each rounded once: some ulp.
 ROUND_OFF = 1e-13
@@ -107,7 +108,7 @@ def star_polygon(radii: Sequence[float]) -> Polygon:
     return Polygon(np.column_stack([np.cos(angles), np.sin(angles)]) * np.array(radii)[:, None])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=tries(60), deadline=None)
 @given(star, star, st.floats(-3, 3), st.floats(-5, 5), st.floats(-5, 5))
 def test_inertia_turns_and_shifts_with_the_body(
     low: list[float], high: list[float], turn: float, x: float, y: float
@@ -128,7 +129,7 @@ def test_inertia_turns_and_shifts_with_the_body(
     close(inertia2, rotation @ inertia @ rotation.T, 1e-13, 10 * np.abs(inertia).max())
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=tries(40), deadline=None)
 @given(star, st.floats(0.1, 0.9), st.randoms())
 def test_parts_add_up_to_the_whole(radii: list[float], cut: float, random: object) -> None:
     """Cutting a plate in two, sideways and through its thickness, leaves mass, centre and inertia alone."""

@@ -115,7 +115,7 @@ ROADS: dict[str, Callable[[str], None]] = dict.fromkeys(
 ROADS |= {"plate": _plate_road, "scene": _scene_road}
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("kind", sorted(SOURCES))
 def test_mutants_are_records_or_errors_within_seconds(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(problem_make, "MOST", CELLS)

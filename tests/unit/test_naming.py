@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from lamc.basics.errors import DesignError
 from lamc.design.naming import BodyMark, JointMark, name_bodies, name_joints
+from tests.support.quick import tries
 
 
 def body(x: float, y: float = 0.0, *, fixed: bool = False, mass: float = 1.0) -> BodyMark:
@@ -68,7 +69,7 @@ grid = st.lists(
 )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=tries(100), deadline=None)
 @given(grid, st.randoms(), st.floats(1e-6, 1e3))
 def test_order_and_round_off_do_not_change_names(
     points: list[tuple[int, int, bool]], random: object, scale: float

@@ -266,6 +266,7 @@ def test_a_large_file_is_refused_by_its_limit(tmp_path: Path) -> None:
         load(file, limits=Limits(bytes=100))
 
 
+@pytest.mark.slow
 def test_a_polygon_of_many_corners_is_read_with_progress(tmp_path: Path) -> None:
     corners = [
         (9 * math.cos(a), 9 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 10_000, endpoint=False)

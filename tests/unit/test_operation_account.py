@@ -46,6 +46,9 @@ EXAMPLES = sorted(Path(lamc.__file__).parent.joinpath("examples").glob("*.yaml")
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.quick(
+    "bricard", "flapping_wing", "four_bar", "limit_stop", "pendulum", "shutter", "stiff_triple", "vertex"
+)
 def test_the_account_of_every_example_is_what_its_c_computes(path: Path) -> None:
     """In each of its scenes: trees and loops, fixed and afloat, in the air and on the ground."""
     drawn = lamc.load(path)
@@ -55,6 +58,7 @@ def test_the_account_of_every_example_is_what_its_c_computes(path: Path) -> None
         assert_adds_up(made, effects)
 
 
+@pytest.mark.slow
 def test_the_account_of_all_effects_at_once_is_what_their_c_computes() -> None:
     """All samples that do not claim the same thing, several of those that may act several times."""
     alone = {"base_motion": "free_base", "free_base": "base_motion"}  # both claim the motion of the base

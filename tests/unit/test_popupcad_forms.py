@@ -19,6 +19,7 @@ from lamc.readers.popupcad import read_design
 from lamc.readers.popupcad_sketch import vertex
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
+from tests.support.quick import tries
 from tests.unit.test_popupcad import areas, cad, read
 
 SCALAR = "!!python/object/apply:numpy.core.multiarray.scalar"
@@ -78,7 +79,7 @@ def test_an_alias_of_no_anchor_is_an_error_still() -> None:
 # ---- Numbers ---------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+@settings(max_examples=tries(60))
 @given(st.floats(-1e9, 1e9))
 def test_numpy_scalars_are_numbers_to_the_last_bit(value: float) -> None:
     for core in ("core", "_core"):
@@ -194,7 +195,7 @@ WORDS = st.sampled_from(
 )
 
 
-@settings(max_examples=150, deadline=None)  # a first split costs more than others
+@settings(max_examples=tries(150), deadline=None)  # a first split costs more than others
 @given(st.data())
 def test_pieces_put_anywhere_give_a_design_or_an_error(data: st.DataObject) -> None:
     text = cad()

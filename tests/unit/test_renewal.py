@@ -11,10 +11,12 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from lamc.basics import renewal
 from lamc.basics.errors import LamcError
 from lamc.basics.renewal import UNFINISHED, digests, renewed
+from lamc.cli import main
 
 posix_only = pytest.mark.skipif(os.name != "posix", reason="processes are forked and killed")
 exchanges = pytest.mark.skipif(renewal._renameat2() is None, reason="folders cannot change places here")
@@ -216,13 +218,14 @@ def test_what_a_run_that_still_goes_on_writes_is_left_alone(tmp_path: Path) -> N
 
 
 @posix_only
-def test_lamc_run_killed_while_it_writes_leaves_the_earlier_run(tmp_path: Path) -> None:
-    def run(*more: str) -> list[str]:
-        given = ["run", "--example", "flaps", "--out", "o", "--quiet", "--no-animation", *more]
-        return [sys.executable, "-m", "lamc", *given]
-
-    subprocess.run(run("--t-end", "0.05"), cwd=tmp_path, check=True)
-    process = subprocess.Popen(run("--t-end", "0.3"), cwd=tmp_path)
+@pytest.mark.usefixtures("unpainted")
+def test_lamc_run_killed_while_it_writes_leaves_the_earlier_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = ["run", "--example", "flaps", "--out", "o", "--quiet", "--no-animation", "--t-end"]
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(main, [*given, "0.05"]).exit_code == 0
+    process = subprocess.Popen([sys.executable, "-m", "lamc", *given, "0.3"])
     while process.poll() is None and not list(tmp_path.glob(".o.lamc-*/results.csv")):
         time.sleep(0.002)
     os.kill(process.pid, signal.SIGKILL)
@@ -231,6 +234,6 @@ def test_lamc_run_killed_while_it_writes_leaves_the_earlier_run(tmp_path: Path) 
     assert manifest["t_reached"] == 0.05
     assert digests(tmp_path / "o", sorted(manifest["sha256"])) == manifest["sha256"]
     assert set(manifest["sha256"]) == set(manifest["files"]) - {"manifest.json"}
-    subprocess.run(run("--t-end", "0.1"), cwd=tmp_path, check=True)
+    assert CliRunner().invoke(main, [*given, "0.1"]).exit_code == 0
     assert json.loads((tmp_path / "o" / "manifest.json").read_text())["t_reached"] == 0.1
     assert os.listdir(tmp_path) == ["o"]

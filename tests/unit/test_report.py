@@ -65,6 +65,7 @@ def colours_of(path: Path) -> set[tuple[int, int, int]]:
 # --- plots --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_angles_and_energy_are_drawn_at_a_readable_size(result: Result, tmp_path: Path) -> None:
     path = draw_angles_energy(result, tmp_path / "a.png")
     with Image.open(path) as image:
@@ -170,6 +171,7 @@ def test_one_metre_is_as_long_across_as_it_is_up(result: Result) -> None:
     assert np.linalg.det(axes) == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_folded_device_shows_every_body(result: Result, tmp_path: Path) -> None:
     path = draw_folded(result, tmp_path / "f.png")
     with Image.open(path) as image:
@@ -197,6 +199,7 @@ def test_bodies_without_outline_are_drawn_as_sticks(tmp_path: Path) -> None:
 # --- film ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_film_is_a_gif_without_ffmpeg(
     result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -218,6 +221,7 @@ def test_the_film_is_a_gif_without_ffmpeg(
     assert (foot[:, third:-third] == 255).all()
 
 
+@pytest.mark.slow
 def test_an_ffmpeg_that_fails_gives_a_gif(result: Result, tmp_path: Path) -> None:
     assert draw_animation(result, tmp_path, ffmpeg="/bin/false").name == "animation.gif"
     assert [p.name for p in tmp_path.iterdir()] == ["animation.gif"]

@@ -12,6 +12,7 @@ import pytest
 
 from tests.support.ctools import sanitizer_works
 from tests.support.paths import RUNTIME
+from tests.support.quick import LEVEL
 
 COMPILER = os.environ.get("CC", "cc")
 
@@ -21,9 +22,9 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def make(target: str, out: Path) -> str:
+def make(target: str, out: Path, *settings: str) -> str:
     done = subprocess.run(
-        ["make", "-C", str(RUNTIME), target, f"CC={COMPILER}", f"OUT={out}"],
+        ["make", "-C", str(RUNTIME), target, f"CC={COMPILER}", f"OUT={out}", *settings],
         capture_output=True,
         text=True,
         timeout=300,
@@ -34,8 +35,10 @@ def make(target: str, out: Path) -> str:
 
 
 @pytest.mark.parametrize("target", ["test", "sanitize"])
-def test_runtime_passes_its_own_tests(target: str, tmp_path: Path) -> None:
-    counts = re.findall(r"^(\d+) passed, (\d+) failed$", make(target, tmp_path), re.MULTILINE)
+@pytest.mark.quick("test")
+def test_runtime_passes_its_own_tests(target: str, tmp_path: Path, pytestconfig: pytest.Config) -> None:
+    settings = [] if pytestconfig.getoption("--as-shipped") else [f"OPT={LEVEL}"]
+    counts = re.findall(r"^(\d+) passed, (\d+) failed$", make(target, tmp_path, *settings), re.MULTILINE)
     assert len(counts) == len(list((RUNTIME / "tests").glob("test_*.c")))
     assert all(int(passed) > 0 and failed == "0" for passed, failed in counts)
 
@@ -44,6 +47,7 @@ def test_steps_of_fixed_length_compile_in_single_precision(tmp_path: Path) -> No
     make("single", tmp_path)
 
 
+@pytest.mark.slow
 def test_threads_share_a_model_under_the_thread_sanitizer(tmp_path: Path) -> None:
     if not sanitizer_works(tmp_path, "-fsanitize=thread"):
         pytest.skip("this compiler, or this kernel, has no thread sanitizer")
@@ -51,5 +55,6 @@ def test_threads_share_a_model_under_the_thread_sanitizer(tmp_path: Path) -> Non
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
+@pytest.mark.slow
 def test_runtime_compiles_as_cxx(tmp_path: Path) -> None:
     make("cxx", tmp_path)

@@ -13,17 +13,9 @@ from lamc.codegen.layout import AT_EVERY_STEP, MAX_BLOCK_AT_EVERY_STEP
 from lamc.effects import Effect, FreeBase, JointLimits, Torque
 from lamc.pipeline import equations_of, sources_of
 from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism
-from tests.support.ctools import STRICT, cc, needs_cc, sanitizer_works
+from tests.support.ctools import SANITIZED as FLAGS
+from tests.support.ctools import cc, needs_cc, objects_of, sanitizer_works
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_tree
-
-FLAGS = (
-    *STRICT,
-    "-O0",
-    "-g",
-    "-fsanitize=address,undefined",
-    "-fno-sanitize-recover=all",
-    "-fno-omit-frame-pointer",
-)
 
 pytestmark = needs_cc
 
@@ -146,6 +138,7 @@ SCENES: Mapping[str, tuple[Effect, ...]] = {
 
 
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
+@pytest.mark.quick("closed", "floating")
 def test_generated_c_runs_clean(name: str, tmp_path: Path) -> None:
     if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
@@ -157,8 +150,7 @@ def test_generated_c_runs_clean(name: str, tmp_path: Path) -> None:
     assert (name in LONG) == (longest > MAX_BLOCK_AT_EVERY_STEP)
     write_sources(tree, tmp_path)
     (tmp_path / "driver.c").write_text(_DRIVER.replace("@", tree.prefix))
-    cc(tmp_path, *FLAGS, "-c", *tree.compiled)
-    objects = [file.replace(".c", ".o") for file in tree.compiled]
+    objects = objects_of(tree, tmp_path, *FLAGS)
     for main in ("main", "driver"):
         cc(tmp_path, *FLAGS, f"{main}.c", *objects, "-lm", "-o", main)
         done = subprocess.run([tmp_path / main], capture_output=True, text=True, timeout=120, check=False)

@@ -18,6 +18,7 @@ from lamc.design.split import split, split_steps
 from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Line, Material
 from lamc.records.scene import Scene
 from tests.support.laminates import FLEX, GLUE, MM, RIGID, flaps, miura, multi, pendulum, sheet, strip, vertex
+from tests.support.quick import tries
 
 EMPTY = MultiPolygon()
 
@@ -242,7 +243,7 @@ def shuffled(design: Design, random: random_module.Random) -> Design:
     return replace(design, layers=layers, hinges=tuple(mixed(sets)))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=tries(25), deadline=None)
 @given(st.sampled_from(["miura", "vertex", "flaps", "pendulum"]), st.randoms(use_true_random=False))
 def test_order_of_input_does_not_matter(which: str, random: random_module.Random) -> None:
     make: dict[str, Callable[[], Design]] = {
@@ -437,7 +438,7 @@ def test_hinge_strip_is_read_where_only_rigid_layers_are_drawn() -> None:
     assert [(j.parent, j.child) for j in mechanism.joints] == [("ground", "link_1")]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=tries(30), deadline=None)
 @given(st.floats(0, 2 * math.pi), st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
 def test_masses_do_not_depend_on_where_the_device_lies(rotation: float, x: float, y: float) -> None:
     design = flaps()

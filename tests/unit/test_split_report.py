@@ -34,6 +34,7 @@ def test_picture_has_four_panels_of_all_that_there_is(tmp_path: Path) -> None:
     assert "<dc:date>" not in text
 
 
+@pytest.mark.slow
 def test_picture_is_the_same_every_time(tmp_path: Path) -> None:
     for name in ("a.svg", "b.svg"):
         draw_split(split_steps(flaps()), tmp_path / name)
@@ -41,6 +42,7 @@ def test_picture_is_the_same_every_time(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.svg", "b.svg"]
 
 
+@pytest.mark.slow
 def test_picture_shows_each_body_in_a_colour_of_its_own(tmp_path: Path) -> None:
     draw_split(split_steps(pendulum()), tmp_path / "steps.png")
     with Image.open(tmp_path / "steps.png") as image:

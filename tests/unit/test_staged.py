@@ -28,6 +28,7 @@ pytestmark = needs_cc
     ],
     ids=lambda m: m.name,
 )
+@pytest.mark.quick("chain3")
 def test_staged_equations_give_the_accelerations_of_the_c(mechanism: lamc.Mechanism) -> None:
     sim = lamc.compile(mechanism, lamc.Scene(effects=ALL_PASSIVE))
     start = sim.run(0.1, rtol=1e-10, atol=1e-12, t_eval=[0.1])  # away from where it is drawn, and closed
@@ -40,6 +41,7 @@ def test_staged_equations_give_the_accelerations_of_the_c(mechanism: lamc.Mechan
     assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_bench_measures_loops_and_names_the_peer_that_cannot(shared: Path) -> None:
     cases: list[Any] = json.loads((shared / "reference" / "dynamics.json").read_text(encoding="utf-8"))[
         "cases"

@@ -21,8 +21,9 @@ from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.substitution import substitute
 from tests.support import expressions
 from tests.support.ctools import needs_cc, program_of, values_in_c
+from tests.support.quick import tries
 
-QUICK = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+QUICK = settings(max_examples=tries(150), deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 
 
 def symbols(store: Store, count: int = 3) -> list[Value]:

@@ -37,6 +37,7 @@ def on_processor(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @needs_cc
+@pytest.mark.slow
 def test_two_processors_share_plain_code_and_not_fast_code(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -69,6 +69,7 @@ def run(simulator: lamc.Simulator, **given: Any) -> lamc.Result:
     return simulator.run(0.1, 1e-6, 1e-8, np.linspace(0.0, 0.1, 8_001), energy_balance=True, **given)
 
 
+@pytest.mark.quick("limit_stop")
 def test_threads_that_read_one_result_get_its_numbers(simulator: lamc.Simulator) -> None:
     alone = told(run(simulator))
     for _ in range(3):
@@ -110,6 +111,7 @@ def test_runs_do_not_hear_of_one_another_by_the_motion_that_they_share(simulator
         assert one.work != other.work or not motion.model.lib.lamc_motion_work_size(motion.model.handle)
 
 
+@pytest.mark.slow
 def test_threads_that_solve_one_plate_get_its_numbers() -> None:
     def model() -> plate.FactoredPlate:
         supports = [plate.Clamped("boundary")]

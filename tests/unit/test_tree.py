@@ -14,6 +14,7 @@ from lamc.mechanism.plan import plan
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.records.mechanism import Body, Joint, Mechanism
 from tests.support.mechanisms import Array, chain, random_tree, trees
+from tests.support.quick import tries
 
 
 def body(name: str, *com: float) -> Body:
@@ -81,7 +82,7 @@ def test_names_decide_where_geometry_does_not() -> None:
     assert tree.joint_names == ("a", "b", "c")
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=tries(30), deadline=None)
 @given(mechanism=trees(12), seed=st.integers(0, 2**31))
 def test_any_shuffling_gives_the_same_tree(mechanism: Mechanism, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -128,7 +129,7 @@ def test_each_body_hangs_from_the_world_by_the_shortest_way() -> None:
 # ---- frames ---------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=tries(40), deadline=None)
 @given(mechanism=trees(15))
 def test_frames_reproduce_the_drawing(mechanism: Mechanism) -> None:
     tree = plan(mechanism)

@@ -54,6 +54,7 @@ def simulator(name: str, compiler: str | None = None) -> lamc.Simulator:
 @needs_zig
 @needs_cc
 @pytest.mark.parametrize("name", ["flaps", "four_bar"])
+@pytest.mark.slow
 def test_models_by_zig_are_those_of_the_systems_compiler(name: str, only_zig: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PATH", os.defpath)
@@ -65,6 +66,7 @@ def test_models_by_zig_are_those_of_the_systems_compiler(name: str, only_zig: Pa
 
 
 @needs_zig
+@pytest.mark.slow
 def test_plates_by_zig_have_elements_plies_and_a_mesher(only_zig: Path) -> None:
     module = element_module(DKT)
     assert "ziglang" in module.compiler
@@ -79,6 +81,7 @@ def test_plates_by_zig_have_elements_plies_and_a_mesher(only_zig: Path) -> None:
 
 @needs_zig
 @pytest.mark.parametrize("target", ["fmu", "wheel"])
+@pytest.mark.slow
 def test_exports_by_zig_hold_a_library(target: str, only_zig: Path) -> None:
     files = files_of(simulator("flaps").mechanism, target)
     (archive,) = [name for name in files if name.endswith((".fmu", ".whl"))]
@@ -91,6 +94,7 @@ def test_exports_by_zig_hold_a_library(target: str, only_zig: Path) -> None:
 
 
 @needs_zig
+@pytest.mark.slow
 def test_doctor_builds_and_runs_a_model_by_zig_where_no_home_can_be_used(
     only_zig: Path, tmp_path: Path
 ) -> None:
@@ -110,6 +114,7 @@ def test_doctor_builds_and_runs_a_model_by_zig_where_no_home_can_be_used(
 
 
 @needs_zig
+@pytest.mark.slow
 def test_objects_are_made_one_by_one(only_zig: Path, tmp_path: Path) -> None:
     """`zig cc -c a.c b.c` makes a.o only, and exits with 0."""
     for name in "ab":
@@ -173,6 +178,7 @@ def test_a_path_of_windows_keeps_its_backslashes(monkeypatch: pytest.MonkeyPatch
 
 
 @needs_zig
+@pytest.mark.slow
 def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It was taken for another compiler: its sanitizer was left in, and code was for the very processor it ran on."""
     script = Path(sys.executable).parent / "python-zig"
@@ -190,6 +196,7 @@ def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.
 
 @needs_zig
 @pytest.mark.parametrize("to", ["fmu", "wheel"])
+@pytest.mark.slow
 def test_exports_by_zig_are_the_same_bytes_each_time(to: str, only_zig: Path) -> None:
     """Debug information held the name of the folder in which they were made."""
     from lamc.examples import path

@@ -8,6 +8,7 @@ that it declares. Never: expands macros, or looks at types.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -58,9 +59,10 @@ class Item:
         return any(token.text == "static" for token in self.significant[:1])
 
 
-def tokens(text: str) -> list[Token]:
+@lru_cache(maxsize=256)  # the runtime has fifty files, which every export of a process reads
+def tokens(text: str) -> tuple[Token, ...]:
     """All of `text`; joined, they give it back."""
-    return list(_scan(text))
+    return tuple(_scan(text))
 
 
 def _scan(text: str) -> Iterator[Token]:

@@ -40,7 +40,8 @@ def sheet(count: int, folder: Path) -> Path:
 def measured(name: str, file: Path, repeats: int) -> tuple[int, float, float, list[str]]:
     """Hinges, seconds per evaluation and cold, and the row of the table."""
     begun = time.perf_counter()
-    simulator = lamc.compile(lamc.load(file))
+    device = lamc.load(file)
+    simulator = lamc.compile(device)
     cold = time.perf_counter() - begun
     result = simulator.run(t_end=T_END, rtol=1e-6, atol=1e-8)
     turns = math.ceil(ROWS / len(result.t))
@@ -50,7 +51,7 @@ def measured(name: str, file: Path, repeats: int) -> tuple[int, float, float, li
         "run": lambda: simulator.run(t_end=T_END, rtol=1e-6, atol=1e-8),
     }
     if importlib.util.find_spec("mujoco") is not None:
-        jobs["MuJoCo"] = mujoco_steps(simulator)
+        jobs["MuJoCo"] = mujoco_steps(device)
     best = interleaved(jobs, repeats)
     evaluation = best["evaluation"] / len(q)
     gap = result.constraint_error.max() / simulator.mechanism.size
@@ -67,12 +68,12 @@ def measured(name: str, file: Path, repeats: int) -> tuple[int, float, float, li
     return len(simulator.joints), evaluation, cold, row
 
 
-def mujoco_steps(simulator: Any) -> Any:
+def mujoco_steps(device: Any) -> Any:
     """A job: the run, by MuJoCo in steps of a millisecond."""
     import mujoco
 
     with tempfile.TemporaryDirectory(prefix="lamc-sheets-") as folder:
-        made = lamc.export(simulator, Path(folder) / "mjcf", "mjcf")
+        made = lamc.export(device, "mjcf", out=Path(folder) / "mjcf")
         (file,) = Path(made).glob("*.xml")
         model = mujoco.MjModel.from_xml_path(str(file))
     model.opt.timestep = STEP

@@ -110,7 +110,7 @@ class _Sizes:
     def settle(self) -> int:
         """Positions in ITERATIONS, then rates."""
         iteration = self.solve + self.nq + 1 + self.prepare + self.openness + 1
-        rates = self.momenta + 2 * self.along(0) + self.n
+        rates = 2 * self.m * self.n + self.solve + self.n
         return self.prepare + self.openness + ITERATIONS * iteration + 1 + rates
 
     @property

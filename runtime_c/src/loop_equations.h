@@ -32,6 +32,7 @@ typedef struct lamc_loop_parts {
   lamc_real *rows;    /* (m,): the equation that row k of `a` is, a whole number */
   lamc_real *columns; /* (n,): the rate that column k of `a` is, likewise */
   lamc_real *peak;    /* (m,): the largest entry of row k of `a` that is left, in large loops */
+  lamc_real *filled;  /* (m,): how many entries of row k that are left are not zero, likewise */
   lamc_real *free;    /* (n, n): as many rows as there are free directions */
   lamc_real *l;       /* (n, n): of N^T M N = L L^T */
   lamc_real *x;       /* (n,) */
@@ -137,29 +138,48 @@ static int lamc_loop_eliminate(const lamc_loop_parts *p, int k) {
   return best;
 }
 
-/* The same in large loops: rows that do not know the pivot stay as they are, and so do their largest */
+/* In large loops: among the rows whose largest is at least a tenth of the largest of all, the one with the fewest entries
+ * comes next, so that few rows fill up; where its largest is */
+static int lamc_loop_sparsest(const lamc_loop_parts *p, int k) {
+  lamc_real most = 0;
+  int row = k;
+  for (int i = k; i < p->m; i++) most = p->peak[i] > most ? p->peak[i] : most;
+  for (int i = k; i < p->m; i++) {
+    const int is_better = p->peak[row] < LAMC_R(0.1) * most || p->filled[i] < p->filled[row];
+    if (p->peak[i] >= LAMC_R(0.1) * most && is_better) row = i;
+  }
+  const lamc_real *next = p->a + (ptrdiff_t)row * p->n;
+  int column = k;
+  for (int c = k + 1; c < p->n; c++) column = fabs(next[c]) > fabs(next[column]) ? c : column;
+  return row * p->n + column;
+}
+
+/* Of row i from column k on: its largest, and how many entries are not zero */
+static void lamc_loop_look(const lamc_loop_parts *p, int i, int k) {
+  const lamc_real *ai = p->a + (ptrdiff_t)i * p->n;
+  lamc_real most = 0;
+  int filled = 0;
+  for (int c = k; c < p->n; c++) {
+    most = fabs(ai[c]) > most ? fabs(ai[c]) : most;
+    filled += ai[c] != 0;
+  }
+  p->peak[i] = most;
+  p->filled[i] = (lamc_real)filled;
+}
+
+/* The same in large loops: rows that do not know the pivot stay as they are */
 static int lamc_loop_eliminate_sparse(const lamc_loop_parts *p, int k) {
   const int n = p->n;
   const lamc_real *pivot = p->a + (ptrdiff_t)k * n;
   const lamc_real inverse = 1 / pivot[k];
-  int row = k + 1;
   for (int i = k + 1; i < p->m; i++) {
     lamc_real *ai = p->a + (ptrdiff_t)i * n;
-    if (ai[k] != 0) {
-      const lamc_real part = ai[k] *= inverse;
-      lamc_real most = 0;
-      for (int c = k + 1; c < n; c++) {
-        const lamc_real left = fabs(ai[c] -= part * pivot[c]);
-        most = left > most ? left : most;
-      }
-      p->peak[i] = most;
-    }
-    row = p->peak[i] > p->peak[row] ? i : row;
+    if (ai[k] == 0) continue;
+    const lamc_real part = ai[k] *= inverse;
+    for (int c = k + 1; c < n; c++) ai[c] -= part * pivot[c];
+    lamc_loop_look(p, i, k + 1);
   }
-  const lamc_real *next = p->a + (ptrdiff_t)row * n;
-  int column = k + 1;
-  for (int c = k + 2; c < n; c++) column = fabs(next[c]) > fabs(next[column]) ? c : column;
-  return row * n + column;
+  return lamc_loop_sparsest(p, k + 1);
 }
 
 /* J as it is into `a`; where its largest is */
@@ -173,14 +193,11 @@ static int lamc_loop_copy(const lamc_loop_parts *p) {
     best = larger ? i : best;
   }
   for (int i = 0; i < p->m; i++) {
-    const lamc_real *row = p->j + (ptrdiff_t)i * p->n;
     p->rows[i] = (lamc_real)i;
-    p->peak[i] = 0;
-    for (int c = 0; c < p->n && p->n > LARGE; c++)
-      p->peak[i] = fabs(row[c]) > p->peak[i] ? fabs(row[c]) : p->peak[i];
+    if (p->n > LARGE) lamc_loop_look(p, i, 0);
   }
   for (int c = 0; c < p->n; c++) p->columns[c] = (lamc_real)c;
-  return best;
+  return p->n > LARGE ? lamc_loop_sparsest(p, 0) : best;
 }
 
 static lamc_real lamc_loop_pivot(const lamc_loop_parts *p, int k) {
@@ -200,6 +217,7 @@ static int lamc_loop_order(const lamc_loop_parts *p, int rank) {
       lamc_loop_swap(p->a + (ptrdiff_t)count * n, p->a + (ptrdiff_t)row * n, n, 1);
       lamc_loop_swap(p->rows + count, p->rows + row, 1, 1);
       lamc_loop_swap(p->peak + count, p->peak + row, 1, 1);
+      lamc_loop_swap(p->filled + count, p->filled + row, 1, 1);
     }
     if (column != count) {
       lamc_loop_swap(p->a + count, p->a + column, p->m, n);

@@ -27,7 +27,7 @@ long long lamc_loops_work(const lamc_model *model) {
   const long long m = model->closure_count;
   if (model->cut_count == 0) return 0;
   const long long state = nq + n, around = n + m;
-  return raw_size(n, m) + n * (n + 1) / 2 + 5 * n + 2 * m * n + 2 * n * n + 6 * m + nq + state +
+  return raw_size(n, m) + n * (n + 1) / 2 + 5 * n + 2 * m * n + 2 * n * n + 7 * m + nq + state +
          LAMC_LOOPS_KEPT + around;
 }
 
@@ -48,7 +48,8 @@ static lamc_loop_parts parts_of(const lamc_motion *motion) {
   p.rows = p.a + m * n;
   p.columns = p.rows + m;
   p.peak = p.columns + n;
-  p.free = p.peak + m;
+  p.filled = p.peak + m;
+  p.free = p.filled + m;
   p.l = p.free + n * n;
   p.x = p.l + n * n;
   p.z = p.x + n;
@@ -74,7 +75,9 @@ static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_rea
 
 /* 1 if an equation is about to become dependent, or fades: the state is near a singular position */
 static int is_near_singular(const lamc_motion *motion, const lamc_loop_parts *p, int count) {
-  if (lamc_loop_last_pivot(motion, p, count) < NEAR_SINGULAR) return 1;
+  const lamc_real near =
+      p->n > LARGE ? NEAR_SINGULAR * LARGE / p->n : NEAR_SINGULAR; /* long chains have small pivots */
+  if (lamc_loop_last_pivot(motion, p, count) < near) return 1;
   for (int i = 0; i < p->m; i++) {
     if (p->norms[i] > 0 && p->norms[i] < NEAR_SINGULAR) return 1;
   }

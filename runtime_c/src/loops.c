@@ -75,9 +75,9 @@ static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_rea
 
 /* 1 if an equation is about to become dependent, or fades: the state is near a singular position */
 static int is_near_singular(const lamc_motion *motion, const lamc_loop_parts *p, int count) {
-  const lamc_real near =
-      p->n > LARGE ? NEAR_SINGULAR * LARGE / p->n : NEAR_SINGULAR; /* long chains have small pivots */
-  if (lamc_loop_last_pivot(motion, p, count) < near) return 1;
+  const lamc_real share =
+      p->n > LARGE ? (lamc_real)LARGE / (lamc_real)p->n : 1; /* pivots of long chains are small */
+  if (lamc_loop_last_pivot(motion, p, count) < NEAR_SINGULAR * share) return 1;
   for (int i = 0; i < p->m; i++) {
     if (p->norms[i] > 0 && p->norms[i] < NEAR_SINGULAR) return 1;
   }

@@ -20,13 +20,13 @@ static const lamc_real RANK_TOLERANCE = 5e-4f;
 static const lamc_real PASSING = 2e-3f;
 static const lamc_real TOGETHER = 4e-3f;
 static const lamc_real NEAR_SINGULAR = 0.2f;
-static const lamc_real CLOSED = 5e-7f;
+static const lamc_real CLOSED = 2e-6f;
 static const lamc_real EXACT = 5e-7f;
 static const lamc_real OUT_OF_NOTHING = 2e-3f;
 static const lamc_real LOST = 1e-4f;
 static const lamc_real NO_EQUATION = 1e-5f;
 static const lamc_real FADING = 5e-2f;
-static const lamc_real AROUND = 0.15f;
+static const lamc_real AROUND = 0.1f;
 #else
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
 #define LAMC_LEAST DBL_MIN       /* the least number that can still be divided by */

@@ -83,7 +83,7 @@ def test_the_picture_shows_this_mechanism() -> None:
         assert "mechanism.png" in exported(name)
         simulator = lamc.compile(mechanism_of(name), scene_of(name))
         program = simulator.program
-        painted = picture_of(simulator.mechanism, program.joints, program.cuts, program.bodies)
+        painted = picture_of(simulator.mechanism, program.joints, program.bodies)
         pictures.append(Image.open(io.BytesIO(painted)))
     for picture in pictures:
         assert picture.width > 800

@@ -128,6 +128,16 @@ static void solve(const lamc_loop_parts *p, int count, lamc_real *udot, lamc_rea
   if (lambda != NULL) lamc_loop_lambda(p, count, udot, lambda);
 }
 
+/* 1 if the loops know more than angles of hinges: what is stiff must not be moved that far */
+static int something_yields(const lamc_loop_parts *p) {
+  for (int i = 0; i < p->m; i++) {
+    for (int c = p->beyond; c < p->n; c++) {
+      if (p->j[(ptrdiff_t)i * p->n + c] != 0) return 1;
+    }
+  }
+  return 0;
+}
+
 /* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
  * places on each side along the rates, by the polynomial through them: they are smooth along a branch, and there is no
  * other way to know them from so near. Returns 0, with nothing done, where it is no passage. */
@@ -136,7 +146,7 @@ static int solve_around(const lamc_motion *motion, const lamc_loop_parts *p, lam
   static const lamc_real WEIGHTS[3] = {LAMC_R(0.75), LAMC_R(-0.3), LAMC_R(0.05)};
   const lamc_real pace = largest(p->n, u);
   lamc_real *sum = p->mean, *forces = p->mean + p->n;
-  if (!(pace > LAMC_LEAST)) return 0;
+  if (!(pace > LAMC_LEAST) || something_yields(p)) return 0;
   memset(sum, 0, (size_t)(p->n + p->m) * sizeof *sum);
   for (int k = 0; k < 6; k++) {
     const lamc_real way = (lamc_real)(k / 2 + 1) * (k % 2 == 0 ? AROUND : -AROUND) / pace;

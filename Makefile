@@ -62,6 +62,7 @@ bench: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
 	$(BIN)/python -m benchmarks.spine
 	$(BIN)/python -m benchmarks.hard_cases
+	$(BIN)/python -m benchmarks.sheets
 	$(BIN)/python -m benchmarks.plates
 	$(BIN)/python -m benchmarks.precision
 	$(BIN)/python -m benchmarks.other_engines

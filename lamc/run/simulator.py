@@ -79,7 +79,7 @@ class Simulator(Evaluations):
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
-        books: makes the module that also tells powers; None: there is none to be had.
+        energy_balance: makes the module that also tells powers; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """

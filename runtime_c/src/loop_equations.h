@@ -26,7 +26,7 @@ typedef struct lamc_loop_parts {
   int cut, beyond;  /* rates cut <= i < beyond have no mass of their own */
   lamc_real *mass;  /* (n (n + 1) / 2,): M, its lower triangle by rows */
   lamc_real *f;     /* (n,) */
-  lamc_real *j;     /* (m, n): its rows of length one */
+  lamc_real *j;     /* (m, n): rows that were short or long with entries up to one */
   lamc_real *extra; /* (m,): phi or gamma, by what was asked last; divided as the rows */
   lamc_real *a; /* (m, n): J with rows and columns in order: the multipliers of elimination below U and V */
   lamc_real *rows;    /* (m,): the equation that row k of `a` is, a whole number */
@@ -67,6 +67,7 @@ static int lamc_loop_fades(const lamc_loop_parts *p, int i, lamc_real tolerance)
   return p->norms[i] > 0 && p->norms[i] < tolerance * reach;
 }
 
+/* The rows that are not plain, by what `norms` says; those that are to be let go stay as long as they are */
 static void lamc_loop_divide(const lamc_loop_parts *p, lamc_real least) {
   int fades = 0;
   for (int i = 0; i < p->m; i++) fades |= lamc_loop_fades(p, i, PASSING);

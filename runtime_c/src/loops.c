@@ -65,6 +65,17 @@ static lamc_loop_parts parts_of(const lamc_motion *motion) {
   return p;
 }
 
+/* The larger of two, which are not negative; NaN where one is */
+static lamc_real larger(lamc_real most, lamc_real next) {
+  return next > most || next != next ? next : most;
+}
+
+static lamc_real largest(int n, const lamc_real *v) {
+  lamc_real most = 0;
+  for (int i = 0; i < n; i++) most = larger(most, fabs(v[i]));
+  return most;
+}
+
 /* M, f, J, gamma and what is free at a state; returns how many equations were taken */
 static int prepare(const lamc_motion *motion, const lamc_loop_parts *p, lamc_real t, const lamc_real *q,
                    const lamc_real *u) {
@@ -103,8 +114,8 @@ static lamc_real openness(const lamc_motion *motion, const lamc_loop_parts *p, i
   lamc_real most = 0;
   for (int i = 0; i < p->m; i++) {
     const lamc_real gap = fabs(p->extra[i]) * p->norms[i]; /* a misfit cannot be closed */
-    const lamc_real open = gap > 0 ? gap / close_enough(p, i, pivot) : 0;
-    if (!(open <= most)) most = open;
+    if (gap == 0) continue;
+    most = larger(most, gap / close_enough(p, i, pivot));
   }
   return most;
 }
@@ -119,8 +130,6 @@ static void pull_back(const lamc_motion *motion, const lamc_loop_parts *p, const
     if (p->norms[i] > 0) p->extra[i] += 2 * b * rate + b * b * (p->raw[i] / p->norms[i]);
   }
 }
-
-static lamc_real largest(int n, const lamc_real *v);
 
 /* udot and lambda of a state that was prepared */
 static void solve(const lamc_loop_parts *p, int count, lamc_real *udot, lamc_real *lambda) {
@@ -139,20 +148,20 @@ static int something_yields(const lamc_loop_parts *p) {
 }
 
 /* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
- * places on each side along the rates, by the polynomial through them: they are smooth along a branch, and there is no
- * other way to know them from so near. Returns 0, with nothing done, where it is no passage. */
+ * places on each side along the hinges' rates, by the polynomial through them: they are smooth along a branch, and there
+ * is no other way to know them from so near. Returns 0 where it is no passage; the work is then that of another place. */
 static int solve_around(const lamc_motion *motion, const lamc_loop_parts *p, lamc_real t, const lamc_real *q,
                         const lamc_real *u, lamc_real *udot, lamc_real *lambda) {
   static const lamc_real WEIGHTS[3] = {LAMC_R(0.75), LAMC_R(-0.3), LAMC_R(0.05)};
-  const lamc_real pace = largest(p->n, u);
+  const lamc_real pace = largest(p->beyond, u); /* a base stays where it is: it moves no loop */
   lamc_real *sum = p->mean, *forces = p->mean + p->n;
   if (!(pace > LAMC_LEAST) || something_yields(p)) return 0;
   memset(sum, 0, (size_t)(p->n + p->m) * sizeof *sum);
   for (int k = 0; k < 6; k++) {
     const lamc_real way = (lamc_real)(k / 2 + 1) * (k % 2 == 0 ? AROUND : -AROUND) / pace;
     lamc_real moved = 0;
-    lamc_motion_rates(motion, q, u, p->qdot);
-    for (int i = 0; i < p->nq; i++) p->y[i] = q[i] + way * p->qdot[i];
+    memcpy(p->y, q, (size_t)p->nq * sizeof *q);
+    for (int i = 0; i < p->beyond; i++) p->y[i] += way * u[i];
     memcpy(p->y + p->nq, u, (size_t)p->n * sizeof *u);
     if (lamc_motion_settle(motion, t, p->y, &moved) != LAMC_OK) return 0;
     const int count = prepare(motion, p, t, p->y, p->y + p->nq);
@@ -218,14 +227,6 @@ void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
   memcpy(p.x, x, (size_t)p.n * sizeof *x);
   memset(x, 0, (size_t)p.n * sizeof *x);
   lamc_loop_add(&p, count, p.x, x);
-}
-
-static lamc_real largest(int n, const lamc_real *v) {
-  lamc_real most = 0;
-  for (int i = 0; i < n; i++) {
-    if (!(fabs(v[i]) <= most)) most = fabs(v[i]);
-  }
-  return most;
 }
 
 /* phi and J at q, rows of J normalised; returns the largest of phi before that, rad or parts of the size */

@@ -1,10 +1,9 @@
 /* tolerances.h, of lamc: what depends on the round-off of the numbers, once for each precision.
  *
  * In loops, residuals of floats round off at 1e-7 of the size, and equations that fade to half the cube root of that are
- * let go (see lamc_loop_take in loop_equations.h). Measured: the N-four-bar keeps its energy to 1e-3 over twenty passages through
- * its line at 2e-3, and to 17 % at 7e-4. At 1e-2 and above, where pivots of healthy positions lie too (a Sarrus linkage
- * folded by 0.2 rad, a leg of it at rest), wrong ones are let go and loops come apart; nor may an equation go along that
- * fades to 5e-2 only. */
+ * let go (see lamc_loop_order in loop_equations.h). Those of floats were found by trying: passages of the N-four-bar keep
+ * branch and energy, and random states move as doubles do (tests/export/test_export_float_loops.py); with AROUND at 0.15
+ * and 0.2 a passage loses its energy. */
 #ifndef LAMC_TOLERANCES_H
 #define LAMC_TOLERANCES_H
 
@@ -16,7 +15,6 @@
 #define LAMC_EPSILON FLT_EPSILON
 #define LAMC_LEAST FLT_MIN
 #define LAMC_GREATEST FLT_MAX
-static const lamc_real RANK_TOLERANCE = 5e-4f;
 static const lamc_real PASSING = 2e-3f;
 static const lamc_real TOGETHER = 4e-3f;
 static const lamc_real NEAR_SINGULAR = 0.2f;
@@ -31,17 +29,17 @@ static const lamc_real AROUND = 0.1f;
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
 #define LAMC_LEAST DBL_MIN       /* the least number that can still be divided by */
 #define LAMC_GREATEST DBL_MAX
-static const lamc_real RANK_TOLERANCE = 1e-6; /* of the first equation: what is independent of the others */
-static const lamc_real PASSING = 3e-5;        /* likewise: what fades below is let go */
-static const lamc_real TOGETHER = 3e-4;       /* likewise: what has faded to this goes with it */
-static const lamc_real NEAR_SINGULAR = 0.1;   /* likewise: closer than this, states are settled before use */
-static const lamc_real CLOSED = 1e-13;        /* of the size: round-off of the residuals */
-static const lamc_real EXACT = 1e-15; /* likewise, to the last digit: what a singular place asks for */
+static const lamc_real PASSING =
+    3e-5; /* of the first pivot, or of one: an equation that fades below is let go */
+static const lamc_real TOGETHER = 3e-4;     /* likewise: what has faded to this goes with it */
+static const lamc_real NEAR_SINGULAR = 0.1; /* likewise: closer than this, states are settled before use */
+static const lamc_real CLOSED = 1e-13;      /* rad, or of the size: round-off of the residuals */
+static const lamc_real EXACT = 1e-15;       /* likewise, to the last digit: what a singular place asks for */
 static const lamc_real OUT_OF_NOTHING = 1e-10; /* of accelerations: what being off closure may add to them */
-static const lamc_real LOST = 1e-4;            /* of the size: no drift of a step comes near it */
+static const lamc_real LOST = 1e-4;            /* rad, or of the size: no drift of a step comes near it */
 static const lamc_real FADING = 3e-3; /* of a row of J: below, accelerations are those of places around */
 static const lamc_real AROUND =
-    1e-2; /* rad, between these places: digits go by the square, truncation by the sixth power */
+    1e-2; /* rad, between these: digits go by the square, truncation by the sixth power */
 static const lamc_real NO_EQUATION = 1e-12; /* of a row of J: less is left over from rounding the drawing */
 #endif
 /* Times the gap that is accepted, of the size: shorter rows of J are not made longer, or a misfit becomes an equation */

@@ -38,17 +38,14 @@ CASES: dict[str, Effect] = dict(SAMPLES) | {
 FROM_OUTSIDE = {"external_torque": {"h2.torque": 0.5}}  # N·m; nothing comes from outside by itself
 
 
-@pytest.mark.parametrize("case", sorted(CASES))
-@pytest.mark.quick(
-    "gravity",
-    "dull impacts",
-    "free_base",
-    "joint_limits",
-    "piezo_bender",
-    "twist_compliance",
-    "ground_contact",
-    "flexible_links",
+FEW = (  # that make test runs: one of a kind
+    *("gravity", "dull impacts", "free_base", "joint_limits"),
+    *("piezo_bender", "twist_compliance", "ground_contact"),
 )
+
+
+@pytest.mark.parametrize("case", sorted(CASES))
+@pytest.mark.quick(*FEW, "flexible_links")
 def test_effects_that_say_so_keep_the_energy_and_the_others_do_not(case: str) -> None:
     effect = CASES[case]
     scene = Scene(effects=(effect,), angles={"h1": 0.9, "h2": -0.8}, rates={"h1": 2.0, "h2": -1.5})
@@ -62,15 +59,7 @@ def test_effects_that_say_so_keep_the_energy_and_the_others_do_not(case: str) ->
 
 
 @pytest.mark.parametrize("case", sorted(CASES))
-@pytest.mark.quick(
-    "gravity",
-    "dull impacts",
-    "free_base",
-    "joint_limits",
-    "piezo_bender",
-    "twist_compliance",
-    "ground_contact",
-)
+@pytest.mark.quick(*FEW)
 def test_energy_balance_balance_under_every_effect(case: str) -> None:
     """Kinetic energy is the sum of all work, and what keeps the energy neither supplies nor dissipates any."""
     effect = CASES[case]

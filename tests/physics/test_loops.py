@@ -13,6 +13,7 @@ import pytest
 import lamc
 from lamc.codegen.build import write_sources
 from lamc.pipeline import sources_of
+from lamc.run.request import Status
 from lamc.run.simulator import Simulator
 from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
 from tests.support.mechanisms import from_reference
@@ -248,3 +249,17 @@ def test_c_folds_a_cut_hinge_with_a_spring_past_180_degrees(cases: dict[str, Any
     angles = np.array([float(row[len(sim.joints)]) for row in rows])  # the last joint's, behind the time
     assert np.abs(angles).max() > np.pi
     assert np.abs(np.diff(angles)).max() < np.pi  # from row to row; a jump would be 2 pi less that
+
+
+def test_a_state_that_is_no_number_is_none_that_closes(cases: dict[str, Any]) -> None:
+    """Whichever of several loops has it, and whatever the others are."""
+    sim = simulator(cases["miura33"])
+    motion = sim._model.motion({})
+    lib, ffi = motion.model.lib, motion.model.ffi
+    for place in range(len(sim.joints)):
+        y = sim.run(t_end=0.0).y[:, 0].copy()
+        y[place] = np.nan
+        memory = ffi.from_buffer("double[]", y, require_writable=True)
+        with motion.opened() as handle:
+            status = lib.lamc_motion_settle(handle, 0.0, memory, ffi.new("double *"))
+        assert status == Status.CLOSURE_LOST, sim.joints[place]

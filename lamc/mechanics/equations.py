@@ -188,9 +188,11 @@ class Equations:
         assert self.closure is not None
         residual, momenta = self.passes
         rows = [value for row in self.closure.jacobian for _, value in row]
-        once = count_operations(self.store, [*rows, *self.closure.bias, *residual], Level.PARAMETER)
-        again = count_operations(self.store, momenta, Level.PARAMETER)
-        return once + again.times(self.loops.freedoms)
+        once, solved, again = (
+            count_operations(self.store, values, Level.PARAMETER)
+            for values in ([*rows, *self.closure.bias], residual, momenta)
+        )
+        return once + solved + again.times(self.loops.freedoms)
 
     @lazy
     def operations_by_effect(self) -> Mapping[str, Operations]:

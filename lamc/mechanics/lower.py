@@ -231,9 +231,10 @@ def _canonical(program: Program) -> Iterable[str]:
             program.jacobian_cost,
             program.tolerance,
             program.size,
-            program.pattern,
         )
     )
+    if program.pattern is not None:
+        yield repr(program.pattern)
     for parameter in program.parameters:
         yield f"{parameter!r} {INPUT}" if parameter.is_input else repr(parameter)
     for number, table in program.tables.items():

@@ -16,13 +16,12 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, TopologyError
 from lamc.design.bodies import Group, find_groups
 from lamc.design.check_design import check_design
-from lamc.design.contact import LayerIndex, contact
-from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits_per_layer, strips_of
+from lamc.design.contact import LayerIndex, contacts
+from lamc.design.cutting import cut_layers, holes_per_layer, material_size, slits_per_layer
 from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
-from lamc.design.work import check_strips
 from lamc.records.design import BodyName, Design
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 
@@ -64,9 +63,9 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     hinges = named_hinges(design)
     tell("cutting", 0.1)
     count = len(design.layers)
-    check_strips(strips_of(hinges), design.places.of("hinges"))
-    holes, slits = holes_per_layer(hinges, count), slits_per_layer(hinges, count)
-    cut = tuple(cut_layer(*each) for each in zip(design.layers, holes, slits, strict=True))
+    holes = holes_per_layer(hinges, count, design.places.of("hinges"))
+    slits = slits_per_layer(hinges, count)
+    cut = cut_layers(design.layers, holes, slits)
     tell("finding bodies", 0.4)
     groups = find_groups(cut, design.fixed, material_size(design.layers))
     kept, scraps = _without_scraps(groups, min(h.properties.width for h in hinges))
@@ -80,9 +79,9 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     bodies, parts = _named_bodies(design, kept)
     tell("joining bodies", 0.8)
     layers = [LayerIndex([p.polygons for p in parts], i) for i in range(count)]
-    contacts = [contact(hinge, holes, layers) for hinge in hinges]
     sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
-    connections = link(hinges, contacts, sites, [layer.name for layer in design.layers])
+    touched = contacts(hinges, holes, layers)
+    connections = link(hinges, touched, sites, [layer.name for layer in design.layers])
     joints = tuple(_joint(connection) for connection in connections)
     mechanism = Mechanism(
         bodies,
@@ -171,8 +170,8 @@ def _plates(design: Design, group: Group) -> list[tuple[Slab, float]]:
 def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
     """The drawing's name for each group, None where it has none."""
     names: list[str | None] = [None] * len(groups)
-    for given in sorted(design.body_names, key=lambda item: item.name):
-        inside = [i for i, group in enumerate(groups) if _holds(group, given)]
+    named = sorted(design.body_names, key=lambda item: item.name)
+    for given, inside in zip(named, _holders(named, groups), strict=True):
         at = millimetres((given.point.x, given.point.y))
         if len(inside) != 1:
             where = "" if given.layer is None else f" of layer {design.layers[given.layer].name!r}"
@@ -192,10 +191,21 @@ def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
     return names
 
 
-def _holds(group: Group, given: BodyName) -> bool:
-    """True if the point that names a body lies in a piece of the group, in the layer asked for if there is one."""
-    layers = group.polygons if given.layer is None else (group.polygons[given.layer],)
-    return any(shapely.contains_xy(p, given.point.x, given.point.y) for layer in layers for p in layer)
+def _holders(named: Sequence[BodyName], groups: Sequence[Group]) -> list[list[int]]:
+    """For each point that names a body, the groups with a piece that holds it, in the layer asked for if there is
+    one."""
+    pieces = [
+        (p, i, k) for i, group in enumerate(groups) for k, layer in enumerate(group.polygons) for p in layer
+    ]
+    tree = shapely.STRtree([polygon for polygon, _, _ in pieces])
+    points = np.array([given.point for given in named], dtype=object)
+    which, held_by = tree.query(points, predicate="within")
+    inside: list[set[int]] = [set() for _ in named]
+    for name, piece in zip(which.tolist(), held_by.tolist(), strict=True):
+        _, group, layer = pieces[piece]
+        if named[name].layer in (None, layer):
+            inside[name].add(group)
+    return [sorted(each) for each in inside]
 
 
 def _joint(connection: Connection) -> Joint:

@@ -5,8 +5,9 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -205,13 +206,21 @@ class Mechanism:
 
     def body(self, name: str) -> Body:
         """The body of that name. Raises KeyError with the names there are."""
-        return _named(self.bodies, name, "body")
+        return _named(self._bodies_by_name, name, "body")
 
     def joint(self, name: str) -> Joint:
         """The joint of that name. Raises KeyError with the names there are."""
-        return _named(self.joints, name, "joint")
+        return _named(self._joints_by_name, name, "joint")
 
-    @property
+    @cached_property
+    def _bodies_by_name(self) -> dict[str, Body]:
+        return {body.name: body for body in self.bodies}
+
+    @cached_property
+    def _joints_by_name(self) -> dict[str, Joint]:
+        return {joint.name: joint for joint in self.joints}
+
+    @cached_property
     def size(self) -> float:
         """Length scale, m: the diagonal of the box around centres of mass and hinge points (1 if that is nil)."""
         points = np.array([*(b.com for b in self.bodies if not b.fixed), *(j.point for j in self.joints)])
@@ -223,8 +232,7 @@ def _setter(record: object) -> Any:
     return lambda name, value: object.__setattr__(record, name, value)
 
 
-def _named(items: "Sequence[Named]", name: str, what: str) -> "Named":
-    for item in items:
-        if item.name == name:
-            return item
-    raise KeyError(f"no {what} is named {name!r}; there are {listed_names([i.name for i in items])}")
+def _named(items: Mapping[str, Named], name: str, what: str) -> Named:
+    if name in items:
+        return items[name]
+    raise KeyError(f"no {what} is named {name!r}; there are {listed_names(list(items))}")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from lamc.loops.cycles import short_cycles
-from lamc.mechanics.cycle_closure import close_cycle
+from lamc.mechanics.cycle_closure import Constants, close_cycle
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanism.tree import WORLD, Cut, Side, Tree
@@ -41,9 +41,16 @@ def close_cycles(tree: Tree, q: Sequence[Value], u: Sequence[Value]) -> Closure:
     residual: list[Scalar] = []
     rows: list[tuple[tuple[int, Scalar], ...]] = []
     bias: list[Scalar] = []
+    cycles, numbers = short_cycles(tree), Constants(store)
+    with store.section("Sines and cosines of hinges in loops"):
+        for joint in sorted({joint for cycle in cycles for joint in cycle.joints}):
+            store.link = joint
+            for angle in (q[joint], 0.5 * q[joint]):
+                sin(angle), cos(angle)
     with store.section("Closure of the loops", source="products of exponentials along short cycles"):
-        for cycle in short_cycles(tree):
-            closed = close_cycle(store, cycle, tree.hinges, tree.mechanism.size, q, u)
+        for number, cycle in enumerate(cycles):
+            store.link = number
+            closed = close_cycle(numbers, cycle, tree.hinges, tree.mechanism.size, q, u)
             residual += closed.residual
             bias += closed.bias
             rows += (tuple(sorted(row, key=itemgetter(0))) for row in closed.jacobian)

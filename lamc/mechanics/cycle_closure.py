@@ -30,6 +30,34 @@ Screw = tuple[Vector3, Vector3]
 UNIT: Rows = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
+SAME_NUMBER = (
+    1e-14  # of a direction, or of an arm in sizes: nearer ones differ by the round-off of the drawing
+)
+
+
+class Constants:
+    """Numbers of the drawing as scalars of a store. Those that are one but for round-off are one, so that vertices that
+    are drawn alike have equations alike, and code that repeats is one kernel."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._known: dict[int, float] = {}
+
+    def __call__(self, values: Array) -> Vector3:
+        """Three of them; round-off of a turn into the cycle's frame is none of it."""
+        x, y, z = (self._one(float(v)) for v in snap(np.asarray(values), 1.0))
+        return (x, y, z)
+
+    def _one(self, value: float) -> Scalar:
+        cell = round(value / SAME_NUMBER)
+        for near in (cell, cell - 1, cell + 1):
+            known = self._known.get(near)
+            if known is not None and abs(known - value) <= SAME_NUMBER:
+                return self._store.constant(known)
+        self._known[cell] = value
+        return self._store.constant(value)
+
+
 @dataclass(frozen=True)
 class CycleClosure:
     """Equations of one cycle, d(residual)/dt = J u and its rate J u̇ + bias where it closes; at most six.
@@ -52,16 +80,21 @@ class _Line:
 
 
 def close_cycle(
-    store: Store, cycle: Cycle, joints: Sequence[Joint], size: float, q: Sequence[Value], u: Sequence[Value]
+    constants: Constants,
+    cycle: Cycle,
+    joints: Sequence[Joint],
+    size: float,
+    q: Sequence[Value],
+    u: Sequence[Value],
 ) -> CycleClosure:
     """Equations of `cycle` that depend on its angles. joints, q, u: of all joints, as `Cycle.joints` counts them."""
     forth, back = _both_ways(cycle, joints, size)
-    ahead, behind = _screws(store, forth, q), _screws(store, back, q)
+    ahead, behind = _screws(constants, forth, q), _screws(constants, back, q)
     entries = {line.joint: screw for line, screw in zip(forth, ahead, strict=True)}
     entries |= {line.joint: (_minus(a), _minus(v)) for line, (a, v) in zip(back, behind, strict=True)}
     rates = [u[line.joint] for line in forth], [u[line.joint] for line in back]
     bias = _difference(_bias(ahead, rates[0]), _bias(behind, rates[1]))
-    gap = _gap(_place(store, forth, q), _place(store, back, q))
+    gap = _gap(_place(constants, forth, q), _place(constants, back, q))
     rows = [
         (gap[half][k], row, bias[half][k])
         for half in (0, 1)
@@ -82,18 +115,18 @@ def _both_ways(cycle: Cycle, joints: Sequence[Joint], size: float) -> tuple[list
     return lines[:half], [_Line(line.joint, -line.axis, line.arm) for line in reversed(lines[half:])]
 
 
-def _screws(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> list[Screw]:
+def _screws(constants: Constants, lines: Sequence[_Line], q: Sequence[Value]) -> list[Screw]:
     """Where the lines are: direction, and velocity per rad/s of what is at the centre."""
     rotation, shift = UNIT, ZERO
     screws: list[Screw] = []
     for position, line in enumerate(lines):
-        axis = _apply(rotation, _constants(store, line.axis))
-        moment = _apply(rotation, _constants(store, np.cross(line.arm, line.axis)))
+        axis = _apply(rotation, constants(line.axis))
+        moment = _apply(rotation, constants(np.cross(line.arm, line.axis)))
         screws.append((axis, add(moment, cross(shift, axis))))
         if position + 1 < len(lines):
             sine, versine = sin(q[line.joint]), 1 - cos(q[line.joint])
-            shift = add(shift, _apply(rotation, _displacement(store, line, sine, versine)))
-            rotation = _times(rotation, _turn(store, line, sine, versine))
+            shift = add(shift, _apply(rotation, _displacement(constants, line, sine, versine)))
+            rotation = _times(rotation, _turn(constants, line, sine, versine))
     return screws
 
 
@@ -109,7 +142,7 @@ def _bias(screws: Sequence[Screw], rates: Sequence[Value]) -> Screw:
     return turning, moving
 
 
-def _place(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
+def _place(constants: Constants, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
     """The end of a chain: its rotation, and where it carries what is drawn at the centre. By half angles: what is
     small of second order has all its digits."""
     rotated: Quaternion = (1, 0, 0, 0)
@@ -117,9 +150,9 @@ def _place(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Qu
     for line in lines:
         half = 0.5 * q[line.joint]
         sine, cosine = sin(half), cos(half)
-        step = _displacement(store, line, 2 * (sine * cosine), 2 * (sine * sine))
+        step = _displacement(constants, line, 2 * (sine * cosine), 2 * (sine * sine))
         shift = add(shift, add(step, _moved(rotated, step)))
-        x, y, z = _constants(store, line.axis)
+        x, y, z = constants(line.axis)
         rotated = _product(rotated, (cosine, sine * x, sine * y, sine * z))
     return rotated, shift
 
@@ -133,13 +166,13 @@ def _gap(ahead: tuple[Quaternion, Vector3], behind: tuple[Quaternion, Vector3]) 
     return turn, add(apart, cross(behind[1], turn))
 
 
-def _displacement(store: Store, line: _Line, sine: Scalar, versine: Scalar) -> Vector3:
+def _displacement(constants: Constants, line: _Line, sine: Scalar, versine: Scalar) -> Vector3:
     """Where a turn about a line carries the centre: (I - E) arm, with the arm across the axis."""
     across = np.cross(line.axis, line.arm)
-    return add(scale(-sine, _constants(store, across)), scale(versine, _constants(store, line.arm)))
+    return add(scale(-sine, constants(across)), scale(versine, constants(line.arm)))
 
 
-def _turn(store: Store, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
+def _turn(constants: Constants, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
     """Rodrigues' rotation about an axis of the drawing."""
     x, y, z = line.axis
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -147,7 +180,7 @@ def _turn(store: Store, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
     rows = [
         [UNIT[a][b] + sine * k + versine * kk for b, (k, kk) in enumerate(zip(*pair, strict=True))]
         for a, pair in enumerate(
-            zip((_constants(store, r) for r in skew), (_constants(store, r) for r in square), strict=True)
+            zip((constants(r) for r in skew), (constants(r) for r in square), strict=True)
         )
     ]
     return _rows(rows)
@@ -191,9 +224,3 @@ def _minus(v: Vector3) -> Vector3:
 
 def _is_there(entry: Scalar) -> bool:
     return isinstance(entry, Value) or entry != 0
-
-
-def _constants(store: Store, values: Array) -> Vector3:
-    """Numbers of the drawing; round-off of its turning into the cycle's frame is none of it."""
-    x, y, z = (store.constant(float(v)) for v in snap(np.asarray(values), 1.0))
-    return (x, y, z)

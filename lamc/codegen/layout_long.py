@@ -6,6 +6,7 @@ Goes in: a Function that is too long for one block. Comes out: its routines, tab
 from collections.abc import Iterable
 from fractions import Fraction
 
+from lamc.codegen.dispatch import dispatch
 from lamc.codegen.names import comment
 from lamc.codegen.pieces import (
     LONG_INDEX,
@@ -29,7 +30,7 @@ from lamc.symbolic.program import Function, Operand, Space, Statement
 PART = 250  # statements in one part of what does not repeat in a long function
 MAX_PERIOD = 4  # like links in turns: signs that alternate from link to link make two classes of one
 MAX_PLAIN_OUTPUTS = 64  # more outputs than this are copied by loops
-# More loops than this are one loop over a table of what comes when: what gcc reads does not grow with the function then,
+# More loops than this are one loop over a table of what comes when: what gcc reads does not grow with them then,
 # nor does its time (a sheet of 16 x 16 facets has 1300 loops)
 MAX_LOOPS = 24
 
@@ -104,51 +105,29 @@ class Long:
         self._finish_part()
 
     def _dispatch(self) -> None:
-        """One loop over a table: which kernel or part comes, and how many times in a row."""
+        """Kernels and parts by a table of which comes when."""
         function, class_of = self.function, self.layout.class_of
-        arguments = ", ".join(s.value for s in function.reads)
-        kernels = [f"{function.name}_kernel_{number}" for number in range(len(self.rows))]
-        order: list[list[int]] = []
-
-        def finish_part() -> None:
-            if self._pending:
-                order.append([len(kernels) + sum(not r.is_kernel for r in self.routines), 1])
-                self._finish_part()
-
+        kernels, cases = len(self.rows), list[int]()
         for position, segment in enumerate(self.layout.segments):
             number = class_of[position]
             if number is None:
                 self._pending.append(segment)
-                continue
-            finish_part()
-            self.rows[number].append(self._row(segment, self.layout.classes[number]))
-            if order and order[-1][0] == number:
-                order[-1][1] += 1
+                last = position + 1 == len(class_of) or class_of[position + 1] is not None
+                if last or sum(s.stop - s.start for s in self._pending) >= PART:
+                    cases.append(kernels + len(self.body))
+                    self._finish_part()
             else:
-                order.append([number, 1])
-        finish_part()
-        parts, self.body = self.body, []
-        name = f"{function.name}_order"
-        self.more_tables.append(CTable(name, tuple(f"{case}, {count}" for case, count in order), 2))
-        index = self._index_type()
-        self.body += [
-            f"const {index} (*next_{i})[{rows[0].count(',') + 1}] = {function.name}_index_{i};"
+                self.rows[number].append(self._row(segment, self.layout.classes[number]))
+                cases.append(number)
+        arguments = ", ".join(s.value for s in function.reads)
+        calls = [f"{function.name}_kernel_{i}({arguments}, *next_{i}++, x);" for i in range(kernels)]
+        table, lines = dispatch(f"{function.name}_order", [*calls, *self.body], cases)
+        self.more_tables.append(table)
+        rows = [
+            f"const {self._index_type()} (*next_{i})[{rows[0].count(',') + 1}] = {function.name}_index_{i};"
             for i, rows in enumerate(self.rows)
         ]
-        self.body += [
-            f"for (int k = 0; k < {len(order)}; ++k) {{",
-            f"  for (int left = {name}[k][1]; left > 0; --left) {{",
-            f"    switch ({name}[k][0]) {{",
-            *(
-                f"    case {i}: {kernel}({arguments}, *next_{i}++, x); break;"
-                for i, kernel in enumerate(kernels)
-            ),
-            *(f"    case {len(kernels) + i}: {call} break;" for i, call in enumerate(parts)),
-            "    default: break;",
-            "    }",
-            "  }",
-            "}",
-        ]
+        self.body = [*rows, *lines]
 
     def _index_type(self) -> str:
         return SHORT_INDEX if self._largest_index() <= MAX_SHORT_INDEX else LONG_INDEX

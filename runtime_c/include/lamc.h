@@ -52,9 +52,9 @@ typedef struct lamc_pattern {
   int step_count;          /* of the plan; 0: there is none, and J is eliminated as one array */
   const int *step_row;     /* (m,): the row of J that each step takes, then the rows that none does */
   const int *update_start; /* (step_count + 1,) */
-  const int *update;       /* (update_start[step_count],): the earlier steps that a row is freed of, in order */
-  const int *left_start;   /* (step_count + 1,) */
-  const int *left;         /* (left_start[step_count],): the rates that are left in a row, the pivot's first */
+  const int *update;     /* (update_start[step_count],): the earlier steps that a row is freed of, in order */
+  const int *left_start; /* (step_count + 1,) */
+  const int *left;       /* (left_start[step_count],): the rates that are left in a row, the pivot's first */
 } lamc_pattern;
 
 typedef struct lamc_model {

@@ -49,8 +49,8 @@ static void lamc_loop_momenta(const lamc_loop_parts *p, const lamc_real *v, lamc
 }
 
 /* z = M a - f, at the position that was prepared */
-static void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const lamc_real *u, const lamc_real *a,
-                                 lamc_real *z) {
+static void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const lamc_real *u,
+                                 const lamc_real *a, lamc_real *z) {
   if (!p->has_mass) {
     p->motion->model->residual(p->motion->constants, t, p->place, u, a, z);
     return;

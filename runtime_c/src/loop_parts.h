@@ -43,26 +43,26 @@ typedef struct lamc_loop_parts {
   int has_mass;                /* 1: M is written down; else the model applies it */
   lamc_real *mass;             /* (n (n + 1) / 2,): M, its lower triangle by rows */
   lamc_real *f;                /* (n,) */
-  lamc_real *j;     /* (entries,): rows that were short or long with entries up to one */
-  lamc_real *extra; /* (m,): phi or gamma, by what was asked last; divided as the rows */
-  lamc_real *place; /* (nq,): the position that was prepared */
+  lamc_real *j;                /* (entries,): rows that were short or long with entries up to one */
+  lamc_real *extra;            /* (m,): phi or gamma, by what was asked last; divided as the rows */
+  lamc_real *place;            /* (nq,): the position that was prepared */
   lamc_real *a; /* (m, n): J with rows and columns in order: the multipliers of elimination below U and V */
   lamc_real *rows;    /* (m,): the equation that row k of `a` is, a whole number */
   lamc_real *columns; /* (n,): the rate that column k of `a` is, likewise */
   lamc_real *peak;    /* (m,): the largest entry of row k of `a` that is left, in loops that are not tiny */
   lamc_real *filled;  /* (m,): how many entries of row k that are left are not zero, likewise */
   lamc_steps steps, found; /* of large loops: those at hand; those that are looked for at run time */
-  lamc_real *row;     /* (n,): one row of J, all rates; zero when it is not in use */
-  lamc_real *step_of; /* (n,): the step that eliminates a rate; -1: none */
-  lamc_real *touched; /* (n,): the rates that the row knows */
-  lamc_real *waiting; /* (m,): rows that wait */
-  lamc_real *free;    /* (n, n): as many rows as there are free directions */
-  lamc_real *l;       /* (n, n): of N^T M N = L L^T */
-  lamc_real *x;       /* (n,) */
-  lamc_real *z;       /* (n,) */
-  lamc_real *goal;    /* (m,) */
-  lamc_real *qdot;    /* (nq,) */
-  lamc_real *y;       /* (nq + n,): a settled copy of a state */
+  lamc_real *row;          /* (n,): one row of J, all rates; zero when it is not in use */
+  lamc_real *step_of;      /* (n,): the step that eliminates a rate; -1: none */
+  lamc_real *touched;      /* (n,): the rates that the row knows */
+  lamc_real *waiting;      /* (m,): rows that wait */
+  lamc_real *free;         /* (n, n): as many rows as there are free directions */
+  lamc_real *l;            /* (n, n): of N^T M N = L L^T */
+  lamc_real *x;            /* (n,) */
+  lamc_real *z;            /* (n,) */
+  lamc_real *goal;         /* (m,) */
+  lamc_real *qdot;         /* (nq,) */
+  lamc_real *y;            /* (nq + n,): a settled copy of a state */
   lamc_real *
       state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few,
                           accelerations with too few, steps with too few, 1 where a row of J fades, 1 where the

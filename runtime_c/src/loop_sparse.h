@@ -14,7 +14,8 @@
 #include "loop_parts.h"
 
 static const lamc_real OF_LARGEST = LAMC_R(0.1); /* what a row has left of one at least, or it waits */
-static const lamc_real PLANNED = LAMC_R(0.02); /* the same of its largest and of one, where the plan is kept to */
+static const lamc_real PLANNED =
+    LAMC_R(0.02); /* the same of its largest and of one, where the plan is kept to */
 
 /* What is left of `row` by a step, and the largest of it */
 static lamc_real lamc_sparse_collect(const lamc_loop_parts *p, int first, int beyond) {

@@ -6,6 +6,7 @@
 
 #include "cholesky.h"
 #include "loop_equations.h"
+#include "loop_work.h"
 #include "motion.h"
 #include "tolerances.h"
 
@@ -16,100 +17,8 @@
 static const int MAX_ITERATIONS = 8;
 static const lamc_real LONG_SINGULAR = 3000; /* steps in a row: a passage takes some hundred at 1e-13 */
 
-/* What a model writes at once: M and f, unless loops are large, then J and a vector beside it */
-static long long raw_size(const lamc_model *model) {
-  const long long n = model->rate_count, m = model->closure_count;
-  const long long system = model->residual == NULL ? n * (n + 1) / 2 + n : 0;
-  const long long closure = m + model->pattern->row_start[m];
-  const long long reduced = n * (n + 1) / 2;
-  return system + (closure > reduced ? closure : reduced);
-}
-
-/* Numbers of the elimination */
-static long long elimination_size(const lamc_model *model) {
-  const long long n = model->rate_count, m = model->closure_count;
-  if (model->pattern->step_count == 0) return 3 * m + n + m * n;
-  const long long triangle = n * (n + 1) / 2;
-  return n + 2 * (n + 1) + 2 * (triangle + n) + 2 * triangle + 2 * n + 3 * n + m;
-}
-
 long long lamc_loops_work(const lamc_model *model) {
-  const long long n = model->rate_count, nq = model->coordinate_count;
-  const long long m = model->closure_count;
-  if (model->cut_count == 0) return 0;
-  const long long state = nq + n, around = n + m;
-  return 2 * raw_size(model) + elimination_size(model) + 2 * n * n + 3 * n + 3 * m + 2 * nq + state +
-         LAMC_LOOPS_KEPT + around;
-}
-
-/* Where each part begins; what is behind the last */
-static lamc_real *part(lamc_real **next, size_t count) {
-  lamc_real *here = *next;
-  *next += count;
-  return here;
-}
-
-static void place_elimination(lamc_loop_parts *p, lamc_real **next) {
-  const size_t n = (size_t)p->n, m = (size_t)p->m, triangle = n * (n + 1) / 2;
-  if (!p->is_sparse) {
-    p->a = part(next, m * n);
-    p->rows = part(next, m);
-    p->columns = part(next, n);
-    p->peak = part(next, m);
-    p->filled = part(next, m);
-    return;
-  }
-  p->found.row.found = part(next, n);
-  p->found.update_start.found = part(next, n + 1);
-  p->found.left_start.found = part(next, n + 1);
-  p->found.update.found = part(next, triangle + n);
-  p->found.factor = part(next, triangle + n);
-  p->found.left.found = part(next, triangle);
-  p->found.value = part(next, triangle);
-  p->found.inverse = part(next, n);
-  p->found.peak = part(next, n);
-  p->row = part(next, n);
-  p->step_of = part(next, n);
-  p->touched = part(next, n);
-  p->waiting = part(next, m);
-}
-
-static lamc_loop_parts parts_of(const lamc_motion *motion) {
-  const lamc_model *model = motion->model;
-  lamc_loop_parts p;
-  memset(&p, 0, sizeof p);
-  p.motion = motion;
-  p.pattern = model->pattern;
-  p.n = model->rate_count;
-  p.nq = model->coordinate_count;
-  p.m = model->closure_count;
-  p.is_sparse = model->pattern->step_count > 0;
-  p.has_mass = model->residual == NULL;
-  p.beyond = model->joint_count;
-  p.cut = p.beyond - model->cut_count;
-  const size_t n = (size_t)p.n, nq = (size_t)p.nq, m = (size_t)p.m;
-  lamc_real *next = motion->work;
-  p.mass = part(&next, p.has_mass ? n * (n + 1) / 2 : 0);
-  p.f = part(&next, p.has_mass ? n : 0);
-  p.j = part(&next, (size_t)p.pattern->row_start[m]);
-  p.extra = part(&next, m);
-  p.raw = part(&next, (size_t)raw_size(model));
-  place_elimination(&p, &next);
-  p.place = part(&next, nq);
-  p.free = part(&next, n * n);
-  p.l = part(&next, n * n);
-  p.x = part(&next, n);
-  p.z = part(&next, n);
-  p.step = part(&next, n);
-  p.goal = part(&next, m);
-  p.norms = part(&next, m);
-  p.reach = part(&next, m);
-  p.mean = part(&next, n + m);
-  p.qdot = part(&next, nq);
-  p.y = part(&next, nq + n);
-  p.state = part(&next, LAMC_LOOPS_KEPT);
-  if (p.is_sparse) p.steps = p.state[5] > 0 ? lamc_sparse_planned(&p) : p.found;
-  return p;
+  return model->cut_count == 0 ? 0 : lamc_loop_work_size(model);
 }
 
 /* The larger of two, which are not negative; NaN where one is */
@@ -228,7 +137,7 @@ static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real
 
 int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
                             lamc_real *udot, lamc_real *lambda) {
-  lamc_loop_parts p = parts_of(motion);
+  lamc_loop_parts p = lamc_loop_parts_of(motion);
   const lamc_real *rates = u;
   int count = prepare(motion, &p, t, q, u);
   if (motion->baumgarte != 0) {
@@ -257,26 +166,26 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 }
 
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   for (int i = 0; i < p.m; i++) p.goal[i] = p.norms[i] > 0 ? goal[i] / p.norms[i] : 0;
   memcpy(p.step, x, (size_t)p.n * sizeof *x);
   lamc_loop_solve(&p, count, p.goal, p.step, x);
 }
 
 int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u) {
-  lamc_loop_parts p = parts_of(motion);
+  lamc_loop_parts p = lamc_loop_parts_of(motion);
   return prepare(motion, &p, t, q, u);
 }
 
 void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   memset(p.x, 0, (size_t)p.n * sizeof *p.x);
   lamc_loop_along(&p, count, x, p.x);
   memcpy(x, p.x, (size_t)p.n * sizeof *x);
 }
 
 void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   memcpy(p.x, x, (size_t)p.n * sizeof *x);
   memset(x, 0, (size_t)p.n * sizeof *x);
   lamc_loop_add(&p, count, p.x, x);
@@ -297,7 +206,7 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   const lamc_model *model = motion->model;
   *moved = 0;
   if (model->cut_count == 0) return LAMC_OK;
-  lamc_loop_parts p = parts_of(motion);
+  lamc_loop_parts p = lamc_loop_parts_of(motion);
   lamc_real *q = y;
   lamc_real *u = y + p.nq;
   lamc_real open = evaluate_closure(motion, &p, q);
@@ -329,32 +238,32 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
 }
 
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   memcpy(kept, p.state, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   memcpy(p.state, kept, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_begin(const lamc_motion *motion) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   p.state[1] = p.state[2] = p.state[3] = 0;
 }
 
 long long lamc_loops_doubts(const void *context) {
-  const lamc_loop_parts p = parts_of((const lamc_motion *)context);
+  const lamc_loop_parts p = lamc_loop_parts_of((const lamc_motion *)context);
   return (long long)p.state[2];
 }
 
 long long lamc_motion_singular_steps(const lamc_motion *motion) {
-  return motion->model->cut_count > 0 ? (long long)parts_of(motion).state[3] : 0;
+  return motion->model->cut_count > 0 ? (long long)lamc_loop_parts_of(motion).state[3] : 0;
 }
 
 lamc_status lamc_loops_judge(const void *context) {
   const lamc_motion *motion = (const lamc_motion *)context;
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   const int is_singular = p.state[0] < (lamc_real)motion->model->rank;
   p.state[1] = is_singular ? p.state[1] + 1 : 0;
   if (is_singular) p.state[3] += 1;
@@ -362,7 +271,7 @@ lamc_status lamc_loops_judge(const void *context) {
 }
 
 void lamc_loops_closure(const lamc_motion *motion, const lamc_real *q, lamc_real *closure) {
-  const lamc_loop_parts p = parts_of(motion);
+  const lamc_loop_parts p = lamc_loop_parts_of(motion);
   lamc_real *dense = closure + p.m;
   motion->model->closure(motion->constants, q, p.raw);
   memcpy(closure, p.raw, (size_t)p.m * sizeof *closure);

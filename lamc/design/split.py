@@ -17,7 +17,7 @@ from lamc.basics.errors import DesignError, TopologyError
 from lamc.design.bodies import Group, find_groups
 from lamc.design.check_design import check_design
 from lamc.design.contact import LayerIndex, contacts
-from lamc.design.cutting import cut_layers, holes_per_layer, material_size, slits_per_layer
+from lamc.design.cutting import SLIT, cut_layers, holes_per_layer, material_size, slits_per_layer
 from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
@@ -184,11 +184,28 @@ def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
             )
         if names[inside[0]] is not None:
             raise DesignError(
-                f"{names[inside[0]]!r} and {given.name!r} name the same body, at {at}; keep one name",
+                f"{names[inside[0]]!r} and {given.name!r} name the same body, at {at}; keep one name, or part the "
+                f"body: {_uncut(design, groups[inside[0]])}",
                 design.places.of("bodies", given.name),
             )
         names[inside[0]] = given.name
     return names
+
+
+def _uncut(design: Design, group: Group) -> str:
+    """What would part a body in which two names stand: lines that end inside it, to be lengthened, or a missing one."""
+    tips = []
+    for hinge in named_hinges(design):
+        a, b = np.array(hinge.line.coords)
+        beyond = (b - a) * (2.0 * SLIT * hinge.properties.width / hinge.line.length)
+        for end in (a - beyond, b + beyond):
+            if any(shapely.contains_xy(p, *end) for i in hinge.layers for p in group.polygons[i]):
+                tips.append(f"hinge {hinge.name!r} ends inside it at {millimetres((end[0], end[1]))}")
+    return (
+        f"{' and '.join(tips[:4])}; lengthen it"
+        if tips
+        else "draw the hinge line that is missing between them"
+    )
 
 
 def _holders(named: Sequence[BodyName], groups: Sequence[Group]) -> list[list[int]]:

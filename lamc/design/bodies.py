@@ -41,9 +41,13 @@ class Group:
     @property
     def at(self) -> tuple[float, float]:
         """A point inside its largest polygon, m."""
-        largest = max((p for layer in self.polygons for p in layer), key=lambda p: p.area)
-        point = largest.representative_point()
+        point = largest([p for layer in self.polygons for p in layer]).representative_point()
         return float(point.x), float(point.y)
+
+
+def largest(polygons: Sequence[Polygon]) -> Polygon:
+    """The polygon of the largest area, the first of those alike."""
+    return max(polygons, key=lambda polygon: float(polygon.area))
 
 
 def find_groups(cut: Sequence[MultiPolygon], fixed: Sequence[MultiPolygon], size: float) -> tuple[Group, ...]:

@@ -20,10 +20,10 @@ START = 30.0  # degrees, of the first zigzag crease
 _STORY = """\
 The Miura-ori of {columns} by {rows} facets: one sheet of card, film and card, creased along straight lines and
 zigzags. Every inner vertex is a spherical four-bar that folds with one freedom, and any number of them fold
-together with that same one: {count} with {equations} equations, three about each vertex, of which {rank} count. The
-rest are redundant, and a solver that takes them all locks up on round-off. As drawn it is flat and singular, so the start gives the
-zigzag creases of one row, and the others follow. Look at results.csv: zigzag creases share one magnitude and
-straight ones another, tan(s/2) = cos(65 deg) tan(z/2)."""
+together with that same one: {count} with {equations} equations, three about each vertex, of which {rank}
+count. The rest are redundant, and a solver that takes them all locks up on round-off. As drawn it is flat and
+singular, so the start gives the zigzag creases of one row, and the others follow. Look at results.csv: zigzag
+creases share one magnitude and straight ones another, tan(s/2) = cos(65 deg) tan(z/2)."""
 _STRIP = """\
 A strip of {columns} by {rows} facets of the Miura-ori. It has no inner vertex, hence no loops: each crease folds by
 itself. Look at miura:2x2 next: two facets in both directions make it rigid origami of one freedom."""

@@ -163,6 +163,7 @@ class Mechanism:
             take them where a scene says so
     design  the drawing that it was split from, for effects that ask what bodies and hinges are made of; None: none, as
             in files of mechanisms. It takes no part in comparisons
+    facet_creases  names of joints along which facets bend; a start leaves them flat where it can
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -176,6 +177,7 @@ class Mechanism:
     scenes: Mapping[str, Scene] = field(default_factory=dict)
     contact_points: tuple[tuple[float, float], ...] = ()  # m
     design: "Design | None" = field(default=None, compare=False, repr=False)
+    facet_creases: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         put = _setter(self)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from lamc.loops.cycles import short_cycles
-from lamc.mechanics.cycle_closure import Constants, close_cycle
+from lamc.mechanics.cycle_closure import Shapes, close_cycle
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanism.tree import WORLD, Cut, Side, Tree
@@ -41,7 +41,7 @@ def close_cycles(tree: Tree, q: Sequence[Value], u: Sequence[Value]) -> Closure:
     residual: list[Scalar] = []
     rows: list[tuple[tuple[int, Scalar], ...]] = []
     bias: list[Scalar] = []
-    cycles, numbers = short_cycles(tree), Constants(store)
+    cycles, shapes = short_cycles(tree), Shapes(store)
     with store.section("Sines and cosines of hinges in loops"):
         for joint in sorted({joint for cycle in cycles for joint in cycle.joints}):
             store.link = joint
@@ -50,7 +50,7 @@ def close_cycles(tree: Tree, q: Sequence[Value], u: Sequence[Value]) -> Closure:
     with store.section("Closure of the loops", source="products of exponentials along short cycles"):
         for number, cycle in enumerate(cycles):
             store.link = number
-            closed = close_cycle(numbers, cycle, tree.hinges, tree.mechanism.size, q, u)
+            closed = close_cycle(shapes, cycle, tree.hinges, tree.mechanism.size, q, u)
             residual += closed.residual
             bias += closed.bias
             rows += (tuple(sorted(row, key=itemgetter(0))) for row in closed.jacobian)

@@ -23,7 +23,7 @@ NOTHING = 1e-9  # of the largest of a row: less is round-off of a position that 
 def pattern_of(closure: Closure, q: Sequence[Value], rank: int, position: Sequence[float]) -> Pattern:
     """The pattern. position: closed, (len(q),); empty: none is known, and there is no plan."""
     rows = tuple(tuple(j for j, _ in row) for row in closure.jacobian)
-    plan = _plan(_values(closure, q, position), rank) if len(position) == len(q) else ()
+    plan = plan_of(_values(closure, q, position), rank) if len(position) == len(q) else ()
     return Pattern(rows, plan if _is_cheaper(plan, len(rows), len(q), rank) else ())
 
 
@@ -51,7 +51,7 @@ def _is_cheaper(plan: Sequence[PlanStep], m: int, n: int, rank: int) -> bool:
     return planned < array
 
 
-def _plan(rows: list[dict[int, float]], rank: int) -> tuple[PlanStep, ...]:
+def plan_of(rows: list[dict[int, float]], rank: int) -> tuple[PlanStep, ...]:
     """As many steps as there are independent rows, at most `rank`."""
     elimination = _Elimination(rows)
     while len(elimination.steps) < rank and elimination.peaks.max(initial=0.0) > NOTHING:

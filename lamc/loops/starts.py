@@ -5,7 +5,7 @@ the nearest consistent start, by the squares of what was left open. Never: integ
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from lamc.basics.errors import DesignError
 from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tangents
 from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.pushed import Push, pushed_branch
 from lamc.loops.rank import LoopCount, check_freedom, count_loops
-from lamc.loops.texts import counted, listed, named, ratios
+from lamc.loops.texts import listed, named, ratios, resistance
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
@@ -71,10 +72,10 @@ class Starter:
         """The state (2 n,) of all joints, rad and rad/s.
 
         Raises DesignError where no position has the angles, no motion the rates, and at a singular position where
-        neither rates nor a branch say which way the mechanism goes on.
+        rates fit no branch or several. At rest there, without a branch, it stays in the singular position.
         """
         angles = self.position(start.angles)
-        moving = {name: rate for name, rate in start.rates.items() if abs(rate) > ZERO}
+        moving = _moving(start)
         if not self.is_singular(angles):
             if start.branch is not None:
                 raise DesignError(
@@ -86,6 +87,20 @@ class Starter:
         else:
             rates = self._at_branching(angles, moving)
         return np.concatenate([angles, rates])
+
+    def is_undecided(self, start: Scene) -> bool:
+        """Whether a start is singular and at rest, and the scene does not say which way it goes."""
+        if start.branch is not None or _moving(start):
+            return False
+        return self.is_singular(self.position(start.angles))
+
+    def pushed_branch(self, start: Scene, push: Push) -> int | None:
+        """The number of the branch that loads choose at a singular position at rest; None where there is nothing to
+        choose, or the scene does."""
+        if not self.is_undecided(start):
+            return None
+        branches = self.branches(start)
+        return pushed_branch(self.geometry, self.position(start.angles), branches, push)
 
     def known_position(self, start: Scene) -> Array | None:
         """The closed position (n,) of a start, out of a singular one by its branch; None where there is none."""
@@ -218,15 +233,9 @@ class Starter:
 
     def _at_branching(self, angles: Array, given: Mapping[str, float]) -> Array:
         """Rates (n,) at a singular position, where those given lie on one branch."""
-        branches = find_branches(self.geometry, angles)
         if not given:
-            if branches:
-                raise DesignError(
-                    "the start is singular and at rest, so nothing says which way the mechanism goes: it has "
-                    f"{counted(branches)}, {listed(branches)}; choose one with branch=1 (-1 for the other way) in the "
-                    "scene, give rates, or start it a little off"
-                )
             return np.zeros(self.size)
+        branches = find_branches(self.geometry, angles)
         scaled = [self._scaled(b.row(self.geometry.names), given) for b in branches if b.freedoms == 1]
         fitting = [rates for rates in scaled if rates is not None]
         if len(fitting) == 1:
@@ -268,7 +277,7 @@ class Starter:
             angles, left = self._closed(nearest, free)
             return float(angles[index]) if left == 0.0 else None
 
-        return f"{text}; {self._resistance(given, without, 'rad')}"
+        return f"{text}; {resistance(given, without, 'rad')}"
 
     def _no_motion(self, angles: Array, given: Mapping[str, float], missed: float) -> str:
         text = (
@@ -281,18 +290,9 @@ class Starter:
             rates, left = self._completed(angles, others)
             return float(rates[self.geometry.names.index(name)]) if left == 0.0 else None
 
-        return f"{text}; {self._resistance(given, without, 'rad/s')}"
+        return f"{text}; {resistance(given, without, 'rad/s')}"
 
-    def _resistance(
-        self, given: Mapping[str, float], without: Callable[[str], float | None], unit: str
-    ) -> str:
-        """The given value that, left free, lets the others be had, and what it becomes; the least change of all."""
-        possible = []
-        for name, value in sorted(given.items()):
-            instead = without(name)
-            if instead is not None:
-                possible.append((abs(instead - value), name, instead))
-        if not possible:
-            return "no single one of them is to blame: give fewer, or others"
-        _, name, instead = min(possible)
-        return f"joint {name!r} resists: {instead:.4g} {unit} instead of {given[name]:g} would do"
+
+def _moving(start: Scene) -> dict[str, float]:
+    """The rates that are given and not nil."""
+    return {name: rate for name, rate in start.rates.items() if abs(rate) > ZERO}

@@ -6,8 +6,9 @@ In: a tree and a scene. Out: angles, rad, and rates, rad/s, by joint. Never: com
 from collections.abc import Mapping
 
 from lamc.basics.errors import DesignError
+from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.starts import Starter, loops_of
+from lamc.loops.starts import Starter
 from lamc.loops.texts import listed
 from lamc.mechanism.tree import Tree
 from lamc.records.scene import Scene

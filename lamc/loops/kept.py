@@ -35,7 +35,10 @@ def _read(text: str | None) -> LoopCount | None:
     try:
         values = json.loads(body)
         misfit = values.pop("misfit")
-        values["singular_values"] = tuple(values["singular_values"])
+        for name in ("singular_values", "branch_ranks"):
+            values[name] = tuple(values[name])
+        if misfit is not None:
+            misfit["place"] = tuple(misfit["place"])
         return LoopCount(**values, misfit=Misfit(**misfit) if misfit is not None else None)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None

@@ -11,7 +11,7 @@ exp(√(p / (I s)) t): the second order goes by p / (I s), and what it does is n
 import math
 from collections.abc import Callable, Sequence
 
-from lamc.loops.branches import Branch, moved_out
+from lamc.loops.branches import EXACTLY, Branch, Fit, moved_out
 from lamc.loops.geometry import LoopGeometry
 from lamc.records.mechanism import Array
 
@@ -26,14 +26,14 @@ Push = Callable[
 
 
 def pushed_branch(
-    geometry: LoopGeometry, angles: Array, branches: Sequence[Branch], push: Push
+    geometry: LoopGeometry, angles: Array, branches: Sequence[Branch], push: Push, fit: Fit = EXACTLY
 ) -> int | None:
     """The number of the branch to take from a singular position `angles` (n,) at rest, negative for its opposite way.
 
     The one on which loads do most work, to the first order, or to the second where the first vanishes on all; of equal
     ones the first. None where there is none to choose.
     """
-    orders = [_orders(geometry, angles, branch.row(geometry.names), push) for branch in branches]
+    orders = [_orders(geometry, angles, branch.row(geometry.names), push, fit) for branch in branches]
     first = [way * p for p, _ in orders for way in (1.0, -1.0)]
     second = [p for _, both in orders for p in both]
     works = first if any(first) else second
@@ -44,11 +44,11 @@ def pushed_branch(
 
 
 def _orders(
-    geometry: LoopGeometry, angles: Array, way: Array, push: Push
+    geometry: LoopGeometry, angles: Array, way: Array, push: Push, fit: Fit
 ) -> tuple[float, tuple[float, float]]:
     """What loads do a little along a branch: the first order, and the second there and along its opposite, minus
     infinity where it has no opposite."""
-    forth, back = moved_out(geometry, angles, way), moved_out(geometry, angles, -way)
+    forth, back = moved_out(geometry, angles, way, fit), moved_out(geometry, angles, -way, fit)
     assert forth is not None, "a branch was followed when it was found"
     ahead, inertia = push(forth, way)
     if not inertia > 0.0:

@@ -10,13 +10,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tangents
-from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
+from lamc.loops.branches import Branch, find_branches, moved_out, tangents
+from lamc.loops.closing import CLOSED, Mask, settle
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.linear import EXACT
 from lamc.loops.pushed import Push, pushed_branch
-from lamc.loops.rank import LoopCount, check_freedom, count_loops
+from lamc.loops.rank import LoopCount
 from lamc.loops.texts import listed, named, ratios, resistance
-from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
 
@@ -33,39 +33,14 @@ CONSISTENT = 1e-8  # of the largest rate: given rates are some motion's if they 
 ZERO = 1e-12  # rad/s below which a given rate is none
 
 
-def loops_of(tree: Tree, scene: Scene) -> LoopCount:
-    """What the loops of `tree` come to; where `scene` starts is looked at too, as large ones have many branches.
-
-    Raises DesignError where nothing can move.
-    """
-    count = count_loops(tree, scene.closure_tolerance)
-    if tree.cuts:
-        geometry = LoopGeometry(tree)
-        known = Starter(geometry, count).known_position(scene)
-        if known is not None and rank_at(geometry, known) > count.rank:
-            count = count_loops(tree, scene.closure_tolerance, [known])
-    check_freedom(count)
-    return count
-
-
-def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, tuple[Branch, ...]]:
-    """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
-    count = count_loops(tree, tolerance)
-    if not tree.cuts:
-        return count, ()
-    geometry = LoopGeometry(tree)
-    drawn = np.zeros(len(geometry.names))
-    singular = Starter(geometry, count).is_singular(drawn)
-    return count, find_branches(geometry, drawn) if singular else ()
-
-
 class Starter:
     """Starts of one mechanism."""
 
     def __init__(self, geometry: LoopGeometry, count: LoopCount) -> None:
         self.geometry = geometry
         self.count = count
-        self.cutoff = SMALL if count.accepted_gap > 0.0 else SOLVE
+        self.cutoff = count.cutoff
+        self._weak = count.cutoff if count.accepted_gap > 0.0 else 0.0
         self.size = len(geometry.names)
 
     def state(self, start: Scene) -> Array:
@@ -100,26 +75,19 @@ class Starter:
         if not self.is_undecided(start):
             return None
         branches = self.branches(start)
-        return pushed_branch(self.geometry, self.position(start.angles), branches, push)
-
-    def known_position(self, start: Scene) -> Array | None:
-        """The closed position (n,) of a start, out of a singular one by its branch; None where there is none."""
-        try:
-            angles = self.position(start.angles)
-            if start.branch is not None and self.is_singular(angles):
-                angles = self._on_branch(angles, start.branch, {})[0]
-        except DesignError:
-            return None
-        return angles
+        return pushed_branch(self.geometry, self.position(start.angles), branches, push, self.count.fit)
 
     def branches(self, start: Scene) -> tuple[Branch, ...]:
         """The branches at the position that `start` asks for; empty where it is regular."""
         angles = self.position(start.angles)
-        return find_branches(self.geometry, angles) if self.is_singular(angles) else ()
+        return self._branches(angles) if self.is_singular(angles) else ()
 
     def is_singular(self, angles: Array) -> bool:
         """Whether the closure has a smaller rank at `angles` (n,) than it has elsewhere."""
-        return rank_at(self.geometry, angles) < self.count.rank
+        return self.geometry.linear(angles).rank(max(EXACT, self._weak)) < self.count.rank
+
+    def _branches(self, angles: Array) -> tuple[Branch, ...]:
+        return find_branches(self.geometry, angles, self.count.fit)
 
     def position(self, given: Mapping[str, float]) -> Array:
         """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows."""
@@ -187,10 +155,10 @@ class Starter:
         """The closed position around `angles` with the least squares of its distance from `wanted`, or `angles`."""
         place = angles
         for _ in range(NEAREST):
-            residual, jacobian = self.geometry.closure(place)
-            columns = jacobian[:, free]
+            residual, linear = self.geometry.closure(place)
+            columns = linear.columns(free)
             back = (wanted - place)[free]
-            step = back - np.linalg.lstsq(columns, residual + columns @ back, rcond=self.cutoff)[0]
+            step = back - columns.least_change(residual + columns.matrix @ back, self.cutoff)
             longest = float(np.abs(step).max(initial=0.0))
             place = place.copy()
             place[free] += step * min(1.0, 0.2 / max(longest, 0.2))
@@ -203,24 +171,24 @@ class Starter:
     def _completed(self, angles: Array, given: Mapping[str, float]) -> tuple[Array, float]:
         """Rates (n,), and by how much, rad/s, closure is missed; 0 for round-off."""
         rates, free = self._given(given)
-        jacobian = self.geometry.jacobian(angles)
+        linear = self.geometry.linear(angles)
         if free.any():
-            rates[free] = np.linalg.lstsq(jacobian[:, free], -jacobian @ rates, rcond=self.cutoff)[0]
-        missed = float(np.abs(jacobian @ rates).max())
+            rates[free] = linear.columns(free).least_change(-linear.matrix @ rates, self.cutoff)
+        missed = float(np.abs(linear.matrix @ rates).max())
         largest = max((abs(rate) for rate in given.values()), default=0.0)
         loose = self.count.accepted_gap / self.geometry.size
         return rates, missed if missed > (CONSISTENT + loose) * largest else 0.0
 
     def _on_branch(self, angles: Array, number: int, given: Mapping[str, float]) -> tuple[Array, Array]:
         """Angles and rates (n,): moved a little along the branch and at rest, or there with the given rates."""
-        branches = find_branches(self.geometry, angles)
+        branches = self._branches(angles)
         if not 1 <= abs(number) <= len(branches):
             raise DesignError(
                 f"branch is {number}, and the start has {len(branches)}: {listed(branches)}; choose one of them"
             )
         way = float(np.sign(number)) * branches[abs(number) - 1].row(self.geometry.names)
         if not given:
-            place = moved_out(self.geometry, angles, way)
+            place = moved_out(self.geometry, angles, way, self.count.fit)
             assert place is not None, "a branch was followed when it was found"
             return place, np.zeros(self.size)
         rates = self._scaled(way, given)
@@ -235,7 +203,7 @@ class Starter:
         """Rates (n,) at a singular position, where those given lie on one branch."""
         if not given:
             return np.zeros(self.size)
-        branches = find_branches(self.geometry, angles)
+        branches = self._branches(angles)
         scaled = [self._scaled(b.row(self.geometry.names), given) for b in branches if b.freedoms == 1]
         fitting = [rates for rates in scaled if rates is not None]
         if len(fitting) == 1:
@@ -247,7 +215,7 @@ class Starter:
             )
         rates = self.rates(angles, given)
         held = np.logical_not(self._given(given)[1])
-        on_family = tangents(self.geometry, angles).nearest(rates, held)
+        on_family = tangents(self.geometry, angles, self.count.fit).nearest(rates, held)
         if on_family is None:
             raise DesignError(
                 f"the start is singular, and the rates given ({named(given)} rad/s) lie on none of its branches: "

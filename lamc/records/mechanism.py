@@ -18,6 +18,7 @@ from lamc.basics.checks import checked_flag, checked_range, checked_records, sho
 from lamc.basics.checks import checked_name as checked_name
 from lamc.basics.checks import checked_number as checked_number
 from lamc.basics.errors import DesignError, TopologyError
+from lamc.basics.once import lazy
 from lamc.records.network import faults, listed_names
 from lamc.records.scene import Scene, checked_scenes
 
@@ -211,7 +212,7 @@ class Mechanism:
         """The joint of that name. Raises KeyError with the names there are."""
         return _named(self.joints, name, "joint")
 
-    @property
+    @lazy
     def size(self) -> float:
         """Length scale, m: the diagonal of the box around centres of mass and hinge points (1 if that is nil)."""
         points = np.array([*(b.com for b in self.bodies if not b.fixed), *(j.point for j in self.joints)])

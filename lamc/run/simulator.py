@@ -18,10 +18,11 @@ from lamc.basics.errors import RequestError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
+from lamc.loops.at_start import loops_of
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
-from lamc.loops.starts import Starter, loops_of
+from lamc.loops.starts import Starter
 from lamc.loops.texts import pushed_note
 from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange

@@ -21,12 +21,17 @@ STILL = 1e-10  # rad: a step that leaves open what it should close is the last, 
 
 
 def settle(
-    geometry: LoopGeometry, angles: Array, free: Mask | None = None, cutoff: float = SOLVE
+    geometry: LoopGeometry,
+    angles: Array,
+    free: Mask | None = None,
+    cutoff: float = SOLVE,
+    nullity: int | None = None,
 ) -> tuple[Array, float]:
     """Gauss-Newton from `angles` (n,) on those that are `free` (n,) bool, by least squares and least change.
 
     Directions with singular values below `cutoff` times the largest are left alone: loops that fit badly are then
-    brought as near to closure as their motion allows, instead of to the one place where they close.
+    brought as near to closure as their motion allows, instead of to the one place where they close. Or
+    else so many of the weakest, `nullity`, of what is free.
     Returns the place reached, and its largest residual, rad or parts of lengths.
     """
     angles = angles.copy()
@@ -36,7 +41,8 @@ def settle(
     for _ in range(MAX_ITERATIONS):
         if error <= 1e-2 * CLOSED or not columns.any():
             break
-        step = linear.columns(columns).least_change(-residual, cutoff)
+        part = linear.columns(columns)
+        step = part.least_change(-residual, cutoff if nullity is None else part.amid(nullity))
         longest = float(np.abs(step).max())
         if longest < 1e-15:
             break

@@ -111,6 +111,11 @@ class Linear:
         """How many are larger."""
         return int(self.count - self.nullity(cutoff))
 
+    def amid(self, nullity: int) -> float:
+        """A cutoff between the first `nullity` singular values and the next: their geometric mean."""
+        values = np.concatenate([[EXACT], np.maximum(self.weak[0], EXACT), [1.0]])
+        return float(np.sqrt(values[nullity] * values[nullity + 1])) if nullity < len(values) - 1 else 1.0
+
     def free(self, cutoff: float = EXACT) -> Array:
         """(d, n): rates that the matrix leaves free, orthonormal rows."""
         return self.weak[1][: self.nullity(cutoff)]

@@ -11,7 +11,7 @@ the misfit is measured, and the user's tolerance decides.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,7 +33,7 @@ WALKS, STEPS = 2, 4  # random motions from a regular position, and the steps tha
 ROUND = 32  # steps along which a misfit is measured, each way: half a turn of the joint that leads
 CLEAR = 30.0  # times what may be a misfit's is what is not, where loops move exactly as well
 LARGE, FEW = 150, 2  # joints: of more, one motion is looked at, by so many steps
-MANY = 8  # branches: of more, each by one step
+MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfit's
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,19 @@ class _Survey:
     @property
     def places(self) -> list[LoopPosition]:
         return [place for way in self.ways for place in way]
+
+    @property
+    def moves(self) -> bool:
+        """Whether some walk goes on beyond its first step."""
+        return any(len(way) > 1 for way in self.ways)
+
+    @property
+    def is_suspect(self) -> bool:
+        """Whether equations that hold the motion are so weak, beside others, that they may be a misfit's."""
+        clear = self.clearest(SMALL)
+        lesser = clear.lesser(SMALL)
+        weakest = float(clear.weak[lesser - 1]) if lesser else 0.0
+        return weakest > EXACT and clear.clearness(lesser) > CLEAR * weakest
 
     def clearest(self, most: float) -> LoopPosition:
         """The place that is farthest from singular; values below `most` may be a misfit's."""
@@ -171,7 +184,7 @@ def _survey(
     if len(local.forms):
         branches = find_branches(geometry, start, fit, local)
         rows = [branch.row(geometry.names) for branch in branches]
-        steps = 1 if len(rows) > MANY and steps <= STEPS else max(2 * steps // max(2, len(rows)), FEW)
+        steps = steps if len(rows) <= WALKS else max(steps // 2, FEW)
         ways = [
             _both(geometry, start, row, cutoff, steps) or _near(geometry, start, row, fit) for row in rows
         ]
@@ -203,48 +216,59 @@ def _nearly(
 ) -> tuple[Misfit | None, _Survey, float]:
     """The misfit of loops that nearly have a lower rank than they have exactly, the walks with this rank, and the
     cutoff that leaves the misfit out."""
-    size = len(geometry.names)
-    none = None, _Survey([], False, 0), SOLVE
-    linear = geometry.linear(start)
-    place = LoopPosition(start, 0.0, linear.weak[0])
-    is_suspect = not exact.places
-    if exact.places:
+    none: tuple[Misfit | None, _Survey, float] = None, _Survey([], False, 0), SOLVE
+    size, best = len(geometry.names), none
+    for found, nullity in _near_surveys(geometry, start, exact, way):
+        if not found.places:
+            continue
+        clear = max(found.places, key=lambda place: place.clearness(nullity(place)))
+        rank = size - nullity(clear)
+        if rank == size:
+            continue
+        misfit = measure_misfit(geometry, found.places, rank)
+        weakest = max(float(place.weak[: size - rank].max(initial=0.0)) for place in found.places)
+        cutoff = min(SMALL, math.sqrt(weakest * clear.clearness(size - rank)), MARGIN * weakest)
+        best = misfit, found, max(cutoff, SOLVE)
+        if misfit.gap <= allowed:
+            return best
+    # What is nearly so, and is not accepted, is no matter where loops move exactly as well.
+    return none if exact.moves and not exact.is_suspect else best
+
+
+_Nullity = Callable[[LoopPosition], int]
+
+
+def _near_surveys(
+    geometry: LoopGeometry, start: Array, exact: _Survey, way: Array | None
+) -> Iterator[tuple[_Survey, _Nullity]]:
+    """Walks of loops that fit badly, and which singular values along them are a misfit's; the likeliest first."""
+    place = LoopPosition(start, 0.0, geometry.linear(start).weak[0])
+    steps = 2 * FEW if len(start) > LARGE else ROUND
+    if exact.is_singular or not place.weak[place.weak < SMALL].max(initial=0.0) > EXACT:
+        if place.lesser(SMALL) and (not exact.moves or exact.is_suspect or exact.may_be_rounded):
+            coarse = 0.25 * SMALL
+            fit = replace(NEARLY, weak=coarse)
+            yield _survey(geometry, start, fit, coarse, way, steps), lambda at: at.lesser(SMALL)
+    elif not exact.moves:
+        for nullity in place.gaps(SMALL):
+            yield _drift(geometry, place, nullity, steps), lambda _, k=nullity: k  # type: ignore[misc]
+    elif exact.is_suspect:
         clear = exact.clearest(SMALL)
-        lesser = clear.lesser(SMALL)
-        is_suspect = (
-            clear.weak[lesser - 1] > EXACT and clear.clearness(lesser) > CLEAR * clear.weak[lesser - 1]
-        )
-        if is_suspect and not exact.is_singular:
-            start, way, place = clear.angles, None, clear
-        elif not exact.may_be_rounded:
-            return none
-    cutoff = _between(place)
-    fit = replace(NEARLY, weak=cutoff)
-    if not place.lesser(SMALL):
-        return none
-    if exact.places and not is_suspect and len(find_branches(geometry, start, fit)) <= len(exact.ways):
-        return none
-    found = _survey(geometry, start, fit, cutoff, way, 2 * FEW if size > LARGE else ROUND)
-    if not found.places:
-        return none
-    clear = found.clearest(SMALL)
-    cutoff = _between(clear)
-    rank = max(_rank(each, size, cutoff) for each in found.ways)
-    if rank == size:
-        return none
-    misfit = measure_misfit(geometry, found.places, rank)
-    if misfit.gap > allowed and exact.places and not is_suspect:
-        return none
-    return misfit, found, cutoff
+        nullity = clear.lesser(SMALL)
+        yield _drift(geometry, clear, nullity, steps), lambda _: nullity
 
 
-def _between(place: LoopPosition) -> float:
-    """A cutoff amid the gap between what may be a misfit's and what is not; where that is round-off, or flat, a quarter
-    of what a misfit may be."""
-    k = place.lesser(SMALL)
-    if k == 0 or place.weak[k - 1] <= EXACT:
-        return 0.25 * SMALL
-    return min(SMALL, math.sqrt(place.weak[k - 1] * place.clearness(k)))
+def _drift(geometry: LoopGeometry, place: LoopPosition, nullity: int, steps: int) -> _Survey:
+    """Walks along motions that leave the `nullity` weakest equations open."""
+    weakest = geometry.linear(place.angles).weak[1][:nullity]
+    random = np.random.default_rng(20260101)
+    motions = random.normal(size=(min(nullity, WALKS), nullity)) @ weakest
+    ways = [
+        walk(geometry, place.angles, sign * row, SOLVE, steps, nullity)
+        for row in motions
+        for sign in (1.0, -1.0)
+    ]
+    return _Survey([way for way in ways if way], False, nullity)
 
 
 def check_freedom(count: LoopCount) -> None:

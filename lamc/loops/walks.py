@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.loops.closing import CLOSED, settle
+from lamc.loops.closing import CLOSED, SOLVE, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
 from lamc.records.mechanism import Array
@@ -15,6 +15,7 @@ from lamc.records.mechanism import Array
 STEPS = (0.1, 0.02, 4e-3)  # rad, of the joint that turns most; shorter where the first step is too long
 BENT = 0.7  # of a step: what is farther from the tangent is another motion
 TURNED = 0.5  # of a tangent: less of it is left where the motion does not go on
+GAP = 10.0  # between singular values: wider ones may part a misfit's from others
 APART = 0.05  # rad, or of lengths: loops farther apart do not fit badly, they do not fit
 
 
@@ -35,6 +36,12 @@ class LoopPosition:
         """The least of the singular values but for the first `nullity` ones."""
         return float(self.weak[nullity]) if nullity < len(self.weak) else 1.0
 
+    def gaps(self, most: float) -> list[int]:
+        """After how many singular values there are wide gaps, below `most` or at it; ascending."""
+        known = np.concatenate([self.weak, [1.0]])
+        count = int((self.weak < most).sum())
+        return [k for k in range(1, count + 1) if known[k] > GAP * max(known[k - 1], EXACT)]
+
     def lesser(self, most: float) -> int:
         """How many singular values are below the widest gap of those below `most`, round-off among them."""
         known = np.concatenate([self.weak, [1.0]])
@@ -44,34 +51,51 @@ class LoopPosition:
 
 
 def walk(
-    geometry: LoopGeometry, start: Array, tangent: Array, cutoff: float, count: int
+    geometry: LoopGeometry,
+    start: Array,
+    tangent: Array,
+    cutoff: float,
+    count: int,
+    nullity: int | None = None,
 ) -> list[LoopPosition]:
     """At most `count` places from `start` (n,) along `tangent` (n,), without the start; none where no motion goes on.
 
-    cutoff  singular values below it, of the largest, hold nothing: with a coarse one, loops that fit badly stay open
+    cutoff   singular values below it, of the largest, hold nothing: with a coarse one, loops that fit badly stay open
+    nullity  how many of the weakest hold nothing, instead
     """
+    best: list[LoopPosition] = []
     for step in STEPS:
-        places = _walk(geometry, start, tangent, cutoff, count, step)
-        if places:
-            return places
-    return []
+        places = _walk(geometry, start, tangent, cutoff, count, step, nullity)
+        best = places if len(places) > len(best) else best
+        if len(best) >= min(count, 2):
+            break
+    return best
 
 
 def _walk(
-    geometry: LoopGeometry, angles: Array, tangent: Array, cutoff: float, count: int, step: float
+    geometry: LoopGeometry,
+    angles: Array,
+    tangent: Array,
+    cutoff: float,
+    count: int,
+    step: float,
+    nullity: int | None,
 ) -> list[LoopPosition]:
     places: list[LoopPosition] = []
-    open_most = CLOSED if cutoff <= EXACT else APART
+    open_most = CLOSED if cutoff <= EXACT and nullity is None else APART
+    across = None if nullity is None else nullity - 1  # with the joint that leads held
     for _ in range(count):
         lead = int(np.argmax(np.abs(tangent)))
         ahead = tangent * (step / abs(tangent[lead]))
         free = np.arange(len(angles)) != lead
-        following, error = settle(geometry, angles + ahead, free, max(cutoff, 1e-9))
+        following, error = settle(geometry, angles + ahead, free, max(cutoff, SOLVE), across)
         if error > open_most or np.abs(following - angles - ahead).max() > BENT * step:
             break
         linear = geometry.linear(following)
+        motions = linear.free(max(cutoff, EXACT)) if nullity is None else linear.weak[1][:nullity]
+        if not len(motions):  # it closes here, and goes no farther
+            break
         places.append(LoopPosition(following, error, linear.weak[0]))
-        motions = linear.free(max(cutoff, EXACT))
         tangent = motions.T @ (motions @ ahead)
         if np.linalg.norm(tangent) < TURNED * np.linalg.norm(ahead):
             break

@@ -134,12 +134,16 @@ def find_branches(
     solutions = _binary(local.forms, fit) if two else _spherical(local.forms, local.basis, fit)
     found: list[Branch] = []
     names = [joint.name for joint in geometry.tree.mechanism.joints]
+    order = [geometry.names.index(name) for name in names]
     for x, freedoms in solutions:
-        rates = _normalised(local.basis @ x, [geometry.names.index(name) for name in names])
+        rates = _normalised(local.basis @ x, order, fit.same)
         if _leads_out(geometry, angles, rates, fit):
             by_name = dict(zip(geometry.names, rates.tolist(), strict=True))
             found.append(Branch(ReadOnlyDict({name: by_name[name] for name in names}), freedoms))
-    return tuple(sorted(found, key=lambda b: (b.freedoms, [round(r, 7) for r in b.rates.values()])))
+    digits = 7 if fit is EXACTLY else 1  # numbered alike, whatever the rounding of the drawing
+    return tuple(
+        sorted(found, key=lambda b: (b.freedoms, [round(r, digits) + 0.0 for r in b.rates.values()]))
+    )
 
 
 def _leads_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) -> bool:
@@ -236,9 +240,9 @@ def _distinct(points: list[Array], same: float) -> list[Array]:
     return kept
 
 
-def _normalised(rates: Array, order: list[int]) -> Array:
+def _normalised(rates: Array, order: list[int], same: float) -> Array:
     """Rates over the largest; of several of that size the first joint's is +1. Round-off becomes zero."""
     largest = float(np.abs(rates).max())
-    lead = next(index for index in order if abs(rates[index]) > (1.0 - EXACTLY.same) * largest)
+    lead = next(index for index in order if abs(rates[index]) > (1.0 - same) * largest)
     scaled = rates / (largest * np.sign(rates[lead]))
     return np.where(np.abs(scaled) < 1e-13, 0.0, scaled)

@@ -5,8 +5,8 @@ Numbers only; `plan` makes it.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
+from lamc.basics.once import lazy
 from lamc.records.mechanism import Array, Body, Joint, Mechanism
 
 WORLD = -1
@@ -65,7 +65,7 @@ class Tree:
     def joint_names(self) -> tuple[str, ...]:
         return tuple(link.joint.name for link in self.links)
 
-    @cached_property
+    @lazy
     def hinges(self) -> tuple[Joint, ...]:
         """All joints: the tree's in its order, then those that close loops. Angles q and rates u are in this order."""
         return (*(link.joint for link in self.links), *(cut.joint for cut in self.cuts))

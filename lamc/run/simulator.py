@@ -18,10 +18,12 @@ from lamc.basics.errors import RequestError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
+from lamc.loops.at_start import loops_of
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
-from lamc.loops.starts import Starter, loops_of
+from lamc.loops.starts import Starter
+from lamc.loops.texts import pushed_note
 from lamc.loops.yielding import yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.plan import plan
@@ -37,6 +39,7 @@ from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import with_limits
+from lamc.run.pushes import push_of
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
@@ -112,15 +115,24 @@ class Simulator(Evaluations):
         return self._starter.branches(self.scene) if self._model.cuts else ()
 
     @lazy
+    def pushed_branch(self) -> int | None:
+        """The number of the branch that a singular start at rest takes, as loads do most work on it; None where the
+        start is regular, or the scene says its way."""
+        if not self._model.cuts:
+            return None
+        return self._starter.pushed_branch(self.scene, push_of(self._default_motion, self._arrangement))
+
+    @lazy
     def start(self) -> Array:
         """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.
-        What effects add to the coordinates starts as they say.
+        What effects add to the coordinates starts as they say. Out of a singular position at rest, such as a flat one,
+        it is a thousandth of a radian along the scene's branch, or `pushed_branch`.
 
         Raises DesignError where they cannot be had.
         """
         near = self.scene.angles
         if self._model.cuts:
-            start = self._starter.state(self.scene)
+            start = self._starter.state(replace(self.scene, branch=self.scene.branch or self.pushed_branch))
         else:
             with located_at(self.scene.places):
                 refuse_branch(self.scene)
@@ -146,8 +158,11 @@ class Simulator(Evaluations):
 
     @lazy
     def notes(self) -> tuple[str, ...]:
-        """Where effects may be wrong in this mechanism, in their own words; found when asked for."""
-        return notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
+        """Where effects may be wrong in this mechanism, in their own words, and which branch a singular start takes
+        that the scene does not choose; found when asked for."""
+        notes = notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
+        pushed = self.pushed_branch
+        return notes if pushed is None else (*notes, pushed_note(pushed, self.branches))
 
     @lazy
     def inputs(self) -> tuple[str, ...]:

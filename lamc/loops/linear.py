@@ -23,7 +23,7 @@ from scipy.sparse.linalg import splu
 
 from lamc.records.mechanism import Array
 
-DENSE = 150  # columns: up to here a decomposition takes some milliseconds, as sparse elimination does
+DENSE = 60  # columns: up to here a decomposition takes a few milliseconds, as sparse elimination does
 DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
 BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each

@@ -144,9 +144,8 @@ def make_objects(compiler: Compiler, flags: Sequence[str], units: Sequence[str],
 
     if len(units) < 2:
         return [make(unit) for unit in units]
-    from concurrent.futures import (
-        ThreadPoolExecutor,
-    )  # a tenth of what importing lamc takes, and rarely needed
+    # Imported here: a tenth of what importing lamc takes, and rarely needed
+    from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(min(len(units), os.cpu_count() or 1)) as pool:
         return list(pool.map(make, units))

@@ -7,6 +7,7 @@ The runtime of other caches, those of tests of the cache and of ledgers, is comp
 twenty calls of the compiler that give the same bytes. `pytest --as-shipped` compiles everything as users get it.
 """
 
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any, BinaryIO
 
 import pytest
 
+import lamc
 from lamc.codegen import build, toolchain
 from lamc.export import fmu, wheel
 
@@ -34,6 +36,21 @@ def tries(count: int) -> int:
     from hypothesis import settings
 
     return count if settings.get_current_profile_name() == "thorough" else max(3, count // 5)
+
+
+def with_runtime(cache: Path, shared: Path) -> Path:
+    """`cache`, which a process will have for itself, with the runtime of the session's cache: twenty calls of the
+    compiler that are no matter of its test."""
+    from tests.support.mechanisms import chain
+
+    cache.mkdir(mode=0o700, exist_ok=True)
+    if not any(shared.glob("runtime-*")):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("LAMC_CACHE_DIR", str(shared))
+            lamc.compile(chain(1, "parallel", seed=1))
+    for entry in sorted(shared.glob("runtime-*")):
+        shutil.copytree(entry, cache / entry.name)
+    return cache
 
 
 def quickly(flags: Sequence[str]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from lamc.cli import main
 from tests.support.paths import ROOT
-from tests.support.quick import QUICKLY
+from tests.support.quick import QUICKLY, with_runtime
 
 Commands = dict[str, str]
 COMMANDS: Commands = {
@@ -59,13 +59,16 @@ with open("codes.json", "w") as file:
 
 @posix_only
 @pytest.mark.parametrize("commands", [COMMANDS, pytest.param(SLOW, marks=pytest.mark.slow)])
-def test_every_command_works_with_stderr_closed(commands: Commands, tmp_path: Path) -> None:
+def test_every_command_works_with_stderr_closed(
+    commands: Commands, tmp_path: Path, cache_of_the_session: Path
+) -> None:
     """One process for all of them: the stream is closed before it starts."""
     (tmp_path / "all.py").write_text(QUICKLY + _ALL)
+    cache = with_runtime(tmp_path / "cache", cache_of_the_session)
     ended = subprocess.run(
         ["sh", "-c", f"exec '{sys.executable}' all.py '{json.dumps(commands)}' 2>&-"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(tmp_path / "cache")},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(cache)},
         capture_output=True,
         text=True,
         timeout=600,

@@ -98,6 +98,7 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
     "lamc run --example bricard*",
     "lamc run --example flaps --scene commanded*",
 )
+@pytest.mark.ci("lamc [!c]*", "lamc check d*", "command*")
 def test_each_lamc_command_of_the_pages_succeeds(
     command: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -188,6 +188,7 @@ def test_it_builds_without_a_warning_and_prints_the_same(
 
 @needs("g++")
 @pytest.mark.parametrize("name", ["oblique", "squares", "warm"])
+@pytest.mark.quick("oblique", "warm")
 def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     cc(folder, *STRICT_CXX, "-Wconversion", "-c", "-x", "c++", f"{name}.c", "-o", "it.o", command=("g++",))

@@ -64,6 +64,7 @@ def dense(matrices: Array, dofs: Dofs) -> Array:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick("[!q]*", "q4", "q8", "q9")
 def test_assembled_matrices_are_the_sums_of_the_elements(name: str) -> None:
     """1e-15 of the largest entry times the cells around a node: sums in another order."""
     mesh, made = meshed(name), kernels(name)

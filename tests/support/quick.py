@@ -10,6 +10,7 @@ twenty calls of the compiler that give the same bytes. `pytest --as-shipped` com
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -58,6 +59,13 @@ def quickly(flags: Sequence[str]) -> tuple[str, ...]:
     return tuple(LEVEL if flag == "-O2" else flag for flag in flags)
 
 
+@cache
+def _linker(program: str) -> tuple[str, ...]:
+    """GNU's quicker linker, where gcc has it: 0.02 s for a model; 0.04 s with the other."""
+    is_gcc = "gcc" in Path(program).resolve().name
+    return ("-fuse-ld=gold",) if is_gcc and shutil.which("ld.gold") else ()
+
+
 @contextmanager
 def unpainted_figures() -> Iterator[None]:
     """Within it, figures are composed and not painted, which takes up to a second each; their files are no pictures."""
@@ -101,8 +109,12 @@ def quick_compilation(shared: Path | None = None) -> Iterator[None]:
             path.write_bytes(content)
         return paths
 
+    def linked_quickly(compiler: toolchain.Compiler, flags: Sequence[str], *others: Any) -> None:
+        make(compiler, (*flags, *_linker(compiler.command[0])), *others)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build, "make_objects", objects)
-        for module in (build, fmu, wheel):
+        patch.setattr(build, "make_library", linked_quickly)
+        for module in (fmu, wheel):
             patch.setattr(module, "make_library", make)
         yield

@@ -198,6 +198,7 @@ def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.
 @needs_zig
 @pytest.mark.parametrize("to", ["fmu", "wheel"])
 @pytest.mark.slow
+@pytest.mark.ci("wheel")
 def test_exports_by_zig_are_the_same_bytes_each_time(to: str, only_zig: Path) -> None:
     """Debug information held the name of the folder in which they were made."""
     from lamc.examples import path

@@ -336,6 +336,7 @@ def test_cmake_finds_it_installed_and_in_its_build_tree(built: Path, tmp_path: P
 
 
 @needs("cmake")
+@pytest.mark.slow
 def test_cmake_takes_several_folders_into_one_project(tmp_path: Path) -> None:
     for name in MODELS:
         put(exported(name), tmp_path / name)

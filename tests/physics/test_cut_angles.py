@@ -58,13 +58,13 @@ def spun(mirror: int, springs: str) -> lamc.Simulator:
     return lamc.compile(crank_rocker(mirror, springs), Scene(effects=effects, rates={"A": 120.0}))
 
 
-@pytest.mark.parametrize(("springs", "cuts"), [("", "CB"), ("B", "CC"), ("BC", "CB"), ("ABCD", "CB")])
-def test_a_body_and_its_mirror_image_move_alike(springs: str, cuts: str) -> None:
+@pytest.mark.parametrize("springs", ["", "B", "BC", "ABCD"])
+def test_a_body_and_its_mirror_image_move_alike(springs: str) -> None:
     """The same motion whichever joint closes the loop: within ten times what each step may err, of the angle that has
     counted most turns."""
     t = np.linspace(0.0, 1.0, 201)
     sims = [spun(mirror, springs) for mirror in (1, -1)]
-    assert [sim.cut_joints for sim in sims] == [(cuts[0],), (cuts[1],)]
+    assert [sim.cut_joints for sim in sims] == [("C",), ("B",)]
     runs = [sim.run(t_end=1.0, rtol=1e-10, atol=1e-12, t_eval=t) for sim in sims]
     assert all(run.success for run in runs)
     limit = 1e-9 * max(1.0, *(float(np.abs(run.q).max()) for run in runs))

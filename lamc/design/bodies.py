@@ -14,6 +14,7 @@ import shapely
 from shapely import STRtree
 from shapely.geometry import MultiPolygon, Polygon
 
+from lamc.basics.groups import root, unite
 from lamc.records.mechanism import Array
 
 # An overlap below this fraction of the design's size squared is round-off: two layers cut along the same line
@@ -40,9 +41,13 @@ class Group:
     @property
     def at(self) -> tuple[float, float]:
         """A point inside its largest polygon, m."""
-        largest = max((p for layer in self.polygons for p in layer), key=lambda p: p.area)
-        point = largest.representative_point()
+        point = largest([p for layer in self.polygons for p in layer]).representative_point()
         return float(point.x), float(point.y)
+
+
+def largest(polygons: Sequence[Polygon]) -> Polygon:
+    """The polygon of the largest area, the first of those alike."""
+    return max(polygons, key=lambda polygon: float(polygon.area))
 
 
 def find_groups(cut: Sequence[MultiPolygon], fixed: Sequence[MultiPolygon], size: float) -> tuple[Group, ...]:
@@ -50,24 +55,25 @@ def find_groups(cut: Sequence[MultiPolygon], fixed: Sequence[MultiPolygon], size
 
     cut, fixed  per layer; size  of the design, m, the scale for `OVERLAP`
     """
-    pieces = [list(layer.geoms) for layer in cut]
+    alike = {id(layer): list(layer.geoms) for layer in cut}
+    pieces = [alike[id(layer)] for layer in cut]
     starts = np.concatenate([[0], np.cumsum([len(p) for p in pieces])])
     threshold = OVERLAP * size * size
     parent = list(range(int(starts[-1])))
     for layer in range(len(pieces) - 1):
         for low, high in overlapping(pieces[layer], pieces[layer + 1], threshold):
-            _join(parent, int(starts[layer]) + low, int(starts[layer + 1]) + high)
+            unite(parent, int(starts[layer]) + low, int(starts[layer + 1]) + high)
     held: set[int] = set()
     for layer, region in enumerate(fixed):
         for index, _ in overlapping(pieces[layer], list(region.geoms), threshold):
-            held.add(_root(parent, int(starts[layer]) + index))
+            held.add(root(parent, int(starts[layer]) + index))
     members: dict[int, list[list[Polygon]]] = {}
     for layer, polygons in enumerate(pieces):
         for index, polygon in enumerate(polygons):
-            root = _root(parent, int(starts[layer]) + index)
-            members.setdefault(root, [[] for _ in pieces])[layer].append(polygon)
+            head = root(parent, int(starts[layer]) + index)
+            members.setdefault(head, [[] for _ in pieces])[layer].append(polygon)
     return tuple(
-        Group(tuple(tuple(layer) for layer in polygons), root in held) for root, polygons in members.items()
+        Group(tuple(tuple(layer) for layer in polygons), head in held) for head, polygons in members.items()
     )
 
 
@@ -106,16 +112,3 @@ def _overlap(a: Geometries, b: Geometries, _threshold: float) -> Array:
     """Shared area of each pair, m²."""
     areas: Array = shapely.area(shapely.intersection(a, b))
     return areas
-
-
-def _root(parent: list[int], index: int) -> int:
-    while parent[index] != index:
-        parent[index] = parent[parent[index]]
-        index = parent[index]
-    return index
-
-
-def _join(parent: list[int], a: int, b: int) -> None:
-    """Union by smaller index, so that a group's root is its first piece."""
-    low, high = sorted((_root(parent, a), _root(parent, b)))
-    parent[high] = low

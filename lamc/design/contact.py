@@ -9,16 +9,18 @@ parallels slightly further out, over the length that no hole has taken, in its f
 rather than a grown area: they tell the sides apart, and measure a contact in metres of hinge.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import STRtree
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from lamc.design.cutting import SLIT
 from lamc.design.steps import Hinge
+from lamc.design.work import Geometries
 
 # Distance of the parallels from the line, in hinge widths. Half as far again as the slit's edge: clear of
 # round-off, and well inside one width, beyond which a neighbour's material may begin.
@@ -50,97 +52,173 @@ class Contact:
         return tuple(sorted({*self.left, *self.right}))
 
 
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Straight lines, each of one hinge, by ascending index of the hinge."""
+
+    shapes: Geometries  # (n,)
+    hinges: NDArray[np.int64]  # (n,)
+
+    def of(self, chosen: Sequence[int]) -> "Lines":
+        """Those of the hinges of these indices."""
+        inside = np.isin(self.hinges, chosen)
+        return Lines(self.shapes[inside], self.hinges[inside])
+
+
 class LayerIndex:
     """The polygons of all bodies in one layer, in a search tree."""
 
     def __init__(self, bodies: Sequence[tuple[tuple[Polygon, ...], ...]], layer: int) -> None:
         owned = [(p, body) for body, polygons in enumerate(bodies) for p in polygons[layer]]
         self._polygons = np.array([p for p, _ in owned], dtype=object)
-        self._owners = [body for _, body in owned]
+        self._owners = np.array([body for _, body in owned], dtype=np.int64)
         self._tree = STRtree(self._polygons)
 
-    def along(self, lines: Sequence[LineString]) -> dict[int, float]:
-        """Length of `lines` inside each body, m."""
-        which = np.array(lines, dtype=object)
-        i, j = self._tree.query(which, predicate="intersects")
-        lengths = shapely.length(shapely.intersection(which[i], self._polygons[j]))
-        inside: dict[int, float] = {}
-        for index, length in zip(j, lengths, strict=True):
-            owner = self._owners[int(index)]
-            inside[owner] = inside.get(owner, 0.0) + float(length)
+    def along(self, lines: Lines) -> dict[int, dict[int, float]]:
+        """Hinge → body → length of the hinge's lines inside that body, m; no entry where they meet none."""
+        which, piece = self._tree.query(lines.shapes, predicate="intersects")
+        lengths = shapely.length(shapely.intersection(lines.shapes[which], self._polygons[piece])).tolist()
+        inside: dict[int, dict[int, float]] = {}
+        met = zip(lines.hinges[which].tolist(), self._owners[piece].tolist(), lengths, strict=True)
+        for hinge, body, length in met:
+            of_hinge = inside.setdefault(hinge, {})
+            of_hinge[body] = of_hinge.get(body, 0.0) + length
         return inside
 
-    def touched(self, lines: Sequence[LineString]) -> set[int]:
-        """Bodies that the lines touch at all."""
-        _, j = self._tree.query(np.array(lines, dtype=object), predicate="intersects")
-        return {self._owners[int(index)] for index in j}
+    def touched(self, lines: Lines) -> dict[int, set[int]]:
+        """Hinge → bodies that its lines touch at all."""
+        which, piece = self._tree.query(lines.shapes, predicate="intersects")
+        found: dict[int, set[int]] = {}
+        for hinge, body in zip(lines.hinges[which].tolist(), self._owners[piece].tolist(), strict=True):
+            found.setdefault(hinge, set()).add(body)
+        return found
 
 
-def contact(hinge: Hinge, holes: Sequence[MultiPolygon], layers: Sequence[LayerIndex]) -> Contact:
-    """The bodies on both sides of a hinge: in its flexible layer, or where that has no material near the
+def contacts(
+    hinges: Sequence[Hinge], holes: Sequence[MultiPolygon], layers: Sequence[LayerIndex]
+) -> tuple[Contact, ...]:
+    """The bodies on both sides of each hinge: in its flexible layer, or where that has no material near the
     line, in all layers that it runs through."""
-    flexible = hinge.properties.layer
-    width = hinge.properties.width
-    free = free_parts(hinge, holes[flexible])
-    near = [_parallels(free, sign * REACH * width) for sign in (1, -1)]
-    sides = [_bodies(lines, [layers[flexible]], width) for lines in near]
-    if not any(sides):
-        far = [_parallels(free, sign * OPEN_REACH * width) for sign in (1, -1)]
-        sides = [_bodies(lines, [layers[i] for i in hinge.layers], width) for lines in far]
-    joined = {*sides[0], *sides[1]}
-    bridges: tuple[int, ...] = ()
-    if len(joined) == 1:
-        outside = [i for i in range(len(layers)) if i not in hinge.layers]
-        bridges = tuple(i for i in outside if joined & set(_bodies(free, [layers[i]], width)))
-    strays = _strays(hinge, near, joined, layers) if joined else ()
-    return Contact(sides[0], sides[1], sum(part.length for part in free), bridges, strays)
-
-
-def _strays(
-    hinge: Hinge, near: Sequence[Sequence[LineString]], joined: set[int], layers: Sequence[LayerIndex]
-) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """Layers of the hinge where its slit lies between bodies, and not between those that it joins."""
-    found = []
-    for i in hinge.layers:
-        if layers[i].touched([*near[0], *near[1]]) <= joined:
-            continue
-        left, right = (_bodies(lines, [layers[i]], hinge.properties.width) for lines in near)
-        others = {*left, *right} - joined
-        if left and right and others:
-            found.append((i, tuple(sorted(others))))
-    return tuple(found)
+    free = _free_lines(hinges, holes)
+    near = [_beside(free, hinges, sign * REACH) for sign in (1.0, -1.0)]
+    sides = [_bodies(lines, hinges, [(h.properties.layer,) for h in hinges], layers) for lines in near]
+    open_ones = [k for k in range(len(hinges)) if not (sides[0][k] or sides[1][k])]
+    far = [_beside(free.of(open_ones), hinges, sign * OPEN_REACH) for sign in (1.0, -1.0)]
+    for side, lines in zip(sides, far, strict=True):
+        side_far = _bodies(lines, hinges, [h.layers for h in hinges], layers)
+        for k in open_ones:
+            side[k] = side_far[k]
+    joined = [{*left, *right} for left, right in zip(*sides, strict=True)]
+    bridges = _bridges(free, hinges, joined, layers)
+    strays = _strays(hinges, near, joined, layers)
+    lengths = np.bincount(free.hinges, shapely.length(free.shapes), len(hinges)).tolist()
+    return tuple(
+        Contact(sides[0][k], sides[1][k], lengths[k], bridges.get(k, ()), strays.get(k, ()))
+        for k in range(len(hinges))
+    )
 
 
 def free_parts(hinge: Hinge, hole: MultiPolygon) -> list[LineString]:
     """The stretches of a hinge line that no hole has taken, in the line's direction."""
-    left = shapely.get_parts(shapely.difference(hinge.line, hole))
-    start = np.array(hinge.line.coords[0])
-    along = np.array(hinge.line.coords[-1]) - start
-    stretches = []
-    for part in left[~shapely.is_empty(left)]:
-        ends = sorted(np.array(part.coords), key=lambda point: float((point - start) @ along))
-        stretches.append(LineString([ends[0], ends[-1]]))
-    return stretches
+    return list(_free([hinge], hole).shapes)
 
 
-def _bodies(lines: Sequence[LineString], layers: Sequence[LayerIndex], width: float) -> tuple[int, ...]:
-    """Bodies that hold more of the lines, in one of the layers, than a corner would."""
-    if not lines:
-        return ()
-    lengths: dict[int, float] = {}
-    for layer in layers:
-        for body, length in layer.along(lines).items():
-            lengths[body] = max(length, lengths.get(body, 0.0))
-    return tuple(sorted(body for body, length in lengths.items() if length > SHORTEST * width))
+def _bridges(
+    free: Lines, hinges: Sequence[Hinge], joined: Sequence[set[int]], layers: Sequence[LayerIndex]
+) -> dict[int, tuple[int, ...]]:
+    """For each hinge that touches a single body, the layers beside its own in which that body lies across it."""
+    alone = [k for k, bodies in enumerate(joined) if len(bodies) == 1]
+    found: dict[int, tuple[int, ...]] = {}
+    for i, layer in enumerate(layers if alone else ()):
+        across = layer.along(free.of(alone))
+        for k in alone:
+            if i not in hinges[k].layers and joined[k] & set(_long(across.get(k, {}), hinges[k])):
+                found[k] = (*found.get(k, ()), i)
+    return found
 
 
-def _parallels(free: Sequence[LineString], distance: float) -> list[LineString]:
-    """The stretches shifted by `distance` m, positive to the left."""
-    return [_parallel(part, distance) for part in free if part.length > 0.0]
+def _strays(
+    hinges: Sequence[Hinge],
+    near: Sequence[Lines],
+    joined: Sequence[set[int]],
+    layers: Sequence[LayerIndex],
+) -> dict[int, tuple[tuple[int, tuple[int, ...]], ...]]:
+    """For each hinge, its layers where its slit lies between bodies, and not between those that it joins."""
+    found: dict[int, tuple[tuple[int, tuple[int, ...]], ...]] = {}
+    for i, layer in enumerate(layers):
+        touched = [layer.touched(lines) for lines in near]
+        for k, bodies in enumerate(joined):
+            if not bodies or i not in hinges[k].layers:
+                continue
+            if touched[0].get(k, set()) | touched[1].get(k, set()) <= bodies:
+                continue
+            left, right = (_long(layer.along(lines.of([k])).get(k, {}), hinges[k]) for lines in near)
+            others = {*left, *right} - bodies
+            if left and right and others:
+                found[k] = (*found.get(k, ()), (i, tuple(sorted(others))))
+    return found
 
 
-def _parallel(line: LineString, distance: float) -> LineString:
-    a, b = np.array(line.coords)
-    along = (b - a) / np.linalg.norm(b - a)
-    shift = distance * np.array([-along[1], along[0]])
-    return LineString([a + shift, b + shift])
+def _bodies(
+    lines: Lines, hinges: Sequence[Hinge], through: Sequence[tuple[int, ...]], layers: Sequence[LayerIndex]
+) -> list[tuple[int, ...]]:
+    """For each hinge, the bodies that hold more of its lines, in one of the layers `through`, than a corner would."""
+    lengths: list[dict[int, float]] = [{} for _ in hinges]
+    for i, layer in enumerate(layers):
+        chosen = [k for k, its in enumerate(through) if i in its]
+        for k, inside in layer.along(lines.of(chosen)).items():
+            for body, length in inside.items():
+                lengths[k][body] = max(length, lengths[k].get(body, 0.0))
+    return [_long(each, hinge) for each, hinge in zip(lengths, hinges, strict=True)]
+
+
+def _long(lengths: Mapping[int, float], hinge: Hinge) -> tuple[int, ...]:
+    """Bodies that hold more of a hinge's lines than a corner would."""
+    return tuple(sorted(b for b, length in lengths.items() if length > SHORTEST * hinge.properties.width))
+
+
+def _free_lines(hinges: Sequence[Hinge], holes: Sequence[MultiPolygon]) -> Lines:
+    """The stretches of all hinge lines that holes of their flexible layers have left, ordered by hinge."""
+    made = []
+    for i, hole in enumerate(holes):
+        chosen = [k for k, h in enumerate(hinges) if h.properties.layer == i]
+        if chosen:
+            free = _free([hinges[k] for k in chosen], hole)
+            made.append(Lines(free.shapes, np.array(chosen)[free.hinges]))
+    owners = np.concatenate([each.hinges for each in made])
+    order = np.argsort(owners, kind="stable")
+    return Lines(np.concatenate([each.shapes for each in made])[order], owners[order])
+
+
+def _free(hinges: Sequence[Hinge], hole: MultiPolygon) -> Lines:
+    """The stretches that a layer's holes leave of hinge lines, in the lines' directions, ordered by hinge."""
+    drawn = np.array([h.line for h in hinges], dtype=object)
+    parts = shapely.get_parts(hole)
+    which, near = STRtree(parts).query(drawn, predicate="intersects")
+    order = np.argsort(which, kind="stable")
+    # Each line less the holes that it meets: those far away would only cost time.
+    local = np.full(len(drawn), MultiPolygon(), dtype=object)
+    shapely.multipolygons(parts[near[order]], indices=which[order], out=local)
+    left, owner = shapely.get_parts(shapely.difference(drawn, local), return_index=True)
+    solid = ~shapely.is_empty(left)
+    left, owner = left[solid], owner[solid]
+    start, end = shapely.get_coordinates(drawn).reshape(-1, 2, 2).transpose(1, 0, 2)
+    points, part = shapely.get_coordinates(left, return_index=True)
+    hinge = owner[part]
+    order = np.lexsort([((points - start[hinge]) * (end - start)[hinge]).sum(axis=1), part])
+    first = np.searchsorted(part, np.arange(len(left)))
+    last = np.append(first[1:], len(points)) - 1
+    ends = points[np.column_stack([order[first], order[last]])] if len(left) else np.zeros((0, 2, 2))
+    return Lines(shapely.linestrings(ends), owner)
+
+
+def _beside(free: Lines, hinges: Sequence[Hinge], widths: float) -> Lines:
+    """The stretches shifted by so many hinge widths, positive to the left; those without length have no side."""
+    ends = shapely.get_coordinates(free.shapes).reshape(-1, 2, 2)
+    along = ends[:, 1] - ends[:, 0]
+    length = np.hypot(along[:, 0], along[:, 1])
+    clear = length > 0.0
+    ends, along, owner = ends[clear], along[clear] / length[clear, None], free.hinges[clear]
+    shift = np.array([h.properties.width for h in hinges])[owner] * widths
+    across = shift[:, None] * np.column_stack([-along[:, 1], along[:, 0]])
+    return Lines(shapely.linestrings(ends + across[:, None]), owner)

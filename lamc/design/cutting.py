@@ -14,16 +14,16 @@ masses are those of straight slits, exactly.
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 from shapely import STRtree
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry import GeometryCollection, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from lamc.basics.errors import Place
+from lamc.basics.groups import root, unite
 from lamc.design.steps import Hinge
+from lamc.design.work import Geometries, check_overlaps, meetings_of
 from lamc.records.design import Layer
-
-Geometries = npt.NDArray[np.object_]
 
 SLIT = 0.1  # half width of a slit, in hinge widths
 _ARC_SEGMENTS = 8  # per quarter circle: a cap falls short of the round one by half a per cent of its radius
@@ -37,13 +37,17 @@ def strips_of(hinges: Sequence[Hinge]) -> Geometries:
     return strips
 
 
-def holes_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, ...]:
-    """Per layer, where the strips of two hinge lines that both run through the layer overlap."""
+def holes_per_layer(
+    hinges: Sequence[Hinge], count: int, place: Place | None = None
+) -> tuple[MultiPolygon, ...]:
+    """Per layer, where the strips of two hinge lines that both run through the layer overlap.
+
+    Raises DesignError, at the place, where too many do."""
     strips = strips_of(hinges)
-    first, second = STRtree(strips).query(strips, predicate="intersects")
-    pairs = sorted((int(a), int(b)) for a, b in zip(first, second, strict=True) if a < b)
-    overlaps = shapely.intersection([strips[a] for a, _ in pairs], [strips[b] for _, b in pairs])
-    shared = [set(hinges[a].layers) & set(hinges[b].layers) for a, b in pairs]
+    pairs = meetings_of(strips, place)
+    overlaps: Geometries = shapely.intersection(strips[pairs[:, 0]], strips[pairs[:, 1]])
+    check_overlaps(overlaps, place)
+    shared = [set(hinges[a].layers) & set(hinges[b].layers) for a, b in pairs.tolist()]
     runs = [tuple(k for k, each in enumerate(shared) if layer in each) for layer in range(count)]
     return _joined(overlaps, runs)
 
@@ -59,14 +63,45 @@ def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, 
 
 def _joined(parts: Geometries, runs: Sequence[tuple[int, ...]]) -> tuple[MultiPolygon, ...]:
     """Per layer the union of the parts that it has; layers that have the same ones share it."""
-    made = {run: as_multipolygon(shapely.union_all([parts[k] for k in run])) for run in dict.fromkeys(runs)}
+    made = {run: as_multipolygon(_union(parts[np.array(run, dtype=np.int64)])) for run in dict.fromkeys(runs)}
     return tuple(made[run] for run in runs)
 
 
-def cut_layer(layer: Layer, hole: MultiPolygon, slit: MultiPolygon) -> MultiPolygon:
-    """What is left of a layer, its polygons in an order that depends on geometry alone."""
-    drawn = shapely.normalize(layer.geometry)
-    return as_multipolygon(shapely.difference(drawn, shapely.union(hole, slit)))
+def _union(parts: Geometries) -> BaseGeometry:
+    """The union of areas, cluster by cluster of those that meet: in a sheet, holes vertex by vertex."""
+    clusters = _clusters(parts)
+    joined: list[BaseGeometry] = []
+    for size in sorted({len(each) for each in clusters}):
+        alike = np.array([each for each in clusters if len(each) == size])
+        joined.extend(shapely.union_all(parts[alike], axis=1))
+    return GeometryCollection(joined)
+
+
+def _clusters(parts: Geometries) -> list[list[int]]:
+    """Indices of areas by cluster: areas of different clusters have no point in common."""
+    head = list(range(len(parts)))
+    first, second = STRtree(parts).query(parts, predicate="intersects")
+    for a, b in zip(first.tolist(), second.tolist(), strict=True):
+        if a < b:
+            unite(head, a, b)
+    clusters: dict[int, list[int]] = {}
+    for index in range(len(parts)):
+        clusters.setdefault(root(head, index), []).append(index)
+    return list(clusters.values())
+
+
+def cut_layers(
+    layers: Sequence[Layer], holes: Sequence[MultiPolygon], slits: Sequence[MultiPolygon]
+) -> tuple[MultiPolygon, ...]:
+    """What is left of each layer, polygons in an order that depends on geometry alone; layers that are drawn and cut
+    alike share it."""
+    keys = [(id(layer.geometry), id(h), id(s)) for layer, h, s in zip(layers, holes, slits, strict=True)]
+    made: dict[tuple[int, ...], MultiPolygon] = {}
+    for key, layer, hole, slit in zip(keys, layers, holes, slits, strict=True):
+        if key not in made:
+            drawn = shapely.normalize(layer.geometry)
+            made[key] = as_multipolygon(shapely.difference(drawn, shapely.union(hole, slit)))
+    return tuple(made[key] for key in keys)
 
 
 def as_multipolygon(geometry: BaseGeometry) -> MultiPolygon:

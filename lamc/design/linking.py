@@ -12,10 +12,13 @@ from dataclasses import dataclass
 from shapely.geometry import LineString
 
 from lamc.basics.errors import TopologyError
+from lamc.basics.groups import root, unite
 from lamc.design.check_design import known
 from lamc.design.contact import SHORTEST, Contact
 from lamc.design.cutting import SLIT
 from lamc.design.steps import Connection, Hinge
+
+_DOUBLED = 0.5  # of the shorter of two lines, beside the other: more than crossings and ends have
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,10 @@ def link(
     if lost:
         shown = ", ".join(map(str, lost[:4])) + (f" and {len(lost) - 4} more" if len(lost) > 4 else "")
         noun = "body has" if len(lost) == 1 else "bodies have"
+        count = _pieces(pairs, [d is None for d in depth])
+        pieces = f" (in {count} {'piece' if count == 1 else 'pieces'})" if len(lost) > 1 else ""
         raise TopologyError(
-            f"{len(lost)} {noun} no path to the world: {shown}; join each by a hinge line to the rest, "
+            f"{len(lost)} {noun} no path to the world: {shown}{pieces}; join each piece by a hinge line to the rest, "
             "draw the fixed region over it, or take it out of the drawing"
         )
 
@@ -93,16 +98,23 @@ def _pair(
 
 def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], layers: Sequence[str]) -> str:
     if contact.free_length <= SHORTEST * hinge.properties.width:
-        near = [repr(h.name) for h in _neighbours(hinge, hinges)][:4]
+        neighbours = _neighbours(hinge, hinges)
+        beside = [h for h in neighbours if _shared(hinge, h) > _DOUBLED * _shorter(hinge, h)]
+        near = [repr(h.name) for h in beside or neighbours][:4]
         if not near:
             return (
                 f"it is {hinge.line.length * 1e3:.3g} mm long and {hinge.properties.width * 1e3:.3g} mm wide, which "
                 "leaves nothing to bend; make it longer, or lower the hinge width"
             )
+        doubled = ""
+        if beside:
+            length = 1e3 * max(_shared(hinge, h) for h in beside)
+            doubled = (
+                f"; over {length:.3g} mm they are within a width: keep one where a crease is drawn twice"
+            )
         return (
             f"the holes where it meets {_plural('hinge', near)} swallow it; move them apart, make it "
-            "longer, or "
-            "lower the hinge width"
+            f"longer, or lower the hinge width{doubled}"
         )
     bodies = contact.bodies
     if len(bodies) == 0:
@@ -172,6 +184,14 @@ def _depths(pairs: Sequence[tuple[int, int]], sites: Sequence[Site]) -> list[int
     return depth
 
 
+def _pieces(pairs: Sequence[tuple[int, int]], chosen: Sequence[bool]) -> int:
+    """How many pieces the chosen bodies are in, by the hinges between them."""
+    head = list(range(len(chosen)))
+    for a, b in pairs:
+        unite(head, a, b)
+    return len({root(head, body) for body, is_chosen in enumerate(chosen) if is_chosen})
+
+
 def _neighbours(hinge: Hinge, hinges: Sequence[Hinge]) -> list[Hinge]:
     def strip(h: Hinge) -> float:
         return h.properties.width
@@ -183,6 +203,17 @@ def _neighbours(hinge: Hinge, hinges: Sequence[Hinge]) -> list[Hinge]:
         and set(h.layers) & set(hinge.layers)
         and h.line.distance(hinge.line) < strip(h) + strip(hinge)
     ]
+
+
+def _shared(hinge: Hinge, other: Hinge) -> float:
+    """How much of the shorter line lies within a hinge width of the other, m."""
+    shorter, longer = sorted((hinge.line, other.line), key=lambda line: line.length)
+    width = max(hinge.properties.width, other.properties.width)
+    return float(shorter.intersection(longer.buffer(width)).length)
+
+
+def _shorter(hinge: Hinge, other: Hinge) -> float:
+    return float(min(hinge.line.length, other.line.length))
 
 
 def _plural(noun: str, names: Sequence[str]) -> str:

@@ -71,7 +71,10 @@ def body_properties(plates: Sequence[tuple[Slab, float]]) -> tuple[float, Array,
     """
     if not plates:
         raise DesignError("a body has no plates, so it has no mass; give it at least one")
-    moments = [polygon_moments(plate.polygon) for plate, _ in plates]
+    # Layers that are cut alike share their polygons.
+    shapes = {id(plate.polygon): plate.polygon for plate, _ in plates}
+    known = {key: polygon_moments(shape) for key, shape in shapes.items()}
+    moments = [known[id(plate.polygon)] for plate, _ in plates]
     heights = [_thickness(plate) for plate, _ in plates]
     densities = [_checked_density(density) for _, density in plates]
     volumes = [m.area * t for m, t in zip(moments, heights, strict=True)]

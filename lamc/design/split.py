@@ -10,21 +10,21 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
-from shapely.geometry import LineString
+from shapely.geometry import LineString, Polygon
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, TopologyError
 from lamc.design.bodies import Group, find_groups
 from lamc.design.check_design import check_design
-from lamc.design.contact import LayerIndex, contact
-from lamc.design.cutting import cut_layer, holes_per_layer, material_size, slits_per_layer, strips_of
+from lamc.design.contact import LayerIndex, contacts
+from lamc.design.cutting import SLIT, cut_layers, holes_per_layer, material_size, slits_per_layer
+from lamc.design.facet_creases import bend_facets
 from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
-from lamc.design.work import check_strips
 from lamc.records.design import BodyName, Design
-from lamc.records.mechanism import Body, Joint, Mechanism, Slab
+from lamc.records.mechanism import Array, Body, Joint, Mechanism, Slab
 
 Progress = Callable[[str, float], None]
 
@@ -64,9 +64,9 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     hinges = named_hinges(design)
     tell("cutting", 0.1)
     count = len(design.layers)
-    check_strips(strips_of(hinges), design.places.of("hinges"))
-    holes, slits = holes_per_layer(hinges, count), slits_per_layer(hinges, count)
-    cut = tuple(cut_layer(*each) for each in zip(design.layers, holes, slits, strict=True))
+    holes = holes_per_layer(hinges, count, design.places.of("hinges"))
+    slits = slits_per_layer(hinges, count)
+    cut = cut_layers(design.layers, holes, slits)
     tell("finding bodies", 0.4)
     groups = find_groups(cut, design.fixed, material_size(design.layers))
     kept, scraps = _without_scraps(groups, min(h.properties.width for h in hinges))
@@ -80,9 +80,17 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     bodies, parts = _named_bodies(design, kept)
     tell("joining bodies", 0.8)
     layers = [LayerIndex([p.polygons for p in parts], i) for i in range(count)]
-    contacts = [contact(hinge, holes, layers) for hinge in hinges]
     sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
-    connections = link(hinges, contacts, sites, [layer.name for layer in design.layers])
+    touched = contacts(hinges, holes, layers)
+    connections = link(hinges, touched, sites, [layer.name for layer in design.layers])
+    notes: tuple[str, ...] = ()
+    if design.facet_creases is not None:
+        bent = bend_facets(design, parts, connections, design.facet_creases)
+        whole = {body.name: body for body in bodies}
+        bodies = tuple(
+            whole.get(p.name) or _body(p.name, p.fixed, _plates(design, p.polygons)) for p in bent.bodies
+        )
+        parts, connections, notes = bent.bodies, bent.connections, bent.notes
     joints = tuple(_joint(connection) for connection in connections)
     mechanism = Mechanism(
         bodies,
@@ -93,9 +101,10 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
         design.scenes,
         design.contact_points,
         design=design,
+        facet_creases=tuple(joint.name for joint in joints[len(hinges) :]),
     )
     tell("done", 1.0)
-    return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism)
+    return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism, notes)
 
 
 def named_hinges(design: Design) -> tuple[Hinge, ...]:
@@ -138,14 +147,13 @@ def _without_scraps(groups: Sequence[Group], width: float) -> tuple[tuple[Group,
 
 def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, ...], tuple[SplitBody, ...]]:
     """Bodies with masses and names, and their polygons by layer; both in the order of their geometry."""
-    plates = [_plates(design, group) for group in groups]
+    plates = [_plates(design, group.polygons) for group in groups]
     properties = [body_properties(each) for each in plates]
     marks = [BodyMark(g.fixed, p[1], p[0], p[2]) for g, p in zip(groups, properties, strict=True)]
     names = name_bodies(marks, _drawn_names(design, groups))
     bodies, parts = [], []
     for i in body_order(marks):
-        mass, com, inertia = properties[i]
-        if mass == 0.0 and not groups[i].fixed:
+        if properties[i][0] == 0.0 and not groups[i].fixed:
             made_of = [k for k, polygons in enumerate(groups[i].polygons) if polygons]
             used = sorted(design.layers[k].name for k in made_of)
             raise DesignError(
@@ -153,26 +161,35 @@ def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, 
                 f"{', '.join(map(repr, used))} is 0 kg/m³; give the material a density, or fix the body",
                 design.places.of("layers", made_of[0]),
             )
-        outline = tuple(plate for plate, _ in plates[i])
-        bodies.append(Body(names[i], mass, com, inertia, fixed=groups[i].fixed, outline=outline))
+        bodies.append(_body(names[i], groups[i].fixed, plates[i], properties[i]))
         parts.append(SplitBody(names[i], groups[i].fixed, groups[i].polygons))
     return tuple(bodies), tuple(parts)
 
 
-def _plates(design: Design, group: Group) -> list[tuple[Slab, float]]:
+def _body(
+    name: str,
+    fixed: bool,
+    plates: Sequence[tuple[Slab, float]],
+    properties: tuple[float, Array, Array] | None = None,
+) -> Body:
+    mass, com, inertia = properties or body_properties(plates)
+    return Body(name, mass, com, inertia, fixed=fixed, outline=tuple(plate for plate, _ in plates))
+
+
+def _plates(design: Design, polygons: Sequence[Sequence[Polygon]]) -> list[tuple[Slab, float]]:
     z = design.z
     return [
         (Slab(polygon, z[i], z[i + 1]), layer.material.density)
         for i, layer in enumerate(design.layers)
-        for polygon in group.polygons[i]
+        for polygon in polygons[i]
     ]
 
 
 def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
     """The drawing's name for each group, None where it has none."""
     names: list[str | None] = [None] * len(groups)
-    for given in sorted(design.body_names, key=lambda item: item.name):
-        inside = [i for i, group in enumerate(groups) if _holds(group, given)]
+    named = sorted(design.body_names, key=lambda item: item.name)
+    for given, inside in zip(named, _holders(named, groups), strict=True):
         at = millimetres((given.point.x, given.point.y))
         if len(inside) != 1:
             where = "" if given.layer is None else f" of layer {design.layers[given.layer].name!r}"
@@ -185,17 +202,45 @@ def _drawn_names(design: Design, groups: Sequence[Group]) -> list[str | None]:
             )
         if names[inside[0]] is not None:
             raise DesignError(
-                f"{names[inside[0]]!r} and {given.name!r} name the same body, at {at}; keep one name",
+                f"{names[inside[0]]!r} and {given.name!r} name the same body, at {at}; keep one name, or part the "
+                f"body: {_uncut(design, groups[inside[0]])}",
                 design.places.of("bodies", given.name),
             )
         names[inside[0]] = given.name
     return names
 
 
-def _holds(group: Group, given: BodyName) -> bool:
-    """True if the point that names a body lies in a piece of the group, in the layer asked for if there is one."""
-    layers = group.polygons if given.layer is None else (group.polygons[given.layer],)
-    return any(shapely.contains_xy(p, given.point.x, given.point.y) for layer in layers for p in layer)
+def _uncut(design: Design, group: Group) -> str:
+    """What would part a body in which two names stand: lines that end inside it, to be lengthened, or a missing one."""
+    tips = []
+    for hinge in named_hinges(design):
+        a, b = np.array(hinge.line.coords)
+        beyond = (b - a) * (2.0 * SLIT * hinge.properties.width / hinge.line.length)
+        for end in (a - beyond, b + beyond):
+            if any(shapely.contains_xy(p, *end) for i in hinge.layers for p in group.polygons[i]):
+                tips.append(f"hinge {hinge.name!r} ends inside it at {millimetres((end[0], end[1]))}")
+    return (
+        f"{' and '.join(tips[:4])}; lengthen it"
+        if tips
+        else "draw the hinge line that is missing between them"
+    )
+
+
+def _holders(named: Sequence[BodyName], groups: Sequence[Group]) -> list[list[int]]:
+    """For each point that names a body, the groups with a piece that holds it, in the layer asked for if there is
+    one."""
+    pieces = [
+        (p, i, k) for i, group in enumerate(groups) for k, layer in enumerate(group.polygons) for p in layer
+    ]
+    tree = shapely.STRtree([polygon for polygon, _, _ in pieces])
+    points = np.array([given.point for given in named], dtype=object)
+    which, held_by = tree.query(points, predicate="within")
+    inside: list[set[int]] = [set() for _ in named]
+    for name, piece in zip(which.tolist(), held_by.tolist(), strict=True):
+        _, group, layer = pieces[piece]
+        if named[name].layer in (None, layer):
+            inside[name].add(group)
+    return [sorted(each) for each in inside]
 
 
 def _joint(connection: Connection) -> Joint:

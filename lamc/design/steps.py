@@ -64,6 +64,7 @@ class SplitSteps:
     connections  one per hinge line, from left to right
     scraps       pieces too small to be bodies
     mechanism    what `split` gives
+    facet_notes  what became of facets that bend
     """
 
     design: Design
@@ -74,6 +75,7 @@ class SplitSteps:
     connections: tuple[Connection, ...]
     scraps: tuple[Scrap, ...]
     mechanism: Mechanism
+    facet_notes: tuple[str, ...] = ()
 
     @property
     def hinges(self) -> tuple[Hinge, ...]:
@@ -82,8 +84,12 @@ class SplitSteps:
     @property
     def notes(self) -> tuple[str, ...]:
         """One line for each thing that was done and that the drawing did not ask for."""
-        return self.design.notes + tuple(
-            f"left out a scrap of {s.area * 1e6:.3g} mm² at ({s.at[0] * 1e3:.6g}, {s.at[1] * 1e3:.6g}) mm: "
-            "smaller than the square of a hinge width, it is no body"
-            for s in self.scraps
+        return (
+            self.design.notes
+            + self.facet_notes
+            + tuple(
+                f"left out a scrap of {s.area * 1e6:.3g} mm² at ({s.at[0] * 1e3:.6g}, {s.at[1] * 1e3:.6g}) mm: "
+                "smaller than the square of a hinge width, it is no body"
+                for s in self.scraps
+            )
         )

@@ -80,6 +80,12 @@ def _strips_drawn(
 
     every = named_hinges(design)
     hinges = [hinge for hinge in every if hinge.name in lacking]
+    undrawn = sorted(set(lacking) - {hinge.name for hinge in hinges})
+    if undrawn:
+        raise DesignError(
+            f"hinge {undrawn[0]!r} is no strip of the drawing but a facet that bends (facet_creases): name the joints "
+            f"of twist_compliance, or give it {', '.join(lacking[undrawn[0]].missing)}"
+        )
     told = {hinge.name: lacking[hinge.name] for hinge in hinges}
     asked = sorted({h.properties.layer for h in hinges if told[h.name].E is None or told[h.name].nu is None})
     try:

@@ -15,7 +15,8 @@ from lamc.examples.n_four_bar import n_four_bar
 from lamc.run.request import did_you_mean
 
 _FOLDER = Path(__file__).resolve().parent
-_MOST_FACETS, _MOST_WINDOWS = 64, 40  # beyond them, compiling takes minutes
+_MOST_FACETS = 1024  # a sheet of 32 x 32
+_MOST_WINDOWS = 40  # beyond them, compiling takes minutes
 # Files of others, which cannot hold a line and a story of ours.
 _FOREIGN = {
     "pendulum.cad": (

@@ -20,10 +20,10 @@ START = 30.0  # degrees, of the first zigzag crease
 _STORY = """\
 The Miura-ori of {columns} by {rows} facets: one sheet of card, film and card, creased along straight lines and
 zigzags. Every inner vertex is a spherical four-bar that folds with one freedom, and any number of them fold
-together with that same one: {count} with {equations} equations, of which {rank} count. The rest are redundant,
-and a solver that takes them all locks up on round-off. As drawn it is flat and singular, so the start gives the
-zigzag creases of one row, and the others follow. Look at results.csv: zigzag creases share one magnitude and
-straight ones another, tan(s/2) = cos(65 deg) tan(z/2)."""
+together with that same one: {count} with {equations} equations, three about each vertex, of which {rank}
+count. The rest are redundant, and a solver that takes them all locks up on round-off. As drawn it is flat and
+singular, so the start gives the zigzag creases of one row, and the others follow. Look at results.csv: zigzag
+creases share one magnitude and straight ones another, tan(s/2) = cos(65 deg) tan(z/2)."""
 _STRIP = """\
 A strip of {columns} by {rows} facets of the Miura-ori. It has no inner vertex, hence no loops: each crease folds by
 itself. Look at miura:2x2 next: two facets in both directions make it rigid origami of one freedom."""
@@ -52,7 +52,7 @@ def miura(columns: int, rows: int) -> str:
     loops = (columns - 1) * (rows - 1)
     first = "z1_0" if columns > 1 else "s0_1"
     counted = {0: "no loop", 1: "one loop"}.get(loops, f"{loops} loops")
-    facts = {"count": counted, "columns": columns, "rows": rows, "equations": 6 * loops}
+    facts = {"count": counted, "columns": columns, "rows": rows, "equations": 3 * loops}
     joints = (columns - 1) * rows + columns * (rows - 1)
     freedoms = "one freedom" if loops else f"{joints} freedoms"
     story = (_STORY if loops else _STRIP).format(rank=joints - 1, **facts)

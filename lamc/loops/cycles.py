@@ -16,6 +16,7 @@ from enum import Enum
 
 import numpy as np
 
+from lamc.basics.groups import unite
 from lamc.mechanism.spanning import geometric_key
 from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.mechanism import Array, Joint
@@ -142,8 +143,8 @@ def _rings(
                 before[far], depth[far] = (edge, node), depth[node] + 1
                 limb[far] = edge if node == root else limb[node]
                 queue.append(far)
-    for index, closing in enumerate(edges):
-        a, b = closing.parent, closing.child
+    for index in sorted({edge for node in depth for edge, _ in at[node]}):
+        a, b = edges[index].parent, edges[index].child
         if a not in depth or b not in depth or index in (before[a][0], before[b][0]):
             continue
         if limb[a] != limb[b] or root in (a, b):
@@ -173,16 +174,11 @@ def _incidence(
 
 def _pieces(nodes: Sequence[int], edges: Sequence[Edge]) -> int:
     """How many pieces the graph has."""
-    head = {node: node for node in nodes}
-
-    def top(node: int) -> int:
-        while head[node] != node:
-            head[node] = node = head[head[node]]
-        return node
-
+    place = {node: index for index, node in enumerate(nodes)}
+    head = list(range(len(nodes)))
     for edge in edges:
-        head[top(edge.parent)] = top(edge.child)
-    return sum(top(node) == node for node in nodes)
+        unite(head, place[edge.parent], place[edge.child])
+    return sum(each == index for index, each in enumerate(head))
 
 
 def _cycle(ring: tuple[int, ...], edges: Sequence[Edge], joints: Sequence[Joint], size: float) -> Cycle:

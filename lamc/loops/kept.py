@@ -35,7 +35,7 @@ def _read(text: str | None) -> LoopCount | None:
     try:
         values = json.loads(body)
         misfit = values.pop("misfit")
-        for name in ("singular_values", "branch_ranks"):
+        for name in ("singular_values", "branch_ranks", "position"):
             values[name] = tuple(values[name])
         if misfit is not None:
             misfit["place"] = tuple(misfit["place"])

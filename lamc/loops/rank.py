@@ -48,6 +48,7 @@ class LoopCount:
     cutoff           of the largest singular value: smaller ones are no equations
     branch_ranks     of each branch, where the start is singular; `rank` is the largest, or that of the branch taken
     shakes           rates that hold the loops closed to first order where nothing moves
+    position         closed angles, rad, of all joints, at which the rank shows most clearly; empty: none is known
     """
 
     loops: int
@@ -60,6 +61,7 @@ class LoopCount:
     cutoff: float = SOLVE
     branch_ranks: tuple[int, ...] = ()
     shakes: int = 0
+    position: tuple[float, ...] = ()
 
     @property
     def redundant(self) -> int:
@@ -80,7 +82,9 @@ class LoopCount:
         if not 0 < abs(number) <= len(self.branch_ranks):
             return self
         rank = self.branch_ranks[abs(number) - 1]
-        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+        if rank == self.rank:
+            return self
+        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank, position=())
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)
@@ -142,7 +146,8 @@ def count_at(
     ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
     rank = max(ranks) if taken.places else size - _free_at_once(geometry, angles, exact)
     best = max(taken.places, key=lambda place: place.clearness(size - rank), default=None)
-    linear = geometry.linear(angles if best is None else best.angles)
+    position = angles if best is None else best.angles
+    linear = geometry.linear(position)
     values = linear.scale * np.append(linear.weak[0], [] if linear.is_small else [1.0])
     return LoopCount(
         geometry.loops,
@@ -155,6 +160,7 @@ def count_at(
         cutoff if accepted else SOLVE,
         ranks if taken.is_singular else (),
         0 if rank < size else exact.free,
+        tuple(position.tolist()),
     )
 
 

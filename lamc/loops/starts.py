@@ -90,7 +90,17 @@ class Starter:
         return find_branches(self.geometry, angles, self.count.fit)
 
     def position(self, given: Mapping[str, float]) -> Array:
-        """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows."""
+        """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
+        that may bend are flat, where there is such a position."""
+        flat = dict.fromkeys(self.geometry.tree.mechanism.facet_creases, 0.0)
+        if not flat.keys() <= given.keys():
+            try:
+                return self._position(flat | dict(given))
+            except DesignError:
+                pass  # rigid facets do not close there
+        return self._position(given)
+
+    def _position(self, given: Mapping[str, float]) -> Array:
         wanted, free = self._given(given)
         best, best_gap = wanted, np.inf
         found: list[Array] = []

@@ -5,7 +5,7 @@ which comes in as validation context; a bare number of any other kind is SI.
 """
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
 
@@ -13,11 +13,12 @@ from lamc.basics import units
 from lamc.basics.errors import DesignError
 from lamc.basics.fields import LENGTH_UNIT as LENGTH_UNIT
 from lamc.basics.fields import StrictModel as StrictModel
-from lamc.basics.fields import Unit
+from lamc.basics.fields import Unit, is_measured
 from lamc.basics.fields import custom as custom
 from lamc.basics.units import length_unit
 
 ALL_LAYERS = "all"
+FROM_MATERIAL = "from-material"
 _WIDEST_ANGLE = 4.0 * math.pi
 
 
@@ -33,6 +34,13 @@ def _length_unit(value: Any) -> str:
         return length_unit(value)
     except DesignError as error:
         raise custom(error) from error
+
+
+def _crease_stiffness(value: Any) -> Any:
+    if isinstance(value, str) and value != FROM_MATERIAL and not is_measured(value):
+        text = f"it is {value[:40]!r}; write a number and a unit, such as '1e-3 N*m/rad', or {FROM_MATERIAL}"
+        raise custom(DesignError(text))
+    return value
 
 
 def _names(value: Any) -> Any:
@@ -54,6 +62,10 @@ Mass = Annotated[float, Unit(units.MASS, ge=0.0)]
 Inertia = Annotated[float, Unit(units.INERTIA)]
 Number = Annotated[float, Unit(units.RATIO)]
 Duration = Annotated[float, Unit(units.DURATION, gt=0.0)]
+
+CreaseStiffness = Annotated[
+    float | Literal["from-material"], Unit(units.STIFFNESS, ge=0.0), BeforeValidator(_crease_stiffness)
+]
 
 Point = tuple[Coordinate, Coordinate]
 SpacePoint = tuple[Coordinate, Coordinate, Coordinate]

@@ -21,7 +21,14 @@ from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode
 from lamc.readers.scene_file import read_scenes
-from lamc.readers.schema import DesignModel, HingeModel, LayerModel, NamedBodyModel, OutlineModel, ShapeModel
+from lamc.readers.schema import (
+    DesignModel,
+    HingeModel,
+    LayerModel,
+    NamedBodyModel,
+    OutlineModel,
+    ShapeModel,
+)
 from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Material, Places
 from lamc.records.mechanism import checked_name
 
@@ -90,6 +97,7 @@ class _Reader:
             self._places(),
             scenes,
             tuple(model.contact_points),
+            facet_creases=model.facet_creases.record() if model.facet_creases else None,
         )
 
     def _places(self) -> Places:

@@ -18,6 +18,7 @@ from lamc.readers.fields import (
     Angle,
     AnyAngle,
     Coordinate,
+    CreaseStiffness,
     Damping,
     Density,
     Direction,
@@ -34,6 +35,7 @@ from lamc.readers.fields import (
     StrictModel,
 )
 from lamc.readers.scene_schema import LoneSceneModel, SceneFileModel, SceneModel, ScenesModel
+from lamc.records.design import FacetCreases
 
 
 class MaterialModel(StrictModel):
@@ -150,6 +152,18 @@ BodyPoint = Annotated[
 ]
 
 
+class FacetCreasesModel(StrictModel):
+    """Facets bend along their diagonals: each moving one of four corners or more is parted into triangles by hinges."""
+
+    stiffness: CreaseStiffness = Field(
+        description="of each diagonal, or from-material: of its facet's layers"
+    )
+    damping: Damping = 0.0
+
+    def record(self) -> FacetCreases:
+        return FacetCreases(None if isinstance(self.stiffness, str) else self.stiffness, self.damping)
+
+
 class DesignModel(StrictModel):
     """A laminate design."""
 
@@ -168,6 +182,7 @@ class DesignModel(StrictModel):
     contact_points: list[Point] = Field(
         default=[], description="points of the drawing at which bodies may touch something"
     )
+    facet_creases: FacetCreasesModel | None = None
     scene: SceneModel | None = None
     scenes: ScenesModel = Field(default={})
 

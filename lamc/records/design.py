@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from shapely.geometry import MultiPolygon, Point
 
+from lamc.basics.checks import checked_number
 from lamc.basics.errors import Place
 from lamc.basics.places import Places as Places
 from lamc.records.scene import Scene, checked_scenes
@@ -83,6 +84,23 @@ class BodyName:
 
 
 @dataclass(frozen=True)
+class FacetCreases:
+    """Facets bend: every moving one of four corners or more is parted along diagonals by hinges.
+
+    stiffness  N·m/rad, of each; None: from the materials of the facet's layers
+    damping    N·m·s/rad, of each
+    """
+
+    stiffness: float | None = None
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.stiffness is not None:
+            checked_number(self.stiffness, "the stiffness of facet_creases", minimum=0.0)
+        checked_number(self.damping, "the damping of facet_creases", minimum=0.0)
+
+
+@dataclass(frozen=True)
 class Design:
     """A laminate device before splitting.
 
@@ -93,6 +111,7 @@ class Design:
     contact_points  points of the drawing, m, at which bodies may touch something, for scenes that ask for them
     notes         one line for each thing in the file that the design is without
     beside        files beside its own that it was read from too: name and SHA-256
+    facet_creases  how facets bend along their diagonals; None: they are rigid
     """
 
     name: str
@@ -108,6 +127,7 @@ class Design:
     contact_points: tuple[tuple[float, float], ...] = ()  # m, world x and y
     notes: tuple[str, ...] = field(default=(), compare=False)
     beside: tuple[tuple[str, str], ...] = field(default=(), compare=False)
+    facet_creases: FacetCreases | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))

@@ -5,7 +5,7 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -163,6 +163,7 @@ class Mechanism:
             take them where a scene says so
     design  the drawing that it was split from, for effects that ask what bodies and hinges are made of; None: none, as
             in files of mechanisms. It takes no part in comparisons
+    facet_creases  names of joints along which facets bend; a start leaves them flat where it can
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -176,6 +177,7 @@ class Mechanism:
     scenes: Mapping[str, Scene] = field(default_factory=dict)
     contact_points: tuple[tuple[float, float], ...] = ()  # m
     design: "Design | None" = field(default=None, compare=False, repr=False)
+    facet_creases: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         put = _setter(self)
@@ -206,11 +208,19 @@ class Mechanism:
 
     def body(self, name: str) -> Body:
         """The body of that name. Raises KeyError with the names there are."""
-        return _named(self.bodies, name, "body")
+        return _named(self._bodies_by_name, name, "body")
 
     def joint(self, name: str) -> Joint:
         """The joint of that name. Raises KeyError with the names there are."""
-        return _named(self.joints, name, "joint")
+        return _named(self._joints_by_name, name, "joint")
+
+    @lazy
+    def _bodies_by_name(self) -> dict[str, Body]:
+        return {body.name: body for body in self.bodies}
+
+    @lazy
+    def _joints_by_name(self) -> dict[str, Joint]:
+        return {joint.name: joint for joint in self.joints}
 
     @lazy
     def size(self) -> float:
@@ -224,8 +234,7 @@ def _setter(record: object) -> Any:
     return lambda name, value: object.__setattr__(record, name, value)
 
 
-def _named(items: "Sequence[Named]", name: str, what: str) -> "Named":
-    for item in items:
-        if item.name == name:
-            return item
-    raise KeyError(f"no {what} is named {name!r}; there are {listed_names([i.name for i in items])}")
+def _named(items: Mapping[str, Named], name: str, what: str) -> Named:
+    if name in items:
+        return items[name]
+    raise KeyError(f"no {what} is named {name!r}; there are {listed_names(list(items))}")

@@ -8,14 +8,16 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import shapely
 from shapely.geometry import LineString, Polygon
 
 from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
-from lamc.design import split, work
+from lamc.design import cutting, split, work
 from lamc.design.split import split as split_design
 from lamc.plates import followed
 from lamc.plates.designs import overlay
@@ -151,13 +153,19 @@ def test_the_examples_and_a_miura_fold_of_256_plates_are_well_within_the_limits(
 ) -> None:
     """16 × 16 plates have 225 vertices with 6 pairs of strips each, and 480 hinges."""
     counted: list[int] = []
-    for name in ("_meetings", "_crossings"):
-        count = getattr(work, name)
-        monkeypatch.setattr(
-            work,
-            name,
-            lambda *given, count=count, **near: counted.append(count(*given, **near)) or counted[-1],
-        )
+    meetings, crossings = work._meetings, work._crossings
+
+    def counted_meetings(*given: Any, **near: Any) -> Any:
+        pairs = meetings(*given, **near)
+        counted.append(len(pairs))
+        return pairs
+
+    def counted_crossings(*given: Any) -> int:
+        counted.append(crossings(*given))
+        return counted[-1]
+
+    monkeypatch.setattr(work, "_meetings", counted_meetings)
+    monkeypatch.setattr(work, "_crossings", counted_crossings)
     at = {(i, j): (6 * i + 1.5 * (j % 2), 6.0 * j) for i in range(17) for j in range(17)}
     pairs = [((i, j), (i + 1, j)) for i in range(16) for j in range(1, 16)]
     pairs += [((i, j), (i, j + 1)) for i in range(1, 16) for j in range(16)]
@@ -165,13 +173,31 @@ def test_the_examples_and_a_miura_fold_of_256_plates_are_well_within_the_limits(
     rim += [at[i, 16] for i in range(15, -1, -1)] + [at[0, j] for j in range(15, 0, -1)]
     hinges = [line(at[a], at[b], 0.2) for a, b in pairs]
     design = load(drawn(tmp_path, [f"polygon: {[list(point) for point in rim]}"], hinges))
-    work.check_strips(split.strips_of(split.named_hinges(design)), None)  # type: ignore[arg-type]
-    assert 6 * 225 <= counted[-1] <= work.MOST_MEETINGS / 3
+    cutting.holes_per_layer(split.named_hinges(design), len(design.layers))  # type: ignore[arg-type]
+    assert counted[-2:] == [6 * 225, 15 * 225]
     for name in examples.files():
         record = load(examples.path(name))
         if isinstance(record, Design):
             split_design(record)
-    assert max(counted) <= work.MOST_MEETINGS / 3
+    assert max(counted) <= work.MOST_CROSSINGS / 3
+
+
+def test_lines_through_one_place_are_refused_before_their_holes_are_joined(tmp_path: Path) -> None:
+    """100 lines through a point: 4950 pairs meet, within that limit, and all these areas lie on one another; joining
+    them took a minute."""
+    design = load(drawn(tmp_path, hinges=bundle(100, 0.2)))
+    with pytest.raises(DesignError, match=rf"drawn.yaml:13:.*4950 areas.* {work.MOST_OVERLAPS} .*width"):
+        split_design(design)  # type: ignore[arg-type]
+
+
+def test_meetings_are_each_pair_once_in_order() -> None:
+    """Squares in a row, of which neighbours meet, and a cluster of 30: against all pairs looked at one by one."""
+    squares = [shapely.box(2.0 * k, 0.0, 2.0 * k + 2.0, 1.0) for k in range(300)]
+    squares += [shapely.box(0.1 * k, 50.0, 0.1 * k + 5.0, 55.0) for k in range(30)]
+    found = work._meetings(np.array(squares), 10_000)
+    expected = [(a, b) for a in range(330) for b in range(a + 1, 330) if squares[a].intersects(squares[b])]
+    assert found.tolist() == [list(pair) for pair in expected]
+    assert len(work._meetings(np.array(squares), 100)) > 100
 
 
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")

@@ -14,7 +14,7 @@ Splitting cuts a slit along every hinge line, which no one cuts in a device; wha
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -128,6 +128,8 @@ def plate_of(
     """
     if hinges not in HINGES:
         raise DesignError(f"hinges is {shown(hinges)}; it must be one of {', '.join(HINGES)}")
+    if isinstance(design, Design) and design.facet_creases is not None:
+        design = replace(design, facet_creases=None)  # a plate bends everywhere
     steps = design if isinstance(design, SplitSteps) else split_steps(design)
     bodies = _chosen(steps, body)
     layers = steps.design.layers

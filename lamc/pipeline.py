@@ -22,7 +22,8 @@ from lamc.design.split import split
 from lamc.effects.registry import choose
 from lamc.loops.at_start import loops_of
 from lamc.loops.kept import kept_loops
-from lamc.loops.rank import LoopCount, count_loops
+from lamc.loops.rank import LARGE, LoopCount, count_loops
+from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
@@ -220,7 +221,14 @@ def _loops_of(
     def count() -> LoopCount:
         if arrangement.compliant or arrangement.flexible:
             return count_loops(arrangement.tree, scene.closure_tolerance)
-        return loops_of(arrangement.tree, scene)
+        found = loops_of(arrangement.tree, rigid_scene(plan(mechanism), arrangement.tree, scene))
+        if not any(scene.angles.values()) or len(mechanism.joints) > LARGE:
+            return found
+        # Equations are written alike for all starts of one rank, so that other angles compile nothing anew.
+        plain = replace(scene, angles={}, rates={}, branch=None)
+        alias = loops_digest(mechanism, effects, plain, common=common)
+        drawn = kept_loops(alias, cache, lambda: count_loops(arrangement.tree, scene.closure_tolerance))
+        return replace(found, position=drawn.position) if drawn.rank == found.rank else found
 
     return kept_loops(loops_digest(mechanism, effects, scene, common=common), cache, count)
 

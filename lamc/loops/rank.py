@@ -82,7 +82,9 @@ class LoopCount:
         if not 0 < abs(number) <= len(self.branch_ranks):
             return self
         rank = self.branch_ranks[abs(number) - 1]
-        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+        if rank == self.rank:
+            return self
+        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank, position=())
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)
@@ -142,9 +144,10 @@ def count_at(
     accepted = misfit is not None and misfit.gap <= allowed
     taken = nearly if accepted else exact
     ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
-    rank = max(ranks, default=size)
+    rank = max(ranks) if taken.places else size - _free_at_once(geometry, angles, exact)
     best = max(taken.places, key=lambda place: place.clearness(size - rank), default=None)
-    linear = geometry.linear(angles if best is None else best.angles)
+    position = angles if best is None else best.angles
+    linear = geometry.linear(position)
     values = linear.scale * np.append(linear.weak[0], [] if linear.is_small else [1.0])
     return LoopCount(
         geometry.loops,
@@ -156,9 +159,16 @@ def count_at(
         allowed,
         cutoff if accepted else SOLVE,
         ranks if taken.is_singular else (),
-        0 if taken.places else exact.free,
-        () if best is None else tuple(best.angles.tolist()),
+        0 if rank < size else exact.free,
+        tuple(position.tolist()),
     )
+
+
+def _free_at_once(geometry: LoopGeometry, angles: Array, exact: _Survey) -> int:
+    """How many rates are free where no walk leads on: next to a singular position any step is too long, and what the
+    second order lets go, goes."""
+    near = LoopPosition(angles, 0.0, geometry.linear(angles).weak[0]).clearness(exact.free) < SMALL
+    return exact.free if near and not exact.is_singular else 0
 
 
 def accepted_by_default(size: float) -> float:

@@ -24,7 +24,7 @@ from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter
 from lamc.loops.texts import pushed_note
-from lamc.loops.yielding import yielding_start
+from lamc.loops.yielding import rigid_scene, yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
@@ -106,13 +106,13 @@ class Simulator(Evaluations):
     @lazy
     def loops(self) -> LoopCount:
         """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
-        return self._loops or loops_of(self._arrangement.tree, self.scene)
+        return self._loops or loops_of(self._arrangement.tree, self._rigid_scene)
 
     @lazy
     def branches(self) -> tuple[Branch, ...]:
         """The ways out of a singular start, such as a flat one, as `Scene.branch` numbers them; empty where the start
         is regular. Raises DesignError where no position has the scene's angles."""
-        return self._starter.branches(self.scene) if self._model.cuts else ()
+        return self._starter.branches(self._rigid_scene) if self._model.cuts else ()
 
     @lazy
     def pushed_branch(self) -> int | None:
@@ -120,7 +120,9 @@ class Simulator(Evaluations):
         start is regular, or the scene says its way."""
         if not self._model.cuts:
             return None
-        return self._starter.pushed_branch(self.scene, push_of(self._default_motion, self._arrangement))
+        return self._starter.pushed_branch(
+            self._rigid_scene, push_of(self._default_motion, self._arrangement)
+        )
 
     @lazy
     def start(self) -> Array:
@@ -132,7 +134,8 @@ class Simulator(Evaluations):
         """
         near = self.scene.angles
         if self._model.cuts:
-            start = self._starter.state(replace(self.scene, branch=self.scene.branch or self.pushed_branch))
+            scene = self._rigid_scene
+            start = self._starter.state(replace(scene, branch=scene.branch or self.pushed_branch))
         else:
             with located_at(self.scene.places):
                 refuse_branch(self.scene)
@@ -288,6 +291,12 @@ class Simulator(Evaluations):
             points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
         )
         return result, trajectory.effort
+
+    @lazy
+    def _rigid_scene(self) -> Scene:
+        """The scene by the joints that no bushing holds: where it gives angles or rates of others, theirs are such that
+        those are had."""
+        return rigid_scene(plan(self.mechanism), self._arrangement.tree, self.scene)
 
     @lazy
     def _starter(self) -> Starter:

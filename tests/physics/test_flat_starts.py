@@ -1,5 +1,6 @@
 """Starts that are flat and at rest: the branch that the loads choose, against the runs along all of them."""
 
+from importlib.resources import as_file, files
 from typing import Any
 
 import numpy as np
@@ -111,3 +112,28 @@ def test_a_linkage_drawn_in_one_line_runs_without_an_option() -> None:
     result = sprung.run(t_end=0.02)
     assert result.success, result.message
     assert result.energies["kinetic"].max() > 0.0
+
+
+@pytest.mark.parametrize("angle", [1e-6, 1e-5, 1e-4, 1e-3, 1e-2])
+@pytest.mark.quick("1e-05")
+def test_a_start_next_to_flat_is_had_by_one_angle_as_by_all(angle: float) -> None:
+    """On one of the two published branches, and with the freedom that the vertex has there."""
+    mechanism = vertex(np.radians(SECTORS))
+    sim = compiled(mechanism, effects=(Gravity(),), angles={"c1": angle})
+    assert (sim.loops.freedoms, sim.pushed_branch) == (1, None)
+    q = sim.start[: len(sim.joints)]
+    found = dict(zip(sim.joints, q.tolist(), strict=True))
+    assert found["c1"] == angle
+    # The other angles by the branch's ratios, to the second order in the angle; round-off of closure over the angle.
+    assert abs(found["c0"] / angle) == pytest.approx(0.14128053239285, abs=angle**2 + 1e-14 / angle**2)
+    again = compiled(mechanism, effects=(Gravity(),), angles=found)
+    assert np.abs(again.start - sim.start).max() <= 1e-15
+
+
+@pytest.mark.parametrize("angle", [1e-6, 1e-4])
+def test_a_net_with_many_motions_keeps_them_next_to_flat(angle: float) -> None:
+    with as_file(files("lamc.examples") / "folding_box.yaml") as path:
+        box = lamc.split(lamc.load(path))
+    sim = lamc.compile(box, lamc.Scene(angles={"diagonal_3": angle}))
+    assert sim.loops.freedoms == 4
+    assert sim.run(t_end=0.01).success

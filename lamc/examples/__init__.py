@@ -84,6 +84,14 @@ def names() -> tuple[str, ...]:
     return tuple(sorted([*files(), *_GENERATORS]))
 
 
+def forms() -> dict[str, str]:
+    """Forms of sizes, such as "COLUMNSxROWS", and the names of the examples that are made to one."""
+    made = {generator.form for generator in _GENERATORS.values()}
+    return {
+        form: ", ".join(sorted(n for n, g in _GENERATORS.items() if g.form == form)) for form in sorted(made)
+    }
+
+
 def find(name: str) -> Example:
     """The example of that name. Raises DesignError with the nearest names, or for a size that makes no design."""
     stem, colon, size = name.partition(":")

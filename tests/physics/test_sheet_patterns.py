@@ -79,10 +79,10 @@ def test_valleys_fold_up_whichever_facet_is_the_child() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["yoshimura", "kresling", "waterbomb_sheet"])
 def test_sheets_come_to_rest_where_all_springs_are_at_ease(name: str) -> None:
-    """Rest angles are a closed position with no energy at all. The slowest mode dies away by e in 2.5 s, measured."""
+    """Rest angles are a closed position with no energy at all. The slowest mode dies away by e in 6 s, measured."""
     mechanism = mechanism_of_example(examples.find(name))
-    result = lamc.compile(mechanism, mechanism.scene).run(t_end=60.0, rtol=1e-8, atol=1e-10)
+    result = lamc.compile(mechanism, mechanism.scene).run(t_end=120.0, rtol=1e-8, atol=1e-10)
     assert result.success
     for joint in mechanism.joints:
-        # 0.4 rad at 1 s, and e^(-59 / 2.5) of it is left.
+        # 0.6 rad at first, and e^(-120 / 6) of it is left.
         assert result.angle(joint.name)[-1] == pytest.approx(joint.rest_angle, abs=1e-5)

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 from types import MappingProxyType
 
@@ -21,13 +22,21 @@ from lamc.codegen.printer import REAL, ShapePrinter, literal
 from lamc.codegen.sine_cosine import CALLS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.program import Coordinate, Program
+from lamc.symbolic.program import Coordinate, Pattern, Program
 
 _DECLARATIONS = re.compile(
     r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL
 )
 
-_AT_PRECISION = ("acceleration", "system", "dynamics")  # closure must be exact, and the rest costs little
+_AT_PRECISION = (
+    "acceleration",
+    "system",
+    "dynamics",
+    "residual",
+    "momenta",
+)  # closure must be exact, and the rest costs little
+
+IN_A_LINE = 20  # numbers of a table
 
 
 @dataclass(frozen=True)
@@ -146,6 +155,8 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
         "other_coordinates": other_entries(program, program.coordinates),
         "other_rates": other_entries(program, program.rates),
         "powers": [comment(p) for p in program.powers],
+        "pattern": _pattern(program.pattern),
+        "planned": 0 if program.pattern is None else len(program.pattern.plan),
         "cuts": [comment(j) for j in program.cuts],
         "size": literal(program.size, number),
         "start": [literal(x) for x in program.drawn],
@@ -195,6 +206,33 @@ def _look_up(k: int, table: Piecewise, number: str) -> CLookUp:
     return CLookUp(k, len(table.breaks), table.degree + 1, tuple(map(text, table.breaks)), rows)
 
 
+def _pattern(pattern: Pattern | None) -> dict[str, list[str]]:
+    """The tables of a `lamc_pattern`, as lines; empty for a tree."""
+    if pattern is None:
+        return {}
+    plan = pattern.plan
+    tables: dict[str, list[int]] = {
+        "row_start": _starts(pattern.rows),
+        "column": [j for row in pattern.rows for j in row],
+    }
+    if plan:
+        taken = [step.row for step in plan]
+        tables["step_row"] = [*taken, *sorted(set(range(len(pattern.rows))) - set(taken))]
+        tables["update_start"] = _starts([step.updates for step in plan])
+        tables["update"] = [k for step in plan for k in step.updates]
+        tables["left_start"] = _starts([step.left for step in plan])
+        tables["left"] = [j for step in plan for j in step.left]
+    return {name: _lines(numbers or [0]) for name, numbers in tables.items()}  # C has no empty arrays
+
+
+def _starts(rows: Sequence[Sequence[int]]) -> list[int]:
+    return [0, *accumulate(map(len, rows))]
+
+
+def _lines(numbers: Sequence[int]) -> list[str]:
+    return [", ".join(map(str, numbers[k : k + IN_A_LINE])) + "," for k in range(0, len(numbers), IN_A_LINE)]
+
+
 def _coordinate_strings(program: Program) -> dict[str, list[str]]:
     """Tables of names and units where there are more coordinates than joints; else those of joints serve."""
     if len(program.coordinates) == len(program.joints):
@@ -215,6 +253,7 @@ def _counts(program: Program) -> dict[str, int]:
         "powers": len(program.powers),
         "cuts": len(program.cuts),
         "closure": program.closure_count,
+        "entries": 0 if program.pattern is None else program.pattern.entry_count,
         "rank": program.rank,
         "bodies": len(program.bodies),
         "parameters": len(program.parameters),

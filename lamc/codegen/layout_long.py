@@ -6,6 +6,7 @@ Goes in: a Function that is too long for one block. Comes out: its routines, tab
 from collections.abc import Iterable
 from fractions import Fraction
 
+from lamc.codegen.dispatch import dispatch
 from lamc.codegen.names import comment
 from lamc.codegen.pieces import (
     LONG_INDEX,
@@ -29,6 +30,9 @@ from lamc.symbolic.program import Function, Operand, Space, Statement
 PART = 250  # statements in one part of what does not repeat in a long function
 MAX_PERIOD = 4  # like links in turns: signs that alternate from link to link make two classes of one
 MAX_PLAIN_OUTPUTS = 64  # more outputs than this are copied by loops
+# More loops than this are one loop over a table of what comes when: what gcc reads does not grow with them then,
+# nor does its time (a sheet of 16 x 16 facets has 1300 loops)
+MAX_LOOPS = 24
 
 
 class Long:
@@ -47,22 +51,17 @@ class Long:
         self.literals: dict[float | Fraction, int] = {}
         self.routines: list[CRoutine] = []
         self.rows: list[list[str]] = [[] for _ in self.layout.classes]
-        self.output_tables: list[CTable] = []
+        self.more_tables: list[CTable] = []
         self.body: list[str] = []
         self._pending: list[Segment] = []
 
     def arranged(self) -> CFunction:
         for number, kernel in enumerate(self.layout.classes):
             self.routines.append(self._kernel(number, kernel))
-        position = 0
-        while position < len(self.layout.segments):
-            if self.layout.class_of[position] is None:
-                self._write_out(self.layout.segments[position])
-                position += 1
-            else:
-                self._finish_part()
-                position += self._loop(position)
-        self._finish_part()
+        if self._loop_count() > MAX_LOOPS:
+            self._dispatch()
+        else:
+            self._write_loops()
         function = self.function
         self.body += self._copies()
         return CFunction(
@@ -76,14 +75,62 @@ class Long:
                     CTable(f"{function.name}_index_{i}", tuple(rows), rows[0].count(",") + 1)
                     for i, rows in enumerate(self.rows)
                 ),
-                *self.output_tables,
+                *self.more_tables,
             ),
-            index_type=SHORT_INDEX if self._largest_index() <= MAX_SHORT_INDEX else LONG_INDEX,
+            index_type=self._index_type(),
             literals=tuple(literal(v, self.number) for v in self.literals),
             crossing_count=self.layout.size,
             body=tuple(self.body),
             unused=(),  # every argument is handed on to the routines
         )
+
+    def _loop_count(self) -> int:
+        """How many times in a row another class, or what has none, comes next; turns of a few classes count once."""
+        class_of = self.layout.class_of
+        position, count = 0, 0
+        while position < len(class_of):
+            position += self._turns(position)[0] if class_of[position] is not None else 1
+            count += 1
+        return count
+
+    def _write_loops(self) -> None:
+        position = 0
+        while position < len(self.layout.segments):
+            if self.layout.class_of[position] is None:
+                self._write_out(self.layout.segments[position])
+                position += 1
+            else:
+                self._finish_part()
+                position += self._loop(position)
+        self._finish_part()
+
+    def _dispatch(self) -> None:
+        """Kernels and parts by a table of which comes when."""
+        function, class_of = self.function, self.layout.class_of
+        kernels, cases = len(self.rows), list[int]()
+        for position, segment in enumerate(self.layout.segments):
+            number = class_of[position]
+            if number is None:
+                self._pending.append(segment)
+                last = position + 1 == len(class_of) or class_of[position + 1] is not None
+                if last or sum(s.stop - s.start for s in self._pending) >= PART:
+                    cases.append(kernels + len(self.body))
+                    self._finish_part()
+            else:
+                self.rows[number].append(self._row(segment, self.layout.classes[number]))
+                cases.append(number)
+        arguments = ", ".join(s.value for s in function.reads)
+        calls = [f"{function.name}_kernel_{i}({arguments}, *next_{i}++, x);" for i in range(kernels)]
+        table, lines = dispatch(f"{function.name}_order", [*calls, *self.body], cases)
+        self.more_tables.append(table)
+        rows = [
+            f"const {self._index_type()} (*next_{i})[{rows[0].count(',') + 1}] = {function.name}_index_{i};"
+            for i, rows in enumerate(self.rows)
+        ]
+        self.body = [*rows, *lines]
+
+    def _index_type(self) -> str:
+        return SHORT_INDEX if self._largest_index() <= MAX_SHORT_INDEX else LONG_INDEX
 
     def _largest_index(self) -> int:
         """No table holds more than this."""
@@ -126,8 +173,8 @@ class Long:
             f"{self.function.name}_kernel_{number}", True, tuple(lines), unused(self.function, used)
         )
 
-    def _loop(self, start: int) -> int:
-        """A loop over the segments from `start` whose classes repeat; returns how many segments it covers."""
+    def _turns(self, start: int) -> tuple[int, int]:
+        """How many segments from `start` on are of one class, or of a few classes in turns; how many classes."""
         class_of = self.layout.class_of
         period, count = 1, 1
         for candidate in range(1, MAX_PERIOD + 1):
@@ -139,6 +186,12 @@ class Long:
                 repeats += 1
             if repeats > 1 and repeats * candidate > period * count:
                 period, count = candidate, repeats
+        return period * count, period
+
+    def _loop(self, start: int) -> int:
+        """A loop over the segments from `start` whose classes repeat; returns how many segments it covers."""
+        class_of = self.layout.class_of
+        covered, period = self._turns(start)
         calls: list[str] = []
         arguments = ", ".join(s.value for s in self.function.reads)
         for number in class_of[start : start + period]:
@@ -147,12 +200,12 @@ class Long:
             row = f"k + {first}" if first else "k"
             name = self.function.name
             calls.append(f"  {name}_kernel_{number}({arguments}, {name}_index_{number}[{row}], x);")
-        for position in range(start, start + period * count):
+        for position in range(start, start + covered):
             number = class_of[position]
             assert number is not None
             self.rows[number].append(self._row(self.layout.segments[position], self.layout.classes[number]))
-        self.body += [f"for (int k = 0; k < {count}; ++k) {{", *calls, "}"]
-        return period * count
+        self.body += [f"for (int k = 0; k < {covered // period}; ++k) {{", *calls, "}"]
+        return covered
 
     def _copies(self) -> list[str]:
         """The outputs; where there are many, by loops over tables of (output, source)."""
@@ -164,8 +217,8 @@ class Long:
             groups.setdefault((operand.space, sign), []).append(f"{k}, {self._index(operand)}")
         lines: list[str] = []
         for (space, sign), rows in sorted(groups.items(), key=lambda g: (g[0][0].value, -g[0][1])):
-            name = f"{self.function.name}_outputs_{len(self.output_tables)}"
-            self.output_tables.append(CTable(name, tuple(rows), 2))
+            name = f"{self.function.name}_outputs_{len(self.more_tables)}"
+            self.more_tables.append(CTable(name, tuple(rows), 2))
             array = (
                 f"{self.function.name}_number" if space is Space.NUMBER else array_name(space, self.number)
             )

@@ -12,8 +12,11 @@ from dataclasses import dataclass
 
 from lamc.export.options import ExportOptions
 from lamc.run.methods import METHODS
-from lamc.symbolic.program import Program
+from lamc.symbolic.program import Pattern, PlanStep, Program
 
+ROUNDS = (
+    6  # at most, of looking for an order of elimination: lamc_sparse_find, by tenths down to what is let go
+)
 ITERATIONS = 8  # at most, of bringing a state back to closure: MAX_ITERATIONS of loops.c
 PLACES = 6  # around a passage of a singular position: solve_around of loops.c
 RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, int(METHODS["rodas5p"].least_evaluations)
@@ -47,10 +50,26 @@ class _Sizes:
     m: int
     rank: int
     massive: tuple[int, ...]
+    pattern: Pattern | None
+    has_mass: bool  # written down; else functions of the model apply it
+
+    @property
+    def entries(self) -> int:
+        """Of J."""
+        return 0 if self.pattern is None else self.pattern.entry_count
+
+    @property
+    def plan(self) -> tuple[PlanStep, ...]:
+        return () if self.pattern is None else self.pattern.plan
 
     @property
     def cholesky(self) -> int:
         return _cholesky(self.n)
+
+    @property
+    def most_free(self) -> int:
+        """Directions that may be free: at a flat position fewer equations hold, and no fewer than none."""
+        return self.n
 
     @property
     def lower(self) -> int:
@@ -63,14 +82,31 @@ class _Sizes:
     @property
     def normalise(self) -> int:
         """Rows of J, and what stands beside them, to entries of one."""
-        return 2 + self.m * (self.n + 5)
+        return 2 + self.entries + 5 * self.m
 
     @property
     def take(self) -> int:
-        """J eliminated with complete pivoting, and what the equations leave free, with its mass."""
-        n = self.n
-        order = sum(2 + max(self.m - k - 1, 0) * (1 + 2 * (n - k - 1)) for k in range(self.rank))
+        """J eliminated, and what the equations leave free, with its mass."""
+        order = self._planned + self._found if self.plan else self._pivoted
         return order + self.rank + 1 + self._most(self._reduce)
+
+    @property
+    def _pivoted(self) -> int:
+        """With complete pivoting."""
+        n = self.n
+        return sum(2 + max(self.m - k - 1, 0) * (1 + 2 * (n - k - 1)) for k in range(self.rank))
+
+    @property
+    def _planned(self) -> int:
+        """By the plan, whose last pivot may turn out too small."""
+        left = [len(step.left) for step in self.plan]
+        return sum(3 + sum(2 * left[k] - 1 for k in step.updates) for step in self.plan)
+
+    @property
+    def _found(self) -> int:
+        """Rows that wait are looked at once in each round, each freed of all steps."""
+        row = sum(2 * (self.n - k) - 1 for k in range(self.rank))
+        return ROUNDS * (self.m * row + 1) + self.rank
 
     def _most(self, counted: Callable[[int], int]) -> int:
         """Of `counted` by the number of equations that are taken: at a singular position it is below the rank."""
@@ -78,7 +114,7 @@ class _Sizes:
 
     def _reduce(self, taken: int) -> int:
         free = self.n - taken
-        return free * (taken * taken + self.momenta + (free + 1) * self.n) + _cholesky(free)
+        return free * (taken * taken + taken + self.momenta + (free + 1) * self.n) + _cholesky(free)
 
     @property
     def prepare(self) -> int:
@@ -86,7 +122,7 @@ class _Sizes:
 
     @property
     def momenta(self) -> int:
-        return sum(1 + 4 * i for i in self.massive)
+        return sum(1 + 4 * i for i in self.massive) if self.has_mass else 0
 
     def along(self, taken: int) -> int:
         """The free part of a force, or rates from it."""
@@ -95,7 +131,8 @@ class _Sizes:
 
     @property
     def solve(self) -> int:
-        return self._most(lambda taken: 2 * taken * taken + 2 * self.along(taken)) + self.momenta + self.n
+        solved = self._most(lambda taken: 2 * taken * taken + taken + 2 * self.along(taken))
+        return solved + self.momenta + 2 * self.n
 
     @property
     def around(self) -> int:
@@ -110,7 +147,7 @@ class _Sizes:
     def settle(self) -> int:
         """Positions in ITERATIONS, then rates."""
         iteration = self.solve + self.nq + 1 + self.prepare + self.openness + 1
-        rates = 2 * self.m * self.n + self.solve + self.n
+        rates = 2 * self.entries + self.solve + self.n
         return self.prepare + self.openness + ITERATIONS * iteration + 1 + rates
 
     @property
@@ -121,7 +158,7 @@ class _Sizes:
 
     @property
     def find_lambda(self) -> int:
-        return self.momenta + self.rank * (2 * self.rank + 1)
+        return self.momenta + self.n + self.rank * (2 * self.rank + 1) + 2 * self.n * self.rank + self.m
 
 
 @dataclass(frozen=True)
@@ -148,6 +185,8 @@ def step_bound(program: Program, options: ExportOptions) -> Bound:
         m=program.closure_count,
         rank=min(program.rank, len(program.rates)),
         massive=tuple(i for i, rate in enumerate(program.rates) if rate.name not in program.cuts),
+        pattern=program.pattern,
+        has_mass="residual" not in program.functions,
     )
     work = _stiff_step(program, sizes) if options.is_stiff else _explicit_step(program, sizes)
     work += _settling(sizes, 1) if program.cuts else _Work(Counter())
@@ -171,8 +210,9 @@ def _telling(program: Program) -> _Work:
 def _accelerations(program: Program, sizes: _Sizes, count: int) -> _Work:
     if program.cuts:
         inner = count * (2 * sizes.prepare + 1 + sizes.solve + PLACES * sizes.around)
-        times = Counter(dynamics=count * (2 + PLACES), rates=count * PLACES)
-        return _Work(times, inner) + _settling(sizes, count * (1 + PLACES))
+        times = Counter(rates=count * PLACES) + _prepared(sizes, count * (2 + PLACES))
+        solved = Counter(residual=count * (1 + PLACES))
+        return _Work(times + solved, inner) + _settling(sizes, count * (1 + PLACES))
     if "acceleration" in program.functions:
         return _Work(Counter(acceleration=count))
     return _Work(Counter(system=count), count * (sizes.cholesky + sizes.lower + sizes.upper))
@@ -180,7 +220,13 @@ def _accelerations(program: Program, sizes: _Sizes, count: int) -> _Work:
 
 def _settling(sizes: _Sizes, count: int) -> _Work:
     times = Counter(system=count, closure=count * (1 + ITERATIONS), rates=count * ITERATIONS)
-    return _Work(times, count * sizes.settle)
+    applied = count * ((1 + ITERATIONS) * sizes.most_free + ITERATIONS + 1)
+    return _Work(times + Counter(momenta=applied), count * sizes.settle)
+
+
+def _prepared(sizes: _Sizes, count: int) -> Counter[str]:
+    """What is asked of the model at a place: M, f, J and γ, or J and γ, and M along each free direction."""
+    return Counter(dynamics=count, constraints=count, momenta=count * sizes.most_free)
 
 
 def _meeting(program: Program, sizes: _Sizes) -> _Work:
@@ -188,11 +234,12 @@ def _meeting(program: Program, sizes: _Sizes) -> _Work:
     count = len(program.guards)
     if not count:
         return _Work(Counter())
-    mass = next(
-        name for name in ("dynamics", "inertia", "system", "acceleration") if name in program.functions
-    )
     inner = count * ((sizes.prepare if program.cuts else sizes.cholesky) + sizes.bounce + sizes.n)
-    return _Work(Counter(guards=2 + count, impacts=count) + Counter({mass: count}), inner)
+    times = Counter(guards=2 + count, impacts=count)
+    if program.cuts:
+        return _Work(times + _prepared(sizes, count), inner)
+    mass = next(name for name in ("inertia", "system", "acceleration") if name in program.functions)
+    return _Work(times + Counter({mass: count}), inner)
 
 
 def _explicit_step(program: Program, sizes: _Sizes) -> _Work:
@@ -231,6 +278,7 @@ def _jacobian(program: Program, sizes: _Sizes) -> _Work:
     work = _accelerations(program, sizes, 1) + _Work(Counter(jacobian=1))
     if program.cuts:
         told = (1 + PLACES) * sizes.find_lambda + PLACES * 2 * sizes.m
-        return work + _Work(Counter(), columns * (sizes.m + sizes.solve) + told)
+        times = Counter(residual=1 + PLACES, momenta=columns)
+        return work + _Work(times, columns * (sizes.m + sizes.solve) + told)
     work += _Work(Counter(), columns * (sizes.lower + sizes.upper))
     return work + _Work(Counter(inertia=1), sizes.cholesky) if "inertia" in program.functions else work

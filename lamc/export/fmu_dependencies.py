@@ -12,7 +12,6 @@ from lamc.symbolic.program import Function, Operand, Program, Space
 Slots = frozenset[tuple[Space, int]]
 _NONE: Slots = frozenset()
 _KNOWN = (Space.ANGLE, Space.RATE, Space.PARAMETER)
-_SOLVED = ("acceleration", "system", "dynamics")  # functions that accelerations come from
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ def dependencies(program: Program) -> Dependencies:
     if "acceleration" in found:
         accelerations = found["acceleration"]
     else:
-        everything = _NONE.union(*(slots for name in _SOLVED for slots in found.get(name, ())))
+        everything = _NONE.union(*(slots for name in program.motion for slots in found[name]))
         accelerations = (everything,) * count
     return Dependencies(
         slopes=found.get("rates") or tuple(frozenset({(Space.RATE, i)}) for i in range(count)),

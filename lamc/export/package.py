@@ -197,22 +197,22 @@ def _usage(P: str, options: ExportOptions, h: float) -> list[str]:
 def _costs(source: CSource, options: ExportOptions) -> list[dict[str, str]]:
     """Operations and bytes."""
     functions, bound = source.program.functions, step_bound(source.program, options)
-    motion = next(n for n in ("acceleration", "dynamics", "system") if n in functions)
+    is_whole = "acceleration" in functions
     whole = "one right-hand side"
     named = {
-        whole if motion == "acceleration" else f"{whole}, without solving for accelerations": functions[
-            motion
-        ],
-        "energies": functions["energy"],
-        "poses": functions["poses"],
-        "a change of parameters or inputs": functions["setup"],
+        whole
+        if is_whole
+        else f"{whole}, without solving for accelerations": source.program.motion_operations,
+        "energies": functions["energy"].operations,
+        "poses": functions["poses"].operations,
+        "a change of parameters or inputs": functions["setup"].operations,
     }
     rows = [
         {
             "what": what,
-            "value": f"{f.operations.flops} operations, {f.operations.calls} calls of sin, cos and the like",
+            "value": f"{operations.flops} operations, {operations.calls} calls of sin, cos and the like",
         }
-        for what, f in named.items()
+        for what, operations in named.items()
     ]
     return [
         *rows,

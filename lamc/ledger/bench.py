@@ -247,9 +247,7 @@ class _Measuring:
         return Row(name, self.derive, prints, compiles, seconds * 1e9, second, guess, flops)
 
     def _flops(self) -> int:
-        functions = self.simulator.program.functions
-        names = ("dynamics",) if self.values.is_closed else ("acceleration",)
-        return sum(int(functions[name].operations.flops) for name in names)
+        return self.simulator.program.motion_operations.flops
 
     def _inputs(self, q: Array, u: Array, t: float) -> Mapping[str, float]:
         joints = self.simulator.joints

@@ -35,14 +35,9 @@ class Made:
     @property
     def operations(self) -> int:
         """Flops of one evaluation: + - * and reciprocals, without sine, cosine and what the runtime solves."""
-        functions = self.simulator.program.functions
-        solved = "dynamics" if "dynamics" in functions else "system"
-        called = (
-            "rates",
-            "acceleration",
-            solved,
-        )  # by one evaluation of the right-hand side, as far as they exist
-        return sum(functions[name].operations.flops for name in called if name in functions)
+        program = self.simulator.program
+        rates = program.functions["rates"].operations.flops if "rates" in program.functions else 0
+        return program.motion_operations.flops + rates
 
 
 class Workshop:

@@ -35,7 +35,8 @@ def _read(text: str | None) -> LoopCount | None:
     try:
         values = json.loads(body)
         misfit = values.pop("misfit")
-        values["singular_values"] = tuple(values["singular_values"])
+        for name in ("singular_values", "position"):
+            values[name] = tuple(values[name])
         return LoopCount(**values, misfit=Misfit(**misfit) if misfit is not None else None)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None

@@ -34,6 +34,7 @@ class LoopCount:
                      size, displacements at the middle of its hinges
     misfit           how far loops stay open that nearly have a lower rank; None where they close
     tolerance        m, the gap that was allowed; a misfit within it is accepted, and `rank` is then the lower one
+    position         closed angles, rad, of all joints, at which the rank shows most clearly; empty: none is known
     """
 
     loops: int
@@ -43,6 +44,7 @@ class LoopCount:
     singular_values: tuple[float, ...] = ()
     misfit: Misfit | None = None
     tolerance: float = 0.0  # m
+    position: tuple[float, ...] = ()
 
     @property
     def redundant(self) -> int:
@@ -85,7 +87,10 @@ def count_loops(tree: Tree, tolerance: float | None = None, known: Sequence[Arra
     best = max(judged, key=lambda place: place.values[rank - 1] / place.values[0])
     count = len(geometry.names)
     values = tuple(float(value) for value in best.values)
-    return LoopCount(geometry.loops, 6 * geometry.loops, rank, count - rank, values, misfit, allowed)
+    position = tuple(best.angles.tolist())
+    return LoopCount(
+        geometry.loops, 6 * geometry.loops, rank, count - rank, values, misfit, allowed, position
+    )
 
 
 def _open_ramps(geometry: LoopGeometry, ramped: Sequence[LoopPosition]) -> list[LoopPosition]:

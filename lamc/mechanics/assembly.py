@@ -13,6 +13,7 @@ from lamc.basics.errors import about
 from lamc.loops.rank import LoopCount
 from lamc.mechanics.arrangement import Arrangement, PrescribedBase
 from lamc.mechanics.closure import Closure
+from lamc.mechanics.closure_plan import pattern_of
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.guards import guard_terms
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
@@ -25,7 +26,7 @@ from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import Input
 from lamc.symbolic.algebra import ZERO, add, dot, scale
-from lamc.symbolic.program import Space
+from lamc.symbolic.program import Pattern, Space
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Store
 
@@ -119,6 +120,7 @@ def assemble(
         acceleration=solved.acceleration,
         problem=solved.problem,
         closure=solved.closure,
+        pattern=_pattern(symbols, solved.closure, loops),
         energies=energies_of(placement, masses, symbols.u, loads),
         poses=tuple(poses_of(placement, masses.coms, arrangement)),
         loops=loops,
@@ -130,6 +132,10 @@ def assemble(
         coordinate_rates=rates if loads.bushings or isinstance(base, StagedFloat) else None,
         account_for_powers=partial(_powers, solved.problem, arrangement, masses, loads, speeds),
     )
+
+
+def _pattern(symbols: Symbols, closure: Closure | None, loops: LoopCount) -> Pattern | None:
+    return None if closure is None else pattern_of(closure, symbols.q, loops.rank, loops.position)
 
 
 def _powers(

@@ -9,9 +9,10 @@ Residuals are rad, or displacements in parts of the mechanism's size.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 from lamc.loops.cycles import short_cycles
-from lamc.mechanics.cycle_closure import close_cycle
+from lamc.mechanics.cycle_closure import Shapes, close_cycle
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanism.tree import WORLD, Cut, Side, Tree
@@ -26,11 +27,11 @@ from lamc.symbolic.staging import Store
 class Closure:
     """Residuals φ (m,) of all loops with dφ/dt = J u and d²φ/dt² = J u̇ + γ where they close.
 
-    jacobian[i][j] is a plain zero where hinge j is not in the loop of equation i.
+    jacobian[i] holds (coordinate, entry) of the coordinates that equation i knows, and no others.
     """
 
     residual: tuple[Scalar, ...]  # φ
-    jacobian: tuple[tuple[Scalar, ...], ...]  # J, (m, n)
+    jacobian: tuple[tuple[tuple[int, Scalar], ...], ...]  # J, (m, n)
     bias: tuple[Scalar, ...]  # γ, (m,), 1/s²
 
 
@@ -38,16 +39,21 @@ def close_cycles(tree: Tree, q: Sequence[Value], u: Sequence[Value]) -> Closure:
     """Of rigid bodies on hinges. q, u: of the joints in the order of `tree.hinges`, and others that close no loop."""
     store = q[0].store
     residual: list[Scalar] = []
-    rows: list[tuple[Scalar, ...]] = []
+    rows: list[tuple[tuple[int, Scalar], ...]] = []
     bias: list[Scalar] = []
+    cycles, shapes = short_cycles(tree), Shapes(store)
+    with store.section("Sines and cosines of hinges in loops"):
+        for joint in sorted({joint for cycle in cycles for joint in cycle.joints}):
+            store.link = joint
+            for angle in (q[joint], 0.5 * q[joint]):
+                sin(angle), cos(angle)
     with store.section("Closure of the loops", source="products of exponentials along short cycles"):
-        for cycle in short_cycles(tree):
-            closed = close_cycle(store, cycle, tree.hinges, tree.mechanism.size, q, u)
+        for number, cycle in enumerate(cycles):
+            store.link = number
+            closed = close_cycle(shapes, cycle, tree.hinges, tree.mechanism.size, q, u)
             residual += closed.residual
             bias += closed.bias
-            for row in closed.jacobian:
-                entries = dict(row)
-                rows.append(tuple(entries.get(j, 0) for j in range(len(q))))
+            rows += (tuple(sorted(row, key=itemgetter(0))) for row in closed.jacobian)
     return Closure(tuple(residual), tuple(rows), tuple(bias))
 
 
@@ -62,13 +68,13 @@ def close_cuts(placement: Placement, q: Sequence[Value], u: Sequence[Value]) -> 
     with store.section("Jacobian of the closure", source="dφ/dq"):
         columns = [derivatives(every, {x: 1}) for x in q]
     rows = [
-        i for i in range(len(every)) if any(isinstance(column[i], Value) or column[i] for column in columns)
+        tuple((j, column[i]) for j, column in enumerate(columns) if isinstance(column[i], Value) or column[i])
+        for i in range(len(every))
     ]
-    residual = [every[i] for i in rows]
+    residual = [value for value, row in zip(every, rows, strict=True) if row]
     with store.section("Acceleration bias of the closure", source="d²φ/dt² for u̇ = 0"):
         bias = derivatives(derivatives(residual, speeds), speeds)
-    jacobian = tuple(tuple(column[i] for column in columns) for i in rows)
-    return Closure(tuple(residual), jacobian, tuple(bias))
+    return Closure(tuple(residual), tuple(row for row in rows if row), tuple(bias))
 
 
 def _meeting(placement: Placement, cut: Cut, angle: Value) -> tuple[Scalar, ...]:

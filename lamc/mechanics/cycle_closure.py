@@ -30,6 +30,29 @@ Screw = tuple[Vector3, Vector3]
 UNIT: Rows = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
+ROUND_OFF = 1e-14  # of a direction, or of an arm in sizes: cycles that are nearer are drawn alike
+
+
+class Shapes:
+    """Numbers of cycles as scalars of a store. A cycle that is drawn as an earlier one but for round-off takes all its
+    numbers: vertices alike have equations alike, and code that repeats is one kernel."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._known: dict[bytes, Array] = {}
+
+    def taken(self, lines: Array) -> Array:
+        """Axes and arms (k, 6) of a cycle, or those of an earlier one that is alike."""
+        coarse = np.round(lines / (1e5 * ROUND_OFF)) + 0.0
+        known = self._known.setdefault(coarse.tobytes(), lines)
+        return known if np.abs(known - lines).max() <= ROUND_OFF else lines
+
+    def __call__(self, values: Array) -> Vector3:
+        """Three of them; round-off of a turn into the cycle's frame is none of it."""
+        x, y, z = (self._store.constant(float(v)) for v in snap(np.asarray(values), 1.0))
+        return (x, y, z)
+
+
 @dataclass(frozen=True)
 class CycleClosure:
     """Equations of one cycle, d(residual)/dt = J u and its rate J u̇ + bias where it closes; at most six.
@@ -52,16 +75,21 @@ class _Line:
 
 
 def close_cycle(
-    store: Store, cycle: Cycle, joints: Sequence[Joint], size: float, q: Sequence[Value], u: Sequence[Value]
+    shapes: Shapes,
+    cycle: Cycle,
+    joints: Sequence[Joint],
+    size: float,
+    q: Sequence[Value],
+    u: Sequence[Value],
 ) -> CycleClosure:
     """Equations of `cycle` that depend on its angles. joints, q, u: of all joints, as `Cycle.joints` counts them."""
-    forth, back = _both_ways(cycle, joints, size)
-    ahead, behind = _screws(store, forth, q), _screws(store, back, q)
+    forth, back = _both_ways(shapes, cycle, joints, size)
+    ahead, behind = _screws(shapes, forth, q), _screws(shapes, back, q)
     entries = {line.joint: screw for line, screw in zip(forth, ahead, strict=True)}
     entries |= {line.joint: (_minus(a), _minus(v)) for line, (a, v) in zip(back, behind, strict=True)}
     rates = [u[line.joint] for line in forth], [u[line.joint] for line in back]
     bias = _difference(_bias(ahead, rates[0]), _bias(behind, rates[1]))
-    gap = _gap(_place(store, forth, q), _place(store, back, q))
+    gap = _gap(_place(shapes, forth, q), _place(shapes, back, q))
     rows = [
         (gap[half][k], row, bias[half][k])
         for half in (0, 1)
@@ -71,29 +99,33 @@ def close_cycle(
     return CycleClosure(tuple(r[0] for r in rows), tuple(r[1] for r in rows), tuple(r[2] for r in rows))
 
 
-def _both_ways(cycle: Cycle, joints: Sequence[Joint], size: float) -> tuple[list[_Line], list[_Line]]:
+def _both_ways(
+    shapes: Shapes, cycle: Cycle, joints: Sequence[Joint], size: float
+) -> tuple[list[_Line], list[_Line]]:
     """The lines of the cycle from its first body to a middle one: forwards, and the other way round."""
-    lines = []
-    for index, sign in zip(cycle.joints, cycle.signs, strict=True):
-        axis = snap(cycle.frame.T @ (sign * joints[index].axis), 1.0)
+    drawn = np.empty((len(cycle.joints), 6))
+    for row, index, sign in zip(drawn, cycle.joints, cycle.signs, strict=True):
+        row[:3] = snap(cycle.frame.T @ (sign * joints[index].axis), 1.0)
         arm = snap(cycle.frame.T @ (joints[index].point - cycle.centre) / size, 1.0)
-        lines.append(_Line(index, axis, snap(arm - (arm @ axis) * axis, 1.0)))
+        row[3:] = snap(arm - (arm @ row[:3]) * row[:3], 1.0)
+    numbers = shapes.taken(drawn)
+    lines = [_Line(index, row[:3], row[3:]) for index, row in zip(cycle.joints, numbers, strict=True)]
     half = len(lines) // 2
     return lines[:half], [_Line(line.joint, -line.axis, line.arm) for line in reversed(lines[half:])]
 
 
-def _screws(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> list[Screw]:
+def _screws(shapes: Shapes, lines: Sequence[_Line], q: Sequence[Value]) -> list[Screw]:
     """Where the lines are: direction, and velocity per rad/s of what is at the centre."""
     rotation, shift = UNIT, ZERO
     screws: list[Screw] = []
     for position, line in enumerate(lines):
-        axis = _apply(rotation, _constants(store, line.axis))
-        moment = _apply(rotation, _constants(store, np.cross(line.arm, line.axis)))
+        axis = _apply(rotation, shapes(line.axis))
+        moment = _apply(rotation, shapes(np.cross(line.arm, line.axis)))
         screws.append((axis, add(moment, cross(shift, axis))))
         if position + 1 < len(lines):
             sine, versine = sin(q[line.joint]), 1 - cos(q[line.joint])
-            shift = add(shift, _apply(rotation, _displacement(store, line, sine, versine)))
-            rotation = _times(rotation, _turn(store, line, sine, versine))
+            shift = add(shift, _apply(rotation, _displacement(shapes, line, sine, versine)))
+            rotation = _times(rotation, _turn(shapes, line, sine, versine))
     return screws
 
 
@@ -109,7 +141,7 @@ def _bias(screws: Sequence[Screw], rates: Sequence[Value]) -> Screw:
     return turning, moving
 
 
-def _place(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
+def _place(shapes: Shapes, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
     """The end of a chain: its rotation, and where it carries what is drawn at the centre. By half angles: what is
     small of second order has all its digits."""
     rotated: Quaternion = (1, 0, 0, 0)
@@ -117,9 +149,9 @@ def _place(store: Store, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Qu
     for line in lines:
         half = 0.5 * q[line.joint]
         sine, cosine = sin(half), cos(half)
-        step = _displacement(store, line, 2 * (sine * cosine), 2 * (sine * sine))
+        step = _displacement(shapes, line, 2 * (sine * cosine), 2 * (sine * sine))
         shift = add(shift, add(step, _moved(rotated, step)))
-        x, y, z = _constants(store, line.axis)
+        x, y, z = shapes(line.axis)
         rotated = _product(rotated, (cosine, sine * x, sine * y, sine * z))
     return rotated, shift
 
@@ -133,22 +165,20 @@ def _gap(ahead: tuple[Quaternion, Vector3], behind: tuple[Quaternion, Vector3]) 
     return turn, add(apart, cross(behind[1], turn))
 
 
-def _displacement(store: Store, line: _Line, sine: Scalar, versine: Scalar) -> Vector3:
+def _displacement(shapes: Shapes, line: _Line, sine: Scalar, versine: Scalar) -> Vector3:
     """Where a turn about a line carries the centre: (I - E) arm, with the arm across the axis."""
     across = np.cross(line.axis, line.arm)
-    return add(scale(-sine, _constants(store, across)), scale(versine, _constants(store, line.arm)))
+    return add(scale(-sine, shapes(across)), scale(versine, shapes(line.arm)))
 
 
-def _turn(store: Store, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
+def _turn(shapes: Shapes, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
     """Rodrigues' rotation about an axis of the drawing."""
     x, y, z = line.axis
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     square = skew @ skew
     rows = [
         [UNIT[a][b] + sine * k + versine * kk for b, (k, kk) in enumerate(zip(*pair, strict=True))]
-        for a, pair in enumerate(
-            zip((_constants(store, r) for r in skew), (_constants(store, r) for r in square), strict=True)
-        )
+        for a, pair in enumerate(zip((shapes(r) for r in skew), (shapes(r) for r in square), strict=True))
     ]
     return _rows(rows)
 
@@ -191,9 +221,3 @@ def _minus(v: Vector3) -> Vector3:
 
 def _is_there(entry: Scalar) -> bool:
     return isinstance(entry, Value) or entry != 0
-
-
-def _constants(store: Store, values: Array) -> Vector3:
-    """Numbers of the drawing; round-off of its turning into the cycle's frame is none of it."""
-    x, y, z = (store.constant(float(v)) for v in snap(np.asarray(values), 1.0))
-    return (x, y, z)

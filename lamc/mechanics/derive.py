@@ -24,7 +24,7 @@ from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, rotate_back
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.records.inputs import NO_INPUTS, Input
-from lamc.symbolic.algebra import Vector3, add
+from lamc.symbolic.algebra import ZERO, Vector3, add
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Level, Store
@@ -152,6 +152,21 @@ class Problem:
         values = generalised_forces(self.kinematics, self._wrenches(accelerations), self.torques)
         at_cuts = (-torque for torque in self._at_cuts)
         return [*(-(s * value) for s, value in zip(self.signs, values, strict=True)), *at_cuts]
+
+    def momenta(self, accelerations: Sequence[Scalar]) -> list[Scalar]:
+        """M u̇, N·m, by inverse dynamics at rest and without loads."""
+        kinematics, count = self.kinematics, len(self.signs)
+        biases = kinematics.biases([0] * count, [ZERO] * count, accelerations)
+        wrenches: list[Wrench] = []
+        with kinematics.store.section("Momenta", source="eq. 18 at rest"):
+            for i, (inertia, bias) in enumerate(zip(self.inertias, biases, strict=True)):
+                kinematics.store.link = i
+                wrenches.append(inertia_wrench(inertia, bias))
+        values = generalised_forces(kinematics, wrenches, [0] * count)
+        return [
+            *(-(s * value) for s, value in zip(self.signs, values, strict=True)),
+            *(0 for _ in self._at_cuts),
+        ]
 
     def mass_matrix(self) -> Mapping[tuple[int, int], Scalar]:
         entries = mass_matrix(self.kinematics, self.inertias)

@@ -7,13 +7,13 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from lamc.basics.once import lazy
 from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanism.tree import Tree
 from lamc.records.inputs import Input
-from lamc.symbolic.program import Coordinate, Operations, Parameter
+from lamc.symbolic.program import Coordinate, Operations, Parameter, Pattern, Space
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.statements import count_operations, group
@@ -54,6 +54,7 @@ class Equations:
     closure       residuals, Jacobian and bias of the loops; None for a tree. `acceleration` is then empty: the
                   runtime solves M u̇ = f together with the closure
     loops         how many of the closure's equations are independent
+    pattern       which entries the closure's Jacobian has, and how it is eliminated; None for a tree
     guards        conditions whose passing of zero is an event
     solver        how u̇ was solved for; `solver_flops` what each way costs
     arrangement   coordinates beyond the hinges; with any, M u̇ = f comes from inverse dynamics, `acceleration` is
@@ -77,6 +78,7 @@ class Equations:
     solver: str
     solver_flops: Mapping[str, int]
     closure: "Closure | None" = None
+    pattern: Pattern | None = None
     guards: "tuple[GuardTerms, ...]" = ()
     loops: LoopCount = NO_LOOPS
     arrangement: "Arrangement | None" = None
@@ -161,9 +163,36 @@ class Equations:
     def operations(self) -> Operations:
         """Of one evaluation of u̇ (where the runtime solves: of M, f, J and γ), and of q̇ where that is not u;
         parameter-only work excluded."""
+        if self.is_recursive:
+            return self._operations_of_passes
         values = [value for name, value in self._results.items() if not name.startswith("phi_")]
         values += self.coordinate_rates or ()
         return count_operations(_store_of(values, self.store), values, Level.PARAMETER)
+
+    @property
+    def is_recursive(self) -> bool:
+        """Whether M is not written down: in large loops passes over the bodies apply it to what moves freely."""
+        return self.is_plain and self.pattern is not None and bool(self.pattern.plan)
+
+    @property
+    def passes(self) -> tuple[list[Scalar], list[Scalar]]:
+        """M u̇ - f (nu,), and M u̇ (nu,), at the symbols of u̇. Scalars of the store, in which they are written."""
+        udot = [self.store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(self.rates)]
+        problem = cast("Problem", self.problem)
+        return problem.residual(udot), problem.momenta(udot)
+
+    @lazy
+    def _operations_of_passes(self) -> Operations:
+        if self.store.is_frozen:
+            return self.forked()._operations_of_passes
+        assert self.closure is not None
+        residual, momenta = self.passes
+        rows = [value for row in self.closure.jacobian for _, value in row]
+        once, solved, again = (
+            count_operations(self.store, values, Level.PARAMETER)
+            for values in ([*rows, *self.closure.bias], residual, momenta)
+        )
+        return once + solved + again.times(self.loops.freedoms)
 
     @lazy
     def operations_by_effect(self) -> Mapping[str, Operations]:
@@ -191,7 +220,7 @@ class Equations:
         for row in range(len(closure.residual) if closure is not None else 0):
             assert closure is not None
             results |= {f"phi_{row}": closure.residual[row], f"gamma_{row}": closure.bias[row]}
-            results |= {f"J_{row}_{j}": value for j, value in enumerate(closure.jacobian[row])}
+            results |= {f"J_{row}_{j}": value for j, value in closure.jacobian[row]}
         return results
 
     @lazy

@@ -71,7 +71,7 @@ def derive_general(
     yields = plain > len(tree.hinges)
     if tree.cuts:
         close = partial(close_cuts, seen) if yields else partial(close_cycles, tree)
-        closure = _widened(close(q[:plain], u[:plain]), len(u))
+        closure = close(q[:plain], u[:plain])
     count = loops or count_loops(tree)
     if closure is not None and yields:
         count = _yielding(count, closure, store, q[:plain], arrangement)
@@ -141,12 +141,6 @@ def _hold(
             compliance.hold_modes(loads, modes.body, modes.first, q, u)
 
 
-def _widened(closure: Closure, count: int) -> Closure:
-    """With columns for the rates of a floating base, which moves no loop."""
-    rows = tuple((*row, *(0,) * (count - len(row))) for row in closure.jacobian)
-    return replace(closure, jacobian=rows)
-
-
 def _yielding(
     count: LoopCount, closure: Closure, store: Store, q: Sequence[Value], arrangement: Arrangement
 ) -> LoopCount:
@@ -159,12 +153,15 @@ def _yielding(
     size = arrangement.tree.mechanism.size
     least = np.array([1.0 if c.unit == "rad" else 1.0 / size for c in arrangement.coordinates[: len(q)]])
     rng = np.random.default_rng(0)
-    flat = [*closure.residual, *(v for row in closure.jacobian for v in row[: len(q)])]
+    flat = [*closure.residual, *(value for row in closure.jacobian for _, value in row)]
+    places = [(i, j) for i, row in enumerate(closure.jacobian) for j, _ in row]
     m, rank = len(closure.residual), 0
 
     def at(x: Array) -> tuple[Array, Array]:
         values = np.array(evaluate(store, flat, dict(zip(q, x.tolist(), strict=True))))
-        return values[:m], values[m:].reshape(m, len(q))
+        jacobian = np.zeros((m, len(q)))
+        jacobian[tuple(np.array(places).T)] = values[m:]
+        return values[:m], jacobian
 
     units = 1.0 / np.maximum(np.abs(at(np.zeros(len(q)))[1]).max(axis=0, initial=0.0), least)
     for _ in range(PLACES):

@@ -78,11 +78,11 @@ def _with_multipliers(equations: Equations, residuals: Sequence[Scalar]) -> list
     multipliers = [store.symbol(f"lambda_{k}", Space.MULTIPLIER, k) for k in range(len(rows))]
     result: list[Scalar] = []
     with store.section("Forces of the closure", source="Jᵀλ"):
-        for j, residual in enumerate(residuals):
-            force: Scalar = 0
-            for row, multiplier in zip(rows, multipliers, strict=True):
-                force = force + row[j] * multiplier
-            result.append(residual - force)
+        forces: list[Scalar] = [0] * len(residuals)
+        for row, multiplier in zip(rows, multipliers, strict=True):
+            for j, entry in row:
+                forces[j] = forces[j] + entry * multiplier
+        result += (residual - force for residual, force in zip(residuals, forces, strict=True))
     return result
 
 
@@ -93,7 +93,7 @@ def _second_derivative(equations: Equations, udot: Sequence[Value]) -> list[Scal
     with equations.store.section("Accelerations of the closure", source="J u̇ + γ"):
         for row, bias in zip(equations.closure.jacobian, equations.closure.bias, strict=True):
             value = bias
-            for entry, acceleration in zip(row, udot, strict=True):
-                value = value + entry * acceleration
+            for j, entry in row:
+                value = value + entry * udot[j]
             result.append(value)
     return result

@@ -163,7 +163,7 @@ class Loads(BodyPoints):
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
         for name in self.joints:
             index = self._index.get(name, NO_LINK)
-            self._store.link = index if index < len(self.tree.links) else NO_LINK
+            self._store.link = index
             yield self.hinge(name)
 
     def each(self, items: Iterable[Item]) -> Iterator[Item]:

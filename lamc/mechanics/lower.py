@@ -34,14 +34,21 @@ POSES = (
 SYSTEM = ("system", "mass matrix, lower triangle by rows, then forces", _STATE)
 CLOSURE = (
     "closure",
-    "residuals of the loops (m), rad or parts of the size, then their Jacobian by rates (m, nu)",
+    "residuals of the loops (m), rad or parts of the size, then the entries of their Jacobian by rates",
     (Space.CONSTANT, Space.ANGLE),
 )
 DYNAMICS = (
     "dynamics",
-    "mass matrix and forces as system gives them, then Jacobian of the loops (m, nu) and their bias (m), 1/s^2",
+    "mass matrix and forces as system gives them, then entries of the loops' Jacobian and their bias (m), 1/s^2",
     _STATE,
 )
+CONSTRAINTS = (
+    "constraints",
+    "entries of the loops' Jacobian by rates, then their bias (m), 1/s^2",
+    (Space.CONSTANT, Space.ANGLE, Space.RATE),
+)
+RESIDUAL = ("residual", "M udot - f, without the loops", (*_STATE, Space.ACCELERATION))
+MOMENTA = ("momenta", "M udot", (Space.CONSTANT, Space.ANGLE, Space.ACCELERATION))
 INERTIA = ("inertia", "mass matrix, lower triangle by rows", (Space.CONSTANT, Space.ANGLE))
 JACOBIAN = (
     "jacobian",
@@ -102,6 +109,7 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
         powers=tuple(equations.powers) if energy_balance else (),
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.rank,
+        pattern=equations.pattern,
         tolerance=equations.loops.accepted_gap,
         size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
@@ -117,11 +125,19 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
     rates = [] if flow is None else [(RATES, flow)]
     if closure is None and equations.is_plain:
         return [*rates, (ACCELERATION, equations.acceleration)]
+    jacobian = [] if closure is None else [value for row in closure.jacobian for _, value in row]
+    if closure is not None and equations.is_recursive:
+        residual, momenta = equations.passes
+        return [
+            (CLOSURE, [*closure.residual, *jacobian]),
+            (CONSTRAINTS, [*jacobian, *closure.bias]),
+            (RESIDUAL, residual),
+            (MOMENTA, momenta),
+        ]
     lower_triangle = _lower_triangle(equations)
     system = (SYSTEM, [*lower_triangle, *equations.forces])
     if closure is None:
         return [*rates, system]
-    jacobian = [value for row in closure.jacobian for value in row]
     return [
         *rates,
         system,
@@ -170,7 +186,8 @@ def _tables(store: Store, functions: Sequence[Function]) -> dict[int, Piecewise]
 def _jacobian_cost(functions: Sequence[Function]) -> float:
     """Operations of the Jacobian over those of an acceleration; library calls count ten."""
     work = {f.name: f.operations.flops + 10 * f.operations.calls for f in functions}
-    once = work.get("acceleration", work.get("dynamics", work.get("system", 0)))
+    passes = sum(work.get(name, 0) for name in ("constraints", "residual", "momenta"))
+    once = work.get("acceleration", work.get("dynamics", work.get("system", passes)))
     return round((work.get("jacobian", 0) + work.get("inertia", 0)) / max(once, 1), 2)
 
 
@@ -216,6 +233,8 @@ def _canonical(program: Program) -> Iterable[str]:
             program.size,
         )
     )
+    if program.pattern is not None:
+        yield repr(program.pattern)
     for parameter in program.parameters:
         yield f"{parameter!r} {INPUT}" if parameter.is_input else repr(parameter)
     for number, table in program.tables.items():

@@ -224,8 +224,9 @@ def _energies_and_poses(
 
 def _budgets(program: Program) -> dict[str, Budget]:
     """Evaluations by the size of the mechanism and of the program, so that quick checks stay quick; and seconds."""
-    motion = ("acceleration", "dynamics")
-    statements = sum(len(program.functions[name].statements) for name in motion if name in program.functions)
+    statements = sum(len(program.functions[name].statements) for name in program.motion)
+    if "momenta" in program.motion:  # M is put together from as many columns
+        statements += len(program.rates) * len(program.functions["momenta"].statements)
     own = max(1, EVALUATIONS // (len(program.joints) + 15))
     read = max(1, min(own, STATEMENTS // max(1, statements)))
     return {"interpreter": Budget(read, SECONDS), "Newton-Euler": Budget(own, SECONDS)}

@@ -62,10 +62,10 @@ class Interpreter:
         constants = self._sensed(t, q, u, constants)
         if "acceleration" in self.program.functions:
             return self._evaluate("acceleration", t, q, u, constants)
-        values = self._evaluate("dynamics" if self.program.cuts else "system", t, q, u, constants)
-        if values.ndim == 1:
-            return self._solve(values)
-        return np.array([self._solve(row) for row in values]).reshape(np.shape(u))
+        if np.ndim(q) == 2:
+            rows = zip(q, u, strict=True)
+            return np.array([self._solved(t, *row, constants) for row in rows]).reshape(np.shape(u))
+        return self._solved(t, q, u, constants)
 
     def rates(self, q: Array, u: Array, constants: Array) -> Array:
         """dq/dt, shape of q."""
@@ -78,7 +78,7 @@ class Interpreter:
         q (nq,)."""
         m, n = self.program.closure_count, len(self.program.rates)
         flat = self._evaluate("closure", 0.0, q, np.zeros(n), constants)
-        return flat[:m], flat[m:].reshape(m, n)
+        return flat[:m], self._dense(flat[m:])
 
     def energy(self, t: float, q: Array, u: Array, constants: Array) -> Array:
         """Energies, J, shape (len(program.energies),), "kinetic" first."""
@@ -110,14 +110,32 @@ class Interpreter:
                 sensed[guard.mode] = 1.0 if value > 0.0 else 0.0
         return sensed
 
-    def _solve(self, values: Array) -> Array:
-        """u̇ from the values of the function "dynamics", or "system", at one state."""
-        n, m = len(self.program.rates), self.program.closure_count
-        system, held = np.split(values, [n * (n + 1) // 2 + n])
-        mass = np.zeros((n, n))
-        mass[np.tril_indices(n)] = system[: n * (n + 1) // 2]
-        mass += np.tril(mass, -1).T
-        return constrained(mass, system[n * (n + 1) // 2 :], held[: m * n].reshape(m, n), held[m * n :])
+    def _solved(self, t: float, q: Array, u: Array, constants: Array) -> Array:
+        """u̇ of M u̇ = f and the closure, at one state."""
+        n, held = len(self.program.rates), np.zeros(0)
+        if "residual" in self.program.functions:
+            none = np.zeros(n)
+            columns = [self._evaluate("momenta", t, q, none, constants, unit) for unit in np.eye(n)]
+            mass, force = np.array(columns).T, -self._evaluate("residual", t, q, u, constants, none)
+            held = self._evaluate("constraints", t, q, u, constants)
+        else:
+            name = "dynamics" if self.program.cuts else "system"
+            triangle = n * (n + 1) // 2
+            half, force, held = np.split(self._evaluate(name, t, q, u, constants), [triangle, triangle + n])
+            mass = np.zeros((n, n))
+            mass[np.tril_indices(n)] = half
+            mass += np.tril(mass, -1).T
+        jacobian, bias = np.split(held, [len(held) - self.program.closure_count])
+        return constrained(mass, force, self._dense(jacobian), bias)
+
+    def _dense(self, entries: Array) -> Array:
+        """J (m, nu) of its entries."""
+        pattern = self.program.pattern
+        return (
+            np.zeros((0, len(self.program.rates)))
+            if pattern is None
+            else pattern.dense(entries, len(self.program.rates))
+        )
 
     def _evaluate(
         self, name: str, t: float, q: Array, u: Array, constants: Array, udot: Array | None = None

@@ -27,10 +27,11 @@ class StagedValues:
         rows = range(len(equations.closure.residual))
         self._entries = np.array(sorted(equations.inertia), dtype=int)
         self._rows = len(rows)
+        self._places = [(i, j) for i, row in enumerate(equations.closure.jacobian) for j, _ in row]
         self.names = (
             *(f"M_{i}_{j}" for i, j in self._entries.tolist()),
             *(f"f_{i}" for i in range(n)),
-            *(f"J_{i}_{j}" for i in rows for j in range(n)),
+            *(f"J_{i}_{j}" for i, j in self._places),
             *(f"gamma_{i}" for i in rows),
         )
 
@@ -43,4 +44,7 @@ class StagedValues:
         i, j = self._entries.T
         mass[i, j] = mass[j, i] = values[:entries]
         force, rest = values[entries : entries + n], values[entries + n :]
-        return constrained(mass, force, rest[: m * n].reshape(m, n), rest[m * n :])
+        jacobian = np.zeros((m, n))
+        for (i, j), value in zip(self._places, rest, strict=False):
+            jacobian[i, j] = value
+        return constrained(mass, force, jacobian, rest[len(self._places) :])

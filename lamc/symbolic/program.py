@@ -11,6 +11,9 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+import numpy.typing as npt
+
 if TYPE_CHECKING:
     from lamc.symbolic.piecewise import Piecewise
 
@@ -87,6 +90,20 @@ class Operations:
     def flops(self) -> int:
         return self.additions + self.multiplications + self.reciprocals
 
+    def times(self, count: int) -> "Operations":
+        """Of as many calls."""
+        return Operations(
+            count * self.additions, count * self.multiplications, count * self.reciprocals, count * self.calls
+        )
+
+    def __add__(self, other: "Operations") -> "Operations":
+        return Operations(
+            self.additions + other.additions,
+            self.multiplications + other.multiplications,
+            self.reciprocals + other.reciprocals,
+            self.calls + other.calls,
+        )
+
 
 @dataclass(frozen=True)
 class Function:
@@ -129,6 +146,40 @@ class Guard:
     mode: int  # slot in the constants that is 1 beyond the guard and 0 before; -1: an impact
 
 
+@dataclass(frozen=True, slots=True)
+class PlanStep:
+    """One step of an elimination: a row, freed of what earlier steps eliminated; the rates left, the pivot's first."""
+
+    row: int
+    updates: tuple[int, ...]
+    left: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Which entries a matrix of equations (m) by rates (nu) has, and how it is eliminated.
+
+    rows  rates of each row, ascending; values come in this order, row by row
+    plan  steps to follow while their pivots are large enough; empty: the matrix is eliminated as one array
+    """
+
+    rows: tuple[tuple[int, ...], ...]
+    plan: tuple[PlanStep, ...] = ()
+
+    @property
+    def entry_count(self) -> int:
+        return sum(map(len, self.rows))
+
+    def dense(self, entries: npt.NDArray[np.float64], count: int) -> npt.NDArray[np.float64]:
+        """The matrix (…, m, count) of entries (…, entry_count)."""
+        matrix = np.zeros((*entries.shape[:-1], len(self.rows), count))
+        places = [(i, j) for i, row in enumerate(self.rows) for j in row]
+        if places:
+            rows, columns = np.array(places).T
+            matrix[..., rows, columns] = entries
+        return matrix
+
+
 @dataclass(frozen=True)
 class Program:
     """Everything there is to emit.
@@ -140,9 +191,12 @@ class Program:
                       other mechanisms have instead of it:
       "system"        t, q, u → M, lower triangle by rows, then f of M u̇ = f without the loops
                       and with loops:
-      "dynamics"      t, q, u → what "system" gives, then J (m, nu) and bias γ (m), m/s², of J u̇ + γ = 0
-      "closure"       q → residuals φ (m), m, then J (m, nu), by which φ̇ = J u
-      "cuts"          q, u → angles of the cut joints, rad, within ±π, then their rates, rad/s
+      "dynamics"      t, q, u → what "system" gives, then the entries of J and bias γ (m), 1/s², of J u̇ + γ = 0
+      "closure"       q → residuals φ (m), rad or parts of the size, then the entries of J, by which φ̇ = J u
+                      and in place of "system" and "dynamics", where loops are large:
+      "constraints"   q, u → entries of J, γ (m)
+      "residual"      t, q, u, u̇ → M u̇ - f (nu,), without the loops
+      "momenta"       q, u̇ → M u̇ (nu,), of any rates
       "energy"        t, q, u → energies, J, in the order of `energies` ("kinetic" first)
       "inertia"       beside "acceleration", where impacts or the Jacobian need it: q → M, lower triangle by rows
       "jacobian"      t, q, u, u̇, λ → derivatives (nu + m, nq + nu + 1) by q, u and t of the residuals M u̇ - f - Jᵀλ
@@ -167,6 +221,7 @@ class Program:
     cuts: tuple[str, ...] = ()  # names of the last joints, which close loops
     closure_count: int = 0  # m, equations that hold the loops
     rank: int = 0  # of the closure at a generic position; the other equations are redundant
+    pattern: Pattern | None = None  # of J; None: a tree
     guards: "tuple[Guard, ...]" = ()
     drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
     powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
@@ -177,6 +232,20 @@ class Program:
         default_factory=lambda: MappingProxyType({})
     )  # by number, those that the functions look up
     digest: str = ""  # of everything above
+
+    @property
+    def motion(self) -> Mapping[str, int]:
+        """The functions that one evaluation of the accelerations calls, and how often each."""
+        if "residual" in self.functions:  # along each free direction, and to solve
+            return {"constraints": 1, "residual": 1, "momenta": len(self.rates) - self.rank}
+        known = ("acceleration", "dynamics", "system")
+        return {next(name for name in known if name in self.functions): 1}
+
+    @property
+    def motion_operations(self) -> Operations:
+        """Of one evaluation of the accelerations, without what the runtime solves."""
+        counted = (self.functions[name].operations.times(count) for name, count in self.motion.items())
+        return sum(counted, start=Operations())
 
 
 @dataclass(frozen=True)

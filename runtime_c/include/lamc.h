@@ -43,6 +43,20 @@ const char *lamc_status_message(lamc_status status);
 
 /* ---- A compiled mechanism. Generated C fills it; it never changes. ---------------------------------------- */
 
+/* Which entries of J, the Jacobian of the closure of loops, are not zero, and a plan to eliminate it where they are few.
+ * Entries lie row by row. Of the plan: a row of J is taken for each step, less multiples of what earlier steps left of
+ * theirs; what is left has its pivot first. It holds where pivots are not too small; elsewhere an order is looked for. */
+typedef struct lamc_pattern {
+  const int *row_start;    /* (m + 1,): entries row_start[i] to row_start[i + 1] - 1 are those of row i */
+  const int *column;       /* (row_start[m],): the rate that an entry belongs to */
+  int step_count;          /* of the plan; 0: there is none, and J is eliminated as one array */
+  const int *step_row;     /* (m,): the row of J that each step takes, then the rows that none does */
+  const int *update_start; /* (step_count + 1,) */
+  const int *update;     /* (update_start[step_count],): the earlier steps that a row is freed of, in order */
+  const int *left_start; /* (step_count + 1,) */
+  const int *left;       /* (left_start[step_count],): the rates that are left in a row, the pivot's first */
+} lamc_pattern;
+
 typedef struct lamc_model {
   const char *name;               /* of the mechanism */
   const char *digest;             /* of the program that the C was printed from, hexadecimal */
@@ -53,6 +67,7 @@ typedef struct lamc_model {
   int cut_count;                  /* the last joints, which close loops; 0: a tree */
   int closure_count;              /* m: equations that hold the loops, redundant ones included */
   int rank;                       /* of the closure at a generic position: no more equations are taken */
+  const lamc_pattern *pattern;    /* of J; NULL: a tree */
   lamc_real tolerance;            /* m: gap that loops may keep where their equations disagree; 0: none */
   int body_count;                 /* moving bodies */
   int parameter_count;            /* numbers that can change without recompiling */
@@ -79,18 +94,26 @@ typedef struct lamc_model {
   void (*setup)(const lamc_real *parameters, lamc_real *constants);
   /* q, u -> dq/dt (nq,), linear in u. NULL: dq/dt = u */
   void (*rates)(const lamc_real *constants, const lamc_real *q, const lamc_real *u, lamc_real *qdot);
-  /* t s, q (nq,), u (nu,) -> udot (nu,). NULL with loops, which have the four after it, and where the runtime solves
-   * M udot = f from system. */
+  /* t s, q (nq,), u (nu,) -> udot (nu,). NULL with loops, and where the runtime solves M udot = f from system. */
   void (*acceleration)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                        lamc_real *udot);
-  /* -> M lower triangle by rows (nu (nu + 1) / 2), f (nu,) of M udot = f without the loops */
+  /* -> M lower triangle by rows (nu (nu + 1) / 2), f (nu,) of M udot = f without the loops. NULL where residual is not */
   void (*system)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                  lamc_real *system);
-  /* -> phi (m,) rad or parts of the size, J (m, nu): dphi/dt = J u */
+  /* -> phi (m,) rad or parts of the size, the entries of J (m, nu): dphi/dt = J u */
   void (*closure)(const lamc_real *constants, const lamc_real *q, lamc_real *closure);
-  /* -> what system gives, then J (m, nu), gamma (m,) 1/s^2 of J udot + gamma = 0: all that an acceleration needs */
+  /* -> what system gives, then the entries of J, gamma (m,) 1/s^2 of J udot + gamma = 0: all that an acceleration needs */
   void (*dynamics)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                    lamc_real *dynamics);
+  /* Large loops have the three that follow in place of system and dynamics: M is not written down there. */
+  /* -> the entries of J, gamma (m,) */
+  void (*constraints)(const lamc_real *constants, const lamc_real *q, const lamc_real *u,
+                      lamc_real *constraints);
+  /* At udot -> M udot - f (nu,) without the loops */
+  void (*residual)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                   const lamc_real *udot, lamc_real *residual);
+  /* At udot -> M udot (nu,), for rates as well */
+  void (*momenta)(const lamc_real *constants, const lamc_real *q, const lamc_real *udot, lamc_real *momenta);
   /* -> energies (energy_count,) J */
   void (*energy)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                  lamc_real *energies);

@@ -15,9 +15,12 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x);
 
 /* What loops.c counts along a run, for what is evaluated beside the run to leave no trace in it */
-enum { LAMC_LOOPS_KEPT = 5 };
+enum { LAMC_LOOPS_KEPT = 6 };
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept);
 void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept);
+
+/* phi (m,) and J (m, nu), every entry, at q (nq,) */
+void lamc_loops_closure(const lamc_motion *motion, const lamc_real *q, lamc_real *closure);
 
 /* Before a run: no step was taken yet. */
 void lamc_loops_begin(const lamc_motion *motion);

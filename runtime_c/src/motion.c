@@ -180,7 +180,7 @@ lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, con
   const lamc_model *model = motion->model;
   const long long width = (long long)model->closure_count * (model->rate_count + 1);
   for (long long row = 0; row < count && model->cut_count > 0; row++) {
-    model->closure(motion->constants, y + state_size(model) * row, closures + width * row);
+    lamc_loops_closure(motion, y + state_size(model) * row, closures + width * row);
   }
   return LAMC_OK;
 }

@@ -138,10 +138,8 @@ static const double parameter_defaults[] = {
 };
 
 void driven_default_parameters(driven_parameters *parameters) {
-  parameters->flap_mass = parameter_defaults[0];
-  parameters->flap_com_y = parameter_defaults[1];
-  parameters->flap_inertia_xx = parameter_defaults[2];
-  parameters->flap_inertia_zz = parameter_defaults[3];
+  double *all = (double *)(void *)parameters; /* the struct as the array that it also is */
+  for (int i = 0; i < 4; ++i) all[i] = parameter_defaults[i];
 }
 
 /* The struct as the array that it also is. */
@@ -160,6 +158,7 @@ const lamc_model *driven_model(void) {
       0,
       0,
       0,
+      NULL,
       0.0,
       1,
       4,
@@ -185,6 +184,9 @@ const lamc_model *driven_model(void) {
       setup_from_array,
       NULL,
       driven_acceleration,
+      NULL,
+      NULL,
+      NULL,
       NULL,
       NULL,
       NULL,

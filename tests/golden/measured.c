@@ -190,12 +190,8 @@ static const double parameter_defaults[] = {
 };
 
 void measured_default_parameters(measured_parameters *parameters) {
-  parameters->flap_mass = parameter_defaults[0];
-  parameters->flap_com_y = parameter_defaults[1];
-  parameters->flap_inertia_xx = parameter_defaults[2];
-  parameters->flap_inertia_zz = parameter_defaults[3];
-  parameters->hinge_rest_angle = parameter_defaults[4];
-  parameters->hinge_stiffness_factor = parameter_defaults[5];
+  double *all = (double *)(void *)parameters; /* the struct as the array that it also is */
+  for (int i = 0; i < 6; ++i) all[i] = parameter_defaults[i];
 }
 
 /* The struct as the array that it also is. */
@@ -214,6 +210,7 @@ const lamc_model *measured_model(void) {
       0,
       0,
       0,
+      NULL,
       0.0,
       1,
       6,
@@ -239,6 +236,9 @@ const lamc_model *measured_model(void) {
       setup_from_array,
       NULL,
       measured_acceleration,
+      NULL,
+      NULL,
+      NULL,
       NULL,
       NULL,
       NULL,

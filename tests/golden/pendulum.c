@@ -450,28 +450,8 @@ static const double parameter_defaults[] = {
 };
 
 void pendulum_default_parameters(pendulum_parameters *parameters) {
-  parameters->link_1_mass = parameter_defaults[0];
-  parameters->link_1_com_y = parameter_defaults[1];
-  parameters->link_1_inertia_xx = parameter_defaults[2];
-  parameters->link_1_inertia_yy = parameter_defaults[3];
-  parameters->link_1_inertia_zz = parameter_defaults[4];
-  parameters->link_2_mass = parameter_defaults[5];
-  parameters->link_2_com_y = parameter_defaults[6];
-  parameters->link_2_inertia_xx = parameter_defaults[7];
-  parameters->link_2_inertia_yy = parameter_defaults[8];
-  parameters->link_2_inertia_zz = parameter_defaults[9];
-  parameters->link_3_mass = parameter_defaults[10];
-  parameters->link_3_com_y = parameter_defaults[11];
-  parameters->link_3_inertia_xx = parameter_defaults[12];
-  parameters->link_3_inertia_yy = parameter_defaults[13];
-  parameters->link_3_inertia_zz = parameter_defaults[14];
-  parameters->gravity_z = parameter_defaults[15];
-  parameters->h1_damping = parameter_defaults[16];
-  parameters->h2_damping = parameter_defaults[17];
-  parameters->h3_damping = parameter_defaults[18];
-  parameters->h1_stiffness = parameter_defaults[19];
-  parameters->h2_stiffness = parameter_defaults[20];
-  parameters->h3_stiffness = parameter_defaults[21];
+  double *all = (double *)(void *)parameters; /* the struct as the array that it also is */
+  for (int i = 0; i < 22; ++i) all[i] = parameter_defaults[i];
 }
 
 /* The struct as the array that it also is. */
@@ -490,6 +470,7 @@ const lamc_model *pendulum_model(void) {
       0,
       0,
       0,
+      NULL,
       0.0,
       3,
       22,
@@ -515,6 +496,9 @@ const lamc_model *pendulum_model(void) {
       setup_from_array,
       NULL,
       pendulum_acceleration,
+      NULL,
+      NULL,
+      NULL,
       NULL,
       NULL,
       NULL,

@@ -401,23 +401,8 @@ static const double parameter_defaults[] = {
 };
 
 void two_links_in_space_default_parameters(two_links_in_space_parameters *parameters) {
-  parameters->upper_mass = parameter_defaults[0];
-  parameters->upper_com_x = parameter_defaults[1];
-  parameters->upper_inertia_xx = parameter_defaults[2];
-  parameters->upper_inertia_yy = parameter_defaults[3];
-  parameters->upper_inertia_zz = parameter_defaults[4];
-  parameters->upper_inertia_xz = parameter_defaults[5];
-  parameters->lower_mass = parameter_defaults[6];
-  parameters->lower_com_y = parameter_defaults[7];
-  parameters->lower_com_z = parameter_defaults[8];
-  parameters->lower_inertia_xx = parameter_defaults[9];
-  parameters->lower_inertia_yy = parameter_defaults[10];
-  parameters->lower_inertia_zz = parameter_defaults[11];
-  parameters->lower_inertia_yz = parameter_defaults[12];
-  parameters->gravity_z = parameter_defaults[13];
-  parameters->shoulder_damping = parameter_defaults[14];
-  parameters->shoulder_stiffness = parameter_defaults[15];
-  parameters->elbow_stiffness = parameter_defaults[16];
+  double *all = (double *)(void *)parameters; /* the struct as the array that it also is */
+  for (int i = 0; i < 17; ++i) all[i] = parameter_defaults[i];
 }
 
 /* The struct as the array that it also is. */
@@ -436,6 +421,7 @@ const lamc_model *two_links_in_space_model(void) {
       0,
       0,
       0,
+      NULL,
       0.0,
       2,
       17,
@@ -461,6 +447,9 @@ const lamc_model *two_links_in_space_model(void) {
       setup_from_array,
       NULL,
       two_links_in_space_acceleration,
+      NULL,
+      NULL,
+      NULL,
       NULL,
       NULL,
       NULL,

@@ -83,7 +83,8 @@ class General:
         lower = [equations.inertia.get((i, j), 0) for i in range(n) for j in range(i + 1)]
         closure = equations.closure
         self.m = len(closure.residual) if closure else 0
-        held = [*(v for row in closure.jacobian for v in row), *closure.bias] if closure else []
+        self.places = [(i, j) for i, row in enumerate(closure.jacobian) for j, _ in row] if closure else []
+        held = [*(v for row in closure.jacobian for _, v in row), *closure.bias] if closure else []
         self._system = compiled(equations, [*lower, *equations.forces, *held])
         rates = equations.coordinate_rates
         self._speeds = compiled(equations, rates) if rates is not None else None
@@ -102,7 +103,10 @@ class General:
         mass[np.tril_indices(n)] = values[: n * (n + 1) // 2]
         mass += np.tril(mass, -1).T
         rest = values[n * (n + 1) // 2 :]
-        return mass, rest[:n], rest[n : n + self.m * n].reshape(self.m, n), rest[n + self.m * n :]
+        jacobian = np.zeros((self.m, n))
+        for place, value in zip(self.places, rest[n:], strict=False):
+            jacobian[place] = value
+        return mass, rest[:n], jacobian, rest[n + len(self.places) :]
 
     def acceleration(self, t: float, q: Array, u: Array) -> Array:
         """u̇."""

@@ -77,10 +77,9 @@ def assert_adds_up(made: Mechanism, effects: tuple[Effect, ...]) -> dict[str, in
     function; where rates of coordinates have their own, up to the few numbers that both compute."""
     equations = equations_of(made, effects)
     counts = {name: cost.flops for name, cost in equations.operations_by_effect.items()}
-    functions = lower(equations).functions
-    main = next(name for name in ("dynamics", "system", "acceleration") if name in functions)
-    rates = functions["rates"].operations.flops if "rates" in functions else 0
+    program = lower(equations)
+    rates = program.functions["rates"].operations.flops if "rates" in program.functions else 0
     assert set(counts) == {"", *(effect.name for effect in effects)}
-    whole = functions[main].operations.flops + rates
+    whole = program.motion_operations.flops + rates
     assert sum(counts.values()) == (pytest.approx(whole, rel=2e-3) if rates else whole)
     return counts

@@ -1,0 +1,287 @@
+/* loop_sparse.h, of lamc: J of large loops eliminated row by row, each row with the few rates that it knows.
+ *
+ * In:    the rows of J, a plan. Out: which equations hold, what solves them, which directions they leave free.
+ * Never: forms a matrix of all equations times all rates; calls a model; allocates.
+ *
+ * A row is freed of the rates that earlier steps eliminated, and gives up the largest of what is left (threshold
+ * pivoting; I. S. Duff, A. M. Erisman, J. K. Reid, "Direct methods for sparse matrices"). The plan has the order that
+ * fills up few rows, as the compiler found it at one position. Where a pivot of the plan is too small an order is looked
+ * for, from nothing, so that what comes out depends on the state alone: rows of which little is left then wait until the
+ * others are through. */
+#ifndef LAMC_LOOP_SPARSE_H
+#define LAMC_LOOP_SPARSE_H
+
+#include "loop_parts.h"
+
+static const lamc_real OF_LARGEST = LAMC_R(0.1); /* what a row has left of one at least, or it waits */
+static const lamc_real PLANNED =
+    LAMC_R(0.02); /* the same of its largest and of one, where the plan is kept to */
+
+/* What is left of `row` by a step, and the largest of it */
+static lamc_real lamc_sparse_collect(const lamc_loop_parts *p, int first, int beyond) {
+  const lamc_steps *s = &p->steps;
+  lamc_real most = 0;
+  for (int e = first; e < beyond; e++) {
+    const int rate = lamc_at(s->left, e);
+    const lamc_real value = p->row[rate];
+    s->value[e] = value;
+    p->row[rate] = 0;
+    most = fabs(value) > most ? fabs(value) : most;
+  }
+  return most;
+}
+
+static void lamc_sparse_scatter(const lamc_loop_parts *p, int row) {
+  for (int e = p->pattern->row_start[row]; e < p->pattern->row_start[row + 1]; e++) {
+    p->row[p->pattern->column[e]] = p->j[e];
+  }
+}
+
+/* Takes from `row` what it has of the rate that step `k` eliminated; the multiple of that step */
+static lamc_real lamc_sparse_update(const lamc_loop_parts *p, int k) {
+  const lamc_steps *s = &p->steps;
+  const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
+  const int rate = lamc_at(s->left, first);
+  const lamc_real factor = p->row[rate] * s->inverse[k];
+  p->row[rate] = 0;
+  for (int e = first + 1; e < beyond; e++) p->row[lamc_at(s->left, e)] -= factor * s->value[e];
+  return factor;
+}
+
+/* By the plan; how many equations were taken, or -1 where it does not hold */
+static int lamc_sparse_follow(const lamc_loop_parts *p) {
+  const lamc_pattern *plan = p->pattern;
+  const lamc_steps *s = &p->steps;
+  for (int k = 0; k < plan->step_count; k++) {
+    const int first = plan->left_start[k];
+    lamc_sparse_scatter(p, plan->step_row[k]);
+    for (int i = plan->update_start[k]; i < plan->update_start[k + 1]; i++) {
+      s->factor[i] = lamc_sparse_update(p, plan->update[i]);
+    }
+    s->peak[k] = lamc_sparse_collect(p, first, plan->left_start[k + 1]);
+    const lamc_real pivot = fabs(s->value[first]);
+    if (!(pivot > PLANNED && pivot > PLANNED * s->peak[k])) return -1;
+    s->inverse[k] = 1 / s->value[first];
+  }
+  return plan->step_count;
+}
+
+/* A rate that is new to the row */
+static int lamc_sparse_touch(const lamc_loop_parts *p, int known, int rate) {
+  for (int k = 0; k < known; k++) {
+    if ((int)p->touched[k] == rate) return known;
+  }
+  p->touched[known] = (lamc_real)rate;
+  return known + 1;
+}
+
+/* Where among the touched the rate is that the earliest step eliminated; -1: none is left that any did */
+static int lamc_sparse_earliest(const lamc_loop_parts *p, int known) {
+  int best = -1;
+  for (int k = 0; k < known; k++) {
+    const lamc_real step = p->step_of[(int)p->touched[k]];
+    if (step >= 0 && (best < 0 || step < p->step_of[(int)p->touched[best]])) best = k;
+  }
+  return best;
+}
+
+/* Row `row` of J freed of what `count` steps eliminated, its updates written behind theirs; how many rates are left in
+ * it, among the touched */
+static int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
+  const lamc_steps *s = &p->steps;
+  int known = 0, update = (int)s->update_start.found[count];
+  for (int e = p->pattern->row_start[row]; e < p->pattern->row_start[row + 1]; e++) {
+    p->touched[known++] = (lamc_real)p->pattern->column[e];
+  }
+  lamc_sparse_scatter(p, row);
+  for (int at = lamc_sparse_earliest(p, known); at >= 0; at = lamc_sparse_earliest(p, known)) {
+    const int step = (int)p->step_of[(int)p->touched[at]];
+    p->touched[at] = p->touched[--known];
+    for (int e = (int)s->left_start.found[step] + 1; e < (int)s->left_start.found[step + 1]; e++) {
+      known = lamc_sparse_touch(p, known, (int)s->left.found[e]);
+    }
+    s->update.found[update] = (lamc_real)step;
+    s->factor[update++] = lamc_sparse_update(p, step);
+  }
+  s->update_start.found[count + 1] = (lamc_real)update;
+  return known;
+}
+
+/* The largest of what is left */
+static lamc_real lamc_sparse_peak(const lamc_loop_parts *p, int known) {
+  lamc_real most = 0;
+  for (int k = 0; k < known; k++) {
+    const lamc_real value = fabs(p->row[(int)p->touched[k]]);
+    most = value > most ? value : most;
+  }
+  return most;
+}
+
+static void lamc_sparse_forget(const lamc_loop_parts *p, int known) {
+  for (int k = 0; k < known; k++) p->row[(int)p->touched[k]] = 0;
+}
+
+/* The row that was freed becomes step `count` */
+static void lamc_sparse_take(const lamc_loop_parts *p, int row, int count, int known) {
+  const lamc_steps *s = &p->steps;
+  const int first = (int)s->left_start.found[count];
+  int best = (int)p->touched[0], beyond = first + 1;
+  for (int k = 1; k < known; k++) {
+    const int rate = (int)p->touched[k];
+    if (fabs(p->row[rate]) > fabs(p->row[best])) best = rate;
+  }
+  s->left.found[first] = (lamc_real)best;
+  for (int k = 0; k < known; k++) {
+    const int rate = (int)p->touched[k];
+    if (rate != best && p->row[rate] != 0) s->left.found[beyond++] = (lamc_real)rate;
+  }
+  s->row.found[count] = (lamc_real)row;
+  s->left_start.found[count + 1] = (lamc_real)beyond;
+  s->peak[count] = lamc_sparse_collect(p, first, beyond);
+  s->inverse[count] = 1 / s->value[first];
+  p->step_of[best] = (lamc_real)count;
+}
+
+/* What is known while an order is looked for */
+typedef struct lamc_search {
+  int count;      /* steps */
+  int waiting;    /* rows that wait: the first of p->waiting */
+  lamc_real most; /* the largest that is left in any of them, where it was last looked at */
+} lamc_search;
+
+/* One look at the rows that wait: those with `least` left become steps, up to `rank` */
+static void lamc_sparse_round(const lamc_loop_parts *p, int rank, lamc_real least, lamc_search *now) {
+  const int waiting = now->waiting;
+  now->waiting = 0;
+  now->most = 0;
+  for (int k = 0; k < waiting && now->count < rank; k++) {
+    const int row = (int)p->waiting[k];
+    const int known = lamc_sparse_free(p, row, now->count);
+    const lamc_real peak = lamc_sparse_peak(p, known);
+    if (peak >= least) {
+      lamc_sparse_take(p, row, now->count++, known);
+      continue;
+    }
+    lamc_sparse_forget(p, known);
+    p->waiting[now->waiting++] = (lamc_real)row;
+    now->most = peak > now->most ? peak : now->most;
+  }
+}
+
+/* All rows wait: those of the plan first, as it takes them, then the others */
+static void lamc_sparse_line_up(const lamc_loop_parts *p) {
+  const lamc_pattern *plan = p->pattern;
+  for (int i = 0; i < p->m; i++) p->waiting[i] = (lamc_real)plan->step_row[i];
+}
+
+/* From nothing; how many equations were taken. What fades is let go as in lamc_dense_order. */
+static int lamc_sparse_find(const lamc_loop_parts *p, int rank) {
+  const lamc_steps *s = &p->steps;
+  lamc_search now = {0, p->m, 0};
+  lamc_sparse_line_up(p);
+  for (int i = 0; i < p->n; i++) p->step_of[i] = -1;
+  s->update_start.found[0] = s->left_start.found[0] = 0;
+  lamc_sparse_round(p, rank, OF_LARGEST, &now);
+  while (now.count < rank && now.most > PASSING) {
+    const lamc_real least = OF_LARGEST * now.most;
+    lamc_sparse_round(p, rank, least > PASSING ? least : PASSING, &now);
+  }
+  if (now.count < rank) {
+    while (now.count > 0 && s->peak[now.count - 1] < TOGETHER) now.count--;
+  }
+  return now.count;
+}
+
+/* The steps of the plan; its numbers lie where those of other steps do */
+static lamc_steps lamc_sparse_planned(const lamc_loop_parts *p) {
+  lamc_steps s = p->found;
+  s.row.given = p->pattern->step_row;
+  s.update_start.given = p->pattern->update_start;
+  s.update.given = p->pattern->update;
+  s.left_start.given = p->pattern->left_start;
+  s.left.given = p->pattern->left;
+  return s;
+}
+
+/* How many equations hold here, at most `rank` */
+static int lamc_sparse_order(lamc_loop_parts *p, int rank) {
+  int count = -1;
+  memset(p->row, 0, (size_t)p->n * sizeof *p->row);
+  if (p->pattern->step_count > 0 && p->pattern->step_count <= rank) {
+    p->steps = lamc_sparse_planned(p);
+    count = lamc_sparse_follow(p);
+  }
+  p->state[5] = count >= 0;
+  if (count < 0) {
+    p->steps = p->found;
+    count = lamc_sparse_find(p, rank);
+  }
+  for (int i = 0; i < p->n; i++) p->step_of[i] = -1;
+  for (int k = 0; k < count; k++) {
+    p->step_of[lamc_at(p->steps.left, lamc_at(p->steps.left_start, k))] = (lamc_real)k;
+  }
+  return count;
+}
+
+/* The least that any step had left: how near the equations are to be dependent */
+static lamc_real lamc_sparse_least(const lamc_loop_parts *p, int count) {
+  lamc_real least = 1;
+  for (int k = 0; k < count; k++) least = p->steps.peak[k] < least ? p->steps.peak[k] : least;
+  return least;
+}
+
+/* x, whose free rates are given, such that the taken equations have the values y (count,), by step; NULL: zero */
+static void lamc_sparse_back(const lamc_loop_parts *p, int count, const lamc_real *y, lamc_real *x) {
+  const lamc_steps *s = &p->steps;
+  for (int k = count - 1; k >= 0; k--) {
+    const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
+    lamc_real rest = y != NULL ? y[k] : 0;
+    for (int e = first + 1; e < beyond; e++) rest -= s->value[e] * x[lamc_at(s->left, e)];
+    x[lamc_at(s->left, first)] = rest * s->inverse[k];
+  }
+}
+
+/* x (n,) such that the taken equations have the values -goal (m,), with nothing along the free rates */
+static void lamc_sparse_impose(const lamc_loop_parts *p, int count, const lamc_real *goal, lamc_real *x) {
+  const lamc_steps *s = &p->steps;
+  lamc_real *y = p->z;
+  memset(x, 0, (size_t)p->n * sizeof *x);
+  for (int k = 0; k < count; k++) {
+    y[k] = -goal[lamc_at(s->row, k)];
+    for (int i = lamc_at(s->update_start, k); i < lamc_at(s->update_start, k + 1); i++) {
+      y[k] -= s->factor[i] * y[lamc_at(s->update, i)];
+    }
+  }
+  lamc_sparse_back(p, count, y, x);
+}
+
+/* N: the rows of `free` */
+static void lamc_sparse_find_free(const lamc_loop_parts *p, int count) {
+  lamc_real *direction = p->free;
+  for (int rate = 0; rate < p->n; rate++) {
+    if (p->step_of[rate] >= 0) continue;
+    memset(direction, 0, (size_t)p->n * sizeof *direction);
+    direction[rate] = 1;
+    lamc_sparse_back(p, count, NULL, direction);
+    direction += p->n;
+  }
+}
+
+/* lambda (m,) from z = M udot - f (n,), which is used up: of the taken equations, zero for the others */
+static void lamc_sparse_lambda(const lamc_loop_parts *p, int count, lamc_real *z, lamc_real *lambda) {
+  const lamc_steps *s = &p->steps;
+  lamc_real *x = p->x;
+  for (int k = 0; k < count; k++) {
+    const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
+    x[k] = z[lamc_at(s->left, first)] * s->inverse[k];
+    for (int e = first + 1; e < beyond; e++) z[lamc_at(s->left, e)] -= s->value[e] * x[k];
+  }
+  for (int k = count - 1; k >= 0; k--) {
+    for (int i = lamc_at(s->update_start, k); i < lamc_at(s->update_start, k + 1); i++) {
+      x[lamc_at(s->update, i)] -= s->factor[i] * x[k];
+    }
+    lambda[lamc_at(s->row, k)] = x[k];
+  }
+}
+
+#endif /* LAMC_LOOP_SPARSE_H */

@@ -84,7 +84,7 @@ class LoopCount:
         rank = self.branch_ranks[abs(number) - 1]
         if rank == self.rank:
             return self
-        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank, position=())
+        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)

@@ -18,6 +18,7 @@ from lamc.symbolic.scalars import Value
 
 OF_LARGEST = 0.1  # of the largest of a row, that is left or was there: what a pivot has at least
 NOTHING = 1e-9  # of the largest of a row: less is round-off of a position that closes to 1e-12
+LOOKED_FOR = 3.0  # times what a plan takes: an order that is looked for, where no position of full rank is known
 
 
 def pattern_of(closure: Closure, q: Sequence[Value], rank: int, position: Sequence[float]) -> Pattern:
@@ -43,12 +44,12 @@ def _values(closure: Closure, q: Sequence[Value], position: Sequence[float]) -> 
 def _is_cheaper(plan: Sequence[PlanStep], m: int, n: int, rank: int) -> bool:
     """Whether the plan takes less time than elimination of an array, of which half is nought. Measured: it does from
     loops of seven hinges and six equations on (six_bar, 49 operations for 56); two_loops, 44 for 67, is even."""
-    if len(plan) < rank or not plan:
+    if not plan:
         return False
     left = [len(step.left) for step in plan]
     planned = sum(left[k] for step in plan for k in step.updates) + 2 * sum(left)
     array = sum((m - k) * (n - k) for k in range(rank)) / 2
-    return planned < array
+    return planned < array if len(plan) == rank else LOOKED_FOR * planned < array
 
 
 def plan_of(rows: list[dict[int, float]], rank: int) -> tuple[PlanStep, ...]:

@@ -27,10 +27,11 @@ BENDS = (
 )
 STARTS = 24  # of Newton's method, for each dimension of the null space
 ROUNDS = 40
-FAMILIES = 4  # zeros that are no isolated ones which are looked at
+FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
 MOST_FREE = 40  # rates: of more, the second order takes minutes, and no branches are looked for
+FEW_FREE, FEW_STARTS, FEW_BRANCHES = 16, 32, 8  # rates: of more, so many starts in all, and so many branches
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,9 @@ def _spherical(forms: Array, preferred: Array, fit: Fit) -> list[tuple[Array, in
     that are joined by zeros there is one, if possible near one of `preferred` (s, d)."""
     size = forms.shape[1]
     random = np.random.default_rng(20260103)
-    starts = np.concatenate([preferred, random.normal(size=(STARTS * size, size))])
+    is_small = size <= FEW_FREE
+    count, most = (STARTS * size, MOST) if is_small else (FEW_STARTS, FEW_BRANCHES)
+    starts = np.concatenate([preferred[: count // 2], random.normal(size=(count, size))])
     solutions: list[tuple[Array, int]] = []
     families = 0
     for point in _distinct(list(_newton(forms, starts, fit)), fit.same):
@@ -191,13 +194,15 @@ def _spherical(forms: Array, preferred: Array, fit: Fit) -> list[tuple[Array, in
         freedoms = size - int((slopes > fit.family).sum())
         if freedoms > 1:
             families += 1
+            if families > FAMILIES:
+                continue
             joined = any(
                 freedoms == known and _joined(forms, point, other, fit) for other, known in solutions
             )
-            if joined or families > FAMILIES:
+            if joined:
                 continue
         solutions.append((point, freedoms))
-        if len(solutions) == MOST:
+        if len(solutions) == most:
             break
     return solutions
 

@@ -24,7 +24,7 @@ from lamc.records.mechanism import Array
 if TYPE_CHECKING:
     from scipy import sparse
 
-DENSE = 60  # columns: up to here a decomposition takes a few milliseconds, as sparse elimination does
+DENSE = 64  # columns: up to here a decomposition takes a millisecond or two, as sparse elimination does
 DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
 BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
@@ -125,10 +125,16 @@ class Linear:
         return self.weak[1][: self.nullity(cutoff)]
 
     def outside(self, goals: Array, cutoff: float = EXACT) -> Array:
-        """The parts of `goals` (m, k) that no x gives."""
+        """The parts of `goals` (m, k) that no x gives.
+
+        Of a large matrix whose rows are independent but for those that hold nothing, such as a flat sheet's, these."""
         if self.is_small:
             inside = self.dense[0][:, : self.rank(cutoff)]
             return np.asarray(goals - inside @ (inside.T @ goals))
+        if len(self._used) == self.rank(cutoff):
+            left = goals.copy()
+            left[self._used] = 0.0
+            return np.asarray(left[np.abs(left).max(axis=1) > 0.0])
         return np.column_stack([g - self.matrix @ self.least_change(g, cutoff) for g in goals.T])
 
     def least_change(self, goal: Array, cutoff: float) -> Array:

@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.branches import EXACTLY, NEARLY, Fit, find_branches, moved_out, tangents
+from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit, find_branches, moved_out, tangents
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import EXACT
+from lamc.loops.linear import DENSE, EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.walks import LoopPosition, walk
 from lamc.mechanism.tree import Tree
@@ -32,7 +32,7 @@ TOLERANCE, ROUNDED, MOST_ROUNDED = 1e-4, 1.5e-5, 1e-3  # of the size; m; of the 
 WALKS, STEPS = 2, 4  # random motions from a regular position, and the steps that tell the rank along each
 ROUND = 32  # steps along which a misfit is measured, each way: half a turn of the joint that leads
 CLEAR = 30.0  # times what may be a misfit's is what is not, where loops move exactly as well
-LARGE, FEW = 150, 2  # joints: of more, one motion is looked at, by so many steps
+LARGE, FEW = DENSE, 2  # joints: of more, one motion is looked at, by so many steps
 MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfit's
 
 
@@ -42,7 +42,7 @@ class LoopCount:
 
     rank             of the equations where a run is: at its start, or on the branch that it takes from there
     singular_values  of the closure matrix there, descending; rotations in rad, lengths by short cycles in parts of
-                     their reach. Of more than 150 hinges the largest and the smallest ones only
+                     their reach. Of more than 64 hinges the largest and the smallest ones only
     misfit           how far loops stay open that nearly have a lower rank; None where they close
     tolerance        m, the gap that was allowed; a misfit within it is accepted, and `rank` is then the lower one
     cutoff           of the largest singular value: smaller ones are no equations
@@ -144,6 +144,11 @@ def count_at(
     accepted = misfit is not None and misfit.gap <= allowed
     taken = nearly if accepted else exact
     ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
+    if exact.free > MOST_FREE and not taken.places:
+        raise DesignError(
+            f"the start is singular, and {exact.free} rates are free there to first order: of more than {MOST_FREE}, "
+            "no branches are looked for; start it a little off, by angles of some hinges"
+        )
     rank = max(ranks) if taken.places else size - _free_at_once(geometry, angles, exact)
     best = max(taken.places, key=lambda place: place.clearness(size - rank), default=None)
     position = angles if best is None else best.angles

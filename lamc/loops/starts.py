@@ -6,6 +6,7 @@ the nearest consistent start, by the squares of what was left open. Never: integ
 
 import math
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 
@@ -42,6 +43,8 @@ class Starter:
         self.cutoff = count.cutoff
         self._weak = count.cutoff if count.accepted_gap > 0.0 else 0.0
         self.size = len(geometry.names)
+        self._branches = cache(lambda packed: find_branches(geometry, np.frombuffer(packed), count.fit))
+        self._found = cache(self._position)  # by angles given, sorted: each is asked for several times
 
     def state(self, start: Scene) -> Array:
         """The state (2 n,) of all joints, rad and rad/s.
@@ -80,14 +83,11 @@ class Starter:
     def branches(self, start: Scene) -> tuple[Branch, ...]:
         """The branches at the position that `start` asks for; empty where it is regular."""
         angles = self.position(start.angles)
-        return self._branches(angles) if self.is_singular(angles) else ()
+        return self._branches(angles.tobytes()) if self.is_singular(angles) else ()
 
     def is_singular(self, angles: Array) -> bool:
         """Whether the closure has a smaller rank at `angles` (n,) than it has elsewhere."""
         return self.geometry.linear(angles).rank(max(EXACT, self._weak)) < self.count.rank
-
-    def _branches(self, angles: Array) -> tuple[Branch, ...]:
-        return find_branches(self.geometry, angles, self.count.fit)
 
     def position(self, given: Mapping[str, float]) -> Array:
         """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
@@ -95,12 +95,13 @@ class Starter:
         flat = dict.fromkeys(self.geometry.tree.mechanism.facet_creases, 0.0)
         if not flat.keys() <= given.keys():
             try:
-                return self._position(flat | dict(given))
+                return self._found(tuple(sorted((flat | dict(given)).items()))).copy()
             except DesignError:
                 pass  # rigid facets do not close there
-        return self._position(given)
+        return self._found(tuple(sorted(given.items()))).copy()
 
-    def _position(self, given: Mapping[str, float]) -> Array:
+    def _position(self, pairs: tuple[tuple[str, float], ...]) -> Array:
+        given = dict(pairs)
         wanted, free = self._given(given)
         best, best_gap = wanted, np.inf
         found: list[Array] = []
@@ -191,7 +192,7 @@ class Starter:
 
     def _on_branch(self, angles: Array, number: int, given: Mapping[str, float]) -> tuple[Array, Array]:
         """Angles and rates (n,): moved a little along the branch and at rest, or there with the given rates."""
-        branches = self._branches(angles)
+        branches = self._branches(angles.tobytes())
         if not 1 <= abs(number) <= len(branches):
             raise DesignError(
                 f"branch is {number}, and the start has {len(branches)}: {listed(branches)}; choose one of them"
@@ -213,7 +214,7 @@ class Starter:
         """Rates (n,) at a singular position, where those given lie on one branch."""
         if not given:
             return np.zeros(self.size)
-        branches = self._branches(angles)
+        branches = self._branches(angles.tobytes())
         scaled = [self._scaled(b.row(self.geometry.names), given) for b in branches if b.freedoms == 1]
         fitting = [rates for rates in scaled if rates is not None]
         if len(fitting) == 1:

@@ -38,15 +38,15 @@ class LoopPosition:
 
     def gaps(self, most: float) -> list[int]:
         """After how many singular values there are wide gaps, below `most` or at it; ascending."""
-        known = np.concatenate([self.weak, [1.0]])
-        count = int((self.weak < most).sum())
+        known = self.weak
+        count = min(int((known < most).sum()), len(known) - 1)
         return [k for k in range(1, count + 1) if known[k] > GAP * max(known[k - 1], EXACT)]
 
     def lesser(self, most: float) -> int:
         """How many singular values are below the widest gap of those below `most`, round-off among them."""
-        known = np.concatenate([self.weak, [1.0]])
-        least = int((self.weak <= EXACT).sum())
-        ratios = [(known[k] / known[k - 1], k) for k in range(least + 1, int((self.weak < most).sum()) + 1)]
+        known = self.weak
+        least, count = int((known <= EXACT).sum()), min(int((known < most).sum()), len(known) - 1)
+        ratios = [(known[k] / known[k - 1], k) for k in range(least + 1, count + 1)]
         return max(ratios)[1] if ratios else least
 
 

@@ -18,7 +18,9 @@ from lamc.symbolic.scalars import Value
 
 OF_LARGEST = 0.1  # of the largest of a row, that is left or was there: what a pivot has at least
 NOTHING = 1e-9  # of the largest of a row: less is round-off of a position that closes to 1e-12
-LOOKED_FOR = 3.0  # times what a plan takes: an order that is looked for, where no position of full rank is known
+LOOKED_FOR = (
+    3.0  # times what a plan takes: an order that is looked for, where no position of full rank is known
+)
 
 
 def pattern_of(closure: Closure, q: Sequence[Value], rank: int, position: Sequence[float]) -> Pattern:

@@ -33,7 +33,9 @@ def list_examples(terminal: Terminal) -> int:
     lines += [f"{r['name']:<{width}}  {r['loops']:>5}  {r['freedoms']:>8}  {r['summary']}" for r in rows]
     lines += ["", "lamc examples NAME tells its story, lamc run --example NAME runs it,"]
     lines += ["and lamc examples NAME --copy DIR writes its file there, to edit."]
-    lines += ["Of any size: miura:COLUMNSxROWS, as miura:4x5, and n_four_bar:N."]
+    lines += [
+        f"Of any size: {'; '.join(f'NAME:{form}, {names}' for form, names in examples.forms().items())}."
+    ]
     lines += ["Plates are listed by lamc plate --examples."]
     terminal.say("\n".join(lines))
     terminal.result({"ok": True, "examples": rows})

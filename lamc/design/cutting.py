@@ -78,9 +78,9 @@ def _union(parts: Geometries) -> BaseGeometry:
 
 
 def _clusters(parts: Geometries) -> list[list[int]]:
-    """Indices of areas by cluster: areas of different clusters have no point in common."""
+    """Indices of areas by cluster: boxes about areas of different clusters have no point in common."""
     head = list(range(len(parts)))
-    first, second = STRtree(parts).query(parts, predicate="intersects")
+    first, second = STRtree(parts).query(parts)
     for a, b in zip(first.tolist(), second.tolist(), strict=True):
         if a < b:
             unite(head, a, b)

@@ -105,9 +105,9 @@ def meetings_of(strips: Geometries, place: Place | None) -> Pairs:
 
 
 def check_overlaps(overlaps: Geometries, place: Place | None) -> None:
-    """Raises DesignError where too many of the areas in which strips meet lie on one another: joining k of them to one
-    hole takes k² steps."""
-    count = len(_meetings(overlaps, MOST_OVERLAPS))
+    """Raises DesignError where too many of the areas in which strips meet lie on one another, by their boxes: joining k
+    of them to one hole takes k² steps."""
+    count = len(_meetings(overlaps, MOST_OVERLAPS, None))
     if count > MOST_OVERLAPS:
         raise DesignError(
             f"the {len(overlaps)} areas in which strips of hinge lines meet, each a width to both sides of its line, "
@@ -138,9 +138,11 @@ def _sides(lines: Geometries) -> Geometries:
     return sides
 
 
-def _meetings(shapes: Geometries, most: int, predicate: str = "intersects", **distance: float) -> Pairs:
-    """Pairs of indices (k, 2), a < b, sorted, of shapes that meet as a predicate says; no further ones once they are
-    more than `most`."""
+def _meetings(
+    shapes: Geometries, most: int, predicate: str | None = "intersects", **distance: float
+) -> Pairs:
+    """Pairs of indices (k, 2), a < b, sorted, of shapes that meet as a predicate says, or whose boxes do; no further
+    ones once they are more than `most`."""
     tree, found, count = shapely.STRtree(shapes), [np.zeros((0, 2), dtype=np.int64)], 0
     # In no order, so that the next shapes meet about as many as the last ones, and their number can be chosen by that.
     order = np.random.default_rng(0).permutation(len(shapes))

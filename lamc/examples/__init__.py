@@ -12,6 +12,7 @@ from pathlib import Path
 from lamc.basics.errors import DesignError
 from lamc.examples.miura import miura
 from lamc.examples.n_four_bar import n_four_bar
+from lamc.examples.patterns import kresling, resch, waterbomb, yoshimura
 from lamc.run.request import did_you_mean
 
 _FOLDER = Path(__file__).resolve().parent
@@ -62,9 +63,14 @@ class _Generator:
     what: str  # is counted by that product
 
 
+_SHEET = r"(\d{1,4})x(\d{1,4})", "COLUMNSxROWS"
 _GENERATORS = {
-    "miura": _Generator(r"(\d{1,4})x(\d{1,4})", "COLUMNSxROWS", "3x3", miura, 2, _MOST_FACETS, "facets"),
+    "kresling": _Generator(*_SHEET, "3x3", kresling, 2, _MOST_FACETS // 2, "cells of two facets"),
+    "miura": _Generator(*_SHEET, "3x3", miura, 2, _MOST_FACETS, "facets"),
     "n_four_bar": _Generator(r"(\d{1,4})", "N", "2", n_four_bar, 1, _MOST_WINDOWS, "windows"),
+    "resch": _Generator(*_SHEET, "2x2", resch, 1, _MOST_FACETS // 8, "stars of six facets"),
+    "waterbomb_sheet": _Generator(*_SHEET, "2x2", waterbomb, 1, _MOST_FACETS // 6, "cells of six facets"),
+    "yoshimura": _Generator(*_SHEET, "3x3", yoshimura, 2, _MOST_FACETS // 2, "cells of two facets"),
 }
 
 
@@ -76,6 +82,14 @@ def files() -> tuple[str, ...]:
 def names() -> tuple[str, ...]:
     """Names of all examples, sorted; those made to a size, without one."""
     return tuple(sorted([*files(), *_GENERATORS]))
+
+
+def forms() -> dict[str, str]:
+    """Forms of sizes, such as "COLUMNSxROWS", and the names of the examples that are made to one."""
+    made = {generator.form for generator in _GENERATORS.values()}
+    return {
+        form: ", ".join(sorted(n for n, g in _GENERATORS.items() if g.form == form)) for form in sorted(made)
+    }
 
 
 def find(name: str) -> Example:

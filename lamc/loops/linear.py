@@ -14,16 +14,17 @@ of J. No singular value is squared: those below e are told apart by what J does 
 """
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from lamc.records.mechanism import Array
 
-DENSE = 64  # columns: up to here a decomposition takes a millisecond or two, as sparse elimination does
+if TYPE_CHECKING:
+    from scipy import sparse
+
+DENSE = 60  # columns: up to here a decomposition takes a few milliseconds, as sparse elimination does
 DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
 BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
@@ -35,7 +36,7 @@ NOTHING = 1e-13  # entries that are round-off of zero, beside those of one
 class Linear:
     """A matrix J (m, n)."""
 
-    def __init__(self, matrix: sparse.csr_array) -> None:
+    def __init__(self, matrix: "sparse.csr_array") -> None:
         self.matrix = matrix
         self.count = matrix.shape[1]
         self.is_small = self.count <= DENSE
@@ -88,11 +89,14 @@ class Linear:
     def _used(self) -> Any:
         """The rows that hold something."""
         largest = abs(self.matrix).max(axis=1)
-        largest = largest.toarray() if sparse.issparse(largest) else largest
+        largest = largest.toarray() if hasattr(largest, "toarray") else largest
         return np.flatnonzero(np.asarray(largest).ravel() > NOTHING)
 
     @cached_property
     def _factors(self) -> Any:
+        from scipy import sparse
+        from scipy.sparse.linalg import splu
+
         e = DAMPING * self.scale
         rows = self.matrix[self._used].tocsr()
         rows.data[np.abs(rows.data) < NOTHING] = 0.0

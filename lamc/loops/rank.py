@@ -42,7 +42,7 @@ class LoopCount:
 
     rank             of the equations where a run is: at its start, or on the branch that it takes from there
     singular_values  of the closure matrix there, descending; rotations in rad, lengths by short cycles in parts of
-                     their reach. Of more than 64 hinges the largest and the smallest ones only
+                     their reach. Of more than 60 hinges the largest and the smallest ones only
     misfit           how far loops stay open that nearly have a lower rank; None where they close
     tolerance        m, the gap that was allowed; a misfit within it is accepted, and `rank` is then the lower one
     cutoff           of the largest singular value: smaller ones are no equations
@@ -84,7 +84,7 @@ class LoopCount:
         rank = self.branch_ranks[abs(number) - 1]
         if rank == self.rank:
             return self
-        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank, position=())
+        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)

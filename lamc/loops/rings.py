@@ -10,13 +10,16 @@ meet but for a drawing's rounding are told from lines that meet. Displacements a
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
 
 from lamc.loops.cycles import Cycle
 from lamc.records.mechanism import Array
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 NARROW = 1e-2  # of the size: hinges nearer to a cycle's centre do not measure its displacements
 
@@ -56,9 +59,11 @@ class Rings:
         ]
         self._place = (np.concatenate([*rows, []]).astype(int), np.concatenate([*columns, []]).astype(int))
 
-    def residual(self, angles: Array) -> tuple[Array, sparse.csr_array]:
+    def residual(self, angles: Array) -> "tuple[Array, sparse.csr_array]":
         """What is left open (6 cycles,), rad and parts of each cycle's unit, and its Jacobian (6 cycles, n), exact
         where the cycles close."""
+        from scipy import sparse  # a quarter of a second, which reading a design does not need
+
         left = np.zeros((self.count, 6))
         entries = []
         for ring in self.rings:

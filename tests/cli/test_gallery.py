@@ -30,6 +30,8 @@ THEORY = {
     "flapping_wing": (0, 0, 2),
     "folding_box": (4, 12, 4),  # four spherical loops of five creases; a freedom for each wall
     "four_bar": (1, 3, 1),
+    # Triangles: freedoms are creases less three for each inner vertex, all of six creases.
+    "kresling": (4, 12, 9),
     "limit_stop": (0, 0, 2),
     "miura": (4, 11, 1),  # 12 creases, one freedom
     "miura:2x2": (1, 3, 1),
@@ -42,6 +44,8 @@ THEORY = {
     "n_four_bar:7": (7, 21, 1),
     "pendulum": (0, 0, 3),
     "pendulum.cad": (0, 0, 3),
+    "resch": (9, 27, 11),
+    "resch:2x1": (3, 9, 7),
     "sarrus": (1, 5, 1),
     "shutter": (0, 0, 2),
     "six_bar": (2, 6, 1),  # Watt's
@@ -49,6 +53,9 @@ THEORY = {
     "two_loops": (2, 6, 2),  # two four-bars in series
     "vertex": (1, 3, 1),
     "waterbomb": (1, 3, 3),  # six creases at a point
+    "waterbomb_sheet": (6, 18, 11),
+    "yoshimura": (4, 12, 9),
+    "yoshimura:2x3": (2, 6, 7),
 }
 SIZED = tuple(name for name in THEORY if ":" in name and name != "miura:4x5")
 LARGEST = pytest.param("miura:4x5", marks=pytest.mark.slow)
@@ -253,7 +260,7 @@ def test_the_same_size_gives_the_same_text() -> None:
         ("miura:1x1", "has 1 facets; it must have 2 to"),
         ("miura:9999x9999", "facets; it must have 2 to"),
         ("n_four_bar:two", "write n_four_bar:N"),
-        ("sarrus:2", "only these are made to a size: miura, n_four_bar"),
+        ("sarrus:2", "only these are made to a size: kresling, miura, n_four_bar, resch"),
     ],
 )
 def test_a_name_that_is_no_example_is_told_the_way_out(name: str, reported: str) -> None:

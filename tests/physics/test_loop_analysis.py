@@ -275,6 +275,7 @@ def test_branches_of_flat_origami_are_directions_of_motion(cases: dict[str, Any]
 
 @pytest.mark.parametrize("name", FLAT)
 @pytest.mark.quick("vertex4_flatfoldable", "miura22")
+@pytest.mark.ci("vertex4_flatfoldable", "miura*")
 def test_a_run_leaves_a_flat_start_on_the_branch_that_was_chosen(cases: dict[str, Any], name: str) -> None:
     mechanism, _ = from_reference(cases[name]["spec"])
     branches = compiled(mechanism).branches

@@ -156,3 +156,12 @@ def test_a_sheet_in_two_pieces_is_told_with_their_number() -> None:
         TopologyError, match=r"6 bodies have no path to the world: .* \(in 1 piece\); join each piece"
     ):
         made(text)
+
+
+@pytest.mark.slow
+def test_ten_thousand_facets_are_refused_with_what_they_would_take() -> None:
+    """The limit is passed at half of the file; 760 000 values are estimated from there."""
+    with pytest.raises(
+        DesignError, match=r"limit 'values' of 400000.*: [67]\d0000 or so, .* some \d\d s and \d\d\d MB"
+    ):
+        load_text(miura(100, 100), "sheet.yaml")

@@ -22,7 +22,8 @@ from lamc.design.split import split
 from lamc.effects.registry import choose
 from lamc.loops.at_start import loops_of
 from lamc.loops.kept import kept_loops
-from lamc.loops.rank import LARGE, LoopCount, count_loops
+from lamc.loops.rank import LoopCount, count_loops
+from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan

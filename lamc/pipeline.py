@@ -22,7 +22,8 @@ from lamc.design.split import split
 from lamc.effects.registry import choose
 from lamc.loops.at_start import loops_of
 from lamc.loops.kept import kept_loops
-from lamc.loops.rank import LARGE, LoopCount, count_loops
+from lamc.loops.rank import LoopCount, count_loops
+from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
@@ -221,14 +222,19 @@ def _loops_of(
     def count() -> LoopCount:
         if arrangement.compliant or arrangement.flexible:
             return count_loops(arrangement.tree, scene.closure_tolerance)
-        found = loops_of(arrangement.tree, rigid_scene(plan(mechanism), arrangement.tree, scene))
-        if not any(scene.angles.values()) or len(mechanism.joints) > LARGE:
+        full, held = plan(mechanism), arrangement.tree
+        found = loops_of(held, rigid_scene(full, held, scene))
+        # Equations are written alike for all starts of one rank, as for the design's own, so that other angles compile
+        # nothing anew.
+        own = replace(scene, angles=mechanism.scene.angles if mechanism.scene else {}, rates={}, branch=None)
+        if scene.angles == own.angles or len(mechanism.joints) > LARGE:
             return found
-        # Equations are written alike for all starts of one rank, so that other angles compile nothing anew.
-        plain = replace(scene, angles={}, rates={}, branch=None)
-        alias = loops_digest(mechanism, effects, plain, common=common)
-        drawn = kept_loops(alias, cache, lambda: count_loops(arrangement.tree, scene.closure_tolerance))
-        return replace(found, position=drawn.position) if drawn.rank == found.rank else found
+        alias = loops_digest(mechanism, effects, own, common=common)
+        try:
+            usual = kept_loops(alias, cache, lambda: loops_of(held, rigid_scene(full, held, own)))
+        except DesignError:
+            return found
+        return replace(found, position=usual.position) if usual.rank == found.rank else found
 
     return kept_loops(loops_digest(mechanism, effects, scene, common=common), cache, count)
 

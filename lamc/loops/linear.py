@@ -24,7 +24,7 @@ from lamc.records.mechanism import Array
 if TYPE_CHECKING:
     from scipy import sparse
 
-DENSE = 64  # columns: up to here a decomposition takes a millisecond or two, as sparse elimination does
+DENSE = 60  # columns: up to here a decomposition takes a few milliseconds, as sparse elimination does
 DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
 BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each

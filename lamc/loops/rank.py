@@ -11,28 +11,25 @@ the misfit is measured, and the user's tolerance decides.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit, find_branches, moved_out, tangents
+from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import DENSE, EXACT
+from lamc.loops.linear import EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
-from lamc.loops.walks import LoopPosition, walk
+from lamc.loops.surveys import Survey, near_surveys, survey
+from lamc.loops.walks import LoopPosition
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 
 # Drawings have three decimals of a millimetre: half a micrometre in each of the ten or twenty points around a loop. No
 # drawing is meant to be off by more than a thousandth of its size.
 TOLERANCE, ROUNDED, MOST_ROUNDED = 1e-4, 1.5e-5, 1e-3  # of the size; m; of the size
-WALKS, STEPS = 2, 4  # random motions from a regular position, and the steps that tell the rank along each
-ROUND = 32  # steps along which a misfit is measured, each way: half a turn of the joint that leads
-CLEAR = 30.0  # times what may be a misfit's is what is not, where loops move exactly as well
-LARGE, FEW = DENSE, 2  # joints: of more, one motion is looked at, by so many steps
 MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfit's
 
 
@@ -42,7 +39,7 @@ class LoopCount:
 
     rank             of the equations where a run is: at its start, or on the branch that it takes from there
     singular_values  of the closure matrix there, descending; rotations in rad, lengths by short cycles in parts of
-                     their reach. Of more than 64 hinges the largest and the smallest ones only
+                     their reach. Of more than 60 hinges the largest and the smallest ones only
     misfit           how far loops stay open that nearly have a lower rank; None where they close
     tolerance        m, the gap that was allowed; a misfit within it is accepted, and `rank` is then the lower one
     cutoff           of the largest singular value: smaller ones are no equations
@@ -90,38 +87,6 @@ class LoopCount:
 NO_LOOPS = LoopCount(0, 0, 0, 0)
 
 
-@dataclass(frozen=True, eq=False)
-class _Survey:
-    """Walks from a position: those of each way together, one way for each branch; rates that are free there to first
-    order; and whether there may be more branches if the drawing is rounded."""
-
-    ways: list[list[LoopPosition]]
-    is_singular: bool
-    free: int
-    may_be_rounded: bool = False
-
-    @property
-    def places(self) -> list[LoopPosition]:
-        return [place for way in self.ways for place in way]
-
-    @property
-    def moves(self) -> bool:
-        """Whether some walk goes on beyond its first step."""
-        return any(len(way) > 1 for way in self.ways)
-
-    @property
-    def is_suspect(self) -> bool:
-        """Whether equations that hold the motion are so weak, beside others, that they may be a misfit's."""
-        clear = self.clearest(SMALL)
-        lesser = clear.lesser(SMALL)
-        weakest = float(clear.weak[lesser - 1]) if lesser else 0.0
-        return weakest > EXACT and clear.clearness(lesser) > CLEAR * weakest
-
-    def clearest(self, most: float) -> LoopPosition:
-        """The place that is farthest from singular; values below `most` may be a misfit's."""
-        return max(self.places, key=lambda place: place.clearness(place.lesser(most)))
-
-
 def count_loops(tree: Tree, tolerance: float | None = None) -> LoopCount:
     """The count for `tree` as drawn. Deterministic.
 
@@ -139,7 +104,7 @@ def count_at(
     singular."""
     size = len(geometry.names)
     allowed = accepted_by_default(geometry.size) if tolerance is None else tolerance
-    exact = _survey(geometry, angles, EXACTLY, EXACT, way)
+    exact = survey(geometry, angles, EXACTLY, EXACT, way)
     misfit, nearly, cutoff = _nearly(geometry, angles, exact, way, allowed)
     accepted = misfit is not None and misfit.gap <= allowed
     taken = nearly if accepted else exact
@@ -169,7 +134,7 @@ def count_at(
     )
 
 
-def _free_at_once(geometry: LoopGeometry, angles: Array, exact: _Survey) -> int:
+def _free_at_once(geometry: LoopGeometry, angles: Array, exact: Survey) -> int:
     """How many rates are free where no walk leads on: next to a singular position any step is too long, and what the
     second order lets go, goes."""
     near = LoopPosition(angles, 0.0, geometry.linear(angles).weak[0]).clearness(exact.free) < SMALL
@@ -185,58 +150,14 @@ def _rank(way: Sequence[LoopPosition], size: int, cutoff: float) -> int:
     return max((size - int((place.weak <= cutoff).sum()) for place in way), default=0)
 
 
-def _survey(
-    geometry: LoopGeometry,
-    start: Array,
-    fit: Fit,
-    cutoff: float,
-    way: Array | None = None,
-    count: int | None = None,
-) -> _Survey:
-    """Walks from `start` (n,): along a way, or along branches, or along some motions where none part."""
-    local = tangents(geometry, start, fit)
-    steps = count or (FEW if len(start) > LARGE else STEPS)
-    free = local.basis.shape[1]
-    if way is not None:
-        return _Survey([_both(geometry, start, way, cutoff, steps)], len(local.forms) > 0, free)
-    if len(local.forms):
-        branches = find_branches(geometry, start, fit, local)
-        rows = [branch.row(geometry.names) for branch in branches]
-        steps = steps if len(rows) <= WALKS else max(steps // 2, FEW)
-        ways = [
-            _both(geometry, start, row, cutoff, steps) or _near(geometry, start, row, fit) for row in rows
-        ]
-        # Fewer equations than unknowns have zeros whatever the rounding, and what rounding leaves is not several.
-        generic = len(local.forms) < free or sum(branch.freedoms == 1 for branch in branches) > 1
-        return _Survey(ways, True, free, not generic)
-    random = np.random.default_rng(20260101)
-    count_of_ways = min(free, 1 if len(start) > LARGE else WALKS)
-    motions = random.normal(size=(count_of_ways, free)) @ local.basis.T
-    return _Survey([_both(geometry, start, row, cutoff, steps) for row in motions], False, free)
-
-
-def _both(geometry: LoopGeometry, start: Array, way: Array, cutoff: float, steps: int) -> list[LoopPosition]:
-    """The places of a walk, and of the opposite one where it leads nowhere, or farther than a rank asks for."""
-    places = walk(geometry, start, way, cutoff, steps)
-    if not places or steps > STEPS:
-        places = places + walk(geometry, start, -way, cutoff, steps)
-    return places
-
-
-def _near(geometry: LoopGeometry, start: Array, way: Array, fit: Fit) -> list[LoopPosition]:
-    """The place next to a singular one, where no step is as short as a branch that turns back."""
-    place = moved_out(geometry, start, way, fit)
-    return [] if place is None else [LoopPosition(place, 0.0, geometry.linear(place).weak[0])]
-
-
 def _nearly(
-    geometry: LoopGeometry, start: Array, exact: _Survey, way: Array | None, allowed: float
-) -> tuple[Misfit | None, _Survey, float]:
+    geometry: LoopGeometry, start: Array, exact: Survey, way: Array | None, allowed: float
+) -> tuple[Misfit | None, Survey, float]:
     """The misfit of loops that nearly have a lower rank than they have exactly, the walks with this rank, and the
     cutoff that leaves the misfit out."""
-    none: tuple[Misfit | None, _Survey, float] = None, _Survey([], False, 0), SOLVE
+    none: tuple[Misfit | None, Survey, float] = None, Survey([], False, 0), SOLVE
     size, best = len(geometry.names), none
-    for found, nullity in _near_surveys(geometry, start, exact, way):
+    for found, nullity in near_surveys(geometry, start, exact, way):
         if not found.places:
             continue
         clear = max(found.places, key=lambda place: place.clearness(nullity(place)))
@@ -251,42 +172,6 @@ def _nearly(
             return best
     # What is nearly so, and is not accepted, is no matter where loops move exactly as well.
     return none if exact.moves and not exact.is_suspect else best
-
-
-_Nullity = Callable[[LoopPosition], int]
-
-
-def _near_surveys(
-    geometry: LoopGeometry, start: Array, exact: _Survey, way: Array | None
-) -> Iterator[tuple[_Survey, _Nullity]]:
-    """Walks of loops that fit badly, and which singular values along them are a misfit's; the likeliest first."""
-    place = LoopPosition(start, 0.0, geometry.linear(start).weak[0])
-    steps = 2 * FEW if len(start) > LARGE else ROUND
-    if exact.is_singular or not place.weak[place.weak < SMALL].max(initial=0.0) > EXACT:
-        if place.lesser(SMALL) and (not exact.moves or exact.is_suspect or exact.may_be_rounded):
-            coarse = 0.25 * SMALL
-            fit = replace(NEARLY, weak=coarse)
-            yield _survey(geometry, start, fit, coarse, way, steps), lambda at: at.lesser(SMALL)
-    elif not exact.moves:
-        for nullity in place.gaps(SMALL):
-            yield _drift(geometry, place, nullity, steps), lambda _, k=nullity: k  # type: ignore[misc]
-    elif exact.is_suspect:
-        clear = exact.clearest(SMALL)
-        nullity = clear.lesser(SMALL)
-        yield _drift(geometry, clear, nullity, steps), lambda _: nullity
-
-
-def _drift(geometry: LoopGeometry, place: LoopPosition, nullity: int, steps: int) -> _Survey:
-    """Walks along motions that leave the `nullity` weakest equations open."""
-    weakest = geometry.linear(place.angles).weak[1][:nullity]
-    random = np.random.default_rng(20260101)
-    motions = random.normal(size=(min(nullity, WALKS), nullity)) @ weakest
-    ways = [
-        walk(geometry, place.angles, sign * row, SOLVE, steps, nullity)
-        for row in motions
-        for sign in (1.0, -1.0)
-    ]
-    return _Survey([way for way in ways if way], False, nullity)
 
 
 def check_freedom(count: LoopCount) -> None:

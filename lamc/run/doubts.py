@@ -35,7 +35,7 @@ def _let_go(result: "Result") -> list[str]:
 
 
 def _rank_from_elsewhere(result: "Result") -> list[str]:
-    """Where the rank that the runtime takes at most is met in other postures only."""
+    """Where the rank that the runtime takes at most is met in other postures only, or is not the largest met."""
     model = result.motion.model
     width = len(model.rates)
     if model.rank == 0 or len(result.t) < _ROWS or model.closure_count * width > _MOST:
@@ -47,6 +47,12 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
         jacobian = result.motion.closures(state)[0, model.closure_count :].reshape(-1, width)
         values = np.linalg.svd(jacobian, compute_uv=False)
         met = max(met, int((values > _INDEPENDENT * values[0]).sum()) if len(values) else 0)
+    if met > model.rank and not model.tolerance:  # a misfit that is accepted has a rank of its own
+        return [
+            f"the loops have {met} independent equations at some of the {len(rows)} rows that were looked at, and the "
+            f"run took {model.rank}, as at its start: it has left the motion that it began with; compare with a run "
+            "from there"
+        ]
     if met >= model.rank:
         return []
     return [

@@ -182,6 +182,7 @@ class Model(Unchanging):
         self.closure_count = int(handle.closure_count)
         self.size = float(handle.size)
         self.rank = int(handle.rank)
+        self.tolerance = float(handle.tolerance)
         self.guards = self._names(handle.guard_names, handle.guard_count)
         self.has_impacts = any(handle.guard_modes[i] < 0 for i in range(handle.guard_count))
         self.bodies = self._names(handle.body_names, handle.body_count)

@@ -72,7 +72,7 @@ def test_overconstrained_loops_have_their_published_freedom(name: str) -> None:
 @pytest.mark.parametrize("count", [2, 3, 4, 8, 16])
 @pytest.mark.quick("4", "16")
 def test_a_miura_sheet_of_any_size_has_one_freedom(count: int) -> None:
-    """Folded: 3 (count - 1)² equations, of which all but one hinge count. From 64 hinges on by sparse elimination."""
+    """Folded: 3 (count - 1)² equations, of which all but one hinge count. From 60 hinges on by sparse elimination."""
     mechanism = sheet(folded_miura(count))
     found = count_loops(plan(mechanism))
     assert (found.freedoms, found.rank) == (1, len(mechanism.joints) - 1)

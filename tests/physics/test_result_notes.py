@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import types
 from pathlib import Path
 from typing import Any
 
@@ -27,3 +28,16 @@ def test_equations_let_go_near_a_singular_position_are_reported(shared: Path) ->
 def test_a_tree_has_no_notes() -> None:
     sim = lamc.compile(lamc.load(examples.path("pendulum.cad")))
     assert sim.run(t_end=0.1).notes == ()
+
+
+def test_a_run_that_leaves_the_motion_whose_rank_it_took_says_so() -> None:
+    """A vertex of four creases has three equations; the result is told that the run took two, as if it had begun along
+    a line."""
+    sim = lamc.compile(lamc.load(examples.path("vertex")))
+    result = sim.run(t_end=0.1)
+    assert result.notes == ()
+    model = types.SimpleNamespace(**{**vars(result.motion.model), "rank": 2})
+    motion = types.SimpleNamespace(model=model, closures=result.motion.closures)
+    (note,) = notes(dataclasses.replace(result, motion=motion))  # type: ignore[arg-type]
+    assert "3 independent equations at some of the 5 rows" in note
+    assert "run took 2, as at its start" in note

@@ -6,7 +6,7 @@ load → split → plan → derive → lower → emit → build. Nothing is reme
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,9 +20,10 @@ from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
 from lamc.design.split import split
 from lamc.effects.registry import choose
+from lamc.loops.at_start import loops_of
 from lamc.loops.kept import kept_loops
-from lamc.loops.rank import LoopCount, count_loops
-from lamc.loops.starts import loops_of
+from lamc.loops.rank import LARGE, LoopCount, count_loops
+from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
@@ -128,12 +129,17 @@ def compile(  # noqa: A001  the public name is lamc.compile
 
 
 def _compiled(
-    mechanism: Mechanism, scene: Scene, options: CompileOptions, times: Times, cache: Cache
+    mechanism: Mechanism,
+    scene: Scene,
+    options: CompileOptions,
+    times: Times,
+    cache: Cache,
+    loops: LoopCount | None = None,
 ) -> Simulator:
+    """loops: what the mechanism's loops come to; None: counted, if it has any."""
     effects = effects_of(mechanism, scene)
     common = common_digest(mechanism, effects)
-    loops = None
-    if len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
+    if loops is None and len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
             loops = _loops_of(mechanism, effects, scene, cache, common)
     compiler = find_compiler(options.compiler, flags=options.flags)
@@ -175,7 +181,7 @@ def _compiled(
 
     # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
     # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc).
-    return Simulator(
+    simulator = Simulator(
         mechanism,
         scene,
         effects,
@@ -184,6 +190,23 @@ def _compiled(
         module(energy_balance=False),
         loops,
         lambda: module(energy_balance=True),
+    )
+    return _on_branch(simulator, mechanism, options, times, cache)
+
+
+def _on_branch(
+    simulator: Simulator, mechanism: Mechanism, options: CompileOptions, times: Times, cache: Cache
+) -> Simulator:
+    """The simulator with the rank of the branch that its start takes, where branches of other ranks part. Loads choose
+    the branch, and they are known only now."""
+    loops = simulator.loops if simulator.cut_joints else None
+    if loops is None or len(set(loops.branch_ranks)) < 2:
+        return simulator
+    taken = loops.on_branch(simulator.pushed_branch or 0)
+    if taken.rank == loops.rank:
+        return simulator
+    return _compiled(
+        mechanism, simulator.scene, options, times, cache, replace(taken, branch_ranks=(taken.rank,))
     )
 
 
@@ -198,7 +221,14 @@ def _loops_of(
     def count() -> LoopCount:
         if arrangement.compliant or arrangement.flexible:
             return count_loops(arrangement.tree, scene.closure_tolerance)
-        return loops_of(arrangement.tree, scene)
+        found = loops_of(arrangement.tree, rigid_scene(plan(mechanism), arrangement.tree, scene))
+        if not any(scene.angles.values()) or len(mechanism.joints) > LARGE:
+            return found
+        # Equations are written alike for all starts of one rank, so that other angles compile nothing anew.
+        plain = replace(scene, angles={}, rates={}, branch=None)
+        alias = loops_digest(mechanism, effects, plain, common=common)
+        drawn = kept_loops(alias, cache, lambda: count_loops(arrangement.tree, scene.closure_tolerance))
+        return replace(found, position=drawn.position) if drawn.rank == found.rank else found
 
     return kept_loops(loops_digest(mechanism, effects, scene, common=common), cache, count)
 

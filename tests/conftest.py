@@ -1,5 +1,6 @@
 """Fixtures and options that many tests share, and the environment that all of them run in."""
 
+import gc
 import os
 import shutil
 import signal
@@ -99,6 +100,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         lost = [f"mark.{name} of {test}: {sorted(left)}" for (test, name), left in unmet.items() if left]
         if lost:
             raise pytest.UsageError(f"no parameter has an id like {'; '.join(lost)}")
+
+
+def pytest_collection_finish() -> None:
+    """What is there now, modules and seven thousand tests, stays to the end: the garbage collector need not walk
+    through it again and again, which took a twentieth of the time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,9 @@ a second where statement by statement took seven.
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 import sympy as sp
 from sympy.codegen.ast import float32, real
@@ -40,40 +42,42 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         return f"table_{number}({self._print(x)}, {order})"
 
 
+@dataclass(frozen=True)
 class ShapePrinter:
-    """Prints shapes; remembers each one.
+    """Prints shapes.
 
     single: numbers and functions of single precision, 1.0F and sinf.
     own_trig: sine and cosine of `trig.h`.
     number: type of constants, "double" or REAL.
     """
 
-    def __init__(self, *, single: bool = False, own_trig: bool = False, number: str = "double") -> None:
-        self._number = number
-        # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
-        types = {"type_aliases": {real: float32}} if single else {}
-        names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if own_trig else {}
-        self._printer = _Printer({"order": "none", **types, **names})
-        self._pieces: dict[Shape, tuple[list[str], list[int]]] = {}
+    single: bool = False
+    own_trig: bool = False
+    number: str = "double"
 
     def text(self, shape: Shape, operands: tuple[Operand, ...], name: Callable[[Operand], str]) -> str:
         """C expression of `shape` with operands named by `name`. Raises EmitError if there is no C form."""
-        literals, positions = self._pieces.get(shape) or self._print(shape)
+        literals, positions = _pieces(shape, self)
         parts = [literals[0]]
         for literal, position in zip(literals[1:], positions, strict=True):
             parts.append(name(operands[position]))
             parts.append(literal)
         return "".join(parts)
 
-    def _print(self, shape: Shape) -> tuple[list[str], list[int]]:
-        text = self._printer.doprint(_unevaluated(shape))
-        if "Not supported" in text:
-            raise EmitError(f"an operation of {shape} has no C form")
-        if self._number == REAL:
-            text = _CONSTANT.sub(r"LAMC_R(\g<0>)", text)
-        pieces = _PLACE.split(text)
-        self._pieces[shape] = (pieces[0::2], [int(p) for p in pieces[1::2]])
-        return self._pieces[shape]
+
+@lru_cache(maxsize=4096)  # of the whole process: models share most shapes
+def _pieces(shape: Shape, way: ShapePrinter) -> tuple[tuple[str, ...], tuple[int, ...]]:
+    """The text of `shape` around its operands, and which these are. Raises EmitError if there is no C form."""
+    # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
+    types = {"type_aliases": {real: float32}} if way.single else {}
+    names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if way.own_trig else {}
+    text = _Printer({"order": "none", **types, **names}).doprint(_unevaluated(shape))
+    if "Not supported" in text:
+        raise EmitError(f"an operation of {shape} has no C form")
+    if way.number == REAL:
+        text = _CONSTANT.sub(r"LAMC_R(\g<0>)", text)
+    pieces = _PLACE.split(text)
+    return tuple(pieces[0::2]), tuple(int(p) for p in pieces[1::2])
 
 
 def _unevaluated(shape: Shape) -> sp.Expr:

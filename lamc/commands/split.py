@@ -15,7 +15,7 @@ from lamc.basics.renewal import renewed
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder, pairs_of
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import split_steps
-from lamc.loops.starts import drawn_loops
+from lamc.loops.at_start import drawn_loops
 from lamc.mechanism.plan import plan
 from lamc.pipeline import Times
 from lamc.readers.joint_definition import drawn_layers, drawn_lines

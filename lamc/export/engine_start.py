@@ -5,8 +5,11 @@ In: a tree and a scene. Out: angles, rad, and rates, rad/s, by joint. Never: com
 
 from collections.abc import Mapping
 
+from lamc.basics.errors import DesignError
+from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.starts import Starter, loops_of
+from lamc.loops.starts import Starter
+from lamc.loops.texts import listed
 from lamc.mechanism.tree import Tree
 from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
@@ -24,7 +27,13 @@ def joint_start(tree: Tree, scene: Scene) -> tuple[Mapping[str, float], Mapping[
         refuse_branch(scene)
         angles = {name: scene.angles.get(name, 0.0) for name in geometry.names}
         return angles, {name: scene.rates.get(name, 0.0) for name in geometry.names}
-    state = Starter(geometry, loops_of(tree, scene)).state(scene).tolist()
+    starter = Starter(geometry, loops_of(tree, scene))
+    if starter.is_undecided(scene):
+        raise DesignError(
+            "the start is singular and at rest, and another engine does not choose a branch by what loads do: it has "
+            f"{listed(starter.branches(scene))}; choose one with branch=1 (-1 for the other way) in the scene"
+        )
+    state = starter.state(scene).tolist()
     count = len(geometry.names)
     return (
         dict(zip(geometry.names, state[:count], strict=True)),

@@ -15,21 +15,46 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.loops.closing import CLOSED, Mask, directions, settle
+from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
-from lamc.mechanism.tree import WORLD
+from lamc.loops.linear import EXACT
+from lamc.loops.walks import walk
 from lamc.records.mechanism import Array
 
-SINGULAR = (
-    1e-6  # relative to the largest singular value, as in the runtime: below it an equation is not taken
-)
 OUT = 1e-3  # rad, of the joint that turns most: how far a start is moved out of a singular position
-SAME = 1e-6  # rates, of the largest: nearer than this two branches are one
+BENDS = (
+    50.0  # 1/rad: a branch bends by some radians per square radian; farther from the tangent is another one
+)
 STARTS = 24  # of Newton's method, for each dimension of the null space
 ROUNDS = 40
-FAMILIES = 8  # zeros that are no isolated ones which are looked at
+FAMILIES = 12  # zeros that are no isolated ones which are looked at
+MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
-SOLVED = 1e-11  # of the forms, which are scaled to 1
+MOST_FREE = 40  # rates: of more, the second order takes minutes, and no branches are looked for
+FEW_FREE, FEW_STARTS, FEW_BRANCHES = 16, 32, 8  # rates: of more, so many starts in all, and so many branches
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How exactly a drawing is taken where branches part. All numbers are relative.
+
+    weak     singular values below it are none
+    forms    second-order forms weaker than this, of those of one, are none
+    zero     of the forms, which are scaled to one: as small is zero
+    same     rates, of the largest: nearer than this two branches are one
+    family   slopes of the forms at a zero below it leave directions in which it goes on
+    """
+
+    weak: float
+    forms: float
+    zero: float
+    same: float
+    family: float
+
+
+EXACTLY = Fit(EXACT, 1e-6, 1e-11, 1e-6, 1e-4)  # round-off, and its root where zeros are double
+# Vertices off by a thousandth of the distance between them, and the root of that where zeros are double.
+NEARLY = Fit(SMALL, 5e-3, 5e-3, 3e-2, 5e-2)
 
 
 @dataclass(frozen=True)
@@ -72,136 +97,137 @@ class Tangents:
         for _ in range(ROUNDS):
             slopes = np.concatenate([2.0 * self.forms @ x / size, self.basis[held]])
             missed = np.concatenate([self.forms @ x @ x / size, (self.basis @ x - rates)[held]])
-            if np.abs(missed).max() <= SOLVED * size:
+            if np.abs(missed).max() <= EXACTLY.zero * size:
                 return np.asarray(self.basis @ x)
-            x = x - np.linalg.lstsq(slopes, missed, rcond=SAME)[0]
+            x = x - np.linalg.lstsq(slopes, missed, rcond=EXACTLY.same)[0]
         return None
 
 
-def rank_at(geometry: LoopGeometry, angles: Array) -> int:
-    """Rank of the closure at a position, as the runtime judges it."""
-    values, _ = directions(geometry, angles)
-    return int((values > SINGULAR * values[0]).sum())
-
-
-def tangents(geometry: LoopGeometry, angles: Array) -> Tangents:
+def tangents(geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY) -> Tangents:
     """The null space and its quadratic forms at a closed position `angles` (n,)."""
-    jacobian = geometry.jacobian(angles)
-    left, values, right = np.linalg.svd(jacobian, full_matrices=True)
-    rank = int((values > SINGULAR * values[0]).sum())
-    basis, outside = right[rank:].T, left[:, rank:]
-    bilinear = np.einsum("kab,kr->rab", _brackets(geometry, angles, basis), outside)
-    forms = 0.5 * (bilinear + bilinear.transpose(0, 2, 1))
+    linear = geometry.linear(angles)
+    basis = linear.free(fit.weak).T
     size = basis.shape[1]
+    if not 0 < size <= MOST_FREE:
+        return Tangents(basis, np.zeros((0, size, size)))
+    bias = geometry.rings.bias(angles, basis)
+    upper = np.triu_indices(size)
+    obstacles = linear.outside(bias[:, upper[0], upper[1]], fit.weak)
+    forms = np.zeros((len(obstacles), size, size))
+    forms[:, upper[0], upper[1]] = forms[:, upper[1], upper[0]] = obstacles
     rows = forms.reshape(len(forms), size * size)
     _, strengths, independent = np.linalg.svd(rows, full_matrices=False)
-    kept = strengths > SINGULAR * max(1.0, float(strengths.max(initial=0.0)))
+    kept = strengths > fit.forms * max(1.0, float(strengths.max(initial=0.0)))
     return Tangents(basis, independent[kept].reshape(-1, size, size))
 
 
-def find_branches(geometry: LoopGeometry, angles: Array) -> tuple[Branch, ...]:
+def find_branches(
+    geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY, local: Tangents | None = None
+) -> tuple[Branch, ...]:
     """The branches at a singular closed position, in the order of their rates; each was followed for a step.
 
-    Empty where the second order does not tell branches apart.
+    Empty where the second order does not tell branches apart. local: `tangents` there, if they are known.
     """
-    local = tangents(geometry, angles)
+    local = local or tangents(geometry, angles, fit)
     if not len(local.forms):
         return ()
-    solutions = _binary(local.forms) if local.basis.shape[1] == 2 else _spherical(local.forms, local.basis)
+    two = local.basis.shape[1] == 2
+    solutions = _binary(local.forms, fit) if two else _spherical(local.forms, local.basis, fit)
     found: list[Branch] = []
     names = [joint.name for joint in geometry.tree.mechanism.joints]
+    order = [geometry.names.index(name) for name in names]
     for x, freedoms in solutions:
-        rates = _normalised(local.basis @ x, [geometry.names.index(name) for name in names])
-        if moved_out(geometry, angles, rates) is not None:
+        rates = _normalised(local.basis @ x, order, fit.same)
+        if _leads_out(geometry, angles, rates, fit):
             by_name = dict(zip(geometry.names, rates.tolist(), strict=True))
             found.append(Branch(ReadOnlyDict({name: by_name[name] for name in names}), freedoms))
-    return tuple(sorted(found, key=lambda b: (b.freedoms, [round(r, 7) for r in b.rates.values()])))
+    digits = 7 if fit is EXACTLY else 1  # numbered alike, whatever the rounding of the drawing
+    return tuple(
+        sorted(found, key=lambda b: (b.freedoms, [round(r, digits) + 0.0 for r in b.rates.values()]))
+    )
 
 
-def moved_out(geometry: LoopGeometry, angles: Array, rates: Array) -> Array | None:
+def _leads_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) -> bool:
+    if fit is EXACTLY:
+        return moved_out(geometry, angles, rates) is not None
+    return any(walk(geometry, angles, way * rates, fit.weak, 1) for way in (1.0, -1.0))
+
+
+def moved_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit = EXACTLY) -> Array | None:
     """The closed position (n,) that is OUT from a singular one along a branch; None where none is near."""
     held = int(np.argmax(np.abs(rates)))
     guess = angles + OUT / abs(rates[held]) * rates
-    place, error = settle(geometry, guess, np.arange(len(rates)) != held)
-    # A branch bends by some radians per square radian: farther from the tangent is another one.
-    near = np.abs(place - guess).max() < 50.0 * OUT**2
-    return place if error <= CLOSED and near else None
+    # Nearly, fading equations are as weak as a misfit is: the place stays open by the second order.
+    cutoff = SOLVE if fit is EXACTLY else OUT * fit.weak
+    place, error = settle(geometry, guess, np.arange(len(rates)) != held, cutoff)
+    near = np.abs(place - guess).max() < BENDS * OUT**2
+    return place if error <= max(CLOSED, fit.zero * OUT**2 if fit is not EXACTLY else 0.0) and near else None
 
 
-def _brackets(geometry: LoopGeometry, angles: Array, basis: Array) -> Array:
-    """(6 loops, d, d): the acceleration bias of each loop as a bilinear form of two rates of `basis` (n, d)."""
-    screws = geometry.screws(geometry.poses(angles))
-    size = basis.shape[1]
-    twists = np.zeros((geometry.tree_count + 1, size, 6))  # of the bodies, the last for the world
-    for index, link in enumerate(geometry.tree.links):
-        inner = twists[link.parent] if link.parent != WORLD else 0.0
-        twists[index] = inner + basis[index][:, None] * screws[index][None, :]
-    carrier = twists[geometry.near]  # (n, d, 6), of the body that carries each joint
-    turning = np.cross(carrier[:, :, :3], screws[:, None, :3])
-    moving = np.cross(carrier[:, :, :3], screws[:, None, 3:]) + np.cross(
-        carrier[:, :, 3:], screws[:, None, :3]
-    )
-    rates_of_screws = np.concatenate([turning, moving], axis=2)
-    bias = np.einsum("cj,jas,jb->csab", geometry.signs, rates_of_screws, basis)
-    return np.asarray(bias.reshape(6 * geometry.loops, size, size))
-
-
-def _binary(forms: Array) -> list[tuple[Array, int]]:
+def _binary(forms: Array, fit: Fit) -> list[tuple[Array, int]]:
     """Common zeros of forms in two unknowns, (2,) each: those of the first that are zeros of the others."""
     first = forms[0]
     a, b, c = first[0, 0], first[0, 1], first[1, 1]
     discriminant = b * b - a * c
-    if discriminant < -SOLVED:
+    if discriminant < -fit.zero:
         return []
     root = float(np.sqrt(max(discriminant, 0.0)))
     half = -(b + root) if b >= 0 else root - b  # of the two sums the one without cancellation
     zeros = [np.array([half, a]), np.array([c, half])] if half != 0.0 else [np.array([1.0, 0.0])]
     unit = [zero / np.linalg.norm(zero) for zero in zeros if np.linalg.norm(zero) > 0.0]
-    solutions = [zero for zero in unit if np.abs(forms @ zero @ zero).max() < SAME]
-    return [(zero, 1) for zero in _distinct(solutions)]
+    solutions = [zero for zero in unit if np.abs(forms @ zero @ zero).max() < max(fit.zero, fit.same)]
+    return [(zero, 1) for zero in _distinct(solutions, fit.same)]
 
 
-def _spherical(forms: Array, preferred: Array) -> list[tuple[Array, int]]:
+def _spherical(forms: Array, preferred: Array, fit: Fit) -> list[tuple[Array, int]]:
     """Common zeros of forms in more unknowns, (d,) each, with the dimension of the cone that each lies on; of zeros
     that are joined by zeros there is one, if possible near one of `preferred` (s, d)."""
     size = forms.shape[1]
     random = np.random.default_rng(20260103)
-    starts = np.concatenate([preferred, random.normal(size=(STARTS * size, size))])
+    is_small = size <= FEW_FREE
+    count, most = (STARTS * size, MOST) if is_small else (FEW_STARTS, FEW_BRANCHES)
+    starts = np.concatenate([preferred[: count // 2], random.normal(size=(count, size))])
     solutions: list[tuple[Array, int]] = []
     families = 0
-    for point in _distinct(list(_newton(forms, starts))):
+    for point in _distinct(list(_newton(forms, starts, fit)), fit.same):
         slopes = np.linalg.svd(2.0 * forms @ point, compute_uv=False)
-        freedoms = size - int((slopes > 1e-4).sum())
+        freedoms = size - int((slopes > fit.family).sum())
         if freedoms > 1:
             families += 1
-            joined = any(freedoms == known and _joined(forms, point, other) for other, known in solutions)
-            if joined or families > FAMILIES:
+            if families > FAMILIES:
+                continue
+            joined = any(
+                freedoms == known and _joined(forms, point, other, fit) for other, known in solutions
+            )
+            if joined:
                 continue
         solutions.append((point, freedoms))
+        if len(solutions) == most:
+            break
     return solutions
 
 
-def _newton(forms: Array, points: Array, rounds: int = ROUNDS) -> Array:
+def _newton(forms: Array, points: Array, fit: Fit, rounds: int = ROUNDS) -> Array:
     """The points (s, d) on the sphere that the starts lead to by Gauss-Newton, those that arrive."""
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
     for _ in range(rounds):
         products = np.einsum("kab,sb->ska", forms, points)
         values = np.einsum("ska,sa->sk", products, points)
         slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
-        steps = np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=1e-6), values)
+        steps = np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=fit.same), values)
         points = points - steps
         points = points / np.linalg.norm(points, axis=1, keepdims=True)
     values = np.einsum("kab,sa,sb->sk", forms, points, points)
-    return np.asarray(points[np.abs(values).max(axis=1) < SOLVED])
+    return np.asarray(points[np.abs(values).max(axis=1, initial=0.0) < fit.zero])
 
 
-def _joined(forms: Array, start: Array, end: Array) -> bool:
+def _joined(forms: Array, start: Array, end: Array, fit: Fit) -> bool:
     """Whether zeros lead from one zero to another, or to its opposite, on a short way."""
     for goal in (end, -end):
         point = start
         for _ in range(WAY):
             ahead = point + 0.3 * (goal - point) / max(0.3, float(np.linalg.norm(goal - point)))
-            following = _newton(forms, ahead[None], 6)
+            following = _newton(forms, ahead[None], fit, 6)
             if not len(following) or np.linalg.norm(following[0] - point) > 0.6:
                 break
             point = following[0]
@@ -210,18 +236,18 @@ def _joined(forms: Array, start: Array, end: Array) -> bool:
     return False
 
 
-def _distinct(points: list[Array]) -> list[Array]:
+def _distinct(points: list[Array], same: float) -> list[Array]:
     """One of those that are equal up to sign."""
     kept: list[Array] = []
     for point in points:
-        if all(min(np.abs(point - k).max(), np.abs(point + k).max()) > SAME for k in kept):
+        if all(min(np.abs(point - k).max(), np.abs(point + k).max()) > same for k in kept):
             kept.append(point)
     return kept
 
 
-def _normalised(rates: Array, order: list[int]) -> Array:
+def _normalised(rates: Array, order: list[int], same: float) -> Array:
     """Rates over the largest; of several of that size the first joint's is +1. Round-off becomes zero."""
     largest = float(np.abs(rates).max())
-    lead = next(index for index in order if abs(rates[index]) > (1.0 - SAME) * largest)
+    lead = next(index for index in order if abs(rates[index]) > (1.0 - same) * largest)
     scaled = rates / (largest * np.sign(rates[lead]))
     return np.where(np.abs(scaled) < 1e-13, 0.0, scaled)

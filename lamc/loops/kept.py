@@ -35,8 +35,10 @@ def _read(text: str | None) -> LoopCount | None:
     try:
         values = json.loads(body)
         misfit = values.pop("misfit")
-        for name in ("singular_values", "position"):
+        for name in ("singular_values", "branch_ranks", "position"):
             values[name] = tuple(values[name])
+        if misfit is not None:
+            misfit["place"] = tuple(misfit["place"])
         return LoopCount(**values, misfit=Misfit(**misfit) if misfit is not None else None)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None

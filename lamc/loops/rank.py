@@ -1,39 +1,53 @@
 """What the loops of a mechanism come to: equations, rank, freedoms, misfit.
 
-In: a `Tree` and the gap that its user allows. Out: a `LoopCount`. It looks at generic closed positions, never at the
-drawn one alone, which is often flat and of smaller rank; and never at masses, forces or a scene's start.
+In: a `Tree`, a position, and the gap that its user allows. Out: a `LoopCount`. It looks at closed positions that the
+mechanism reaches from there by small steps, as rank may be larger or smaller elsewhere; never at masses or forces.
 
-A loop whose axes do not meet, or whose lengths do not close, has a singular value that is small and not zero. With the
-rank that leaves it out the mechanism moves, and its loops stay open by a misfit; with the rank that takes it in it is
-locked. Which of the two is meant cannot be known from the drawing; the misfit is measured, and the user's tolerance
-decides.
+At a regular position the rank is the same all around. At a singular one, such as a flat one, it is smaller than on the
+branches that part there, and these may differ. A loop whose axes do not meet, or whose lengths do not close, has a
+singular value that is small and not zero. With the rank that leaves it out the mechanism moves, and its loops stay open
+by a misfit; with the rank that takes it in it is locked. Which of the two is meant cannot be known from the drawing;
+the misfit is measured, and the user's tolerance decides.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.closing import CLOSED, EXACT, SMALL
+from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit, find_branches, moved_out, tangents
+from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.linear import DENSE, EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
-from lamc.loops.positions import LoopPosition, ramped_positions, scattered_positions, walked_positions
+from lamc.loops.walks import LoopPosition, walk
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 
-TOLERANCE = 1e-6  # of the size: gaps that are accepted unless the user says otherwise
+# Drawings have three decimals of a millimetre: half a micrometre in each of the ten or twenty points around a loop. No
+# drawing is meant to be off by more than a thousandth of its size.
+TOLERANCE, ROUNDED, MOST_ROUNDED = 1e-4, 1.5e-5, 1e-3  # of the size; m; of the size
+WALKS, STEPS = 2, 4  # random motions from a regular position, and the steps that tell the rank along each
+ROUND = 32  # steps along which a misfit is measured, each way: half a turn of the joint that leads
+CLEAR = 30.0  # times what may be a misfit's is what is not, where loops move exactly as well
+LARGE, FEW = DENSE, 2  # joints: of more, one motion is looked at, by so many steps
+MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfit's
 
 
 @dataclass(frozen=True)
 class LoopCount:
     """What the loops of a mechanism come to, counted as in the field: six equations for each, all joints unknown.
 
-    rank             of the equations at a generic closed position: the one that a run uses
-    singular_values  of the closure matrix there, descending; rotations in rad, lengths in units of the mechanism's
-                     size, displacements at the middle of its hinges
+    rank             of the equations where a run is: at its start, or on the branch that it takes from there
+    singular_values  of the closure matrix there, descending; rotations in rad, lengths by short cycles in parts of
+                     their reach. Of more than 64 hinges the largest and the smallest ones only
     misfit           how far loops stay open that nearly have a lower rank; None where they close
     tolerance        m, the gap that was allowed; a misfit within it is accepted, and `rank` is then the lower one
+    cutoff           of the largest singular value: smaller ones are no equations
+    branch_ranks     of each branch, where the start is singular; `rank` is the largest, or that of the branch taken
+    shakes           rates that hold the loops closed to first order where nothing moves
     position         closed angles, rad, of all joints, at which the rank shows most clearly; empty: none is known
     """
 
@@ -44,6 +58,9 @@ class LoopCount:
     singular_values: tuple[float, ...] = ()
     misfit: Misfit | None = None
     tolerance: float = 0.0  # m
+    cutoff: float = SOLVE
+    branch_ranks: tuple[int, ...] = ()
+    shakes: int = 0
     position: tuple[float, ...] = ()
 
     @property
@@ -53,52 +70,223 @@ class LoopCount:
     @property
     def accepted_gap(self) -> float:
         """The gap, m, up to which loops count as closed; 0 where they close to round-off."""
-        return self.tolerance if self.misfit is not None and self.misfit.rank == self.rank else 0.0
+        return self.tolerance if self.misfit is not None and self.misfit.gap <= self.tolerance else 0.0
+
+    @property
+    def fit(self) -> Fit:
+        """How exactly branches are to be looked for."""
+        return EXACTLY if self.accepted_gap == 0.0 else replace(NEARLY, weak=self.cutoff)
+
+    def on_branch(self, number: int) -> "LoopCount":
+        """The count of a run that takes a branch, by its number; negative for the opposite way."""
+        if not 0 < abs(number) <= len(self.branch_ranks):
+            return self
+        rank = self.branch_ranks[abs(number) - 1]
+        if rank == self.rank:
+            return self
+        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)
 
 
-def count_loops(tree: Tree, tolerance: float | None = None, known: Sequence[Array] = ()) -> LoopCount:
-    """The count for `tree`: the largest rank at closed positions found from random places. Deterministic.
+@dataclass(frozen=True, eq=False)
+class _Survey:
+    """Walks from a position: those of each way together, one way for each branch; rates that are free there to first
+    order; and whether there may be more branches if the drawing is rounded."""
 
-    tolerance  the gap, m, that counts as closed; None: 1e-6 of the size
-    known      closed positions (n,), rad, of all joints as in `LoopGeometry`, to be looked at besides
-    """
+    ways: list[list[LoopPosition]]
+    is_singular: bool
+    free: int
+    may_be_rounded: bool = False
+
+    @property
+    def places(self) -> list[LoopPosition]:
+        return [place for way in self.ways for place in way]
+
+    @property
+    def moves(self) -> bool:
+        """Whether some walk goes on beyond its first step."""
+        return any(len(way) > 1 for way in self.ways)
+
+    @property
+    def is_suspect(self) -> bool:
+        """Whether equations that hold the motion are so weak, beside others, that they may be a misfit's."""
+        clear = self.clearest(SMALL)
+        lesser = clear.lesser(SMALL)
+        weakest = float(clear.weak[lesser - 1]) if lesser else 0.0
+        return weakest > EXACT and clear.clearness(lesser) > CLEAR * weakest
+
+    def clearest(self, most: float) -> LoopPosition:
+        """The place that is farthest from singular; values below `most` may be a misfit's."""
+        return max(self.places, key=lambda place: place.clearness(place.lesser(most)))
+
+
+def count_loops(tree: Tree, tolerance: float | None = None) -> LoopCount:
+    """The count for `tree` as drawn. Deterministic.
+
+    tolerance: the gap, m, that counts as closed; None: `accepted_by_default`."""
     if not tree.cuts:
         return LoopCount(0, 0, 0, len(tree.links))
     geometry = LoopGeometry(tree)
-    allowed = TOLERANCE * geometry.size if tolerance is None else tolerance
-    ramped = ramped_positions(geometry)
-    closed = [LoopPosition.at(geometry, angles) for angles in (np.zeros(len(geometry.names)), *known)]
-    closed += [place for place in ramped if place.error <= CLOSED] + scattered_positions(geometry)
-    judged = closed + _open_ramps(geometry, ramped)
-    rank = max(place.rank(EXACT) for place in judged)
-    # Closed places of smaller rank are other branches of the motion, and no misfit.
-    clearest = max(
-        (place for place in judged if place.rank(EXACT) == rank or place.error > CLOSED),
-        key=lambda place: (place.rank(SMALL), place.clearness(SMALL)),
-    )
-    misfit = None
-    if clearest.rank(SMALL) < rank:
-        misfit = measure_misfit(geometry, clearest.angles, clearest.rank(SMALL))
-        if misfit is not None and misfit.gap <= allowed:
-            rank = misfit.rank
-    best = max(judged, key=lambda place: place.values[rank - 1] / place.values[0])
-    count = len(geometry.names)
-    values = tuple(float(value) for value in best.values)
-    position = tuple(best.angles.tolist())
+    return count_at(geometry, np.zeros(len(geometry.names)), tolerance)
+
+
+def count_at(
+    geometry: LoopGeometry, angles: Array, tolerance: float | None = None, way: Array | None = None
+) -> LoopCount:
+    """The count at a closed position (n,), and along `way` (n,) from there; None: along all branches, if it is
+    singular."""
+    size = len(geometry.names)
+    allowed = accepted_by_default(geometry.size) if tolerance is None else tolerance
+    exact = _survey(geometry, angles, EXACTLY, EXACT, way)
+    misfit, nearly, cutoff = _nearly(geometry, angles, exact, way, allowed)
+    accepted = misfit is not None and misfit.gap <= allowed
+    taken = nearly if accepted else exact
+    ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
+    if exact.free > MOST_FREE and not taken.places:
+        raise DesignError(
+            f"the start is singular, and {exact.free} rates are free there to first order: of more than {MOST_FREE}, "
+            "no branches are looked for; start it a little off, by angles of some hinges"
+        )
+    rank = max(ranks) if taken.places else size - _free_at_once(geometry, angles, exact)
+    best = max(taken.places, key=lambda place: place.clearness(size - rank), default=None)
+    position = angles if best is None else best.angles
+    linear = geometry.linear(position)
+    values = linear.scale * np.append(linear.weak[0], [] if linear.is_small else [1.0])
     return LoopCount(
-        geometry.loops, 6 * geometry.loops, rank, count - rank, values, misfit, allowed, position
+        geometry.loops,
+        6 * geometry.loops,
+        rank,
+        size - rank,
+        tuple(values[::-1].tolist()),
+        misfit,
+        allowed,
+        cutoff if accepted else SOLVE,
+        ranks if taken.is_singular else (),
+        0 if rank < size else exact.free,
+        tuple(position.tolist()),
     )
 
 
-def _open_ramps(geometry: LoopGeometry, ramped: Sequence[LoopPosition]) -> list[LoopPosition]:
-    """Places of ramps that stay open, where most do and small steps do not close either: these loops fit badly.
+def _free_at_once(geometry: LoopGeometry, angles: Array, exact: _Survey) -> int:
+    """How many rates are free where no walk leads on: next to a singular position any step is too long, and what the
+    second order lets go, goes."""
+    near = LoopPosition(angles, 0.0, geometry.linear(angles).weak[0]).clearness(exact.free) < SMALL
+    return exact.free if near and not exact.is_singular else 0
 
-    Where small steps close, the ramps asked a joint to turn farther than it can; then come the places of the steps."""
-    nearly = [place for place in ramped if place.error > CLOSED]
-    return (walked_positions(geometry) or nearly) if len(nearly) > len(ramped) / 2 else []
+
+def accepted_by_default(size: float) -> float:
+    """The gap, m, that counts as closed in a mechanism of a size, m."""
+    return max(TOLERANCE * size, min(ROUNDED, MOST_ROUNDED * size))
+
+
+def _rank(way: Sequence[LoopPosition], size: int, cutoff: float) -> int:
+    return max((size - int((place.weak <= cutoff).sum()) for place in way), default=0)
+
+
+def _survey(
+    geometry: LoopGeometry,
+    start: Array,
+    fit: Fit,
+    cutoff: float,
+    way: Array | None = None,
+    count: int | None = None,
+) -> _Survey:
+    """Walks from `start` (n,): along a way, or along branches, or along some motions where none part."""
+    local = tangents(geometry, start, fit)
+    steps = count or (FEW if len(start) > LARGE else STEPS)
+    free = local.basis.shape[1]
+    if way is not None:
+        return _Survey([_both(geometry, start, way, cutoff, steps)], len(local.forms) > 0, free)
+    if len(local.forms):
+        branches = find_branches(geometry, start, fit, local)
+        rows = [branch.row(geometry.names) for branch in branches]
+        steps = steps if len(rows) <= WALKS else max(steps // 2, FEW)
+        ways = [
+            _both(geometry, start, row, cutoff, steps) or _near(geometry, start, row, fit) for row in rows
+        ]
+        # Fewer equations than unknowns have zeros whatever the rounding, and what rounding leaves is not several.
+        generic = len(local.forms) < free or sum(branch.freedoms == 1 for branch in branches) > 1
+        return _Survey(ways, True, free, not generic)
+    random = np.random.default_rng(20260101)
+    count_of_ways = min(free, 1 if len(start) > LARGE else WALKS)
+    motions = random.normal(size=(count_of_ways, free)) @ local.basis.T
+    return _Survey([_both(geometry, start, row, cutoff, steps) for row in motions], False, free)
+
+
+def _both(geometry: LoopGeometry, start: Array, way: Array, cutoff: float, steps: int) -> list[LoopPosition]:
+    """The places of a walk, and of the opposite one where it leads nowhere, or farther than a rank asks for."""
+    places = walk(geometry, start, way, cutoff, steps)
+    if not places or steps > STEPS:
+        places = places + walk(geometry, start, -way, cutoff, steps)
+    return places
+
+
+def _near(geometry: LoopGeometry, start: Array, way: Array, fit: Fit) -> list[LoopPosition]:
+    """The place next to a singular one, where no step is as short as a branch that turns back."""
+    place = moved_out(geometry, start, way, fit)
+    return [] if place is None else [LoopPosition(place, 0.0, geometry.linear(place).weak[0])]
+
+
+def _nearly(
+    geometry: LoopGeometry, start: Array, exact: _Survey, way: Array | None, allowed: float
+) -> tuple[Misfit | None, _Survey, float]:
+    """The misfit of loops that nearly have a lower rank than they have exactly, the walks with this rank, and the
+    cutoff that leaves the misfit out."""
+    none: tuple[Misfit | None, _Survey, float] = None, _Survey([], False, 0), SOLVE
+    size, best = len(geometry.names), none
+    for found, nullity in _near_surveys(geometry, start, exact, way):
+        if not found.places:
+            continue
+        clear = max(found.places, key=lambda place: place.clearness(nullity(place)))
+        rank = size - nullity(clear)
+        if rank == size:
+            continue
+        misfit = measure_misfit(geometry, found.places, rank)
+        weakest = max(float(place.weak[: size - rank].max(initial=0.0)) for place in found.places)
+        cutoff = min(SMALL, math.sqrt(weakest * clear.clearness(size - rank)), MARGIN * weakest)
+        best = misfit, found, max(cutoff, SOLVE)
+        if misfit.gap <= allowed:
+            return best
+    # What is nearly so, and is not accepted, is no matter where loops move exactly as well.
+    return none if exact.moves and not exact.is_suspect else best
+
+
+_Nullity = Callable[[LoopPosition], int]
+
+
+def _near_surveys(
+    geometry: LoopGeometry, start: Array, exact: _Survey, way: Array | None
+) -> Iterator[tuple[_Survey, _Nullity]]:
+    """Walks of loops that fit badly, and which singular values along them are a misfit's; the likeliest first."""
+    place = LoopPosition(start, 0.0, geometry.linear(start).weak[0])
+    steps = 2 * FEW if len(start) > LARGE else ROUND
+    if exact.is_singular or not place.weak[place.weak < SMALL].max(initial=0.0) > EXACT:
+        if place.lesser(SMALL) and (not exact.moves or exact.is_suspect or exact.may_be_rounded):
+            coarse = 0.25 * SMALL
+            fit = replace(NEARLY, weak=coarse)
+            yield _survey(geometry, start, fit, coarse, way, steps), lambda at: at.lesser(SMALL)
+    elif not exact.moves:
+        for nullity in place.gaps(SMALL):
+            yield _drift(geometry, place, nullity, steps), lambda _, k=nullity: k  # type: ignore[misc]
+    elif exact.is_suspect:
+        clear = exact.clearest(SMALL)
+        nullity = clear.lesser(SMALL)
+        yield _drift(geometry, clear, nullity, steps), lambda _: nullity
+
+
+def _drift(geometry: LoopGeometry, place: LoopPosition, nullity: int, steps: int) -> _Survey:
+    """Walks along motions that leave the `nullity` weakest equations open."""
+    weakest = geometry.linear(place.angles).weak[1][:nullity]
+    random = np.random.default_rng(20260101)
+    motions = random.normal(size=(min(nullity, WALKS), nullity)) @ weakest
+    ways = [
+        walk(geometry, place.angles, sign * row, SOLVE, steps, nullity)
+        for row in motions
+        for sign in (1.0, -1.0)
+    ]
+    return _Survey([way for way in ways if way], False, nullity)
 
 
 def check_freedom(count: LoopCount) -> None:
@@ -111,7 +299,12 @@ def check_freedom(count: LoopCount) -> None:
             "its axes and lengths, or accept the gap with a closure_tolerance of "
             f"{rounded_up(count.misfit.gap):g} m or more"
         )
+    shaky = (
+        f"; to first order {count.shakes} rates are free as drawn, and none of them goes on"
+        if count.shakes
+        else ""
+    )
     raise DesignError(
         f"the mechanism has no degree of freedom: its loops put {count.rank} independent equations on {count.rank} "
-        "hinge angles; add a hinge, or remove one that closes a loop"
+        f"hinge angles{shaky}; add a hinge, or remove one that closes a loop"
     )

@@ -5,17 +5,19 @@ the nearest consistent start, by the squares of what was left open. Never: integ
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.branches import Branch, find_branches, moved_out, rank_at, tangents
-from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
+from lamc.loops.branches import Branch, find_branches, moved_out, tangents
+from lamc.loops.closing import CLOSED, Mask, settle
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.rank import LoopCount, check_freedom, count_loops
-from lamc.loops.texts import counted, listed, named, ratios
-from lamc.mechanism.tree import Tree
+from lamc.loops.linear import EXACT
+from lamc.loops.pushed import Push, pushed_branch
+from lamc.loops.rank import LoopCount
+from lamc.loops.texts import listed, named, ratios, resistance
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
 
@@ -32,49 +34,26 @@ CONSISTENT = 1e-8  # of the largest rate: given rates are some motion's if they 
 ZERO = 1e-12  # rad/s below which a given rate is none
 
 
-def loops_of(tree: Tree, scene: Scene) -> LoopCount:
-    """What the loops of `tree` come to; where `scene` starts is looked at too, as large ones have many branches.
-
-    Raises DesignError where nothing can move.
-    """
-    count = count_loops(tree, scene.closure_tolerance)
-    if tree.cuts:
-        geometry = LoopGeometry(tree)
-        known = Starter(geometry, count).known_position(scene)
-        if known is not None and rank_at(geometry, known) > count.rank:
-            count = count_loops(tree, scene.closure_tolerance, [known])
-    check_freedom(count)
-    return count
-
-
-def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, tuple[Branch, ...]]:
-    """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
-    count = count_loops(tree, tolerance)
-    if not tree.cuts:
-        return count, ()
-    geometry = LoopGeometry(tree)
-    drawn = np.zeros(len(geometry.names))
-    singular = Starter(geometry, count).is_singular(drawn)
-    return count, find_branches(geometry, drawn) if singular else ()
-
-
 class Starter:
     """Starts of one mechanism."""
 
     def __init__(self, geometry: LoopGeometry, count: LoopCount) -> None:
         self.geometry = geometry
         self.count = count
-        self.cutoff = SMALL if count.accepted_gap > 0.0 else SOLVE
+        self.cutoff = count.cutoff
+        self._weak = count.cutoff if count.accepted_gap > 0.0 else 0.0
         self.size = len(geometry.names)
+        self._branches = cache(lambda packed: find_branches(geometry, np.frombuffer(packed), count.fit))
+        self._found = cache(self._position)  # by angles given, sorted: each is asked for several times
 
     def state(self, start: Scene) -> Array:
         """The state (2 n,) of all joints, rad and rad/s.
 
         Raises DesignError where no position has the angles, no motion the rates, and at a singular position where
-        neither rates nor a branch say which way the mechanism goes on.
+        rates fit no branch or several. At rest there, without a branch, it stays in the singular position.
         """
         angles = self.position(start.angles)
-        moving = {name: rate for name, rate in start.rates.items() if abs(rate) > ZERO}
+        moving = _moving(start)
         if not self.is_singular(angles):
             if start.branch is not None:
                 raise DesignError(
@@ -87,24 +66,28 @@ class Starter:
             rates = self._at_branching(angles, moving)
         return np.concatenate([angles, rates])
 
-    def known_position(self, start: Scene) -> Array | None:
-        """The closed position (n,) of a start, out of a singular one by its branch; None where there is none."""
-        try:
-            angles = self.position(start.angles)
-            if start.branch is not None and self.is_singular(angles):
-                angles = self._on_branch(angles, start.branch, {})[0]
-        except DesignError:
+    def is_undecided(self, start: Scene) -> bool:
+        """Whether a start is singular and at rest, and the scene does not say which way it goes."""
+        if start.branch is not None or _moving(start):
+            return False
+        return self.is_singular(self.position(start.angles))
+
+    def pushed_branch(self, start: Scene, push: Push) -> int | None:
+        """The number of the branch that loads choose at a singular position at rest; None where there is nothing to
+        choose, or the scene does."""
+        if not self.is_undecided(start):
             return None
-        return angles
+        branches = self.branches(start)
+        return pushed_branch(self.geometry, self.position(start.angles), branches, push, self.count.fit)
 
     def branches(self, start: Scene) -> tuple[Branch, ...]:
         """The branches at the position that `start` asks for; empty where it is regular."""
         angles = self.position(start.angles)
-        return find_branches(self.geometry, angles) if self.is_singular(angles) else ()
+        return self._branches(angles.tobytes()) if self.is_singular(angles) else ()
 
     def is_singular(self, angles: Array) -> bool:
         """Whether the closure has a smaller rank at `angles` (n,) than it has elsewhere."""
-        return rank_at(self.geometry, angles) < self.count.rank
+        return self.geometry.linear(angles).rank(max(EXACT, self._weak)) < self.count.rank
 
     def position(self, given: Mapping[str, float]) -> Array:
         """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
@@ -112,12 +95,13 @@ class Starter:
         flat = dict.fromkeys(self.geometry.tree.mechanism.facet_creases, 0.0)
         if not flat.keys() <= given.keys():
             try:
-                return self._position(flat | dict(given))
+                return self._found(tuple(sorted((flat | dict(given)).items()))).copy()
             except DesignError:
                 pass  # rigid facets do not close there
-        return self._position(given)
+        return self._found(tuple(sorted(given.items()))).copy()
 
-    def _position(self, given: Mapping[str, float]) -> Array:
+    def _position(self, pairs: tuple[tuple[str, float], ...]) -> Array:
+        given = dict(pairs)
         wanted, free = self._given(given)
         best, best_gap = wanted, np.inf
         found: list[Array] = []
@@ -182,10 +166,10 @@ class Starter:
         """The closed position around `angles` with the least squares of its distance from `wanted`, or `angles`."""
         place = angles
         for _ in range(NEAREST):
-            residual, jacobian = self.geometry.closure(place)
-            columns = jacobian[:, free]
+            residual, linear = self.geometry.closure(place)
+            columns = linear.columns(free)
             back = (wanted - place)[free]
-            step = back - np.linalg.lstsq(columns, residual + columns @ back, rcond=self.cutoff)[0]
+            step = back - columns.least_change(residual + columns.matrix @ back, self.cutoff)
             longest = float(np.abs(step).max(initial=0.0))
             place = place.copy()
             place[free] += step * min(1.0, 0.2 / max(longest, 0.2))
@@ -198,24 +182,24 @@ class Starter:
     def _completed(self, angles: Array, given: Mapping[str, float]) -> tuple[Array, float]:
         """Rates (n,), and by how much, rad/s, closure is missed; 0 for round-off."""
         rates, free = self._given(given)
-        jacobian = self.geometry.jacobian(angles)
+        linear = self.geometry.linear(angles)
         if free.any():
-            rates[free] = np.linalg.lstsq(jacobian[:, free], -jacobian @ rates, rcond=self.cutoff)[0]
-        missed = float(np.abs(jacobian @ rates).max())
+            rates[free] = linear.columns(free).least_change(-linear.matrix @ rates, self.cutoff)
+        missed = float(np.abs(linear.matrix @ rates).max())
         largest = max((abs(rate) for rate in given.values()), default=0.0)
         loose = self.count.accepted_gap / self.geometry.size
         return rates, missed if missed > (CONSISTENT + loose) * largest else 0.0
 
     def _on_branch(self, angles: Array, number: int, given: Mapping[str, float]) -> tuple[Array, Array]:
         """Angles and rates (n,): moved a little along the branch and at rest, or there with the given rates."""
-        branches = find_branches(self.geometry, angles)
+        branches = self._branches(angles.tobytes())
         if not 1 <= abs(number) <= len(branches):
             raise DesignError(
                 f"branch is {number}, and the start has {len(branches)}: {listed(branches)}; choose one of them"
             )
         way = float(np.sign(number)) * branches[abs(number) - 1].row(self.geometry.names)
         if not given:
-            place = moved_out(self.geometry, angles, way)
+            place = moved_out(self.geometry, angles, way, self.count.fit)
             assert place is not None, "a branch was followed when it was found"
             return place, np.zeros(self.size)
         rates = self._scaled(way, given)
@@ -228,15 +212,9 @@ class Starter:
 
     def _at_branching(self, angles: Array, given: Mapping[str, float]) -> Array:
         """Rates (n,) at a singular position, where those given lie on one branch."""
-        branches = find_branches(self.geometry, angles)
         if not given:
-            if branches:
-                raise DesignError(
-                    "the start is singular and at rest, so nothing says which way the mechanism goes: it has "
-                    f"{counted(branches)}, {listed(branches)}; choose one with branch=1 (-1 for the other way) in the "
-                    "scene, give rates, or start it a little off"
-                )
             return np.zeros(self.size)
+        branches = self._branches(angles.tobytes())
         scaled = [self._scaled(b.row(self.geometry.names), given) for b in branches if b.freedoms == 1]
         fitting = [rates for rates in scaled if rates is not None]
         if len(fitting) == 1:
@@ -248,7 +226,7 @@ class Starter:
             )
         rates = self.rates(angles, given)
         held = np.logical_not(self._given(given)[1])
-        on_family = tangents(self.geometry, angles).nearest(rates, held)
+        on_family = tangents(self.geometry, angles, self.count.fit).nearest(rates, held)
         if on_family is None:
             raise DesignError(
                 f"the start is singular, and the rates given ({named(given)} rad/s) lie on none of its branches: "
@@ -278,7 +256,7 @@ class Starter:
             angles, left = self._closed(nearest, free)
             return float(angles[index]) if left == 0.0 else None
 
-        return f"{text}; {self._resistance(given, without, 'rad')}"
+        return f"{text}; {resistance(given, without, 'rad')}"
 
     def _no_motion(self, angles: Array, given: Mapping[str, float], missed: float) -> str:
         text = (
@@ -291,18 +269,9 @@ class Starter:
             rates, left = self._completed(angles, others)
             return float(rates[self.geometry.names.index(name)]) if left == 0.0 else None
 
-        return f"{text}; {self._resistance(given, without, 'rad/s')}"
+        return f"{text}; {resistance(given, without, 'rad/s')}"
 
-    def _resistance(
-        self, given: Mapping[str, float], without: Callable[[str], float | None], unit: str
-    ) -> str:
-        """The given value that, left free, lets the others be had, and what it becomes; the least change of all."""
-        possible = []
-        for name, value in sorted(given.items()):
-            instead = without(name)
-            if instead is not None:
-                possible.append((abs(instead - value), name, instead))
-        if not possible:
-            return "no single one of them is to blame: give fewer, or others"
-        _, name, instead = min(possible)
-        return f"joint {name!r} resists: {instead:.4g} {unit} instead of {given[name]:g} would do"
+
+def _moving(start: Scene) -> dict[str, float]:
+    """The rates that are given and not nil."""
+    return {name: rate for name, rate in start.rates.items() if abs(rate) > ZERO}

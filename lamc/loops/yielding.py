@@ -6,6 +6,7 @@ it. Never: looks for equilibrium; a start is where the scene puts it.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,10 +29,7 @@ def yielding_start(tree: Tree, scene: Scene) -> tuple[Array, Mapping[str, float]
     count = len(tree.links)
     if not any(scene.angles.values()) and not any(scene.rates.values()):
         return np.zeros(2 * count), {}
-    found = count_loops(tree, scene.closure_tolerance)
-    if found.misfit is not None and not found.accepted_gap:
-        found = count_loops(tree, rounded_up(found.misfit.gap))
-    starter = Starter(LoopGeometry(tree), found)
+    starter = _rigid(tree, scene)
     try:
         angles = starter.position(scene.angles)
     except DesignError:
@@ -43,3 +41,30 @@ def yielding_start(tree: Tree, scene: Scene) -> tuple[Array, Mapping[str, float]
         rates = starter.given(scene.rates)
     named = dict(zip(starter.geometry.names, angles.tolist(), strict=True))
     return np.concatenate([angles[:count], rates[:count]]), named
+
+
+def rigid_scene(tree: Tree, held: Tree, scene: Scene) -> Scene:
+    """`scene` by the joints of `held`, which is `tree` without the cuts that bushings hold: where it gives angles or
+    rates of these, the others are such that rigid loops have them too.
+
+    Raises DesignError where rigid loops have no such position or motion.
+    """
+    names = {joint.name for joint in held.hinges}
+    if names >= {*scene.angles, *scene.rates}:
+        return scene
+    starter = _rigid(tree, scene)
+    angles = starter.position(scene.angles)
+    rates = starter.rates(angles, scene.rates)
+
+    def kept(values: Array) -> Mapping[str, float]:
+        return {n: float(v) for n, v in zip(starter.geometry.names, values, strict=True) if n in names}
+
+    return replace(scene, angles=kept(angles), rates=kept(rates) if any(scene.rates.values()) else {})
+
+
+def _rigid(tree: Tree, scene: Scene) -> Starter:
+    """Starts of the loops if nothing yielded; a misfit, which flexures take up, is accepted."""
+    found = count_loops(tree, scene.closure_tolerance)
+    if found.misfit is not None and not found.accepted_gap:
+        found = count_loops(tree, rounded_up(found.misfit.gap))
+    return Starter(LoopGeometry(tree), found)

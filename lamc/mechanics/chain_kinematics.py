@@ -98,10 +98,16 @@ class ChainKinematics(Kinematics):
                 yield Rotation(self._constant_rotation("z", link.twist), {})
             if link.fold != (1.0, 0.0):
                 yield Rotation(self._constant_rotation("x", link.fold), {})
-        if hinge is not None:
-            yield from self._yield(link, hinge)
         angle = link.angle_sign * self._q[i] + self.store.constant(link.angle_offset)
-        yield Rotation(AxisRotation("z", cos(angle), sin(angle)), {i: link.angle_sign})
+        opened = Rotation(AxisRotation("z", cos(angle), sin(angle)), {i: link.angle_sign})
+        if hinge is None:
+            yield opened
+        elif link.joint.child == link.body.name:
+            yield from self._yield(link, hinge)
+            yield opened
+        else:  # the same way back: what yields rides on the joint's parent, whichever side the tree comes from
+            yield opened
+            yield from self._yield(link, hinge)
 
     def _ride(self, link: Link) -> Iterator[Step]:
         """From the parent's frame to the hinge's origin, which rides on the parent's deflection and its slopes."""
@@ -135,28 +141,32 @@ class ChainKinematics(Kinematics):
         yield from chains.constant_rotation(self.store, (link.frame.T @ frame).T)
 
     def _yield(self, link: Link, hinge: CompliantHinge) -> Iterator[Step]:
-        """Slides, then twists, of a compliant hinge, between what the tree has before the hinge and its own turn."""
-        sense = 1 if link.joint.child == link.body.name else -1
+        """Slides, then twists, of a compliant hinge, on the side of the joint's parent; backwards where the tree comes
+        from its child."""
+        forth = link.joint.child == link.body.name
         c, s = math.cos(link.angle_offset), math.sin(link.angle_offset)
-        before = link.frame @ np.array(
+        unturned = np.array(
             [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
-        )  # without the offset's turn
-        axes = before.T @ hinge.axes
-        height = snap(before.T @ (hinge.point - link.origin), self.tree.mechanism.size) * [0.0, 0.0, 1.0]
+        )  # the link's frame without the offset's turn
+        drawn = link.frame @ unturned if forth else link.frame
+        axes = drawn.T @ hinge.axes
+        height = snap(drawn.T @ (hinge.point - link.origin), self.tree.mechanism.size) * [0.0, 0.0, 1.0]
         own = {f: self.index[f"{hinge.joint}.{f}"] for f in hinge.freedoms}
-        yield Shift(self._constants(height), {})
-        yield from chains.constant_rotation(self.store, axes)
+        sense = 1 if forth else -1
         slides = {
             own[f"slide_{name}"]: scale(sense, unit)
             for name, unit in zip("xyz", UNITS, strict=True)
             if f"slide_{name}" in own
         }
-        if slides:
-            vector = chains.total_vector([scale(self._q[k], v) for k, v in slides.items()])
-            yield Shift(vector, slides)
+        moved = chains.total_vector([scale(self._q[k], v) for k, v in slides.items()])
+        parts: list[list[Step]] = [[Shift(moved, slides)] if slides else []]
         for axis in "xy":
-            if f"twist_{axis}" in own:
-                yield from chains.elementary(axis, {own[f"twist_{axis}"]: sense}, self._q)
+            twist = f"twist_{axis}"
+            parts.append(list(chains.elementary(axis, {own[twist]: sense}, self._q)) if twist in own else [])
+        yield Shift(self._constants(height), {})
+        yield from chains.constant_rotation(self.store, axes)
+        for part in parts if forth else reversed(parts):
+            yield from part
         yield from chains.constant_rotation(self.store, axes.T)
         yield Shift(self._constants(-height), {})
 

@@ -18,12 +18,15 @@ from lamc.symbolic.scalars import Value
 
 OF_LARGEST = 0.1  # of the largest of a row, that is left or was there: what a pivot has at least
 NOTHING = 1e-9  # of the largest of a row: less is round-off of a position that closes to 1e-12
+LOOKED_FOR = (
+    3.0  # times what a plan takes: an order that is looked for, where no position of full rank is known
+)
 
 
 def pattern_of(closure: Closure, q: Sequence[Value], rank: int, position: Sequence[float]) -> Pattern:
     """The pattern. position: closed, (len(q),); empty: none is known, and there is no plan."""
     rows = tuple(tuple(j for j, _ in row) for row in closure.jacobian)
-    plan = _plan(_values(closure, q, position), rank) if len(position) == len(q) else ()
+    plan = plan_of(_values(closure, q, position), rank) if len(position) == len(q) else ()
     return Pattern(rows, plan if _is_cheaper(plan, len(rows), len(q), rank) else ())
 
 
@@ -43,15 +46,15 @@ def _values(closure: Closure, q: Sequence[Value], position: Sequence[float]) -> 
 def _is_cheaper(plan: Sequence[PlanStep], m: int, n: int, rank: int) -> bool:
     """Whether the plan takes less time than elimination of an array, of which half is nought. Measured: it does from
     loops of seven hinges and six equations on (six_bar, 49 operations for 56); two_loops, 44 for 67, is even."""
-    if len(plan) < rank or not plan:
+    if not plan:
         return False
     left = [len(step.left) for step in plan]
     planned = sum(left[k] for step in plan for k in step.updates) + 2 * sum(left)
     array = sum((m - k) * (n - k) for k in range(rank)) / 2
-    return planned < array
+    return planned < array if len(plan) == rank else LOOKED_FOR * planned < array
 
 
-def _plan(rows: list[dict[int, float]], rank: int) -> tuple[PlanStep, ...]:
+def plan_of(rows: list[dict[int, float]], rank: int) -> tuple[PlanStep, ...]:
     """As many steps as there are independent rows, at most `rank`."""
     elimination = _Elimination(rows)
     while len(elimination.steps) < rank and elimination.peaks.max(initial=0.0) > NOTHING:

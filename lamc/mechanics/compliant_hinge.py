@@ -21,7 +21,6 @@ class CompliantHinge:
 
     p = (twist_x, twist_y, angle, slide_x, slide_y, slide_z), rad and m, child relative to parent; twists and slides
     are about and along `axes` at `point`, which ride on the parent; twist_x comes first, then twist_y, then the angle.
-    (Where the tree enters the hinge by its child they ride on the child: the same but for products of deflections.)
 
     point      on the hinge line, (3,), m, world, drawn: where the strip's middle is
     axes       (3, 3), columns x, y, z, world, drawn; z the joint's axis

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.mechanism.tree import WORLD
-from lamc.records.mechanism import FREE_LIMITS, Joint, Mechanism
+from lamc.records.mechanism import Joint, Mechanism
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def least_depth(mechanism: Mechanism) -> dict[str, Joint]:
         following: list[str] = []
         reachable = sorted(
             {j.name: j for body in level for j in at[body]}.values(),
-            key=lambda j: (not _reads_its_angle(j), geometric_key(j, size)),
+            key=lambda j: geometric_key(j, size),
         )
         for joint in reachable:
             for near, far in ((joint.parent, joint.child), (joint.child, joint.parent)):
@@ -51,14 +51,6 @@ def least_depth(mechanism: Mechanism) -> dict[str, Joint]:
                     following.append(far)
         level = following
     return carrier
-
-
-def _reads_its_angle(joint: Joint) -> bool:
-    """True for a spring or limits. Such a joint had better be no cut: a coordinate counts turns, the angle of a cut
-    joint jumps at ±180°. Of joints that lead to a body at the same depth, one of these carries it."""
-    lower, upper = joint.limits
-    free_lower, free_upper = FREE_LIMITS
-    return bool(joint.stiffness or joint.rest_angle or lower > free_lower or upper < free_upper)
 
 
 def depth_first(mechanism: Mechanism, carrier: dict[str, Joint]) -> list[Step]:

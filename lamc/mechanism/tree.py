@@ -6,6 +6,7 @@ Numbers only; `plan` makes it.
 
 from dataclasses import dataclass
 
+from lamc.basics.once import lazy
 from lamc.records.mechanism import Array, Body, Joint, Mechanism
 
 WORLD = -1
@@ -64,7 +65,7 @@ class Tree:
     def joint_names(self) -> tuple[str, ...]:
         return tuple(link.joint.name for link in self.links)
 
-    @property
+    @lazy
     def hinges(self) -> tuple[Joint, ...]:
         """All joints: the tree's in its order, then those that close loops. Angles q and rates u are in this order."""
         return (*(link.joint for link in self.links), *(cut.joint for cut in self.cuts))

@@ -7,7 +7,6 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -19,6 +18,7 @@ from lamc.basics.checks import checked_flag, checked_range, checked_records, sho
 from lamc.basics.checks import checked_name as checked_name
 from lamc.basics.checks import checked_number as checked_number
 from lamc.basics.errors import DesignError, TopologyError
+from lamc.basics.once import lazy
 from lamc.records.network import faults, listed_names
 from lamc.records.scene import Scene, checked_scenes
 
@@ -214,15 +214,15 @@ class Mechanism:
         """The joint of that name. Raises KeyError with the names there are."""
         return _named(self._joints_by_name, name, "joint")
 
-    @cached_property
+    @lazy
     def _bodies_by_name(self) -> dict[str, Body]:
         return {body.name: body for body in self.bodies}
 
-    @cached_property
+    @lazy
     def _joints_by_name(self) -> dict[str, Joint]:
         return {joint.name: joint for joint in self.joints}
 
-    @cached_property
+    @lazy
     def size(self) -> float:
         """Length scale, m: the diagonal of the box around centres of mass and hinge points (1 if that is nil)."""
         points = np.array([*(b.com for b in self.bodies if not b.fixed), *(j.point for j in self.joints)])

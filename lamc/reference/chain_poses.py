@@ -124,7 +124,8 @@ class Placed:
             for k, letter in enumerate("xyz"):
                 if f"{kind}_{letter}" in hinge.freedoms:
                     steps.append(make(hinge.axes[:, k], amount(f"{joint.name}.{kind}_{letter}"), count))
-        return about(hinge.point, count, *steps, opened)
+        way = [*steps, opened] if link.sign > 0 else [opened, *reversed(steps)]
+        return about(hinge.point, count, *way)
 
 
 def _shifted(rise: Curve) -> Curve:

@@ -44,7 +44,7 @@ def input_digest(
     energy_balance  whether the module tells powers
     common          `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
     """
-    closure = f"{loops.rank} {loops.accepted_gap!r}" if loops is not None else ""
+    closure = f"{loops.rank} {loops.accepted_gap!r} {loops.position!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)
     texts = (*parts, "with books" if energy_balance else "without books")
     return _digest(texts, common or common_digest(mechanism, effects), inputs.items())

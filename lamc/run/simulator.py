@@ -18,11 +18,13 @@ from lamc.basics.errors import RequestError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
+from lamc.loops.at_start import loops_of
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import LoopCount
-from lamc.loops.starts import Starter, loops_of
-from lamc.loops.yielding import yielding_start
+from lamc.loops.starts import Starter
+from lamc.loops.texts import pushed_note
+from lamc.loops.yielding import rigid_scene, yielding_start
 from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
@@ -37,6 +39,7 @@ from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import with_limits
+from lamc.run.pushes import push_of
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
@@ -103,24 +106,36 @@ class Simulator(Evaluations):
     @lazy
     def loops(self) -> LoopCount:
         """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
-        return self._loops or loops_of(self._arrangement.tree, self.scene)
+        return self._loops or loops_of(self._arrangement.tree, self._rigid_scene)
 
     @lazy
     def branches(self) -> tuple[Branch, ...]:
         """The ways out of a singular start, such as a flat one, as `Scene.branch` numbers them; empty where the start
         is regular. Raises DesignError where no position has the scene's angles."""
-        return self._starter.branches(self.scene) if self._model.cuts else ()
+        return self._starter.branches(self._rigid_scene) if self._model.cuts else ()
+
+    @lazy
+    def pushed_branch(self) -> int | None:
+        """The number of the branch that a singular start at rest takes, as loads do most work on it; None where the
+        start is regular, or the scene says its way."""
+        if not self._model.cuts:
+            return None
+        return self._starter.pushed_branch(
+            self._rigid_scene, push_of(self._default_motion, self._arrangement)
+        )
 
     @lazy
     def start(self) -> Array:
         """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.
-        What effects add to the coordinates starts as they say.
+        What effects add to the coordinates starts as they say. Out of a singular position at rest, such as a flat one,
+        it is a thousandth of a radian along the scene's branch, or `pushed_branch`.
 
         Raises DesignError where they cannot be had.
         """
         near = self.scene.angles
         if self._model.cuts:
-            start = self._starter.state(self.scene)
+            scene = self._rigid_scene
+            start = self._starter.state(replace(scene, branch=scene.branch or self.pushed_branch))
         else:
             with located_at(self.scene.places):
                 refuse_branch(self.scene)
@@ -146,8 +161,11 @@ class Simulator(Evaluations):
 
     @lazy
     def notes(self) -> tuple[str, ...]:
-        """Where effects may be wrong in this mechanism, in their own words; found when asked for."""
-        return notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
+        """Where effects may be wrong in this mechanism, in their own words, and which branch a singular start takes
+        that the scene does not choose; found when asked for."""
+        notes = notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
+        pushed = self.pushed_branch
+        return notes if pushed is None else (*notes, pushed_note(pushed, self.branches))
 
     @lazy
     def inputs(self) -> tuple[str, ...]:
@@ -273,6 +291,12 @@ class Simulator(Evaluations):
             points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
         )
         return result, trajectory.effort
+
+    @lazy
+    def _rigid_scene(self) -> Scene:
+        """The scene by the joints that no bushing holds: where it gives angles or rates of others, theirs are such that
+        those are had."""
+        return rigid_scene(plan(self.mechanism), self._arrangement.tree, self.scene)
 
     @lazy
     def _starter(self) -> Starter:

@@ -207,7 +207,7 @@ static lamc_steps lamc_sparse_planned(const lamc_loop_parts *p) {
 static int lamc_sparse_order(lamc_loop_parts *p, int rank) {
   int count = -1;
   memset(p->row, 0, (size_t)p->n * sizeof *p->row);
-  if (p->pattern->step_count > 0 && p->pattern->step_count <= rank) {
+  if (p->pattern->step_count == rank) {
     p->steps = lamc_sparse_planned(p);
     count = lamc_sparse_follow(p);
   }

@@ -11,6 +11,7 @@ from click.testing import CliRunner, Result
 
 from lamc.cli import main
 from lamc.ledger.schema import read_ledger
+from tests.support.quick import QUICKLY
 
 pytestmark = pytest.mark.usefixtures("unpainted")
 
@@ -110,7 +111,8 @@ def test_schema_describes_the_record() -> None:
 
 def interrupted_after(reported: str, *words: str) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a process that gets SIGINT once its progress has a line with `reported`."""
-    command = [sys.executable, "-m", "lamc", "ledger", "rod.yaml", *words]
+    program = QUICKLY + "from lamc.cli import main\nmain()"
+    command = [sys.executable, "-c", program, "ledger", "rod.yaml", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         lines = []

@@ -69,7 +69,7 @@ int main() {
 
 @needs("g++")
 @pytest.mark.parametrize("integrator", ["auto", "rodas5p"])
-@pytest.mark.parametrize("name", [*KINDS, "stiff_triple"])
+@pytest.mark.parametrize("name", [*KINDS, "stiff_triple", "folding_box"])
 @pytest.mark.quick("pendulum-auto")
 @pytest.mark.ci("pendulum-*", "four_bar-*")
 def test_no_step_takes_more(name: str, integrator: str, tmp_path: Path) -> None:

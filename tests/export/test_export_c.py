@@ -30,6 +30,9 @@ SCENES = (
 
 @pytest.mark.parametrize(("name", "t_end"), SCENES)
 @pytest.mark.quick("pendulum-*", "four_bar-*", "limit_stop-*")
+@pytest.mark.ci(
+    "pendulum-*", "stiff_triple-*", "four_bar-*", "vertex-*", "two_loops-*", "limit_stop-*", "crawler-*"
+)
 def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, t_end, 38)[1:]

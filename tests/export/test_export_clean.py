@@ -176,8 +176,9 @@ int main(void) {
 """
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", [*KINDS, "folding_box"])
 @pytest.mark.quick("limit_stop")
+@pytest.mark.ci("limit_stop", "four_bar", "crawler")
 def test_every_function_runs_clean_under_the_address_and_undefined_behaviour_sanitizers(
     name: str, tmp_path: Path
 ) -> None:

@@ -102,7 +102,8 @@ def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "six_bar", "bricard", "waterbomb"])
-@pytest.mark.quick("four_bar")
+@pytest.mark.slow
+@pytest.mark.ci("four_bar", "bricard", "waterbomb")
 def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) -> None:
     pair = pairs(name)
     model, it = pair.single, pair.single.instance()

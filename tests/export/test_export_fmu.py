@@ -61,6 +61,7 @@ def states_of(simulator: Simulator, fmu: Fmu) -> list[str]:
 @pytest.mark.parametrize(
     ("name", "fmi"), [*((name, 3) for name in EXAMPLES), ("pendulum", 2), ("crawler", 2)]
 )
+@pytest.mark.quick("*-3", "pendulum-2")
 class TestEveryKind:
     def test_the_description_keeps_the_standard(self, made, name, fmi):
         need_fmpy()

@@ -33,7 +33,7 @@ MODELS = (*KINDS, "stiff_triple")
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.slow
-@pytest.mark.ci("pendulum-*")
+@pytest.mark.ci("pendulum-gcc")
 def test_nothing_is_left_to_link(name: str, compiler: list[str], tmp_path: Path) -> None:
     """But blocks of memory, which compilers copy and clear by calls whether a program says so or not."""
     folder = put(exported(name, libm=False), tmp_path)

@@ -62,6 +62,7 @@ def test_every_option_is_tried() -> None:
 
 @pytest.mark.parametrize("target", BUILT)
 @pytest.mark.quick("mjcf", "urdf")
+@pytest.mark.ci("mjcf", "urdf", "c", "fmu")
 def test_an_option_that_changes_no_byte_is_refused(target: str) -> None:
     plain = made(target, frozenset())
     assert plain is not None

@@ -51,7 +51,7 @@ def rows_of(text: str) -> tuple[list[str], bytes]:
     return titles, struct.pack(f"{len(numbers)}d", *numbers)
 
 
-@pytest.mark.parametrize("name", [*KINDS, "stiff_triple"])
+@pytest.mark.parametrize("name", [*KINDS, pytest.param("stiff_triple", marks=pytest.mark.slow)])
 def test_the_example_prints_the_table_of_lamc_run_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """With a compiler's defaults: nothing but -std=c99, which stops gcc from fusing products and sums. Numbers are
     printed as Python prints them, so that the text is the same."""
@@ -95,6 +95,7 @@ def test_the_header_begins_with_a_step_that_is_stable(name: str) -> None:
 
 @pytest.mark.parametrize("options", [{}, {"real_time": True}, {"real_time": True, "precision": "float"}])
 @pytest.mark.slow
+@pytest.mark.ci("options0", "options2")
 def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_path: Path) -> None:
     """A fixed step has four right-hand sides; a call to the next row of the table has one at least, of six a step."""
     folder = put(exported("pendulum", **options), tmp_path)
@@ -112,7 +113,7 @@ def test_the_example_measures_what_calls_cost(options: dict[str, object], tmp_pa
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.slow
-@pytest.mark.ci("pendulum-*", "limit_stop-gcc")
+@pytest.mark.ci("pendulum-gcc", "limit_stop-clang")
 def test_it_builds_without_a_warning_and_prints_the_same_bytes(
     name: str, compiler: Sequence[str], tmp_path: Path
 ) -> None:
@@ -303,31 +304,39 @@ def application(folder: Path, cmake: str) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module", params=["OFF", "ON"])
+def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with both models, built by CMake as static or shared libraries."""
+    above = tmp_path_factory.mktemp(f"built{request.param}")
+    for name in MODELS:
+        folder = put(exported(name, single_header=name == "four_bar"), above / name)
+        does(["cmake", "-S", ".", "-B", "build", f"-DBUILD_SHARED_LIBS={request.param}"], folder)
+        does(["cmake", "--build", "build"], folder)
+    return above
+
+
 @needs("cmake")
 @pytest.mark.slow
-@pytest.mark.parametrize("shared", ["OFF", "ON"])
 @pytest.mark.ci("OFF")
-def test_cmake_finds_it_installed_and_in_its_build_tree(shared: str, tmp_path: Path) -> None:
+def test_cmake_finds_it_installed_and_in_its_build_tree(built: Path, tmp_path: Path) -> None:
     prefix = tmp_path / "prefix"
     for name in MODELS:
-        folder = put(exported(name, single_header=name == "four_bar"), tmp_path / name)
-        does(["cmake", "-S", ".", "-B", "build", f"-DBUILD_SHARED_LIBS={shared}"], folder)
-        does(["cmake", "--build", "build"], folder)
-        does(["cmake", "--install", "build", "--prefix", prefix], folder)
-        assert len(does([f"build/{name}_example"], folder).splitlines()) > 100
+        does(["cmake", "--install", "build", "--prefix", prefix], built / name)
+        assert len(does([f"build/{name}_example"], built / name).splitlines()) > 100
     moved = tmp_path / "moved"
     prefix.rename(moved)  # what is installed may be moved
     app = application(tmp_path / "app", _FOUND)
     does(["cmake", "-S", ".", "-B", "installed", f"-DCMAKE_PREFIX_PATH={moved}"], app)
     does(["cmake", "--build", "installed"], app)
     assert does(["installed/app"], app) == "steps\n"
-    places = [f"-D{name}_DIR={tmp_path / name / 'build'}" for name in MODELS]
+    places = [f"-D{name}_DIR={built / name / 'build'}" for name in MODELS]
     does(["cmake", "-S", ".", "-B", "tree", *places], app)
     does(["cmake", "--build", "tree"], app)
     assert does(["tree/app"], app) == "steps\n"
 
 
 @needs("cmake")
+@pytest.mark.slow
 def test_cmake_takes_several_folders_into_one_project(tmp_path: Path) -> None:
     for name in MODELS:
         put(exported(name), tmp_path / name)
@@ -339,13 +348,13 @@ def test_cmake_takes_several_folders_into_one_project(tmp_path: Path) -> None:
 
 @needs("cmake", "pkg-config")
 @pytest.mark.slow
-def test_pkg_config_finds_it_wherever_it_was_moved(tmp_path: Path) -> None:
+@pytest.mark.ci("OFF")
+def test_pkg_config_finds_it_wherever_it_was_moved(built: Path, tmp_path: Path) -> None:
     prefix, moved = tmp_path / "prefix", tmp_path / "moved here"
     for name in MODELS:
-        folder = put(exported(name), tmp_path / name)
-        does(["cmake", "-S", ".", "-B", "build", "-DCMAKE_INSTALL_LIBDIR=lib/any-linux-gnu"], folder)
-        does(["cmake", "--build", "build"], folder)
-        does(["cmake", "--install", "build", "--prefix", prefix], folder)
+        there = built / name
+        does(["cmake", "-S", ".", "-B", "build", "-DCMAKE_INSTALL_LIBDIR=lib/any-linux-gnu"], there)
+        does(["cmake", "--install", "build", "--prefix", prefix], there)
     prefix.rename(moved)
     (tmp_path / "app.c").write_text(_APP)
     command = f"{shutil.which('cc')} app.c $(pkg-config --cflags --libs pendulum four_bar) -o app"
@@ -353,4 +362,6 @@ def test_pkg_config_finds_it_wherever_it_was_moved(tmp_path: Path) -> None:
     words = does(["pkg-config", "--cflags", "--libs", *MODELS], tmp_path, **place)
     assert str(tmp_path / "prefix") not in words
     does(["sh", "-c", f'eval "{command}"'], tmp_path, **place)
-    assert does([tmp_path / "app"], tmp_path) == "steps\n"
+    assert (
+        does([tmp_path / "app"], tmp_path, LD_LIBRARY_PATH=str(moved / "lib" / "any-linux-gnu")) == "steps\n"
+    )

@@ -67,7 +67,7 @@ def test_oblique_supports_and_hinge_lines_give_the_same_matrix(load: Load) -> No
 
 
 @pytest.mark.parametrize("name", sorted(MAKERS))
-@pytest.mark.quick("coupled", "oblique", "square")
+@pytest.mark.quick("coupled", "square")
 def test_every_node_moves_as_the_solver_says(load: Load, name: str) -> None:
     """Within the digits that the condition leaves to a solution in double precision; lamc's own is refined beyond."""
     own = problem(name)
@@ -153,6 +153,7 @@ def test_a_laminate_is_that_of_the_formulas_in_print(load: Load) -> None:
 
 
 @pytest.mark.parametrize(("name", "element"), [("square", "dkt"), ("coupled", "dkt+cst"), ("squares", "q8")])
+@pytest.mark.quick("square-*", "coupled-*")
 def test_one_cell_is_that_of_quadrature(load: Load, name: str, element: str) -> None:
     """Against the element by interpolation conditions and quadrature in numpy, which shares nothing with the C."""
     library, own = load(name), problem(name)
@@ -187,6 +188,7 @@ def test_it_builds_without_a_warning_and_prints_the_same(
 
 @needs("g++")
 @pytest.mark.parametrize("name", ["oblique", "squares", "warm"])
+@pytest.mark.quick("oblique", "warm")
 def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     cc(folder, *STRICT_CXX, "-Wconversion", "-c", "-x", "c++", f"{name}.c", "-o", "it.o", command=("g++",))

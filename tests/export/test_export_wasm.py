@@ -194,6 +194,7 @@ def test_a_state_of_the_native_simulator_goes_on_in_node(tmp_path: Path) -> None
 
 
 @needs("node")
+@pytest.mark.slow
 def test_refusals_name_what_is_wrong_and_leave_the_simulator_as_it_was(tmp_path: Path) -> None:
     put({f"other_{n}": c for n, c in in_wasm("limit_stop").items() if n.endswith(".mjs")}, tmp_path)
     put(in_wasm("limit_stop"), tmp_path)

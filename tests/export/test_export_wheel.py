@@ -91,7 +91,7 @@ def told(work, *arguments):
 
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.quick("four_bar")
-@pytest.mark.ci("four_bar", "crawler")
+@pytest.mark.ci("four_bar")
 def test_it_runs_without_lamc_and_with_the_bits_of_a_run(name: str, python: Path) -> None:
     install(python, wheel_of(name))
     t_end = DURATION[name]

@@ -203,8 +203,9 @@ def test_large_motions_are_those_of_particles(mechanism: Mechanism, base: str) -
         assert np.abs(found - expected).max() <= 1e-8 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("floats", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("floats", [False, True])
 @pytest.mark.slow
+@pytest.mark.ci("True")
 def test_misaligned_ring_moves_on_its_bushing_and_keeps_its_energy(floats: bool) -> None:
     mechanism = with_base(ring())
     undamped = tuple(replace(h, damping=np.zeros((6, 6))) for h in all_compliant(mechanism, 200.0).hinges)

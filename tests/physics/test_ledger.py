@@ -289,7 +289,7 @@ class Interrupting(Quiet):
         ("effects", True),
         pytest.param("effects", False, marks=pytest.mark.slow),
         pytest.param("arithmetic", False, marks=pytest.mark.slow),
-        pytest.param("repeats", False, marks=pytest.mark.slow),
+        pytest.param("repeats", False, marks=pytest.mark.campaign),
     ],
 )
 @pytest.mark.usefixtures("unpainted")

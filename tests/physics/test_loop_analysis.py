@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 
 import lamc
 from lamc.cli import main
-from lamc.effects import Gravity
-from lamc.loops.branches import find_branches, rank_at, tangents
+from lamc.loops.branches import find_branches, tangents
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import check_freedom, count_loops
 from lamc.mechanism.plan import plan
@@ -28,6 +27,7 @@ from lamc.reference.newton_euler import NewtonEuler
 from lamc.run.simulator import Simulator
 from tests.support.mechanisms import from_reference
 from tests.support.quick import tries
+from tests.support.screws import joint_screws
 
 FLAT = ("vertex4_flatfoldable", "waterbomb6", "miura22", "miura33")  # drawn flat, where they are singular
 
@@ -82,9 +82,9 @@ def test_screws_have_the_published_singular_values(cases: dict[str, Any]) -> Non
             continue
         mechanism, scene = from_reference(cases[name]["spec"])
         unit = max(float(np.abs(joint.point).max()) for joint in mechanism.joints) or 1.0
-        geometry = LoopGeometry(plan(mechanism), np.zeros(3), unit)
-        angles = np.array([scene.angles.get(joint, 0.0) for joint in geometry.names])
-        values = np.linalg.svd(geometry.jacobian(angles), compute_uv=False)
+        tree = plan(mechanism)
+        angles = np.array([scene.angles.get(joint.name, 0.0) for joint in tree.hinges])
+        values = np.linalg.svd(joint_screws(tree, angles, np.zeros(3), unit), compute_uv=False)
         # The file's digits, 15 of them, of numbers up to 3.
         assert values[0] == pytest.approx(expected["max_sv"], abs=1e-13)
         assert values[expected["rank"] - 1] == pytest.approx(expected["min_nonzero_sv"], abs=1e-12)
@@ -94,8 +94,7 @@ def test_screws_have_the_published_singular_values(cases: dict[str, Any]) -> Non
 def test_a_misaligned_hinge_shows_in_the_singular_values(cases: dict[str, Any], tilt: str) -> None:
     case = cases["misaligned_fourbar"]
     mechanism, _ = tilted(cases["fourbar_crank"], float(tilt))
-    geometry = LoopGeometry(plan(mechanism), np.zeros(3), 0.08)
-    values = np.linalg.svd(geometry.jacobian(np.zeros(4)), compute_uv=False)
+    values = np.linalg.svd(joint_screws(plan(mechanism), np.zeros(4), np.zeros(3), 0.08), compute_uv=False)
     assert np.abs(values - case["expected"][tilt]).max() <= case["tol"]
 
 
@@ -109,7 +108,7 @@ def test_the_rank_is_that_of_the_compiled_closure(cases: dict[str, Any], name: s
     angles = geometry_angles(sim, geometry)
     residual, jacobian = sim.closure(sim.start[: len(sim.joints)])
     assert np.abs(residual).max() <= 1e-11  # both closed to round-off; the file has 15 digits
-    basis = np.linalg.svd(geometry.jacobian(angles))[2][rank_at(geometry, angles) :]
+    basis = geometry.linear(angles).free()
     assert np.abs(jacobian @ basis.T).max() <= 1e-11  # the same null space
     assert np.linalg.matrix_rank(jacobian, tol=1e-9) == sim.loops.rank
 
@@ -153,7 +152,7 @@ def test_the_tolerance_is_the_users(cases: dict[str, Any]) -> None:
     mechanism, scene = tilted(cases["fourbar_crank"], 1e-8)
     assert (
         lamc.compile(mechanism, scene).loops.freedoms == 1
-    )  # a gap of 1e-6 of the size passes unless said otherwise
+    )  # a gap of 1e-4 of the size passes unless said otherwise
     with pytest.raises(lamc.DesignError, match=r"closes only within [\d.]+ nm"):
         lamc.compile(mechanism, replace(scene, closure_tolerance=0.0))
     with pytest.raises(lamc.DesignError, match="closure_tolerance of a scene is -1"):
@@ -163,7 +162,7 @@ def test_the_tolerance_is_the_users(cases: dict[str, Any]) -> None:
 @pytest.mark.parametrize("shift", [1e-6, 1e-4])
 def test_a_vertex_whose_creases_do_not_meet_is_reported(shift: float) -> None:
     mechanism = vertex(np.radians([60.0, 75.0, 120.0, 105.0]), shift)
-    count = count_loops(plan(mechanism))
+    count = count_loops(plan(mechanism), 0.0)
     assert count.misfit is not None
     assert (count.rank, count.misfit.rank) == (4, 3)
     assert (
@@ -262,12 +261,12 @@ def test_branches_of_flat_origami_are_directions_of_motion(cases: dict[str, Any]
     sim = compiled(mechanism)
     geometry = LoopGeometry(plan(mechanism))
     drawn = np.zeros(len(geometry.names))
-    assert rank_at(geometry, drawn) < sim.loops.rank
+    assert geometry.linear(drawn).rank() < sim.loops.rank
     assert sim.branches
     for branch in sim.branches:
         rates = branch.row(geometry.names)
         assert max(branch.rates.values()) == pytest.approx(1.0, abs=1e-12)
-        assert np.abs(geometry.jacobian(drawn) @ rates).max() <= 1e-12  # first order
+        assert np.abs(geometry.linear(drawn).matrix @ rates).max() <= 1e-12  # first order
         assert tangents(geometry, drawn).residual(rates) <= 1e-10  # second order
         # Along a motion the gap at a small angle is of the third order; off all branches it is of the second.
         for rotation in (1e-2, 1e-3):
@@ -276,6 +275,7 @@ def test_branches_of_flat_origami_are_directions_of_motion(cases: dict[str, Any]
 
 @pytest.mark.parametrize("name", FLAT)
 @pytest.mark.quick("vertex4_flatfoldable", "miura22")
+@pytest.mark.ci("vertex4_flatfoldable", "miura*")
 def test_a_run_leaves_a_flat_start_on_the_branch_that_was_chosen(cases: dict[str, Any], name: str) -> None:
     mechanism, _ = from_reference(cases[name]["spec"])
     branches = compiled(mechanism).branches
@@ -307,15 +307,6 @@ def test_a_branch_without_rates_starts_at_rest_a_little_way_out(cases: dict[str,
             np.abs(q - 1e-3 * math.copysign(1.0, number) * ratios).max() <= 1e-5
         )  # bent by the second order
         assert np.abs(sim.closure(q)[0]).max() <= 1e-13 * mechanism.size
-
-
-def test_a_singular_start_at_rest_asks_for_a_branch() -> None:
-    mechanism = vertex(np.radians([60.0, 75.0, 120.0, 105.0]))
-    sim = compiled(mechanism, effects=(Gravity(),))
-    with pytest.raises(
-        lamc.DesignError, match=r"singular and at rest.*2 branches.*c0 -0\.1413, c1 1.*branch=1"
-    ):
-        sim.run(t_end=0.1)
 
 
 def test_a_crease_whose_sides_run_against_each_other_does_not_close(cases: dict[str, Any]) -> None:
@@ -385,7 +376,7 @@ def test_starts_are_completed_to_the_nearest_position(cases: dict[str, Any]) -> 
     angles = geometry_angles(sim, geometry)
     free = np.array([name != "j1" for name in geometry.names])
     assert angles[np.logical_not(free)][0] == 0.4
-    motions = np.linalg.svd(geometry.jacobian(angles)[:, free])[2][3:]
+    motions = geometry.linear(angles).columns(free).free()
     assert len(motions) == 1  # five joints, one given, three equations
     assert (
         np.abs(motions @ angles[free]).max() <= 1e-7
@@ -421,8 +412,10 @@ def test_split_and_run_tell_loops_and_branches(tmp_path: Path, capsys: pytest.Ca
     assert "branch 1: c0 -0.1413, c1 +1, c2 +0.1413, c3 +1" in reported  # the published ratios
     assert "branch 2: c0 +1, c1 -0.386, c2 +1, c3 +0.386" in reported
     run = ["run", str(path), "--t-end", "0.01", "--no-animation", *out]
-    assert main(run, standalone_mode=False) == 2
-    assert "it has 2 branches" in capsys.readouterr().err
+    assert main(run, standalone_mode=False) == 0
+    told = capsys.readouterr().out
+    assert "the start is singular and at rest; it takes branch" in told
+    assert told.count("the loads do most work; others") == 1
     assert main([*run, "--branch", "-2"], standalone_mode=False) == 0
     assert "branch 2: c0 +1" in capsys.readouterr().out
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text(encoding="utf-8"))

@@ -193,6 +193,7 @@ def textbook(mechanism: Mechanism, gravity: Array) -> tuple[System, Kane]:
 @needs_cc
 @pytest.mark.parametrize(("kind", "n"), [("space", 2), ("parallel", 3), ("mixed", 3)])
 @pytest.mark.quick("parallel-3", "mixed-3")
+@pytest.mark.ci("parallel-3", "mixed-3")
 def test_textbook_simulator_and_sympy_find_the_same_accelerations(kind: str, n: int) -> None:
     mechanism = chain(n, kind, seed=8)
     system, kane = textbook(mechanism, np.array(ALL_PASSIVE[0].acceleration))

@@ -172,7 +172,7 @@ def test_energy_balance_close_and_retardation_only_takes() -> None:
     effects = (Gravity(tuple(G)), HingeStiffness(), HingeDamping(), TwistCompliance(**RING, retardation=1e-4))
     energy_balance = (
         lamc.compile(ring(), Scene(effects=effects))
-        .run(0.02, rtol=1e-10, atol=1e-13, energy_balance=True)
+        .run(0.01, rtol=1e-10, atol=1e-13, energy_balance=True)
         .energy_balance
     )
     assert energy_balance is not None
@@ -278,7 +278,7 @@ def test_a_loop_that_does_not_fit_rests_where_its_energy_is_least() -> None:
         return 1e6 * potential.energy(scale * y)
 
     y = minimize(energy, np.zeros(18), method="BFGS").x
-    for _ in range(4):  # a minimum is flat: Newton's method on differences finds its place more sharply
+    for _ in range(2):  # a minimum is flat: Newton's method on differences finds its place more sharply
         gradient, hessian = differences(energy, y)
         y = y - np.linalg.solve(hessian, gradient)
     x = scale * y

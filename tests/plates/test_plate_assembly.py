@@ -64,6 +64,7 @@ def dense(matrices: Array, dofs: Dofs) -> Array:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick("[!q]*", "q4", "q8", "q9")
 def test_assembled_matrices_are_the_sums_of_the_elements(name: str) -> None:
     """1e-15 of the largest entry times the cells around a node: sums in another order."""
     mesh, made = meshed(name), kernels(name)
@@ -115,6 +116,7 @@ def test_the_same_input_gives_the_same_bits() -> None:
 @pytest.mark.parametrize("dtype", [float, np.longdouble])
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.quick("bciz-*", "cst-*", "dkt-*", "lst-*", "q4-*", "dkt+cst-*")
+@pytest.mark.ci("bciz-*", "cst-*", "dk*", "lst-*", "q4-*", "specht-*", "*-longdouble")
 def test_forces_of_all_cells_are_those_of_each(name: str, dtype: type) -> None:
     """Round-off of sums over the cells around a node, in the precision asked for."""
     mesh, made = meshed(name), kernels(name)

@@ -147,6 +147,7 @@ SANITIZED = ("bfs", "dkt", "lst", "q8")
 
 @pytest.mark.parametrize("name", SANITIZED)
 @pytest.mark.quick("dkt")
+@pytest.mark.ci("bfs", "dkt", "lst")
 def test_generated_c_runs_clean_under_sanitizers(name: str, tmp_path: Path) -> None:
     if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")

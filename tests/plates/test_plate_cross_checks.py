@@ -115,6 +115,7 @@ def difference(found: np.ndarray, expected: np.ndarray, scale: np.ndarray | None
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.quick("bciz", "dkt", "cst", "lst", "dkt+cst", "q4", "q8", "q9")
+@pytest.mark.ci("[!b]*", "bciz*", "bfs", "bfs+q4")
 def test_three_cross_checks_agree_on_every_matrix(name: str) -> None:
     compiled, interpreted, reference = cross_checks(name)
     for function, ask in answers(name, cells(name)).items():

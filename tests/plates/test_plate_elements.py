@@ -23,6 +23,10 @@ from tests.support.staged_elements import (
     strain_rows,
 )
 
+# Deriving these takes a second each, of what others have in parts.
+LARGE = ("dkt+lst", "bciz+cst", "specht+lst", "bfs+q12")
+NAMES = [pytest.param(name, marks=pytest.mark.slow if name in LARGE else ()) for name in ALL]
+
 # --- against a formulation that shares no code -----------------------------------------------------------------------
 
 
@@ -116,7 +120,7 @@ def test_three_points_are_too_few_for_specht() -> None:
 # --- mechanics -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.quick("bciz", "dkt", "specht", "bfs", "cst", "lst", "q4", "q8", "q9", "dkt+cst")
 def test_stiffness_resists_everything_but_rigid_motion(name: str) -> None:
     own = staged(name)
@@ -128,7 +132,7 @@ def test_stiffness_resists_everything_but_rigid_motion(name: str) -> None:
     assert (values[:, rigid] / values[:, -1]).min() > 1e-6
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_rigid_motion_calls_for_no_force(name: str) -> None:
     own, corners, section = staged(name), cells(name), sections(name)
     largest = np.abs(own.stiffness(corners, section)).reshape(COUNT, -1).max(axis=1)
@@ -148,7 +152,7 @@ def test_rigid_motion_calls_for_no_force(name: str) -> None:
         assert (force / largest).max() < 1e-14
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_constant_strain_is_represented_everywhere(name: str) -> None:
     own, corners = staged(name), cells(name)
     at = np.random.default_rng(3).uniform(0.05, 0.45, size=(COUNT, 2))
@@ -161,7 +165,7 @@ def test_constant_strain_is_represented_everywhere(name: str) -> None:
         )
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_energy_of_constant_strain_is_that_of_the_section(name: str) -> None:
     own, corners, section = staged(name), cells(name), sections(name)
     x, y = corners[..., 0], corners[..., 1]
@@ -200,7 +204,7 @@ def own_force(name: str, corners: np.ndarray, section: np.ndarray, d: np.ndarray
     return staged(name).force(corners, section, d)[0]
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_scaling_lengths_scales_results_exactly(name: str) -> None:
     """A unit that is a power of two larger: no digit may change, as there is nothing in the element with a unit."""
     own, corners, section = staged(name), cells(name), sections(name)
@@ -257,7 +261,7 @@ def test_uncoupled_section_gives_bending_and_membrane_side_by_side(name: str) ->
     )
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", NAMES)
 def test_loads_and_mass_know_the_total(name: str) -> None:
     """Uniform unit load does the work of the area on a unit shift; so does mass."""
     own, corners = staged(name), cells(name)

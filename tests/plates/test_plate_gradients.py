@@ -259,7 +259,7 @@ def test_moved_supports_count_as_loads() -> None:
     check(found, lambda p: float(plate.solve(p).deflection(1.0, 0.5)), problem, 1e-8)
 
 
-@pytest.mark.parametrize("inertia", [True, False])
+@pytest.mark.parametrize("inertia", [True, pytest.param(False, marks=pytest.mark.campaign)])
 @pytest.mark.slow
 def test_frequency_changes_as_differences_say(inertia: bool) -> None:
     problem = replace(cantilever(THICK, []), mesh=plate.grid(2.0, 1.0, 3, 2))

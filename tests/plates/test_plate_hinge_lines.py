@@ -68,6 +68,7 @@ def test_triangles_tend_to_the_beam_with_a_hinge(element: str) -> None:
 
 @pytest.mark.parametrize("element", ["bfs+q4", "bfs+q8", "bfs+q9", "bfs+q12"])
 @pytest.mark.slow
+@pytest.mark.ci("bfs+q4")
 def test_rectangles_with_membranes_fold_as_exactly(element: str) -> None:
     P, a, k = 0.3, 0.375, 0.7
     mesh = plate.grid(L, B, 8, 2, "squares")

@@ -68,6 +68,7 @@ def test_c_gives_the_bits_of_the_interpreted_program(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.quick("[!b]*", "bciz", "bfs")
 def test_c_agrees_with_the_third_cross_check(name: str) -> None:
     """1e-13 of the largest entry: sums of some hundred terms, each rounded at 1e-16, that cancel to a hundredth."""
     compiled, reference = kernels(name), ReferenceElement(name)

@@ -141,9 +141,9 @@ def test_halved_cells_tell_the_same(made: Callable[[int], plate.Problem], most: 
 
 @pytest.mark.slow
 def test_the_example_strip_is_told_what_it_lacks_on_any_mesh() -> None:
-    """'dkmt' adds 1.6 to 1.8 %; the edges of its cells go down to a sixtieth of the thickness and below."""
+    """'dkmt' adds 1.6 to 1.8 %; the edges of its cells go down to a thirtieth of the thickness and below."""
     file = plate.load_plate(STRIP)
-    for size in (0.48e-3, 0.24e-3, 0.12e-3, 0.06e-3):
+    for size in (0.48e-3, 0.24e-3, 0.12e-3):
         assert 0.012 < plate.solve(plate.problem_of(file, size=size)).shear_share < 0.022
     assert plate.choose_element(plate.problem_of(file)).element == "dkt"
 

@@ -24,7 +24,14 @@ EXAMPLES = Path(lamc.__file__).parent / "examples"
 
 # A tree; loops; impacts and stops, which are events; a floating base on the ground.
 KINDS = ("pendulum", "four_bar", "limit_stop", "crawler")
-DURATION = {"pendulum": 1.0, "four_bar": 1.0, "limit_stop": 0.5, "crawler": 0.1, "stiff_triple": 0.1}  # s
+DURATION = {
+    "pendulum": 1.0,
+    "four_bar": 1.0,
+    "limit_stop": 0.5,
+    "crawler": 0.1,
+    "stiff_triple": 0.1,
+    "folding_box": 0.2,
+}  # s
 
 
 def clang() -> list[str] | None:

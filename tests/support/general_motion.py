@@ -5,6 +5,7 @@ The road of the tests here leads past C, printer and runtime: what they judge is
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -88,9 +89,18 @@ class General:
         self._system = compiled(equations, [*lower, *equations.forces, *held])
         rates = equations.coordinate_rates
         self._speeds = compiled(equations, rates) if rates is not None else None
-        self._energies = compiled(equations, list(equations.energies.values()))
-        self._poses = compiled(equations, list(equations.poses))
-        self._powers = compiled(equations, list(equations.powers.values()))
+
+    @cached_property
+    def _energies(self) -> Callable[..., Array]:
+        return compiled(self.equations, list(self.equations.energies.values()))
+
+    @cached_property
+    def _poses(self) -> Callable[..., Array]:
+        return compiled(self.equations, list(self.equations.poses))
+
+    @cached_property
+    def _powers(self) -> Callable[..., Array]:
+        return compiled(self.equations, list(self.equations.powers.values()))
 
     def start(self, q: Sequence[float], u: Sequence[float]) -> tuple[Array, Array]:
         """Angles and rates of the joints with what the arrangement starts the others at."""

@@ -18,8 +18,8 @@ import pytest
 
 import lamc
 from lamc.basics.errors import BuildError
+from lamc.codegen import build, toolchain
 from lamc.codegen import cache as cache_module
-from lamc.codegen import toolchain
 from lamc.codegen.cache import Cache, cache_root, intact
 from lamc.codegen.module import BINDING, LIBRARY
 from lamc.codegen.options import CompileOptions
@@ -29,7 +29,7 @@ from lamc.records.scene import Scene
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain, random_state
 from tests.support.paths import ROOT
-from tests.support.quick import QUICKLY
+from tests.support.quick import QUICKLY, with_runtime
 
 pytestmark = needs_cc
 
@@ -137,7 +137,11 @@ print(lamc.compile(chain(2, "space", seed=31), scene).acceleration(q, u).tobytes
 """
 
 
-def test_processes_that_build_the_same_design_at_once_all_get_it(root: Path) -> None:
+def test_processes_that_build_the_same_design_at_once_all_get_it(
+    root: Path, cache_of_the_session: Path
+) -> None:
+    """The runtime, too: test_three_processes_that_find_nothing_build_once_each_at_most."""
+    with_runtime(root, cache_of_the_session)
     checkout = ROOT
     environment = {**os.environ, "PYTHONPATH": str(checkout)}
     processes = [
@@ -351,6 +355,13 @@ def script(folder: Path, body: str) -> str:
     return str(path)
 
 
+@pytest.fixture
+def runtime_by_another_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The runtime's objects come of the usual compiler, whichever is asked for."""
+    usual, make = toolchain.find_compiler(None), build.make_objects
+    monkeypatch.setattr(build, "make_objects", lambda _compiler, *others: make(usual, *others))
+
+
 @pytest.mark.parametrize(
     ("body", "words"),
     [
@@ -418,7 +429,7 @@ def test_without_any_compiler_the_error_says_what_to_install(
 
 
 def test_environment_names_the_compiler_and_its_arguments(
-    root: Path, monkeypatch: pytest.MonkeyPatch
+    root: Path, monkeypatch: pytest.MonkeyPatch, runtime_by_another_name: None
 ) -> None:
     monkeypatch.setenv("LAMC_CC", "cc -DLAMC_TEST=1")
     assert compiled()[0].run(t_end=0.01).provenance.compiler.endswith("cc -DLAMC_TEST=1")
@@ -426,7 +437,9 @@ def test_environment_names_the_compiler_and_its_arguments(
     refused(r"'nowhere' named by \$LAMC_CC is not there")
 
 
-def test_a_compiler_that_changed_is_another_compiler(root: Path, tmp_path: Path) -> None:
+def test_a_compiler_that_changed_is_another_compiler(
+    root: Path, tmp_path: Path, runtime_by_another_name: None
+) -> None:
     real = toolchain.find_compiler(None).command[0]
     name = script(tmp_path, f'exec {real} "$@"')
     assert not compiled(compiler=name)[1].from_cache

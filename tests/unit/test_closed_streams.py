@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from lamc.cli import main
 from tests.support.paths import ROOT
-from tests.support.quick import QUICKLY
+from tests.support.quick import QUICKLY, with_runtime
 
 Commands = dict[str, str]
 COMMANDS: Commands = {
@@ -40,7 +40,9 @@ def shell(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
 # argv: commands by name, as JSON. Each has a folder of its own; what it prints follows its name. codes.json: exit codes
 _ALL = """
 import json, os, sys
+from matplotlib.figure import Figure
 from lamc.cli import main
+Figure.savefig = lambda figure, stream, **settings: stream.write(b"\\x89PNG")  # painted below
 COMMANDS = json.loads(sys.argv[1])
 codes, here = {}, os.getcwd()
 for name, line in COMMANDS.items():
@@ -59,13 +61,16 @@ with open("codes.json", "w") as file:
 
 @posix_only
 @pytest.mark.parametrize("commands", [COMMANDS, pytest.param(SLOW, marks=pytest.mark.slow)])
-def test_every_command_works_with_stderr_closed(commands: Commands, tmp_path: Path) -> None:
+def test_every_command_works_with_stderr_closed(
+    commands: Commands, tmp_path: Path, cache_of_the_session: Path
+) -> None:
     """One process for all of them: the stream is closed before it starts."""
     (tmp_path / "all.py").write_text(QUICKLY + _ALL)
+    cache = with_runtime(tmp_path / "cache", cache_of_the_session)
     ended = subprocess.run(
         ["sh", "-c", f"exec '{sys.executable}' all.py '{json.dumps(commands)}' 2>&-"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(tmp_path / "cache")},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "LAMC_CACHE_DIR": str(cache)},
         capture_output=True,
         text=True,
         timeout=600,
@@ -80,6 +85,7 @@ def test_every_command_works_with_stderr_closed(commands: Commands, tmp_path: Pa
 @posix_only
 @pytest.mark.parametrize("closed", [">&- 2>&-", "<&- >&- 2>&-", ">&-"])
 @pytest.mark.quick("<&-*")
+@pytest.mark.ci("<&-*", ">&-")
 def test_results_hold_nothing_else_where_all_streams_are_closed(closed: str, tmp_path: Path) -> None:
     ended = shell(f"{COMMANDS['run']} {closed}", tmp_path)
     assert ended.returncode == 0, ended.stderr

@@ -194,6 +194,7 @@ def test_names_of_designs_never_reach_paths_or_code() -> None:
         "π",
     ],
 )
+@pytest.mark.quick("rk45", "status", "this_model", "double", "1", "*03c0")
 def test_designs_named_like_files_and_words_of_c_compile_alone_and_as_a_library(
     name: str, tmp_path: Path
 ) -> None:
@@ -266,6 +267,7 @@ int main(void) {{
 @needs_cc
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
 @pytest.mark.quick("small")
+@pytest.mark.ci("small", "tree", "laminate40")
 def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(name: str, tmp_path: Path) -> None:
     program, tree = tree_of(name)
     assert (name in WITH_LOOPS) == (

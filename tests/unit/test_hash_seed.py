@@ -4,11 +4,12 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from tests.support.paths import ROOT
-from tests.support.quick import QUICKLY
+from tests.support.quick import QUICKLY, with_runtime
 
 _DIGESTS = """
 import hashlib, json
@@ -37,9 +38,12 @@ print(json.dumps(found))
 
 
 @pytest.fixture(scope="module")
-def digests(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
+def digests(tmp_path_factory: pytest.TempPathFactory, cache_of_the_session: Path) -> list[dict[str, object]]:
     """What two processes with different hash seeds make, by kind; neither finds what the other has made."""
-    own = {seed: str(tmp_path_factory.mktemp("cache")) for seed in ("1", "4242")}
+    own = {
+        seed: str(with_runtime(tmp_path_factory.mktemp("cache"), cache_of_the_session))
+        for seed in ("1", "4242")
+    }
     started = [
         subprocess.Popen(
             [sys.executable, "-c", QUICKLY + _DIGESTS],

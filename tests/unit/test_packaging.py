@@ -12,7 +12,7 @@ import pytest
 
 from tests.support.ctools import needs_cc
 from tests.support.paths import ROOT
-from tests.support.quick import QUICKLY
+from tests.support.quick import QUICKLY, with_runtime
 
 CHECKOUT = ROOT
 PARTS = (
@@ -79,10 +79,13 @@ print(json.dumps([lamc.__file__, str(lamc.basics.resources.data_dir("templates")
 
 @needs_cc
 @pytest.mark.slow
-def test_the_wheel_compiles_and_runs_a_design_outside_the_checkout(wheel: Path, tmp_path: Path) -> None:
+def test_the_wheel_compiles_and_runs_a_design_outside_the_checkout(
+    wheel: Path, tmp_path: Path, cache_of_the_session: Path
+) -> None:
     site = tmp_path / "site"
     zipfile.ZipFile(wheel).extractall(site)
-    environment = {**os.environ, "PYTHONPATH": str(site), "LAMC_CACHE_DIR": str(tmp_path / "cache")}
+    cache = with_runtime(tmp_path / "cache", cache_of_the_session)
+    environment = {**os.environ, "PYTHONPATH": str(site), "LAMC_CACHE_DIR": str(cache)}
     done = subprocess.run(
         [sys.executable, "-c", QUICKLY + _USE],
         env=environment,

@@ -55,6 +55,7 @@ def simulator(name: str, compiler: str | None = None) -> lamc.Simulator:
 @needs_cc
 @pytest.mark.parametrize("name", ["flaps", "four_bar"])
 @pytest.mark.slow
+@pytest.mark.ci("flaps")
 def test_models_by_zig_are_those_of_the_systems_compiler(name: str, only_zig: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PATH", os.defpath)
@@ -94,7 +95,7 @@ def test_exports_by_zig_hold_a_library(target: str, only_zig: Path) -> None:
 
 
 @needs_zig
-@pytest.mark.slow
+@pytest.mark.campaign  # models of zig and of doctor are each in .ci/run
 def test_doctor_builds_and_runs_a_model_by_zig_where_no_home_can_be_used(
     only_zig: Path, tmp_path: Path
 ) -> None:
@@ -197,6 +198,7 @@ def test_the_packages_own_script_is_zig_too(only_zig: Path, monkeypatch: pytest.
 @needs_zig
 @pytest.mark.parametrize("to", ["fmu", "wheel"])
 @pytest.mark.slow
+@pytest.mark.ci("wheel")
 def test_exports_by_zig_are_the_same_bytes_each_time(to: str, only_zig: Path) -> None:
     """Debug information held the name of the folder in which they were made."""
     from lamc.examples import path

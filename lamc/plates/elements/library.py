@@ -10,6 +10,7 @@ import sympy as sp
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError
+from lamc.basics.once import remembered
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.plates.elements.definition import DOFS, Element, Node, symbols_of
 from lamc.plates.elements.squares import BFS, Q4, Q8, Q9, Q12
@@ -55,6 +56,17 @@ def combine(bending: Element | str, membrane: Element | str) -> Element:
     DesignError unless one only bends, the other only stretches, and both have the same cell.
     """
     bending, membrane = checked_element(bending), checked_element(membrane)
+    if all(ELEMENTS.get(part.name) is part for part in (bending, membrane)):
+        return _own_pair(bending.name, membrane.name)
+    return _combined(bending, membrane)
+
+
+@remembered  # what sympy writes of an element for the cache's key is kept with it
+def _own_pair(bending: str, membrane: str) -> Element:
+    return _combined(ELEMENTS[bending], ELEMENTS[membrane])
+
+
+def _combined(bending: Element, membrane: Element) -> Element:
     for part, does, wrong in (
         (bending, bending.bends, bending.stretches),
         (membrane, membrane.stretches, membrane.bends),

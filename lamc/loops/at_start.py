@@ -1,0 +1,66 @@
+"""What loops come to where a run is: at the start of a scene, on the branch that it takes.
+
+In: a `Tree` and a `Scene`. Out: a `LoopCount`. Never: looks at loads, which choose a branch where the scene does not;
+the count then has the rank of each.
+"""
+
+import numpy as np
+
+from lamc.basics.errors import DesignError
+from lamc.loops.branches import Branch, find_branches
+from lamc.loops.geometry import LoopGeometry
+from lamc.loops.rank import LoopCount, check_freedom, count_at
+from lamc.loops.starts import Starter
+from lamc.mechanism.tree import Tree
+from lamc.records.mechanism import Array
+from lamc.records.scene import Scene
+
+EXACTLY_CLOSED = LoopCount(0, 0, 0, 0)  # what is taken as read before loops are counted
+
+
+def loops_of(tree: Tree, scene: Scene) -> LoopCount:
+    """What the loops of `tree` come to where `scene` starts. Raises DesignError where nothing can move."""
+    if not tree.cuts:
+        return LoopCount(0, 0, 0, len(tree.links))
+    geometry = LoopGeometry(tree)
+    drawn = np.zeros(len(geometry.names))
+    angles = _position(geometry, scene, EXACTLY_CLOSED) if any(scene.angles.values()) else drawn
+    count = count_at(geometry, drawn if angles is None else angles, scene.closure_tolerance)
+    if angles is None and count.accepted_gap > 0.0:
+        angles = _position(geometry, scene, count)
+        if angles is not None:
+            count = count_at(geometry, angles, scene.closure_tolerance)
+    check_freedom(count)
+    if scene.branch is not None:
+        return count.on_branch(scene.branch)
+    if len(set(count.branch_ranks)) > 1 and angles is not None and any(scene.rates.values()):
+        return _along(geometry, angles, scene, count)
+    return count
+
+
+def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, tuple[Branch, ...]]:
+    """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
+    if not tree.cuts:
+        return LoopCount(0, 0, 0, len(tree.links)), ()
+    geometry = LoopGeometry(tree)
+    drawn = np.zeros(len(geometry.names))
+    count = count_at(geometry, drawn, tolerance)
+    return count, find_branches(geometry, drawn, count.fit) if count.branch_ranks else ()
+
+
+def _position(geometry: LoopGeometry, scene: Scene, count: LoopCount) -> Array | None:
+    """The closed position (n,) of the scene's angles; None where there is none."""
+    try:
+        return Starter(geometry, count).position(scene.angles)
+    except DesignError:
+        return None
+
+
+def _along(geometry: LoopGeometry, angles: Array, scene: Scene, count: LoopCount) -> LoopCount:
+    """The count along the rates of a scene; that of all branches where they are on none."""
+    try:
+        rates = Starter(geometry, count).state(scene)[len(angles) :]
+    except DesignError:
+        return count
+    found = count_at(geometry, angles, scene.closure_tolerance, rates)
+    return found if found.freedoms else count

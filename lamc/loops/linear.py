@@ -1,0 +1,157 @@
+"""A closure matrix taken apart: which rates it leaves free, and the least change that it asks for.
+
+In: a sparse matrix. Out: small singular values with their vectors, null space, least-squares steps. Never: knows what
+the matrix is of.
+
+Small matrices are decomposed as they are. Large ones have a dozen entries in a row, and their elimination in an order
+of little fill costs what the elimination of a plane graph costs. Of
+
+    [ e I   J^T ] [x]   [a]
+    [ J    -e I ] [y] = [b]
+
+a = 0 gives the least change x = (J^T J + e^2)^-1 J^T b, and b = 0 is a step of inverse iteration towards the null space
+of J. No singular value is squared: those below e are told apart by what J does to the vectors that come out.
+"""
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lamc.records.mechanism import Array
+
+if TYPE_CHECKING:
+    from scipy import sparse
+
+DENSE = 64  # columns: up to here a decomposition takes a millisecond or two, as sparse elimination does
+DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
+BLOCK = 8  # vectors of inverse iteration, to begin with
+ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
+WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
+EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
+NOTHING = 1e-13  # entries that are round-off of zero, beside those of one
+
+
+class Linear:
+    """A matrix J (m, n)."""
+
+    def __init__(self, matrix: "sparse.csr_array") -> None:
+        self.matrix = matrix
+        self.count = matrix.shape[1]
+        self.is_small = self.count <= DENSE
+
+    def columns(self, taken: npt.NDArray[np.bool_]) -> "Linear":
+        """Those of a mask (n,)."""
+        return Linear(self.matrix[:, np.flatnonzero(taken)])
+
+    @cached_property
+    def dense(self) -> tuple[Array, Array, Array]:
+        """U (m, r), columns in the order of numpy; singular values (n,), ascending, zeros included; V (n, n) by rows in
+        their order."""
+        wide = self.matrix.shape[0] < self.count
+        left, values, right = np.linalg.svd(self.matrix.toarray(), full_matrices=wide)
+        missing = self.count - len(values)
+        return left, np.concatenate([np.zeros(missing), values[::-1]]), right[::-1]
+
+    @cached_property
+    def scale(self) -> float:
+        """The largest singular value, to some hundredths; 1 where there is nothing."""
+        if self.is_small:
+            return float(self.dense[1].max(initial=0.0)) or 1.0
+        vector = np.random.default_rng(20260104).normal(size=self.count)
+        for _ in range(20):
+            vector = self.matrix.T @ (self.matrix @ (vector / np.linalg.norm(vector)))
+        return float(np.sqrt(np.linalg.norm(vector))) or 1.0
+
+    @cached_property
+    def weak(self) -> tuple[Array, Array]:
+        """The smallest singular values (k,), relative to the largest, ascending, and their vectors (k, n) by rows: all
+        of a small matrix; of a large one those below WEAK, and some more."""
+        if self.is_small:
+            return self.dense[1] / self.scale, self.dense[2]
+        size = BLOCK
+        block, random = np.zeros((self.count, 0)), np.random.default_rng(20260105)
+        while True:
+            size = min(size, self.count)
+            block = np.hstack([block, random.normal(size=(self.count, size - block.shape[1]))])
+            for _ in range(ROUNDS):
+                pushed = self._factors.solve(np.vstack([block, np.zeros((len(self._used), size))]))
+                block = np.linalg.qr(pushed[: self.count])[0]
+            _, found, mixed = np.linalg.svd(self.matrix @ block, full_matrices=False)
+            values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
+            block = block @ mixed[::-1].T
+            if values[-1] > WEAK or size == self.count:
+                return values, block.T
+            size *= 4
+
+    @cached_property
+    def _used(self) -> Any:
+        """The rows that hold something."""
+        largest = abs(self.matrix).max(axis=1)
+        largest = largest.toarray() if hasattr(largest, "toarray") else largest
+        return np.flatnonzero(np.asarray(largest).ravel() > NOTHING)
+
+    @cached_property
+    def _factors(self) -> Any:
+        from scipy import sparse
+        from scipy.sparse.linalg import splu
+
+        e = DAMPING * self.scale
+        rows = self.matrix[self._used].tocsr()
+        rows.data[np.abs(rows.data) < NOTHING] = 0.0
+        rows.eliminate_zeros()
+        left, right = sparse.eye_array(self.count), sparse.eye_array(len(self._used))
+        system = sparse.block_array([[e * left, rows.T], [rows, -e * right]], format="csc")
+        # The system is quasi-definite: any order of elimination does, without pivoting (R. Vanderbei, 1995).
+        options = {"SymmetricMode": True}
+        return splu(system, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0)
+
+    def nullity(self, cutoff: float = EXACT) -> int:
+        """How many singular values are at most `cutoff` times the largest."""
+        return int((self.weak[0] <= cutoff).sum())
+
+    def rank(self, cutoff: float = EXACT) -> int:
+        """How many are larger."""
+        return int(self.count - self.nullity(cutoff))
+
+    def amid(self, nullity: int) -> float:
+        """A cutoff between the first `nullity` singular values and the next: their geometric mean."""
+        values = np.concatenate([[EXACT], np.maximum(self.weak[0], EXACT), [1.0]])
+        return float(np.sqrt(values[nullity] * values[nullity + 1])) if nullity < len(values) - 1 else 1.0
+
+    def free(self, cutoff: float = EXACT) -> Array:
+        """(d, n): rates that the matrix leaves free, orthonormal rows."""
+        return self.weak[1][: self.nullity(cutoff)]
+
+    def outside(self, goals: Array, cutoff: float = EXACT) -> Array:
+        """The parts of `goals` (m, k) that no x gives.
+
+        Of a large matrix whose rows are independent but for those that hold nothing, such as a flat sheet's, these."""
+        if self.is_small:
+            inside = self.dense[0][:, : self.rank(cutoff)]
+            return np.asarray(goals - inside @ (inside.T @ goals))
+        if len(self._used) == self.rank(cutoff):
+            left = goals.copy()
+            left[self._used] = 0.0
+            return np.asarray(left[np.abs(left).max(axis=1) > 0.0])
+        return np.column_stack([g - self.matrix @ self.least_change(g, cutoff) for g in goals.T])
+
+    def least_change(self, goal: Array, cutoff: float) -> Array:
+        """The smallest x (n,) for which J x is nearest to `goal` (m,), singular values below `cutoff` times the largest
+        counted as zero."""
+        if self.is_small:
+            left, values, right = self.dense
+            kept = np.flatnonzero(values > cutoff * self.scale)[::-1]
+            return np.asarray((left[:, : len(kept)].T @ goal / values[kept]) @ right[kept])
+        found = self._damped(goal)
+        found = found + self._damped(goal - self.matrix @ found)
+        if cutoff > DAMPING:
+            weak = self.free(cutoff)
+            found = found - weak.T @ (weak @ found)
+        return np.asarray(found)
+
+    def _damped(self, goal: Array) -> Array:
+        return np.asarray(
+            self._factors.solve(np.concatenate([np.zeros(self.count), goal[self._used]]))[: self.count]
+        )

@@ -225,9 +225,9 @@ def _loops_of(
         full, held = plan(mechanism), arrangement.tree
         found = loops_of(held, rigid_scene(full, held, scene))
         # Equations are written alike for all starts of one rank, as for the design's own, so that other angles compile
-        # nothing anew.
+        # nothing anew. Not with a misfit: what equations that are not taken leave open is least where they are chosen.
         own = replace(scene, angles=mechanism.scene.angles if mechanism.scene else {}, rates={}, branch=None)
-        if scene.angles == own.angles or len(mechanism.joints) > LARGE:
+        if scene.angles == own.angles or found.accepted_gap or len(mechanism.joints) > LARGE:
             return found
         alias = loops_digest(mechanism, effects, own, common=common)
         try:

@@ -7,15 +7,21 @@ the count then has the rank of each.
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.branches import Branch, find_branches
+from lamc.loops.branches import NEARLY, Branch, find_branches
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.rank import LoopCount, check_freedom, count_at
+from lamc.loops.misfit import Misfit
+from lamc.loops.rank import LoopCount, accepted_by_default, check_freedom, count_at
 from lamc.loops.starts import Starter
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
 
-EXACTLY_CLOSED = LoopCount(0, 0, 0, 0)  # what is taken as read before loops are counted
+CLOSED = LoopCount(0, 0, 0, 0)  # what is taken as read before loops are counted
+
+
+def _nearly_closed(gap: float) -> LoopCount:
+    """The same of loops that fit badly, up to a gap, m."""
+    return LoopCount(0, 0, 0, 0, misfit=Misfit(0, 0.0, ""), tolerance=gap, cutoff=NEARLY.weak / 4)
 
 
 def loops_of(tree: Tree, scene: Scene) -> LoopCount:
@@ -24,7 +30,12 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
         return LoopCount(0, 0, 0, len(tree.links))
     geometry = LoopGeometry(tree)
     drawn = np.zeros(len(geometry.names))
-    angles = _position(geometry, scene, EXACTLY_CLOSED) if any(scene.angles.values()) else drawn
+    angles: Array | None = drawn
+    if any(scene.angles.values()):
+        allowed = scene.closure_tolerance
+        allowed = accepted_by_default(geometry.size) if allowed is None else allowed
+        exact = _position(geometry, scene, CLOSED)
+        angles = exact if exact is not None else _position(geometry, scene, _nearly_closed(allowed))
     count = count_at(geometry, drawn if angles is None else angles, scene.closure_tolerance)
     if angles is None and count.accepted_gap > 0.0:
         angles = _position(geometry, scene, count)

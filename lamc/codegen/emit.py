@@ -21,8 +21,9 @@ from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import REAL, ShapePrinter, literal
 from lamc.codegen.sine_cosine import CALLS
 from lamc.symbolic.allocation import collector_paused
+from lamc.symbolic.pattern import Pattern
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.program import Coordinate, Pattern, Program
+from lamc.symbolic.program import Coordinate, Program
 
 _DECLARATIONS = re.compile(
     r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from lamc.export.options import ExportOptions
 from lamc.run.methods import METHODS
-from lamc.symbolic.program import Pattern, PlanStep, Program
+from lamc.symbolic.pattern import Pattern, PlanStep
+from lamc.symbolic.program import Program
 
 ROUNDS = (
     6  # at most, of looking for an order of elimination: lamc_sparse_find, by tenths down to what is let go

@@ -26,7 +26,8 @@ from lamc.mechanics.powers import Mass, Moving, powers_of
 from lamc.records.effect import claims_of, hooked
 from lamc.records.inputs import Input
 from lamc.symbolic.algebra import ZERO, add, dot, scale
-from lamc.symbolic.program import Pattern, Space
+from lamc.symbolic.pattern import Pattern
+from lamc.symbolic.program import Space
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Store
 

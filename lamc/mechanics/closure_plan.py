@@ -13,7 +13,7 @@ import numpy as np
 
 from lamc.mechanics.closure import Closure
 from lamc.symbolic.evaluate import evaluate
-from lamc.symbolic.program import Pattern, PlanStep
+from lamc.symbolic.pattern import Pattern, PlanStep
 from lamc.symbolic.scalars import Value
 
 OF_LARGEST = 0.1  # of the largest of a row, that is left or was there: what a pivot has at least

@@ -13,7 +13,8 @@ from lamc.basics.once import lazy
 from lamc.loops.rank import NO_LOOPS, LoopCount
 from lamc.mechanism.tree import Tree
 from lamc.records.inputs import Input
-from lamc.symbolic.program import Coordinate, Operations, Parameter, Pattern, Space
+from lamc.symbolic.pattern import Pattern
+from lamc.symbolic.program import Coordinate, Operations, Parameter, Space
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Level, Store
 from lamc.symbolic.statements import count_operations, group

@@ -17,7 +17,7 @@ from lamc.mechanics.closure_plan import plan_of
 from lamc.readers.load import load_text
 from lamc.records.mechanism import Array, Mechanism
 from lamc.reference.newton_euler import NewtonEuler
-from lamc.symbolic.program import PlanStep
+from lamc.symbolic.pattern import PlanStep
 from tests.support.ctools import needs_cc
 
 pytestmark = needs_cc

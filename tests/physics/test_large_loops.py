@@ -16,6 +16,7 @@ from lamc.mechanics import closure_plan
 from lamc.mechanics.closure_plan import plan_of
 from lamc.readers.load import load_text
 from lamc.records.mechanism import Array, Mechanism
+from lamc.reference import Interpreter
 from lamc.reference.newton_euler import NewtonEuler
 from lamc.symbolic.pattern import PlanStep
 from tests.support.ctools import needs_cc
@@ -132,6 +133,25 @@ def test_miura_sheets_fold_as_their_closed_form(count: int) -> None:
         residual, jacobian = sim.closure(q)
         assert np.abs(residual).max() <= 1e-12
         assert np.abs(jacobian @ tangent_of(names, q, zigzag)).max() <= 1e-12
+
+
+@pytest.mark.parametrize("count", [5, pytest.param(8, marks=pytest.mark.slow)])
+def test_three_formulations_agree_on_sheets(count: int) -> None:
+    """The C, by a table of kernels at 8 x 8; the same program read in Python, with M put together from passes; and
+    Newton and Euler's equations with a spanning tree of their own."""
+    mechanism = sheet(count)
+    sim = lamc.compile(mechanism)
+    assert "momenta" in sim.program.functions
+    newton = NewtonEuler(mechanism, sim.effects, sim.joints)
+    interpreter = Interpreter(sim.program)
+    constants = interpreter.constants()
+    result = sim.run(t_end=0.05, rtol=1e-9, atol=1e-11, t_eval=np.array([0.0, 0.02, 0.05]))
+    for t, q, u in zip(result.t.tolist(), result.q, result.u, strict=True):
+        found = sim.acceleration(q, u, t)
+        scale = np.abs(found).max()
+        # Round-off of closed positions, 1e-13, times the condition of the closure, some hundred, squared
+        assert np.abs(found - interpreter.acceleration(t, q, u, constants)).max() <= 1e-9 * scale
+        assert np.abs(found - newton.acceleration(q, u, t)).max() <= 1e-9 * scale
 
 
 def test_one_freedom_by_quadrature() -> None:

@@ -53,7 +53,7 @@ _RESCH = (
 Resch's pattern of triangles, {columns} by {rows} stars of six right triangles between equilateral facets, each star in
 the shape of a triangle of twice a facet's side. Fully folded, facets would tile the plane, with all stars tucked away
 below it. On the way there no sheet of rigid facets folds alike all over, so it bulges, and no spring is at ease where
-it rests. It starts with stars of the first row and column folded; the others follow.""",
+it rests. It starts with one star folded, and the others follow.""",
     """\
 Look at results.csv: long creases of stars, v, are valleys, and not alike.""",
 )
@@ -130,17 +130,11 @@ def waterbomb(columns: int, rows: int) -> str:
 
 
 def resch(columns: int, rows: int) -> str:
-    """The design of columns x rows stars and the facets between them, the first row and column of stars folded."""
+    """The design of columns x rows stars and the facets between them, the first star folded."""
     side, height = BASE, 0.5 * math.sqrt(3.0) * BASE
-    corners = [(0, 0), (2, 0), (4, 0), (3, 1), (2, 2), (1, 1)]  # of a star, in half sides and heights
-    tips = [
-        (1, -1),
-        (3, -1),
-        (4, 0),
-        (3, 1),
-        (0, 0),
-        (1, 1),
-    ]  # of the six facets about it: their lower corners
+    # In half sides and heights: corners of a star, and of the six facets about it their lower ones.
+    corners = [(0, 0), (2, 0), (4, 0), (3, 1), (2, 2), (1, 1)]
+    tips = [(1, -1), (3, -1), (4, 0), (3, 1), (0, 0), (1, 1)]
     stars = [(3 * i, i % 2 + 2 * j) for j in range(rows) for i in range(columns)]
     around = Counter((x + dx, y + dy) for x, y in stars for dx, dy in tips)
     mesh = _Mesh()
@@ -150,28 +144,27 @@ def resch(columns: int, rows: int) -> str:
 
     for k, (x, y) in enumerate(sorted((tip for tip in around if around[tip] > 1), key=lambda tip: tip[::-1])):
         mesh.facet(f"t{k}", (at(x, y), at(x + 1, y + 1), at(x - 1, y + 1)))
-    centres: dict[int, bool] = {}
+    centres: list[int] = []
     for k, (x, y) in enumerate(stars):
         centre = mesh.point(0.5 * side * (x + 2), height * (y + 2.0 / 3.0))
-        centres[centre] = k % columns == 0 or k < columns
+        centres.append(centre)
         ring = [at(x + dx, y + dy) for dx, dy in corners]
         for part, a, b in zip("abcdef", ring, [*ring[1:], ring[0]], strict=True):
             mesh.facet(f"s{k % columns}_{k // columns}{part}", (a, b, centre))
 
+    inner = set(centres)
+
     def kind(a: int, b: int) -> str:
-        if not {a, b} & set(centres):
+        if not {a, b} & inner:
             return "e"
         return "v" if math.dist(mesh.points[a], mesh.points[b]) > side else "m"
 
     def folds(long: float) -> dict[str, float]:
-        return {
-            "v": long,
-            "m": -long / 3.0,
-            "e": -0.5 * long,
-        }  # as when it is folded all the way: 180, 60 and 90
+        # In the ratios of when it is folded all the way: 180, 60 and 90 degrees.
+        return {"v": long, "m": -long / 3.0, "e": -0.5 * long}
 
     def is_given(crease: Crease) -> bool:
-        return crease.name.startswith("v") and (centres.get(crease.start) or centres.get(crease.end, False))
+        return crease.name.startswith("v") and centres[0] in (crease.start, crease.end)
 
     shape = (mesh.points, mesh.facets, mesh.names)
     return _made("resch", _RESCH, (columns, rows), shape, kind, folds, (20.0, 90.0), is_given)

@@ -173,7 +173,7 @@ def check_freedom(count: LoopCount) -> None:
         raise DesignError(
             f"{count.misfit.text}; taken exactly (rank {count.rank}, not {count.misfit.rank}) nothing moves: align "
             "its axes and lengths, or accept the gap with a closure_tolerance of "
-            f"{rounded_up(count.misfit.gap):g} m or more"
+            f"{rounded_up(count.misfit.gap):g} m or more; facets of a drawing may bend (facet_creases)"
         )
     shaky = (
         f"; to first order {count.shakes} rates are free as drawn, and none of them goes on"
@@ -182,5 +182,6 @@ def check_freedom(count: LoopCount) -> None:
     )
     raise DesignError(
         f"the mechanism has no degree of freedom: its loops put {count.rank} independent equations on {count.rank} "
-        f"hinge angles{shaky}; add a hinge, or remove one that closes a loop"
+        f"hinge angles{shaky}; add a hinge, or remove one that closes a loop; facets of a "
+        "drawing may bend (facet_creases)"
     )

@@ -59,6 +59,11 @@ static void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const la
   for (int i = 0; i < p->n; i++) z[i] -= p->f[i];
 }
 
+/* v . z, where z has nothing for hinges that close loops: momenta */
+static lamc_real lamc_loop_paired(const lamc_loop_parts *p, const lamc_real *v, const lamc_real *z) {
+  return lamc_dot(p->cut, v, z) + lamc_dot(p->n - p->beyond, v + p->beyond, z + p->beyond);
+}
+
 /* N and L of N^T M N */
 static void lamc_loop_reduce(const lamc_loop_parts *p, int count) {
   const int free = p->n - count;
@@ -70,7 +75,7 @@ static void lamc_loop_reduce(const lamc_loop_parts *p, int count) {
   }
   for (int a = 0; a < free; a++) {
     lamc_loop_momenta(p, p->free + (ptrdiff_t)a * p->n, p->z);
-    for (int b = 0; b <= a; b++) *entries++ = lamc_dot(p->n, p->free + (ptrdiff_t)b * p->n, p->z);
+    for (int b = 0; b <= a; b++) *entries++ = lamc_loop_paired(p, p->free + (ptrdiff_t)b * p->n, p->z);
   }
   lamc_cholesky(free, p->raw, p->l);
 }

@@ -1,6 +1,7 @@
 """Facets that bend along their diagonals: what is parted, what it weighs, how stiff it is, and that it moves."""
 
 import math
+import random
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from lamc.design.facet_corners import corners_of, shortest_diagonals, triangle_c
 from lamc.design.split import split, split_steps
 from lamc.design.steps import SplitSteps
 from lamc.examples.miura import miura
+from lamc.examples.sheet import Pattern, sheet
 from lamc.readers.load import load_text
 from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
 from tests.support.ctools import needs_cc
 
 SIDE = 40.0  # mm
@@ -184,6 +187,43 @@ def test_a_rigid_vertex_moves_where_facets_bend_and_keeps_its_energy() -> None:
     energy = result.energy
     # Undamped: what is lost is what integration to 1e-9 loses, of the energy that moves.
     assert np.ptp(energy) < 1e-7 * np.ptp(result.energies["kinetic"])
+
+
+def quadrilaterals(extra: str) -> Mechanism:
+    """3 x 3 facets whose corners are anywhere within 2 mm: four vertices that do not fold together."""
+    dice = random.Random(3)
+    points = [
+        (30 * i + 8 * (j % 2) + dice.uniform(-2, 2), 25 * j + dice.uniform(-2, 2))
+        for j in range(4)
+        for i in range(4)
+    ]
+    facets = [(k, k + 1, k + 5, k + 4) for k in (4 * j + i for j in range(3) for i in range(3))]
+
+    def rest(a: int, b: int) -> tuple[str, float]:
+        return ("z", math.radians(60.0)) if abs(a - b) == 4 else ("s", math.radians(30.0))
+
+    names = [f"q{k}" for k in range(9)]
+    return split(
+        design_of(
+            sheet("quads", "made to be rigid", "", Pattern(points, facets, rest, names), {"z1": 20.0}, extra)
+        )
+    )
+
+
+@needs_cc
+def test_quadrilaterals_of_any_shape_move_where_facets_bend() -> None:
+    rigid = quadrilaterals("")
+    with pytest.raises(DesignError, match=r"closes only within .* nothing moves: .*facet_creases"):
+        lamc.compile(rigid, rigid.scene)
+    mechanism = quadrilaterals("facet_creases: {stiffness: from-material}")
+    sim = lamc.compile(mechanism, mechanism.scene)
+    assert sim.loops.freedoms == 12 + 8 - 3 * 4  # creases and diagonals, less three for each vertex
+    result = sim.run(t_end=0.3, rtol=1e-7, atol=1e-9)
+    assert result.success
+    assert np.ptp(result.angle("z1")) > 0.3
+    bent = np.abs([result.angle(name) for name in mechanism.facet_creases])
+    assert 1e-4 < bent.max() < 0.2  # some 600 times as stiff as creases
+    assert result.constraint_error.max() <= 1e-9 * mechanism.size  # what lamc promises for any run
 
 
 @needs_cc

@@ -20,7 +20,7 @@ from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
 from lamc.design.split import split
 from lamc.effects.registry import choose
-from lamc.loops.at_start import loops_of, on_branch
+from lamc.loops.at_start import loops_of
 from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
@@ -201,16 +201,10 @@ def _on_branch(
     """The simulator with the rank of the branch that its start takes, where branches of other ranks part. Loads choose
     the branch, and they are known only now."""
     loops = simulator.loops if simulator.cut_joints else None
-    if loops is None or len(loops.branch_ranks) < 2:
+    if loops is None or len(set(loops.branch_ranks)) < 2:
         return simulator
-    try:
-        number = simulator.pushed_branch or 0
-    except DesignError:  # no position has the scene's angles: told where the start is asked for
-        return simulator
-    full = plan(mechanism)
-    tree = arrange(full, simulator.effects).tree
-    taken = on_branch(tree, rigid_scene(full, tree, simulator.scene), loops, number)
-    if (taken.rank, taken.position) == (loops.rank, loops.position):
+    taken = loops.on_branch(simulator.pushed_branch or 0)
+    if taken.rank == loops.rank:
         return simulator
     return _compiled(
         mechanism, simulator.scene, options, times, cache, replace(taken, branch_ranks=(taken.rank,))

@@ -43,7 +43,7 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
             count = count_at(geometry, angles, scene.closure_tolerance)
     check_freedom(count)
     if scene.branch is not None:
-        return on_branch(tree, scene, count, scene.branch)
+        return count.on_branch(scene.branch)
     if len(set(count.branch_ranks)) > 1 and angles is not None and any(scene.rates.values()):
         return _along(geometry, angles, scene, count)
     return count
@@ -57,24 +57,6 @@ def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, 
     drawn = np.zeros(len(geometry.names))
     count = count_at(geometry, drawn, tolerance)
     return count, find_branches(geometry, drawn, count.fit) if count.branch_ranks else ()
-
-
-def on_branch(tree: Tree, scene: Scene, count: LoopCount, number: int) -> LoopCount:
-    """The count of a run that takes a branch, by its number; negative for the opposite way.
-
-    Exact loops of one rank are alike on all branches; what a misfit leaves open follows from where equations are
-    chosen."""
-    if not 0 < abs(number) <= len(count.branch_ranks):
-        return count
-    if count.branch_ranks[abs(number) - 1] == count.rank and not count.accepted_gap:
-        return count
-    starter = Starter(LoopGeometry(tree), count)
-    branches = starter.branches(scene)
-    if abs(number) > len(branches):
-        return count
-    way = float(np.sign(number)) * branches[abs(number) - 1].row(starter.geometry.names)
-    found = count_at(starter.geometry, starter.position(scene.angles), scene.closure_tolerance, way)
-    return found if found.freedoms else count
 
 
 def _position(geometry: LoopGeometry, scene: Scene, count: LoopCount) -> Array | None:

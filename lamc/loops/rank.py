@@ -74,6 +74,15 @@ class LoopCount:
         """How exactly branches are to be looked for."""
         return EXACTLY if self.accepted_gap == 0.0 else replace(NEARLY, weak=self.cutoff)
 
+    def on_branch(self, number: int) -> "LoopCount":
+        """The count of a run that takes a branch, by its number; negative for the opposite way."""
+        if not 0 < abs(number) <= len(self.branch_ranks):
+            return self
+        rank = self.branch_ranks[abs(number) - 1]
+        if rank == self.rank:
+            return self
+        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)
 

@@ -129,10 +129,11 @@ class Cloud:
         p = {f: q[self.index[f"{joint.name}.{f}"]] if f in hinge.freedoms else 0.0 for f in CROSS_FREEDOMS}
         x, y, _ = hinge.axes.T
         slide = hinge.axes @ np.array([p["slide_x"], p["slide_y"], p["slide_z"]])
-        crossed = after(
-            about(x, hinge.point, sense * p["twist_x"]), about(y, hinge.point, sense * p["twist_y"])
-        )
-        return after((crossed[0], crossed[1] + sense * slide), place)
+        twists = about(x, hinge.point, sense * p["twist_x"]), about(y, hinge.point, sense * p["twist_y"])
+        moved: Place = (np.eye(3), sense * slide)
+        if sense > 0:  # what yields rides on the parent: the turn of the child comes first
+            return after(moved, after(after(*twists), place))
+        return after(place, after(after(twists[1], twists[0]), moved))
 
     def path(
         self, q: Array, u: Array, reported: Callable[[complex], Place] | None = None

@@ -39,8 +39,8 @@ static int prepare(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, c
     motion->model->dynamics(motion->constants, t, q, u, p->mass); /* and f, J, gamma behind it */
   } else {
     motion->model->constraints(motion->constants, q, u, p->j); /* and gamma behind it */
+    memcpy(p->place, q, (size_t)p->nq * sizeof *q);
   }
-  memcpy(p->place, q, (size_t)p->nq * sizeof *q);
   lamc_loop_normalise(p, q);
   return lamc_loop_take(p);
 }

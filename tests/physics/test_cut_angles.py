@@ -1,6 +1,5 @@
 """Angles of joints that close loops count turns, and springs, stops and checks take them as those of any other."""
 
-import dataclasses
 from dataclasses import replace
 from typing import Any
 
@@ -63,9 +62,9 @@ def spun(mirror: int, springs: str) -> lamc.Simulator:
 def test_a_crank_turns_a_thousand_times_against_springs_on_all_hinges(mirror: int) -> None:
     """Springs so soft that a thousand turns store a tenth of the energy; each step may lose rtol of it."""
     mechanism = crank_rocker(mirror, "")
-    joints = tuple(dataclasses.replace(j, stiffness=1e-10, rest_angle=0.2) for j in mechanism.joints)
+    joints = tuple(replace(j, stiffness=1e-10, rest_angle=0.2) for j in mechanism.joints)
     scene = Scene(effects=SPRINGS, rates={"A": 120.0})
-    sim = lamc.compile(dataclasses.replace(mechanism, joints=joints), scene)
+    sim = lamc.compile(replace(mechanism, joints=joints), scene)
     result = sim.run(t_end=90.0, rtol=1e-9, atol=1e-11, t_eval=np.linspace(0.0, 90.0, 91))
     assert result.success
     for joint in "AB":

@@ -177,7 +177,7 @@ def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs:
     generator = np.random.default_rng(20)
     reasons = {pair.single.status(reason) for reason in ("CLOSURE_LOST", "STEP_TOO_LONG")}
     compared = 0
-    for _ in range(150):
+    for _ in range(250):
         state = random_state(pair, generator)
         if state is None:
             continue

@@ -85,7 +85,7 @@ def without_plans(texts: Mapping[str, str]) -> dict[str, str]:
     return {**texts, "loop_sparse.h": texts["loop_sparse.h"].replace(kept, "LAMC_R(2.0)")}
 
 
-@pytest.mark.parametrize("name", ["miura", "folding_box", "six_bar"])
+@pytest.mark.parametrize("name", ["miura", "folding_box"])
 def test_all_ways_to_eliminate_give_one_motion(
     name: str, ways: Callable[[Mechanism, str], lamc.Simulator]
 ) -> None:

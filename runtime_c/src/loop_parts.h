@@ -63,10 +63,9 @@ typedef struct lamc_loop_parts {
   lamc_real *goal;         /* (m,) */
   lamc_real *qdot;         /* (nq,) */
   lamc_real *y;            /* (nq + n,): a settled copy of a state */
-  lamc_real *
-      state; /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few,
-                          accelerations with too few, steps with too few, 1 where a row of J fades, 1 where the
-                          elimination was planned */
+  /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations with
+   * too few, steps with too few, 1 where a row of J fades, 1 where the elimination was planned */
+  lamc_real *state;
   lamc_real *norms; /* (m,): what rows of J were divided by; 0: a row of none */
   lamc_real *reach; /* (m,): the largest angle that the row knows, rad */
   lamc_real *mean;  /* (n + m,): accelerations and multipliers from places around */

@@ -8,13 +8,16 @@
 #include "loop_parts.h"
 #include "loop_sparse.h"
 
-/* What a model writes at once: M and f, unless loops are large, then J and a vector beside it */
+/* J and a vector beside it */
+static long long lamc_loop_closure_size(const lamc_model *model) {
+  return model->closure_count + model->pattern->row_start[model->closure_count];
+}
+
+/* What is written before it is read elsewhere: the closure, or the lower triangle of N^T M N */
 static long long lamc_loop_raw_size(const lamc_model *model) {
-  const long long n = model->rate_count, m = model->closure_count;
-  const long long system = model->residual == NULL ? n * (n + 1) / 2 + n : 0;
-  const long long closure = m + model->pattern->row_start[m];
-  const long long reduced = n * (n + 1) / 2;
-  return system + (closure > reduced ? closure : reduced);
+  const long long reduced = (long long)model->rate_count * (model->rate_count + 1) / 2;
+  const long long closure = lamc_loop_closure_size(model);
+  return closure > reduced ? closure : reduced;
 }
 
 /* Numbers of the elimination */
@@ -28,12 +31,14 @@ static long long lamc_loop_elimination_size(const lamc_model *model) {
 static long long lamc_loop_work_size(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
+  const long long system = model->residual == NULL ? n * (n + 1) / 2 + n : 0;
   const long long state = nq + n, around = n + m;
-  return 2 * lamc_loop_raw_size(model) + lamc_loop_elimination_size(model) + 2 * n * n + 3 * n + 3 * m +
-         2 * nq + state + LAMC_LOOPS_KEPT + around;
+  return system + lamc_loop_closure_size(model) + lamc_loop_raw_size(model) +
+         lamc_loop_elimination_size(model) + 2 * n * n + 3 * n + 3 * m + 2 * nq + state + LAMC_LOOPS_KEPT +
+         around;
 }
 
-/* Where each part begins; what is behind the last */
+/* The next `count` numbers */
 static lamc_real *lamc_loop_part(lamc_real **next, size_t count) {
   lamc_real *here = *next;
   *next += count;

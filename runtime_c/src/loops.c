@@ -4,7 +4,6 @@
  * Never: assumes that the equations are independent; allocates. */
 #include "loops.h"
 
-#include "cholesky.h"
 #include "loop_equations.h"
 #include "loop_work.h"
 #include "motion.h"

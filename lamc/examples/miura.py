@@ -11,6 +11,8 @@ rigid-foldable quadrilateral-mesh origami, J. IASS 50, 2009, 173, in other lette
 import math
 import textwrap
 
+from lamc.examples.sheet import LAMINATE
+
 ALONG, ACROSS = 30.0, 25.0  # mm, sides of a facet along the straight creases and along the zigzag ones
 ACUTE = math.radians(65.0)  # acute angle of a facet
 GAP = 1.0  # mm, left open in the card along a crease
@@ -36,14 +38,6 @@ story: >
 {story}
 units: mm
 
-materials:
-  card: {{density: 700 kg/m^3, E1: 3 GPa, E2: 3 GPa, poisson: 0.3, rigid: true}}
-  film: {{density: 1.42 g/cm^3, E1: 2.5 GPa, E2: 2.5 GPa, poisson: 0.34, flexible: true}}
-
-layers: # from the bottom up
-  - {{name: lower, material: card, thickness: 0.3}}
-  - {{name: film, material: film, thickness: 25 um}}
-  - {{name: upper, material: card, thickness: 0.3}}
 """
 
 
@@ -57,7 +51,8 @@ def miura(columns: int, rows: int) -> str:
     freedoms = "one freedom" if loops else f"{joints} freedoms"
     story = (_STORY if loops else _STRIP).format(rank=joints - 1, **facts)
     story = textwrap.fill(story, 118, initial_indent="  ", subsequent_indent="  ")
-    parts = [_HEAD.format(story=story, freedoms=freedoms, **facts), _shapes(columns, rows)]
+    head = _HEAD.format(story=story, freedoms=freedoms, **facts) + LAMINATE
+    parts = [head, _shapes(columns, rows)]
     parts.append(_hinges(columns, rows))
     parts.append(f"fixed:\n  - {{rect: {_flow(*_box(0, 0))}}}\n")
     parts.append(_bodies(columns, rows))

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
 from lamc.examples.folded import mirrored, third_of_opposites
-from lamc.examples.sheet import Crease, Pattern, Point, creases_of, rim, sheet
+from lamc.examples.sheet import Crease, CreasePattern, Point, creases_of, rim, sheet
 
 BASE = 30.0  # mm, of triangles
 _DIGITS = 1e-9  # mm, to tell points apart
@@ -224,7 +224,7 @@ def _made(
     """The text: it starts and rests at what `folds` gives for the leading folds, degrees; creases that are not given at
     the start follow the others."""
     start, rest = (folds(math.radians(each)) for each in leading)
-    pattern = Pattern(shape[0], shape[1], lambda a, b: (kind(a, b), rest[kind(a, b)]), shape[2])
+    pattern = CreasePattern(shape[0], shape[1], lambda a, b: (kind(a, b), rest[kind(a, b)]), shape[2])
     creases = creases_of(pattern)
     vertices = len(pattern.points) - len(rim(pattern))
     facts = {"columns": size[0], "rows": size[1], "count": len(creases), "vertices": vertices}

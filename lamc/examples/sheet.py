@@ -1,6 +1,6 @@
 """A creased sheet, drawn: text of a native design from points, facets and what each crease rests at.
 
-In: a `Pattern`. Out: YAML, the same to the byte for the same numbers. Never: reads or writes files, simulates.
+In: a `CreasePattern`. Out: YAML, the same to the byte for the same numbers. Never: reads or writes files, simulates.
 
 Facets are of card on both sides of a film, which bends where the card leaves a gap. Creases are where two facets have a
 side in common, and the rim is what is left. A line is drawn so that the facet farther from the fixed one, the joint's
@@ -19,6 +19,18 @@ Side = tuple[int, int]
 GAP = 1.0  # mm, left open in the card along a crease
 FILM = 0.00324  # N*mm/rad for each mm of crease: E t^3 / (12 L), 25 um of film over the gap
 
+# Card, film and card: what all sheets of the gallery are made of
+LAMINATE = """\
+materials:
+  card: {density: 700 kg/m^3, E1: 3 GPa, E2: 3 GPa, poisson: 0.3, rigid: true}
+  film: {density: 1.42 g/cm^3, E1: 2.5 GPa, E2: 2.5 GPa, poisson: 0.34, flexible: true}
+
+layers: # from the bottom up
+  - {name: lower, material: card, thickness: 0.3}
+  - {name: film, material: film, thickness: 25 um}
+  - {name: upper, material: card, thickness: 0.3}
+"""
+
 _HEAD = """\
 # {summary}
 kind: design
@@ -27,19 +39,11 @@ story: >
 {story}
 units: mm
 
-materials:
-  card: {{density: 700 kg/m^3, E1: 3 GPa, E2: 3 GPa, poisson: 0.3, rigid: true}}
-  film: {{density: 1.42 g/cm^3, E1: 2.5 GPa, E2: 2.5 GPa, poisson: 0.34, flexible: true}}
-
-layers: # from the bottom up
-  - {{name: lower, material: card, thickness: 0.3}}
-  - {{name: film, material: film, thickness: 25 um}}
-  - {{name: upper, material: card, thickness: 0.3}}
 """
 
 
 @dataclass(frozen=True)
-class Pattern:
+class CreasePattern:
     """points: mm; facets: corners of each by index, counterclockwise, the first one fixed; rest: the kind of the crease
     along a side, the first letter of its name, and its rest angle, rad, positive for a valley; names: of facets."""
 
@@ -60,7 +64,7 @@ class Crease:
 
 
 def sheet(
-    name: str, summary: str, story: str, pattern: Pattern, angles: Mapping[str, float], extra: str = ""
+    name: str, summary: str, story: str, pattern: CreasePattern, angles: Mapping[str, float], extra: str = ""
 ) -> str:
     """The design of a pattern that starts with `angles`, degrees; `extra` is text of its own."""
     creases = creases_of(pattern)
@@ -68,7 +72,7 @@ def sheet(
     start = ", ".join(f"{crease}: {angle:.15g} deg" for crease, angle in angles.items())
     return "\n".join(
         [
-            _HEAD.format(name=name, summary=summary, story=told),
+            _HEAD.format(name=name, summary=summary, story=told) + LAMINATE,
             _shapes(pattern),
             _hinges(pattern, creases),
             f"fixed:\n  - {{circle: {{center: {_flow(_middle(pattern, 0))}, radius: 2}}}}\n",
@@ -80,7 +84,7 @@ def sheet(
     )
 
 
-def creases_of(pattern: Pattern) -> list[Crease]:
+def creases_of(pattern: CreasePattern) -> list[Crease]:
     """Creases in the order of facets and their sides, numbered by kind."""
     beside: dict[Side, int] = {side: k for k, facet in enumerate(pattern.facets) for side in _sides(facet)}
     depth = _depths(pattern, beside)
@@ -100,7 +104,7 @@ def creases_of(pattern: Pattern) -> list[Crease]:
     return creases
 
 
-def rim(pattern: Pattern) -> list[int]:
+def rim(pattern: CreasePattern) -> list[int]:
     """Points along the outer edge, counterclockwise."""
     taken = {side for facet in pattern.facets for side in _sides(facet)}
     following = {a: b for a, b in sorted(taken) if (b, a) not in taken}
@@ -116,7 +120,7 @@ def _sides(facet: Sequence[int]) -> list[Side]:
     return list(zip(facet, [*facet[1:], facet[0]], strict=True))
 
 
-def _depths(pattern: Pattern, beside: Mapping[Side, int]) -> list[int]:
+def _depths(pattern: CreasePattern, beside: Mapping[Side, int]) -> list[int]:
     """Creases between each facet and the first one."""
     depth = {0: 0}
     queue = deque([0])
@@ -130,7 +134,7 @@ def _depths(pattern: Pattern, beside: Mapping[Side, int]) -> list[int]:
     return [depth[k] for k in range(len(pattern.facets))]
 
 
-def _shapes(pattern: Pattern) -> str:
+def _shapes(pattern: CreasePattern) -> str:
     lines = [
         "shapes:",
         f"  - {{polygon: {_listed(pattern.points[k] for k in rim(pattern))}, layers: film}}",
@@ -142,7 +146,7 @@ def _shapes(pattern: Pattern) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _hinges(pattern: Pattern, creases: Sequence[Crease]) -> str:
+def _hinges(pattern: CreasePattern, creases: Sequence[Crease]) -> str:
     lines = [
         f"# Film of 25 um bends over the gap of 1 mm: E t^3 / (12 L) is {FILM:g} N*mm/rad for each mm of crease.",
         "hinges:",
@@ -157,7 +161,7 @@ def _hinges(pattern: Pattern, creases: Sequence[Crease]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _middle(pattern: Pattern, index: int) -> Point:
+def _middle(pattern: CreasePattern, index: int) -> Point:
     corners = [pattern.points[k] for k in pattern.facets[index]]
     return sum(x for x, _ in corners) / len(corners), sum(y for _, y in corners) / len(corners)
 

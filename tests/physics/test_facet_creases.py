@@ -13,7 +13,7 @@ from lamc.design.facet_corners import corners_of, shortest_diagonals, triangle_c
 from lamc.design.split import split, split_steps
 from lamc.design.steps import SplitSteps
 from lamc.examples.miura import miura
-from lamc.examples.sheet import Pattern, sheet
+from lamc.examples.sheet import CreasePattern, sheet
 from lamc.readers.load import load_text
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
@@ -205,7 +205,14 @@ def quadrilaterals(extra: str) -> Mechanism:
     names = [f"q{k}" for k in range(9)]
     return split(
         design_of(
-            sheet("quads", "made to be rigid", "", Pattern(points, facets, rest, names), {"z1": 20.0}, extra)
+            sheet(
+                "quads",
+                "made to be rigid",
+                "",
+                CreasePattern(points, facets, rest, names),
+                {"z1": 20.0},
+                extra,
+            )
         )
     )
 

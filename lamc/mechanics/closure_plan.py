@@ -19,11 +19,10 @@ from lamc.symbolic.scalars import Value
 OF_LARGEST = 0.1  # of the largest of a row, that is left or was there: what a pivot has at least
 NOTHING = 1e-9  # of the largest of a row: less is round-off of a position that closes to 1e-12
 # Rates up to which J stays one array: complete pivoting passes singular positions in single precision too, where rows
-# taken one after the other come apart (a Bricard linkage, an N-four-bar of three loops); it costs some 0.3 µs there
+# taken one after the other come apart: a Bricard linkage, an N-four-bar of three loops (`test_export_float_loops.py`)
 FEW = 10
-LOOKED_FOR = (
-    3.0  # times what a plan takes: an order that is looked for, where no position of full rank is known
-)
+# An order that is looked for takes so many times what a plan takes; so it does where no position of full rank is known
+LOOKED_FOR = 3.0
 
 
 def pattern_of(closure: Closure, q: Sequence[Value], rank: int, position: Sequence[float]) -> Pattern:
@@ -47,11 +46,9 @@ def _values(closure: Closure, q: Sequence[Value], position: Sequence[float]) -> 
 
 
 def _is_cheaper(plan: Sequence[PlanStep], m: int, n: int, rank: int) -> bool:
-    """Whether the plan takes less time than elimination of an array, of which half is nought (measured: it does from
-    seven hinges on), and there are so many rates that the time matters."""
-    if n <= FEW:
-        return False
-    if not plan:
+    """Whether there are many rates, and the plan has fewer products than elimination of an array, of which half is
+    nought."""
+    if n <= FEW or not plan:
         return False
     left = [len(step.left) for step in plan]
     planned = sum(left[k] for step in plan for k in step.updates) + 2 * sum(left)

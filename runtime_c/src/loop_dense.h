@@ -12,7 +12,7 @@
 #include "cholesky.h"
 #include "loop_parts.h"
 
-static void lamc_dense_swap(lamc_real *a, lamc_real *b, int count, int stride) {
+static inline void lamc_dense_swap(lamc_real *a, lamc_real *b, int count, int stride) {
   for (int i = 0; i < count; i++) {
     const lamc_real keep = a[(ptrdiff_t)i * stride];
     a[(ptrdiff_t)i * stride] = b[(ptrdiff_t)i * stride];
@@ -92,7 +92,8 @@ static int lamc_dense_eliminate_sparse(const lamc_loop_parts *p, int k) {
 static int lamc_dense_copy(const lamc_loop_parts *p) {
   lamc_real most = -1;
   int best = 0;
-  memset(p->a, 0, (size_t)p->m * (size_t)p->n * sizeof *p->a);
+  const int size = p->m * p->n;
+  if (p->pattern->row_start[p->m] < size) memset(p->a, 0, (size_t)size * sizeof *p->a);
   for (int i = 0; i < p->m; i++) {
     for (int e = p->pattern->row_start[i]; e < p->pattern->row_start[i + 1]; e++) {
       const int at = i * p->n + p->pattern->column[e];
@@ -124,8 +125,8 @@ static int lamc_dense_order(const lamc_loop_parts *p, int rank) {
     if (row != count) {
       lamc_dense_swap(p->a + (ptrdiff_t)count * n, p->a + (ptrdiff_t)row * n, n, 1);
       lamc_dense_swap(p->rows + count, p->rows + row, 1, 1);
-      lamc_dense_swap(p->peak + count, p->peak + row, 1, 1);
-      lamc_dense_swap(p->filled + count, p->filled + row, 1, 1);
+      if (n > LARGE) lamc_dense_swap(p->peak + count, p->peak + row, 1, 1);
+      if (n > LARGE) lamc_dense_swap(p->filled + count, p->filled + row, 1, 1);
     }
     if (column != count) {
       lamc_dense_swap(p->a + count, p->a + column, p->m, n);

@@ -136,7 +136,8 @@ static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real
 
 int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
                             lamc_real *udot, lamc_real *lambda) {
-  lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   const lamc_real *rates = u;
   int count = prepare(motion, &p, t, q, u);
   if (motion->baumgarte != 0) {
@@ -165,26 +166,30 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 }
 
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   for (int i = 0; i < p.m; i++) p.goal[i] = p.norms[i] > 0 ? goal[i] / p.norms[i] : 0;
   memcpy(p.step, x, (size_t)p.n * sizeof *x);
   lamc_loop_solve(&p, count, p.goal, p.step, x);
 }
 
 int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u) {
-  lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   return prepare(motion, &p, t, q, u);
 }
 
 void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memset(p.x, 0, (size_t)p.n * sizeof *p.x);
   lamc_loop_along(&p, count, x, p.x);
   memcpy(x, p.x, (size_t)p.n * sizeof *x);
 }
 
 void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memcpy(p.x, x, (size_t)p.n * sizeof *x);
   memset(x, 0, (size_t)p.n * sizeof *x);
   lamc_loop_add(&p, count, p.x, x);
@@ -205,7 +210,8 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   const lamc_model *model = motion->model;
   *moved = 0;
   if (model->cut_count == 0) return LAMC_OK;
-  lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   lamc_real *q = y;
   lamc_real *u = y + p.nq;
   lamc_real open = evaluate_closure(motion, &p, q);
@@ -237,32 +243,40 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
 }
 
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memcpy(kept, p.state, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memcpy(p.state, kept, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_begin(const lamc_motion *motion) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   p.state[1] = p.state[2] = p.state[3] = 0;
 }
 
 long long lamc_loops_doubts(const void *context) {
-  const lamc_loop_parts p = lamc_loop_parts_of((const lamc_motion *)context);
+  lamc_loop_parts p;
+  lamc_loop_parts_of((const lamc_motion *)context, &p);
   return (long long)p.state[2];
 }
 
 long long lamc_motion_singular_steps(const lamc_motion *motion) {
-  return motion->model->cut_count > 0 ? (long long)lamc_loop_parts_of(motion).state[3] : 0;
+  if (motion->model->cut_count == 0) return 0;
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
+  return (long long)p.state[3];
 }
 
 lamc_status lamc_loops_judge(const void *context) {
   const lamc_motion *motion = (const lamc_motion *)context;
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   const int is_singular = p.state[0] < (lamc_real)motion->model->rank;
   p.state[1] = is_singular ? p.state[1] + 1 : 0;
   if (is_singular) p.state[3] += 1;
@@ -270,7 +284,8 @@ lamc_status lamc_loops_judge(const void *context) {
 }
 
 void lamc_loops_closure(const lamc_motion *motion, const lamc_real *q, lamc_real *closure) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   lamc_real *dense = closure + p.m;
   motion->model->closure(motion->constants, q, p.raw);
   memcpy(closure, p.raw, (size_t)p.m * sizeof *closure);

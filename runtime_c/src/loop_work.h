@@ -23,7 +23,7 @@ static long long lamc_loop_raw_size(const lamc_model *model) {
 /* Numbers of the elimination */
 static long long lamc_loop_elimination_size(const lamc_model *model) {
   const long long n = model->rate_count, m = model->closure_count;
-  if (model->pattern->step_count == 0) return 3 * m + n + m * n;
+  if (model->pattern->step_count == 0) return 3 * m + 2 * n + m * n;
   const long long triangle = n * (n + 1) / 2;
   return n + 2 * (n + 1) + 2 * (triangle + n) + 2 * triangle + 2 * n + 3 * n + m;
 }
@@ -53,6 +53,7 @@ static void lamc_loop_place_elimination(lamc_loop_parts *p, lamc_real **next) {
     p->columns = lamc_loop_part(next, n);
     p->peak = lamc_loop_part(next, m);
     p->filled = lamc_loop_part(next, m);
+    p->inverse = lamc_loop_part(next, n);
     return;
   }
   memset(&p->found, 0, sizeof p->found); /* nothing of it is given */

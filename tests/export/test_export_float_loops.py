@@ -130,30 +130,34 @@ def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) 
     assert it.t == np.float32(100_000 * H)
 
 
-@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("count", [2, 5])
 @pytest.mark.slow
 def test_passages_through_a_singular_position_keep_branch_and_energy(count: int, pairs: Any) -> None:
-    """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip. Twenty seconds have
-    twenty passages. In each, without the fading equations, the branch is left to forces for as long as these are below
-    2e-3 of the first, so that rates turn by 2e-3 or so, this way or that: by 0.01 in all, and energies by twice it."""
+    """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip; with five of them J is
+    no array any more. Ten seconds have ten passages, met by each length of step at other distances: right on one, or$
+    with a place around on it, one in some thousand steps made energy out of nothing.
+
+    Places around have pivots of 0.025 at least (half of FADING), and closure is kept to 2e-6: an acceleration is off by
+    3e-3 of itself at most, at random, for a tenth of a turn."""
     pair = pairs(f"n_four_bar:{count}")
     model = pair.single
-    it = model.instance()
-    start = outputs(model, it).total_energy
     names = [model.ffi.string(model.call("joint_name", k)).decode() for k in range(pair.count)]
     upright = [names.index(f"g{k}") for k in range(count + 1)]
-    passages, above = 0, True
-    for _ in range(20_000):
-        assert model.call("step_fixed", it, H) == 0
-        found = outputs(model, it)
-        angles = np.array([found.angle[k] for k in upright], dtype=float)
-        spread = np.angle(np.exp(1j * (angles - angles[0])))
-        assert np.abs(spread).max() < 0.02  # rad; in line, tops that are off by LOST leave angles its root
-        passages += above != (math.cos(angles[0]) > 0.0)
-        above = math.cos(angles[0]) > 0.0
-        assert found.closure <= LOST * pair.size
-        assert abs(found.total_energy - start) < 0.02 * start
-    assert passages >= 20
+    for share in np.linspace(0.8, 1.2, 7):
+        it = model.instance()
+        start = outputs(model, it).total_energy
+        passages, above = 0, True
+        for _ in range(round(10.0 / (share * H))):
+            assert model.call("step_fixed", it, share * H) == 0
+            found = outputs(model, it)
+            angles = np.array([found.angle[k] for k in upright], dtype=float)
+            spread = np.angle(np.exp(1j * (angles - angles[0])))
+            assert np.abs(spread).max() < 2e-3  # rad; in line, tops are off by the root of what closure is
+            passages += above != (math.cos(angles[0]) > 0.0)
+            above = math.cos(angles[0]) > 0.0
+            assert found.closure <= LOST * pair.size
+            assert abs(found.total_energy - start) < 1e-3 * start
+        assert passages >= 10
 
 
 def random_state(pair: Pair, generator: np.random.Generator) -> Array | None:

@@ -203,12 +203,12 @@ def _on_branch(
     loops = simulator.loops if simulator.cut_joints else None
     if loops is None or len(set(loops.branch_ranks)) < 2:
         return simulator
-    taken = loops.on_branch(simulator.pushed_branch or 0)
+    pushed = simulator.pushed_branch
+    taken = loops.on_branch(pushed or 0)
     if taken.rank == loops.rank:
         return simulator
-    return _compiled(
-        mechanism, simulator.scene, options, times, cache, replace(taken, branch_ranks=(taken.rank,))
-    )
+    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=pushed)
+    return _compiled(mechanism, simulator.scene, options, times, cache, chosen)
 
 
 def _loops_of(

@@ -30,7 +30,7 @@ ROUNDS = 40
 FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
-MOST_FREE = 40  # rates: of more, the second order takes minutes, and no branches are looked for
+MOST_FREE = 80  # rates: of more, the second order takes minutes, and no branches are looked for
 FEW_FREE, FEW_STARTS, FEW_BRANCHES = 16, 32, 8  # rates: of more, so many starts in all, and so many branches
 
 
@@ -113,12 +113,24 @@ def tangents(geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY) -> Tange
     bias = geometry.rings.bias(angles, basis)
     upper = np.triu_indices(size)
     obstacles = linear.outside(bias[:, upper[0], upper[1]], fit.weak)
-    forms = np.zeros((len(obstacles), size, size))
-    forms[:, upper[0], upper[1]] = forms[:, upper[1], upper[0]] = obstacles
-    rows = forms.reshape(len(forms), size * size)
-    _, strengths, independent = np.linalg.svd(rows, full_matrices=False)
-    kept = strengths > fit.forms * max(1.0, float(strengths.max(initial=0.0)))
-    return Tangents(basis, independent[kept].reshape(-1, size, size))
+    weights = np.where(upper[0] == upper[1], 1.0, np.sqrt(2.0))  # entries off the diagonal count twice
+    rows = _independent(obstacles * weights, fit.forms, exactly=size <= FEW_FREE) / weights
+    forms = np.zeros((len(rows), size, size))
+    forms[:, upper[0], upper[1]] = forms[:, upper[1], upper[0]] = rows
+    return Tangents(basis, forms)
+
+
+def _independent(rows: Array, least: float, *, exactly: bool) -> Array:
+    """Orthonormal rows that span `rows` but for what is weaker than `least`, of one or of the largest. exactly: by
+    singular values; else by pivots, which takes a thousand rows of 2000 in a second instead of minutes."""
+    if exactly:
+        _, strengths, found = np.linalg.svd(rows, full_matrices=False)
+    else:
+        from scipy.linalg import qr  # a quarter of a second, which reading a design does not need
+
+        columns, triangle, _ = qr(rows.T, mode="economic", pivoting=True)
+        strengths, found = np.abs(np.diag(triangle)), columns.T
+    return np.asarray(found[strengths > least * max(1.0, float(strengths.max(initial=0.0)))])
 
 
 def find_branches(
@@ -211,14 +223,23 @@ def _newton(forms: Array, points: Array, fit: Fit, rounds: int = ROUNDS) -> Arra
     """The points (s, d) on the sphere that the starts lead to by Gauss-Newton, those that arrive."""
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
     for _ in range(rounds):
-        products = np.einsum("kab,sb->ska", forms, points)
+        products = np.moveaxis(forms @ points.T, 2, 0)
         values = np.einsum("ska,sa->sk", products, points)
         slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
-        steps = np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=fit.same), values)
-        points = points - steps
+        points = points - _least_squares(slopes, values, fit.same)
         points = points / np.linalg.norm(points, axis=1, keepdims=True)
     values = np.einsum("kab,sa,sb->sk", forms, points, points)
     return np.asarray(points[np.abs(values).max(axis=1, initial=0.0) < fit.zero])
+
+
+def _least_squares(slopes: Array, values: Array, cutoff: float) -> Array:
+    """The shortest steps x (s, d) with the least |slopes x - values|, (s, k, d) and (s, k); singular values below the
+    cutoff, of the largest, are none. Where there are many rows, by their products: the next round mends the digits."""
+    if slopes.shape[2] <= FEW_FREE:
+        return np.asarray(np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=cutoff), values))
+    across = np.swapaxes(slopes, 1, 2)
+    squares = np.linalg.pinv(across @ slopes, rcond=cutoff**2, hermitian=True)
+    return np.asarray((squares @ (across @ values[:, :, None]))[:, :, 0])
 
 
 def _joined(forms: Array, start: Array, end: Array, fit: Fit) -> bool:

@@ -46,6 +46,7 @@ class LoopCount:
     branch_ranks     of each branch, where the start is singular; `rank` is the largest, or that of the branch taken
     shakes           rates that hold the loops closed to first order where nothing moves
     position         closed angles, rad, of all joints, at which the rank shows most clearly; empty: none is known
+    pushed           the branch that loads chose, whose rank this is; None: not chosen here
     """
 
     loops: int
@@ -59,6 +60,7 @@ class LoopCount:
     branch_ranks: tuple[int, ...] = ()
     shakes: int = 0
     position: tuple[float, ...] = ()
+    pushed: int | None = None
 
     @property
     def redundant(self) -> int:

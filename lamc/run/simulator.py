@@ -120,6 +120,8 @@ class Simulator(Evaluations):
         start is regular, or the scene says its way."""
         if not self._model.cuts:
             return None
+        if self._loops is not None and self._loops.pushed is not None:
+            return self._loops.pushed  # equations of this branch's rank say nothing of the others
         return self._starter.pushed_branch(
             self._rigid_scene, push_of(self._default_motion, self._arrangement)
         )

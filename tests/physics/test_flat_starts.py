@@ -11,6 +11,7 @@ from lamc.effects import Gravity, HingeStiffness, RestAngle, Torque
 from lamc.records.mechanism import Body, Joint, Mechanism
 from tests.physics.test_loop_analysis import compiled, vertex
 from tests.support.ctools import needs_cc
+from tests.support.sheets import flat_miura, sheet
 
 pytestmark = needs_cc
 
@@ -137,3 +138,19 @@ def test_a_net_with_many_motions_keeps_them_next_to_flat(angle: float) -> None:
     sim = lamc.compile(box, lamc.Scene(angles={"diagonal_3": angle}))
     assert sim.loops.freedoms == 4
     assert sim.run(t_end=0.01).success
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(32, marks=pytest.mark.campaign)])
+@pytest.mark.slow
+def test_a_large_sheet_that_lies_flat_finds_its_branch_by_itself(count: int) -> None:
+    """A Miura fold of n x n facets has 2 (n - 1) free rates where it is flat. On the branch that a weight takes, its
+    n - 1 straight lines fold, each by itself."""
+    mechanism = sheet(flat_miura(count, count))
+    sim = compiled(mechanism, effects=(Gravity((0.3, 0.2, -9.81)),))
+    assert sim.loops.freedoms == count - 1
+    assert sim.pushed_branch is not None
+    assert np.abs(sim.start).max() > 0.0
+    result = sim.run(t_end=0.02, rtol=1e-6, atol=1e-8)
+    assert result.success, result.message
+    assert result.constraint_error.max() <= 1e-9 * mechanism.size
+    assert result.energies["kinetic"][-1] > 0.0

@@ -12,6 +12,7 @@ Everything public is listed in `__all__`; everything else may change.
 
 from typing import TYPE_CHECKING
 
+from lamc.basics import drawing
 from lamc.basics._version import __version__
 from lamc.basics.errors import (
     BuildError,
@@ -115,6 +116,8 @@ __all__ = [
     "load_scene",
     "split",
 ]
+
+drawing.tell({})  # (kind of record, verb) → "module:function", imported when the verb is used
 
 
 def __dir__() -> list[str]:

@@ -117,7 +117,9 @@ __all__ = [
     "split",
 ]
 
-drawing.tell({})  # (kind of record, verb) → "module:function", imported when the verb is used
+_SEEN = ("Design", "Mechanism", "Problem", "Result", "Simulator", "Solution")
+# (kind of record, verb) → "module:function", imported when the verb is used
+drawing.tell({(kind, verb): f"lamc.export.pages:{verb}" for kind in _SEEN for verb in ("view", "frame")})
 
 
 def __dir__() -> list[str]:

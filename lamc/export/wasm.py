@@ -6,6 +6,7 @@ numbers are the same as those of that C on any machine, to the last bit. Never: 
 
 import base64
 import html
+import importlib.metadata
 import importlib.util
 import json
 import os
@@ -20,6 +21,7 @@ import numpy as np
 
 from lamc.basics._version import __version__
 from lamc.basics.errors import BuildError
+from lamc.basics.resources import data_dir
 from lamc.codegen.emit import environment
 from lamc.codegen.names import comment
 from lamc.codegen.toolchain import Compiler, run_compiler
@@ -77,7 +79,7 @@ def wasm_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]
     tools = find_wasm_tools()
     source = c_source(simulator, replace(options, libm=False))
     context = _context(source, options)
-    binary = _compiled(source, _rendered("glue.c.j2", context), tools)
+    binary = binary_of(source, options, tools)
     context |= {
         "base64": base64.b64encode(binary).decode(),
         "wasm_bytes": str(len(binary)),
@@ -94,6 +96,31 @@ def wasm_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]
     }
     files = {path: _rendered(name, context).encode() for path, name in texts.items()}
     return {**files, f"{prefix}.wasm": binary}
+
+
+def binary_of(source: CSource, options: ExportOptions, tools: WasmTools) -> bytes:
+    """The module of WebAssembly. Raises BuildError where the compiler fails."""
+    return _compiled(source, _rendered("glue.c.j2", _context(source, options)), tools)
+
+
+def engine_of(source: CSource, options: ExportOptions) -> str:
+    """JavaScript that defines `simulatorOf`, which makes a simulator of the compiled module."""
+    return _rendered("simulator.js.j2", _context(source, options))
+
+
+def tools_key(tools: WasmTools) -> str:
+    """What a binary depends on besides its source: lamc, the commands and their flags."""
+    glue = (data_dir("templates") / _FOLDER / "glue.c.j2").read_text(encoding="utf-8")
+    commands = (*tools.compiler.command, *tools.linker.command, _identity(tools))
+    return "\0".join((__version__, *commands, *_FLAGS, *_LINK, glue))
+
+
+def _identity(tools: WasmTools) -> str:
+    """Another one for another version of the compiler."""
+    if tools.compiler.identity == "ziglang":
+        return importlib.metadata.version("ziglang")
+    status = os.stat(tools.compiler.command[0])
+    return f"{status.st_size} {status.st_mtime_ns}"
 
 
 def find_wasm_tools() -> WasmTools:

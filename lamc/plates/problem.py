@@ -12,6 +12,7 @@ import numpy as np
 
 from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, about
+from lamc.basics.seen import Viewable
 from lamc.plates.dofs import Dofs
 from lamc.plates.elements.definition import TRIANGLE, Element
 from lamc.plates.elements.library import checked_element, combine, element
@@ -34,7 +35,7 @@ _IN_PLANE = ("u", "v")
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(Viewable):
     """A plate, its supports and its loads.
 
     mesh       cells, and the regions they belong to

@@ -13,6 +13,7 @@ from shapely.geometry import MultiPolygon, Point
 from lamc.basics.checks import checked_number
 from lamc.basics.errors import Place
 from lamc.basics.places import Places as Places
+from lamc.basics.seen import Viewable
 from lamc.records.scene import Scene, checked_scenes
 
 Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
@@ -101,7 +102,7 @@ class FacetCreases:
 
 
 @dataclass(frozen=True)
-class Design:
+class Design(Viewable):
     """A laminate device before splitting.
 
     fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed

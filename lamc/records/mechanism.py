@@ -19,6 +19,7 @@ from lamc.basics.checks import checked_name as checked_name
 from lamc.basics.checks import checked_number as checked_number
 from lamc.basics.errors import DesignError, TopologyError
 from lamc.basics.once import lazy
+from lamc.basics.seen import Viewable
 from lamc.records.network import faults, listed_names
 from lamc.records.scene import Scene, checked_scenes
 
@@ -152,7 +153,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class Mechanism(Viewable):
     """Bodies and joints; what `split` gives, or written by hand.
 
     scene   what runs call for if nothing else is said; None: what the joints ask for, and gravity

@@ -18,6 +18,7 @@ from lamc.basics.errors import RequestError
 from lamc.basics.files import checked_path
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
+from lamc.basics.seen import Viewable
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint
 from lamc.run import doubts, files, frames
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Unchanging):
+class Result(Unchanging, Viewable):
     """A run, complete or not. m rows at times t.
 
     t, q, u  times (m,), s; coordinates (m, nq) and rates (m, nu), in the order of `coordinates` and `rates`: first
@@ -70,6 +71,7 @@ class Result(Unchanging):
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
+    simulator: object = field(default=None, repr=False)  # that made it; None: a result made by hand
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):

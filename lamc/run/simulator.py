@@ -18,6 +18,7 @@ from lamc.basics.errors import RequestError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
+from lamc.basics.seen import Viewable
 from lamc.loops.at_start import loops_of
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
@@ -54,7 +55,7 @@ _T = TypeVar("_T")
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
-class Simulator(Evaluations):
+class Simulator(Evaluations, Viewable):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from
@@ -286,6 +287,7 @@ class Simulator(Evaluations):
             mechanism=self.mechanism,
             motion=motion,
             telling=telling,
+            simulator=self,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks,
             points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),

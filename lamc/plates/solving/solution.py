@@ -17,6 +17,7 @@ import scipy.sparse as sp
 from lamc.basics.checks import Array, shown
 from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.basics.once import lazy
+from lamc.basics.seen import Viewable
 from lamc.plates.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
 from lamc.plates.answers.hinge_rotations import HingeRotation, hinge_rotations, rotation_at
 from lamc.plates.answers.recovery import RecoveredStrains
@@ -57,7 +58,7 @@ class SolveReport:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Viewable):
     """One load case.
 
     values  (N,): the unknowns, in the order of `problem.dofs`; m, m, m, no unit twice, 1/m

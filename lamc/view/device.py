@@ -1,0 +1,210 @@
+"""What moves, as a show of a page: a run, or a mechanism to be folded by hand.
+
+In: a `Result` or a `Mechanism`, and a model in WebAssembly where there is one. Out: a `Show`. Never: compiles; runs.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lamc.basics.errors import LamcError
+from lamc.loops.branches import Branch
+from lamc.records.mechanism import Array, Mechanism
+from lamc.records.scene import Scene
+from lamc.report.stage import Stage, as_drawn, stage_of
+from lamc.run.result import Result
+from lamc.view.document import MOST_BYTES, Show
+from lamc.view.pack import packed
+from lamc.view.recording import COARSEST, FINEST, curve_specs, motion_of, recording_data
+from lamc.view.shape import shape_data
+
+_TEXT = 85_000  # bytes of a page without data, about
+_LEAST = 60_000  # bytes that a recording may have in any case
+_VIEWS = 24  # instants that the choice of view looks at
+_PACE = 1.1  # of the device's size in a second, as it is seen: what the eye follows with ease
+_LONGEST = 60.0  # s that a showing takes, about
+_EVENTS = 10_000  # that are marked
+
+
+@dataclass(frozen=True, eq=False)
+class Live:
+    """A model that runs in the page: what `lamc.export.live` makes.
+
+    engine              JavaScript that defines `simulatorOf`
+    wasm                bytes
+    parameters, inputs  field, name, unit, meaning, group, value, least, most of each, as plain data
+    """
+
+    engine: str
+    wasm: bytes = field(repr=False)
+    parameters: tuple[Mapping[str, Any], ...] = ()
+    inputs: tuple[Mapping[str, Any], ...] = ()
+
+
+def run_show(
+    result: Result,
+    scene: Scene | None = None,
+    live: Live | None = None,
+    *,
+    label: str = "",
+    scene_data: Mapping[str, Any] | None = None,
+    notes: tuple[str, ...] = (),
+    budget: int = MOST_BYTES,
+) -> Show:
+    """A run, with its model where `live` is one. scene_data: the scene as a file has it, to be copied with changes.
+
+    Raises LamcError for a result without rows.
+    """
+    if len(result.t) == 0:
+        raise LamcError(f"the result of {result.provenance.design!r} has no rows; there is nothing to see")
+    mechanism = result.mechanism
+    shape = shape_data(mechanism, result.marks)
+    size = float(shape["size"])
+    specs = curve_specs(result, scene)
+    motion = motion_of(result, specs, size)
+    live_data = None if live is None else _as_run(live, result)
+    taken = _TEXT + len(packed([shape, live_data])) + (0 if live is None else len(live.engine))
+    recording = _within(motion, size, max(budget - taken, _LEAST))
+    duration = float(result.t[-1])
+    names = [joint.name for joint in mechanism.joints]
+    data = {
+        "kind": "device",
+        "label": label,
+        "description": f"{mechanism.name} in motion; the lists below tell its state",
+        **shape,
+        "moving": [k for k, b in enumerate(mechanism.bodies) if b.name in result.motion.model.bodies],
+        "order": [names.index(name) for name in result.joints],
+        "start": [float(result.angle(name)[0]) if name in result.joints else 0.0 for name in names],
+        "curves": specs,
+        "recording": recording,
+        "events": _events(result),
+        "duration": duration,
+        "speed": _speed(motion.t, motion.centres, size),
+        "view": _view(result),
+        "walks": any(c.name.startswith("base.") for c in result.coordinates) or bool(result.marks),
+        "live": live_data,
+        "scene": scene_data,
+        "sceneNote": "" if duration == (scene and scene.duration) else f" --t-end {duration:g}",
+    }
+    facts = (
+        f"{len(mechanism.bodies)} bodies, {len(names)} hinges; {duration:g} s by {result.stats.integrator}"
+    )
+    said = (_told(recording["error"], size), *_events_note(result), *notes)
+    return Show(mechanism.name, facts, data, "" if live is None else live.engine, said)
+
+
+def _as_run(live: Live, result: Result) -> dict[str, Any]:
+    """The model's numbers as the run had them: `given` are those that are not the model's own."""
+    used = result.provenance.parameters
+    members = [
+        {**each, "value": used.get(each["name"], each["value"])} for each in (*live.parameters, *live.inputs)
+    ]
+    count = len(live.parameters)
+    given = [
+        {new["field"]: new["value"] for new, old in pairs if new["value"] != old["value"]}
+        for pairs in (
+            list(zip(members[:count], live.parameters, strict=True)),
+            list(zip(members[count:], live.inputs, strict=True)),
+        )
+    ]
+    return {
+        "wasm": live.wasm,
+        "parameters": members[:count],
+        "inputs": members[count:],
+        "given": {"parameters": given[0], "inputs": given[1]},
+        "settings": {"rtol": result.stats.rtol, "atol": result.stats.atol},
+    }
+
+
+def fold_show(
+    mechanism: Mechanism, start: Mapping[str, float], branches: tuple[Branch, ...] = (), *, label: str = ""
+) -> Show:
+    """A mechanism that is folded by its hinges' sliders, loops closed. start: rad, closed; branches: ways out of it
+    where it is singular."""
+    names = [joint.name for joint in mechanism.joints]
+    camera = Stage(mechanism, as_drawn(mechanism), 400).camera.towards
+    data = {
+        "kind": "device",
+        "label": label,
+        "description": f"{mechanism.name}, to be folded by the sliders beside it",
+        **shape_data(mechanism),
+        "moving": [],
+        "order": list(range(len(names))),
+        "start": [float(start.get(name, 0.0)) for name in names],
+        "ways": [[float(branch.rates[name]) for name in names] for branch in branches],
+        "curves": [],
+        "recording": None,
+        "events": None,
+        "duration": 0.0,
+        "speed": 1.0,
+        "view": _angles(camera),
+        "walks": False,
+        "live": None,
+        "scene": None,
+    }
+    facts = f"{len(mechanism.bodies)} bodies, {len(names)} hinges"
+    note = "Folded by geometry alone: bodies pass through one another, and no force is weighed."
+    return Show(mechanism.name, facts, data, "", (note,))
+
+
+def _within(motion: Any, size: float, budget: int) -> dict[str, Any]:
+    """The finest recording that takes no more than `budget` bytes, or the coarsest."""
+    tolerance = FINEST
+    while True:
+        data = recording_data(motion, tolerance, size)
+        if len(packed(data)) <= budget or tolerance >= COARSEST:
+            return data
+        tolerance *= 2.0
+
+
+def _told(error: Mapping[str, float], size: float) -> str:
+    return (
+        f"Recorded to within {1e3 * error['length']:.2g} mm ({100 * error['length'] / size:.2g} % of the size) and, in "
+        f"curves, {100 * error['share']:.2g} % of their range; numbers in full are in the files of lamc run."
+    )
+
+
+def _events(result: Result) -> dict[str, Any]:
+    """Times, and names by number."""
+    names = list(dict.fromkeys(event.name for event in result.events))
+    kept = result.events[:_EVENTS]
+    return {
+        "t": np.array([event.t for event in kept], dtype="f4"),
+        "kind": np.array([names.index(event.name) for event in kept], dtype="u2"),
+        "names": names,
+    }
+
+
+def _events_note(result: Result) -> tuple[str, ...]:
+    if len(result.events) <= _EVENTS:
+        return ()
+    return (f"The first {_EVENTS} of {len(result.events)} events are marked.",)
+
+
+def _speed(t: Array, centres: Array, size: float) -> float:
+    """How many seconds of the run are shown in one, so that the motion can be seen."""
+    if len(t) < 2 or t[-1] <= t[0] or centres.shape[1] == 0:
+        return 1.0
+    steps = np.diff(t)
+    moved = np.linalg.norm(np.diff(centres, axis=0), axis=2).max(axis=1)
+    fast = (
+        float(np.sqrt((moved**2 / np.maximum(steps, 1e-12)).sum() / (t[-1] - t[0]))) / size
+    )  # 1/s, root mean square
+    duration = float(t[-1] - t[0])
+    wished = _PACE / fast if fast > 0.0 else 1.0
+    if wished > 0.4 and 1.5 <= duration <= _LONGEST:
+        return 1.0
+    return float(np.clip(wished, duration / _LONGEST, duration / 2.0))
+
+
+def _view(result: Result) -> dict[str, float]:
+    """The view of lamc's other pictures."""
+    times = np.linspace(result.t[0], result.t[-1], _VIEWS if len(result.t) > 1 else 1)
+    return _angles(stage_of(result, times, 400).camera.towards)
+
+
+def _angles(towards: Array) -> dict[str, float]:
+    azimuth = float(np.degrees(np.arctan2(towards[0], -towards[1])))
+    return {"azimuth": azimuth, "elevation": float(np.degrees(np.arcsin(np.clip(towards[2], -1.0, 1.0))))}

@@ -12,10 +12,10 @@ from typing import Any
 
 from lamc.basics.errors import BuildError, LamcError
 from lamc.codegen.cache import Cache, cache_root
-from lamc.export.c import c_source
+from lamc.export.c import CSource, c_source
 from lamc.export.members import CMember
 from lamc.export.options import ExportOptions
-from lamc.export.wasm import INSTALL_HINT, binary_of, engine_of, find_wasm_tools, tools_key
+from lamc.export.wasm_module import INSTALL_HINT, binary_of, engine_of, find_wasm_tools, tools_key
 from lamc.readers.scene_writer import scene_data
 from lamc.records.scene import Scene
 from lamc.run.simulator import Simulator
@@ -39,10 +39,15 @@ def live_of(simulator: Simulator) -> Live:
     if folder is None:
         binary = binary_of(source, _OPTIONS, tools)
         folder = cache.put(key, lambda fresh: _fill(fresh, binary), {"design": source.program.name})
+    return live_from(source, (folder / _FILE).read_bytes(), _OPTIONS)
+
+
+def live_from(source: CSource, wasm: bytes, options: ExportOptions) -> Live:
+    """The model of C that was compiled to `wasm`."""
     slots = source.program.parameters
     return Live(
-        engine=engine_of(source, _OPTIONS),
-        wasm=(folder / _FILE).read_bytes(),
+        engine=engine_of(source, options),
+        wasm=wasm,
         parameters=tuple(_member(each, slots[each.slot]) for each in source.parameters),
         inputs=tuple(_member(each, slots[each.slot]) for each in source.inputs),
     )

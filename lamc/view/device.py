@@ -11,10 +11,12 @@ import numpy as np
 
 from lamc.basics.errors import LamcError
 from lamc.loops.branches import Branch
+from lamc.records.effect import marks_of
 from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
 from lamc.report.stage import Stage, as_drawn, stage_of
 from lamc.run.result import Result
+from lamc.run.simulator import Simulator
 from lamc.view.document import MOST_BYTES, Show
 from lamc.view.pack import packed
 from lamc.view.recording import COARSEST, FINEST, curve_specs, motion_of, recording_data
@@ -62,7 +64,8 @@ def run_show(
     mechanism = result.mechanism
     shape = shape_data(mechanism, result.marks)
     size = float(shape["size"])
-    specs = curve_specs(result, scene)
+    outputs = result.points if scene is None or scene.outputs is None else scene.outputs
+    specs = curve_specs(result, mechanism, outputs, result.energies)
     motion = motion_of(result, specs, size)
     live_data = None if live is None else _as_run(live, result)
     taken = _TEXT + len(packed([shape, live_data])) + (0 if live is None else len(live.engine))
@@ -95,9 +98,46 @@ def run_show(
     return Show(mechanism.name, facts, data, "" if live is None else live.engine, said)
 
 
+def model_show(
+    simulator: Simulator, live: Live, *, scene_data: Mapping[str, Any] | None = None, end: float
+) -> Show:
+    """A model without a recording: it runs on in the page from the moment that it opens. end: s, of a run of it."""
+    mechanism, scene = simulator.mechanism, simulator.scene
+    names = [joint.name for joint in mechanism.joints]
+    start = dict(zip(simulator.joints, simulator.start.tolist(), strict=False))
+    marks = marks_of(simulator.effects, simulator.parameters)
+    moving = simulator.model.bodies
+    data = {
+        "kind": "device",
+        "label": "",
+        "description": f"{mechanism.name} in motion; the lists below tell its state",
+        **shape_data(mechanism, marks),
+        "moving": [k for k, body in enumerate(mechanism.bodies) if body.name in moving],
+        "order": [names.index(name) for name in simulator.joints],
+        "start": [float(start.get(name, 0.0)) for name in names],
+        "curves": curve_specs(simulator, mechanism, scene.outputs or (), simulator.model.energies),
+        "recording": None,
+        "events": None,
+        "duration": end,
+        "speed": 1.0,
+        "view": _angles(Stage(mechanism, as_drawn(mechanism), 400).camera.towards),
+        "walks": any(c.name.startswith("base.") for c in simulator.coordinates) or bool(marks),
+        "live": _members(live, {}, {}),
+        "scene": scene_data,
+        "sceneNote": "" if end == scene.duration else f" --t-end {end:g}",
+    }
+    facts = f"{len(mechanism.bodies)} bodies, {len(names)} hinges"
+    return Show(mechanism.name, facts, data, live.engine)
+
+
 def _as_run(live: Live, result: Result) -> dict[str, Any]:
-    """The model's numbers as the run had them: `given` are those that are not the model's own."""
-    used = result.provenance.parameters
+    """The model with its numbers as the run had them."""
+    settings = {"rtol": result.stats.rtol, "atol": result.stats.atol}
+    return _members(live, result.provenance.parameters, settings)
+
+
+def _members(live: Live, used: Mapping[str, float], settings: Mapping[str, float]) -> dict[str, Any]:
+    """The model's numbers; `given` are those of `used`, by name, that are not the model's own."""
     members = [
         {**each, "value": used.get(each["name"], each["value"])} for each in (*live.parameters, *live.inputs)
     ]
@@ -114,7 +154,7 @@ def _as_run(live: Live, result: Result) -> dict[str, Any]:
         "parameters": members[:count],
         "inputs": members[count:],
         "given": {"parameters": given[0], "inputs": given[1]},
-        "settings": {"rtol": result.stats.rtol, "atol": result.stats.atol},
+        "settings": settings,
     }
 
 

@@ -5,17 +5,18 @@ Instants are kept where a straight line between those around them would err by m
 thousandth of the picture. Never: integrates.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.records.mechanism import Array, Mechanism
-from lamc.records.scene import OutputPoint, Scene
+from lamc.records.scene import OutputPoint
 from lamc.report.stage import poses_at
 from lamc.run.result import Result
+from lamc.symbolic.program import Coordinate
 
 MOST_INSTANTS = 6000  # that are looked at
 _TURN = 0.1  # rad: joints that turn farther from row to row get instants between, by interpolation of their angles
@@ -34,39 +35,54 @@ class Motion:
     radii: Array  # (b,), m: of each body about its centre of mass
 
 
-def curve_specs(result: Result, scene: Scene | None) -> list[dict[str, Any]]:
+class Named(Protocol):
+    """What a result and a simulator both tell of what they are about."""
+
+    @property
+    def joints(self) -> tuple[str, ...]: ...
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]: ...
+
+
+def curve_specs(
+    named: Named,
+    mechanism: Mechanism,
+    outputs: Iterable[str | OutputPoint],
+    energies: Iterable[str],
+) -> list[dict[str, Any]]:
     """What curves there are: name, unit, group, and where a model in the page has it from."""
-    joints, names = result.joints, [c.name for c in result.coordinates]
+    joints, names = named.joints, [c.name for c in named.coordinates]
     specs: list[dict[str, Any]] = [
         {"name": joint.name, "unit": "rad", "group": "angles", "from": ["angle", joints.index(joint.name)]}
-        for joint in result.mechanism.joints
+        for joint in mechanism.joints
         if joint.name in joints
     ]
     specs += [
         {"name": c.name, "unit": c.unit, "group": "coordinates", "from": ["q", k]}
-        for k, c in enumerate(result.coordinates)
+        for k, c in enumerate(named.coordinates)
         if k >= len(joints)
     ]
-    specs += _outputs(result, scene, names)
+    specs += _outputs(mechanism, outputs, names)
     specs += [
         {"name": name, "unit": "J", "group": "energies", "from": ["energy", k]}
-        for k, name in enumerate(result.energies)
+        for k, name in enumerate(energies)
     ]
     return [*specs, {"name": "total", "unit": "J", "group": "energies", "from": ["total", 0]}]
 
 
-def _outputs(result: Result, scene: Scene | None, known: Sequence[str]) -> list[dict[str, Any]]:
-    """Points and centres of mass that the scene names; joints and coordinates have their curves already."""
-    wanted = result.points if scene is None or scene.outputs is None else scene.outputs
-    bodies = {body.name: k for k, body in enumerate(result.mechanism.bodies)}
+def _outputs(
+    mechanism: Mechanism, outputs: Iterable[str | OutputPoint], known: Sequence[str]
+) -> list[dict[str, Any]]:
+    """Points and centres of mass that a scene names; joints and coordinates have their curves already."""
+    bodies = {body.name: k for k, body in enumerate(mechanism.bodies)}
     specs = []
-    for each in wanted:
+    for each in outputs:
         if isinstance(each, OutputPoint):
             place = [bodies[each.body], *each.point]
             specs += [_point(f"{each.name}.{axis}", place, k) for k, axis in enumerate("xyz")]
         elif each not in known:
             body, _, axis = each.rpartition(".")
-            centre = result.mechanism.body(body).com.tolist()
+            centre = mechanism.body(body).com.tolist()
             specs.append(_point(each, [bodies[body], *centre], "xyz".index(axis)))
     return specs
 

@@ -6,7 +6,7 @@ const SHOWN = 8; // curves at first, of more: those that change most
 class Curves {
   /** specs: { name, unit, at }, at: place among the motion's curves; seek: called with an instant */
   constructor(title, specs, seek) {
-    Object.assign(this, { title, seek, motion: null, time: 0, duration: 1, events: [], cursor: null });
+    Object.assign(this, { title, seek, motion: null, time: 0, from: 0, duration: 1, events: [], cursor: null });
     this.lines = specs.map((spec, k) => ({ ...spec, on: true, colour: PALETTE[k % 6], dash: DASHES[Math.floor(k / 6) % 4] }));
     this.canvas = el("canvas", { className: "plot", tabIndex: 0, role: "img", "aria-label": `${title} over time; the list beside tells the values at the cursor` });
     this.list = el("ul", { className: "legend" });
@@ -17,7 +17,7 @@ class Curves {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
     const go = (event) => {
       const box = this.canvas.getBoundingClientRect();
-      this.seek(clamp((event.clientX - box.left - this.left) / (this.wide || 1), 0, 1) * this.duration);
+      this.seek(clamp((event.clientX - box.left - this.left) / (this.wide || 1), 0, 1) * (this.duration - this.from) + this.from);
     };
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
@@ -43,8 +43,8 @@ class Curves {
   }
 
   /** Another motion; its rows may not all be there */
-  show(motion, duration, events) {
-    Object.assign(this, { motion, duration, events });
+  show(motion, duration, events, from = 0) {
+    Object.assign(this, { motion, duration, events, from });
     this.measure();
     if (!this.chosen && this.lines.length > SHOWN && motion.filled > 1) {
       this.chosen = true;
@@ -62,6 +62,7 @@ class Curves {
     for (const line of this.lines) {
       const values = this.motion.curves[line.at];
       if (line.of !== this.motion) Object.assign(line, { of: this.motion, seen: 0, low: Infinity, high: -Infinity });
+      line.seen = Math.min(line.seen, Math.max(this.motion.filled - 1, 0)); // a motion may have forgotten rows
       for (; line.seen < this.motion.filled; line.seen++) {
         const value = values[line.seen];
         if (value < line.low) line.low = value;
@@ -98,7 +99,7 @@ class Curves {
     this.left = 10 + Math.max(...texts.map((text) => pen.measureText(text).width));
     this.wide = width - this.left - 8;
     const tall = height - 24;
-    const x = (t) => this.left + (t / this.duration) * this.wide;
+    const x = (t) => this.left + ((t - this.from) / (this.duration - this.from)) * this.wide;
     const y = (value) => 6 + (1 - (value - low) / (high - low)) * (tall - 6);
     pen.lineWidth = 1;
     pen.strokeStyle = faint;
@@ -113,7 +114,7 @@ class Curves {
       pen.fillText(texts[k], this.left - 5, place);
     });
     pen.textAlign = "center";
-    const columns = ticks(0, this.duration, Math.max(2, this.wide / 90));
+    const columns = ticks(this.from, this.duration, Math.max(2, this.wide / 90));
     columns.at.forEach((t, k) => {
       const last = k === columns.at.length - 1;
       pen.fillText(`${fixed(t, columns.step)}${last ? " s" : ""}`, clamp(x(t), this.left + 8, width - 16), height - 7);
@@ -157,13 +158,13 @@ class Curves {
     pen.lineJoin = "round";
     pen.setLineDash(dash);
     pen.beginPath();
-    for (let i = 0; i < filled; i++) pen.lineTo(x(t[i]), y(values[i]));
+    for (let i = this.motion.at(this.from)[0]; i < filled; i++) pen.lineTo(x(t[i]), y(values[i]));
     pen.stroke();
     pen.setLineDash([]);
   }
 
   mark(pen, x, y, tall, ink, factor, span) {
-    const place = x(clamp(this.time, 0, this.duration));
+    const place = x(clamp(this.time, this.from, this.duration));
     pen.strokeStyle = ink;
     pen.lineWidth = 1.2;
     pen.beginPath();

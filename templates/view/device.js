@@ -1,5 +1,6 @@
 const QUICK = 14; // ms: a run that takes less is done anew while one drags
-const UNITS = { angles: "rad", energies: "J" };
+const WINDOW = 10; // s: what curves show of a model that runs on
+const DRIVEN = 4000; // rows that are kept of it
 const TITLES = { angles: "Angles", outputs: "Outputs", coordinates: "Coordinates", energies: "Energy" };
 
 const eventsOf = (events) => (events ? Array.from(events.t, (t, k) => [t, events.names[events.kind[k]]]) : []);
@@ -88,7 +89,7 @@ class Device {
     this.time = time;
     if (this.motion) this.motion.poses(time, this.data.moving, this.drawn, this.stage.poses);
     this.stage.draw();
-    this.curves.forEach((each) => each.at(Math.min(time, this.duration)));
+    this.curves.forEach((each) => each.at(this.driver ? time : Math.min(time, this.duration)));
   }
 
   show(motion, events) {
@@ -104,14 +105,14 @@ class Device {
   makeAngles() {
     const { hinges, recording, live } = this.data;
     if (hinges.length === 0 || (recording && !live)) return;
+    const isRun = recording !== null || live !== null;
     this.sliders.angles = hinges.map((hinge, joint) => {
       const [least, most] = hinge.limits ?? [-Math.PI, Math.PI];
       const member = { name: hinge.name, value: this.angles[joint], least, most, ...this.degrees() };
       return new Slider(member, (value, done) => this.turn(joint, value, done));
     });
-    const title = recording ? "Start angles" : "Fold";
-    this.side.append(group(title, this.sliders.angles, hinges.length <= 12 || !recording));
-    if (!recording) {
+    this.side.append(group(isRun ? "Start angles" : "Fold", this.sliders.angles, hinges.length <= 12 || !isRun));
+    if (!isRun) {
       this.fold();
       this.side.append(el("div", { className: "buttons" }, el("button", { type: "button", textContent: "Reset", onclick: () => this.reset() })));
     }
@@ -129,7 +130,8 @@ class Device {
     this.sliders.angles.forEach((slider, k) => k !== joint && slider.put(next[k]));
     if (!reached) this.sliders.angles[joint].refuse(`stops at ${fixed((next[joint] * 180) / Math.PI, 0.1)}°: the loops go no farther this way`);
     else this.sliders.angles[joint].refuse("");
-    if (this.data.recording === null) this.fold();
+    if (this.engine === null) this.fold();
+    else if (this.driver) this.drive(true);
     else this.again(done);
   }
 
@@ -154,7 +156,17 @@ class Device {
     this.base = this.engine.begin(this.order()).q;
     this.makeModelSliders();
     this.stage.element.append(el("span", { className: "badge", textContent: "live", title: "The model is in this page: change its numbers" }));
-    if (this.recorded === null && this.data.recording !== null) this.again(true);
+    if (this.recorded === null) {
+      this.last = this.motion = new Motion(this.data.moving.length, this.data.curves.length, 1);
+      const it = this.engine.begin(this.order());
+      this.take(this.motion, Float64Array.from(this.engine.row(it)));
+      it.free();
+      const home = this.home();
+      home.radius *= 1.25;
+      Object.assign(this.stage, { home, follows: home.wanders });
+      Object.assign(this.stage.camera, { home });
+      this.stage.camera.reset();
+    }
   }
 
   makeModelSliders() {
@@ -165,7 +177,8 @@ class Device {
       const bounds = isAngle ? { least: Math.max(member.least ?? -Math.PI, -Math.PI), most: Math.min(member.most ?? Math.PI, Math.PI), log: false } : range;
       const made = new Slider({ name: member.name, title: member.meaning, value: member.value, ...bounds, ...shown }, (value, done) => {
         this.changed[kind][member.field] = value;
-        this.again(done, made);
+        if (this.driver) this.steer(kind, member.field, value, made);
+        else this.again(done, made);
       });
       return made;
     };
@@ -290,9 +303,54 @@ class Device {
     this.id = (this.id ?? 0) + 1;
     this.tell("");
     this.settled = true;
-    if (this.data.recording === null) this.fold();
+    if (this.engine === null) this.fold();
+    else if (this.driver) this.drive(true);
     else if (this.recorded) this.show(this.recorded, eventsOf(this.data.events));
     else this.again(true);
+  }
+
+  // --- hands on -------------------------------------------------------------------------------------------------------
+
+  /** On: the model begins anew and runs on for as long as one likes, and sliders act at once. Off: the run is back. */
+  drive(on) {
+    this.driver?.free();
+    this.driver = null;
+    this.id = (this.id ?? 0) + 1;
+    this.tell("");
+    if (on) {
+      this.driver = this.engine.begin({ ...this.order(), duration: Infinity });
+      this.motion = new Motion(this.data.moving.length, this.data.curves.length, DRIVEN);
+      this.advance(0);
+    } else if (Object.values(this.changed).some((each) => Object.keys(each).length > 0) || !this.recorded) this.again(true);
+    else this.show(this.recorded, eventsOf(this.data.events));
+  }
+
+  /** Goes on for some seconds; false where the model cannot */
+  advance(seconds) {
+    if (!this.driver) return true;
+    const it = this.driver;
+    try {
+      it.step(it.t + seconds);
+    } catch (error) {
+      this.tell(`Stopped at t = ${Number(it.t.toPrecision(6))} s: ${error.reason ?? error.message}. Reset begins anew.`);
+      return false;
+    }
+    this.motion.forget();
+    this.take(this.motion, Float64Array.from(this.engine.row(it)));
+    this.events = [];
+    const end = Math.max(it.t, WINDOW);
+    this.curves.forEach((each) => each.show(this.motion, end, [], end - WINDOW));
+    return true;
+  }
+
+  steer(kind, field, value, slider) {
+    try {
+      if (kind === "inputs") this.driver.setInputs({ [field]: value });
+      else this.driver.setParameters({ [field]: value });
+      slider.refuse("");
+    } catch (error) {
+      slider.refuse(error.reason ?? error.message);
+    }
   }
 
   async copy() {

@@ -19,7 +19,7 @@ class Painter {
       edges: this.makeLines(shape.edges.points, shape.edges.bodies, null, () => [40, 40, 46, 190]),
       sticks: this.makeLines(shape.sticks.points, shape.sticks.bodies, null, (k) => [...rgb(shape.bodies[shape.sticks.bodies[k]].colour), 255]),
       hinges: this.makeLines(
-        Float32Array.from(shape.hinges.flatMap((h) => h.ends)), shape.hinges.map((h) => h.parent), shape.hinges.map((h) => h.reach),
+        Float32Array.from(shape.hinges.flatMap((h) => h.ends)), shape.hinges.map((h) => h.parent), shape.hinges.map((h) => Math.min(2.5 * h.reach, 0.03 * shape.size)),
         () => [...HINGE, 255],
       ),
     };

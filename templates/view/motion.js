@@ -39,6 +39,18 @@ class Motion {
     this.filled += 1;
   }
 
+  /** Makes room for more rows where there is none: the older half goes */
+  forget() {
+    if (this.filled < this.rows) return;
+    const half = this.rows >> 1;
+    const keep = (array, width) => array.copyWithin(0, width * half, width * this.rows);
+    keep(this.t, 1);
+    keep(this.centres, 3 * this.bodies);
+    keep(this.turns, 4 * this.bodies);
+    this.curves.forEach((values) => keep(values, 1));
+    this.filled = this.rows - half;
+  }
+
   get end() {
     return this.filled > 0 ? this.t[this.filled - 1] : 0;
   }

@@ -3,7 +3,7 @@ const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 1
 /** The clock of all shows of a page, and what drives it */
 class Player {
   constructor(duration, speed) {
-    Object.assign(this, { shows: [], duration, time: 0, playing: false, loops: true });
+    Object.assign(this, { shows: [], duration, time: 0, playing: false, loops: true, driving: false });
     this.button = el("button", { type: "button", className: "play", title: "Play or pause (space)", onclick: () => this.play(!this.playing) });
     this.bar = el("input", { type: "range", min: "0", max: String(duration), step: "any", value: "0", "aria-label": "time, s" });
     this.bar.addEventListener("input", () => this.seek(Number(this.bar.value)));
@@ -41,8 +41,25 @@ class Player {
     }));
   }
 
+  /** Models of the page run on, or what was recorded plays */
+  drive(on) {
+    this.driving = on;
+    this.shows.filter((show) => show.engine).forEach((show) => show.drive(on));
+    this.end = on ? 0 : this.duration;
+    this.bar.max = String(this.duration);
+    this.seek(0);
+  }
+
+  advance(seconds) {
+    const fine = this.shows.map((show) => show.advance?.(seconds) ?? true).every(Boolean);
+    this.end = Math.max(...this.shows.map((show) => show.driver?.t ?? 0));
+    this.bar.max = String(Math.max(this.end, 1e-9));
+    this.seek(this.end);
+    if (!fine) this.play(false);
+  }
+
   seek(time) {
-    this.time = clamp(time, 0, this.duration);
+    this.time = clamp(time, 0, this.driving ? this.end : this.duration);
     this.bar.value = String(this.time);
     this.told.textContent = this.shows.every((show) => show.tellTime) ? this.shows[0].tellTime(this.time) : `${fixed(this.time, this.duration / 1000)} s`;
     this.shows.forEach((show) => show.seek(this.time));
@@ -53,12 +70,17 @@ class Player {
     this.button.textContent = wanted ? "❚❚" : "▶";
     this.button.setAttribute("aria-label", wanted ? "Pause" : "Play");
     if (!wanted) return;
-    if (this.time >= this.duration) this.time = 0;
+    if (!this.driving && this.time >= this.duration) this.time = 0;
     let last = performance.now();
     const frame = (now) => {
       if (!this.playing) return;
       const passed = clamp((now - last) / 1e3, 0, 0.1); // after a pause of the browser's it goes on, it does not jump
       last = now;
+      if (this.driving) {
+        this.advance(Math.min(passed, 0.05) * Number(this.rate.value));
+        if (this.playing) requestAnimationFrame(frame);
+        return;
+      }
       let next = this.time + passed * Number(this.rate.value);
       if (next >= this.duration) {
         next = this.loops ? next % this.duration : this.duration;
@@ -82,7 +104,6 @@ async function main() {
   const root = document.getElementById("root");
   root.dataset.count = String(shows.length);
   root.replaceChildren(...shows.map((show) => show.element));
-  document.getElementById("tools").replaceChildren(...tools(shows, player));
   player.element.classList.toggle("timeless", shows.every((show) => show.tellTime));
   if (moving.length > 0) document.getElementById("bar").replaceChildren(player.element);
   player.refresh();
@@ -99,9 +120,14 @@ async function main() {
       show.tell(`The model in this page cannot run here (${error.message}); what was recorded plays.`);
     }
   }
+  document.getElementById("tools").replaceChildren(...tools(shows, player));
+  const drives = shows.every((show) => show.engine && show.recorded === null);
+  if (drives) player.drive(true);
   const at = new URLSearchParams(location.hash.slice(1)).get("t"); // FILE.html#t=1.5 shows that instant, at rest
-  if (at !== null) player.seek(Number(at));
-  else if (moving.length > 0 && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play(true);
+  if (at !== null) {
+    if (drives) player.advance(Number(at));
+    player.seek(Number(at));
+  } else if (moving.length > 0 && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) player.play(true);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => player.seek(player.time));
   document.body.dataset.ready = "yes";
 }
@@ -120,6 +146,15 @@ function tools(shows, player) {
       show.stage.follows = on && show.stage.home.wanders;
       player.seek(player.time);
     })));
+  }
+  if (shows.some((show) => show.engine)) {
+    const drives = shows.every((show) => show.engine && show.recorded === null);
+    const drive = toggle("drive", drives, (on) => {
+      player.drive(on);
+      player.play(true);
+    });
+    drive.title = "The model begins anew and runs on, and sliders act at once";
+    made.push(drive);
   }
   made.push(el("button", { type: "button", textContent: "Reset view", onclick: () => shows.forEach((show) => show.stage.camera.reset()) }));
   return made;

@@ -68,7 +68,7 @@ uniform vec3 eye; uniform vec2 pixels; uniform float wide; uniform float nearer;
 out vec4 paint;
 vec4 seen(vec3 p) {
   vec3 world = placed(p, body);
-  return view * vec4(world + normalize(eye - world) * (nearer + 2.5 * reach), 1.0);
+  return view * vec4(world + normalize(eye - world) * (nearer + reach), 1.0);
 }
 void main() {
   vec4 a = seen(from), b = seen(to);

@@ -13,7 +13,7 @@ import lamc
 from lamc import plate
 from lamc.basics.errors import BuildError
 from lamc.export.pages import mechanism_show, result_show
-from lamc.export.wasm import find_wasm_tools
+from lamc.export.wasm_module import find_wasm_tools
 from lamc.view.document import MOST_BYTES, page
 from tests.support.browser import Page, browser, needs_browser
 from tests.support.ctools import needs_cc

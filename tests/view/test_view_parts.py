@@ -74,7 +74,7 @@ def test_quaternions_give_their_rotations_back_and_never_jump() -> None:
 @pytest.mark.parametrize("name", ["pendulum", "crawler"])
 def test_a_recording_errs_by_what_it_tells(name: str) -> None:
     result = run(name, 1.0)
-    specs = curve_specs(result, simulator(name).scene)
+    specs = curve_specs(result, result.mechanism, (), result.energies)
     size = float(shape_data(result.mechanism)["size"])
     motion = motion_of(result, specs, size)
     data = recording_data(motion, 1e-3, size)
@@ -89,7 +89,7 @@ def test_a_recording_errs_by_what_it_tells(name: str) -> None:
 @needs("node")
 def test_the_page_has_the_curves_that_were_recorded(tmp_path: Path) -> None:
     result = run("pendulum", 1.0)
-    specs = curve_specs(result, None)
+    specs = curve_specs(result, result.mechanism, (), result.energies)
     motion = motion_of(result, specs, 1.0)
     data = recording_data(motion, 1e-3, 1.0)
     found = in_node(

@@ -20,12 +20,11 @@ from lamc.readers.scene_writer import scene_data
 from lamc.records.scene import Scene
 from lamc.run.simulator import Simulator
 from lamc.symbolic.program import Parameter
-from lamc.view.device import Live
+from lamc.view.live import BODIES, Live
 
 # No Jacobian: nothing in a page asks for it, and it is a fifth of the binary of a large sheet.
 _OPTIONS = ExportOptions(libm=False, inputs="none", jacobian=False)
 _FILE = "model.wasm"
-BODIES = "Bodies"  # heading of what belongs to the mechanism itself: masses, inertias
 
 
 def live_of(simulator: Simulator) -> Live:

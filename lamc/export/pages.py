@@ -31,8 +31,9 @@ from lamc.records.scene import Scene
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
-from lamc.view.device import Live, fold_show, run_show
+from lamc.view.device import fold_show, run_show
 from lamc.view.document import MOST_BYTES, Show, framed, page, write_page
+from lamc.view.live import Live
 from lamc.view.plates import problem_show, solution_show, solutions_show
 
 _MOST_JOINTS = 40  # of a mechanism whose ways out of a singular drawing are looked for, which takes a moment

@@ -4,7 +4,6 @@ In: a `Result` or a `Mechanism`, and a model in WebAssembly where there is one. 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,9 @@ from lamc.report.stage import Stage, as_drawn, stage_of
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.view.document import MOST_BYTES, Show
+from lamc.view.live import Live, live_data
 from lamc.view.pack import packed
-from lamc.view.recording import COARSEST, FINEST, curve_specs, motion_of, recording_data
+from lamc.view.recording import COARSEST, FINEST, curve_specs, motion_of, moving_bodies, recording_data
 from lamc.view.shape import shape_data
 
 _TEXT = 85_000  # bytes of a page without data, about
@@ -28,21 +28,6 @@ _VIEWS = 24  # instants that the choice of view looks at
 _PACE = 1.1  # of the device's size in a second, as it is seen: what the eye follows with ease
 _LONGEST = 60.0  # s that a showing takes, about
 _EVENTS = 10_000  # that are marked
-
-
-@dataclass(frozen=True, eq=False)
-class Live:
-    """A model that runs in the page: what `lamc.export.live` makes.
-
-    engine              JavaScript that defines `simulatorOf`
-    wasm                bytes
-    parameters, inputs  field, name, unit, meaning, group, value, least, most of each, as plain data
-    """
-
-    engine: str
-    wasm: bytes = field(repr=False)
-    parameters: tuple[Mapping[str, Any], ...] = ()
-    inputs: tuple[Mapping[str, Any], ...] = ()
 
 
 def run_show(
@@ -67,8 +52,9 @@ def run_show(
     outputs = result.points if scene is None or scene.outputs is None else scene.outputs
     specs = curve_specs(result, mechanism, outputs, result.energies)
     motion = motion_of(result, specs, size)
-    live_data = None if live is None else _as_run(live, result)
-    taken = _TEXT + len(packed([shape, live_data])) + (0 if live is None else len(live.engine))
+    settings = {"rtol": result.stats.rtol, "atol": result.stats.atol}
+    model = None if live is None else live_data(live, mechanism, result.provenance.parameters, settings)
+    taken = _TEXT + len(packed([shape, model])) + (0 if live is None else len(live.engine))
     recording = _within(motion, size, max(budget - taken, _LEAST))
     duration = float(result.t[-1])
     names = [joint.name for joint in mechanism.joints]
@@ -77,7 +63,7 @@ def run_show(
         "label": label,
         "description": f"{mechanism.name} in motion; the lists below tell its state",
         **shape,
-        "moving": [k for k, b in enumerate(mechanism.bodies) if b.name in result.motion.model.bodies],
+        "moving": moving_bodies(mechanism, result.motion.model.bodies),
         "order": [names.index(name) for name in result.joints],
         "start": [float(result.angle(name)[0]) if name in result.joints else 0.0 for name in names],
         "curves": specs,
@@ -87,7 +73,7 @@ def run_show(
         "speed": _speed(motion.t, motion.centres, size),
         "view": _view(result),
         "walks": any(c.name.startswith("base.") for c in result.coordinates) or bool(result.marks),
-        "live": live_data,
+        "live": model,
         "scene": scene_data,
         "sceneNote": "" if duration == (scene and scene.duration) else f" --t-end {duration:g}",
     }
@@ -106,13 +92,12 @@ def model_show(
     names = [joint.name for joint in mechanism.joints]
     start = dict(zip(simulator.joints, simulator.start.tolist(), strict=False))
     marks = marks_of(simulator.effects, simulator.parameters)
-    moving = simulator.model.bodies
     data = {
         "kind": "device",
         "label": "",
         "description": f"{mechanism.name} in motion; the lists below tell its state",
         **shape_data(mechanism, marks),
-        "moving": [k for k, body in enumerate(mechanism.bodies) if body.name in moving],
+        "moving": moving_bodies(mechanism, simulator.model.bodies),
         "order": [names.index(name) for name in simulator.joints],
         "start": [float(start.get(name, 0.0)) for name in names],
         "curves": curve_specs(simulator, mechanism, scene.outputs or (), simulator.model.energies),
@@ -122,40 +107,12 @@ def model_show(
         "speed": 1.0,
         "view": _angles(Stage(mechanism, as_drawn(mechanism), 400).camera.towards),
         "walks": any(c.name.startswith("base.") for c in simulator.coordinates) or bool(marks),
-        "live": _members(live, {}, {}),
+        "live": live_data(live, mechanism, {}, {}),
         "scene": scene_data,
         "sceneNote": "" if end == scene.duration else f" --t-end {end:g}",
     }
     facts = f"{len(mechanism.bodies)} bodies, {len(names)} hinges"
     return Show(mechanism.name, facts, data, live.engine)
-
-
-def _as_run(live: Live, result: Result) -> dict[str, Any]:
-    """The model with its numbers as the run had them."""
-    settings = {"rtol": result.stats.rtol, "atol": result.stats.atol}
-    return _members(live, result.provenance.parameters, settings)
-
-
-def _members(live: Live, used: Mapping[str, float], settings: Mapping[str, float]) -> dict[str, Any]:
-    """The model's numbers; `given` are those of `used`, by name, that are not the model's own."""
-    members = [
-        {**each, "value": used.get(each["name"], each["value"])} for each in (*live.parameters, *live.inputs)
-    ]
-    count = len(live.parameters)
-    given = [
-        {new["field"]: new["value"] for new, old in pairs if new["value"] != old["value"]}
-        for pairs in (
-            list(zip(members[:count], live.parameters, strict=True)),
-            list(zip(members[count:], live.inputs, strict=True)),
-        )
-    ]
-    return {
-        "wasm": live.wasm,
-        "parameters": members[:count],
-        "inputs": members[count:],
-        "given": {"parameters": given[0], "inputs": given[1]},
-        "settings": settings,
-    }
 
 
 def fold_show(

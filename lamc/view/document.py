@@ -28,7 +28,7 @@ _CORE = (
 )  # without a DOM: node runs them too
 _SERVING = ("engine.js",)  # which a worker has too
 _SIGHT = ("dom.js", "shaders.js", "camera.js", "gl.js", "flat.js", "stage.js", "curves.js", "sliders.js")
-_SHOWS = ("device.js", "plate.js", "page.js")
+_SHOWS = ("device.js", "model.js", "plate.js", "page.js")
 
 
 @dataclass(frozen=True, eq=False)

@@ -91,11 +91,17 @@ def _point(name: str, place: list[Any], axis: int) -> dict[str, Any]:
     return {"name": name, "unit": "m", "group": "outputs", "from": ["point", axis, *place]}
 
 
+def moving_bodies(mechanism: Mechanism, moving: Sequence[str]) -> list[int]:
+    """Places in the mechanism of a model's bodies, in the model's order: that in which its poses come."""
+    places = {body.name: k for k, body in enumerate(mechanism.bodies)}
+    return [places[name] for name in moving]
+
+
 def motion_of(result: Result, specs: Sequence[dict[str, Any]], size: float) -> Motion:
     """The run at its rows, and between those that lie far apart."""
     times = _instants(result)
     poses = poses_at(result, times)
-    bodies = [k for k, b in enumerate(result.mechanism.bodies) if b.name in result.motion.model.bodies]
+    bodies = moving_bodies(result.mechanism, result.motion.model.bodies)
     turns = quaternions(poses.rotations[:, bodies])
     rows = np.column_stack([_values(result, spec) for spec in specs])
     keep = np.concatenate([[True], np.diff(result.t) > 0.0]) if len(result.t) else np.zeros(0, dtype=bool)

@@ -93,7 +93,7 @@ class Player {
   }
 }
 
-const KINDS = { device: (data, player) => new Device(data, player), plate: (data, player) => new Plate(data, player) };
+const KINDS = { device: (data, player) => (data.live ? new LiveDevice(data, player) : new Device(data, player)), plate: (data, player) => new Plate(data, player) };
 
 async function main() {
   const data = await unpacked(document.getElementById("data").textContent);
@@ -112,7 +112,7 @@ async function main() {
   globalThis.lamcView = { data, shows, player }; // for tests, and for who is curious
   player.seek(0);
   for (const show of shows) {
-    if (!show.data.live) continue;
+    if (!show.enliven) continue;
     const source = document.getElementById(`engine-${show.data.live.engine}`).textContent + document.getElementById("serving").textContent;
     try {
       await show.enliven(globalThis.lamcEngines[show.data.live.engine], source);

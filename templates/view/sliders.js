@@ -51,27 +51,39 @@ class Slider {
   }
 }
 
-/** How far a slider of a number goes: a tenth to ten times what is above zero, twice what is not, and its bounds */
-function rangeOf(value, least, most) {
+/** How far a slider of a number goes: a tenth to ten times what is above zero, twice what is not, and its bounds; scale:
+ * what is much for such a number, where it is zero */
+function rangeOf({ value, least, most, scale }) {
   const [low, high] = [least ?? -Infinity, most ?? Infinity];
   if (low >= 0 && value > 0) {
     const [a, b] = [Math.max(low, value / 10), Math.min(high, value * 10)];
     return { least: a > 0 ? a : value / 10, most: b, log: b / (a > 0 ? a : value / 10) > 4 };
   }
-  const span = value !== 0 ? 2 * Math.abs(value) : 1;
+  const span = value !== 0 ? 2 * Math.abs(value) : (scale ?? 1);
   return { least: Math.max(low, Math.min(-span, 0)), most: Math.min(high, span), log: false };
+}
+
+/** One slider that turns all of a group by a factor, where they are alike and many */
+function together(sliders, moved) {
+  const own = sliders.map((slider) => slider.start);
+  if (sliders.length < 3 || own.some((value) => value === 0)) return null;
+  return new Slider({ name: `all ${sliders.length}, times`, title: "a factor for all of them", value: 1, least: 0.1, most: 10, log: true }, (factor, done) => {
+    sliders.forEach((slider, k) => slider.put(own[k] * factor));
+    moved(sliders, done);
+  });
 }
 
 /** Sliders under a heading that opens and closes; a field to find them by name where they are many */
 function group(title, sliders, open) {
   const body = el("div", { className: "group" }, ...sliders.map((slider) => slider.element));
-  if (sliders.length > 12) {
+  const many = sliders.filter((slider) => !slider.isAll);
+  if (many.length > 12) {
     const find = el("input", { type: "search", placeholder: "find by name", "aria-label": `find in ${title}` });
     find.addEventListener("input", () => {
       const text = find.value.toLowerCase();
-      sliders.forEach((slider) => (slider.element.hidden = !slider.name.toLowerCase().includes(text)));
+      many.forEach((slider) => (slider.element.hidden = !slider.name.toLowerCase().includes(text)));
     });
     body.prepend(find);
   }
-  return el("details", { open }, el("summary", {}, title, el("span", { className: "count", textContent: String(sliders.length) })), body);
+  return el("details", { open }, el("summary", {}, title, el("span", { className: "count", textContent: String(many.length) })), body);
 }

@@ -58,6 +58,7 @@ class Page:
         self.size(width, height)
         scheme = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
         self._call("Emulation.setEmulatedMedia", features=scheme)
+        self._call("Page.navigate", url="about:blank")  # else the same address is no new page
         self._call("Page.navigate", url=path.resolve().as_uri() + fragment)
         self.wait("document.readyState === 'complete' && document.body?.dataset.ready !== undefined")
 

@@ -117,7 +117,12 @@ __all__ = [
     "split",
 ]
 
-drawing.tell({})  # (kind of record, verb) → "module:function", imported when the verb is used
+drawing.tell(  # (kind of record, verb) → "module:function", imported when the verb is used
+    {
+        ("Result", "plot"): "lamc.report.plots:plot",
+        ("Result", "animate"): "lamc.report.animation:animate",
+    }
+)
 
 
 def __dir__() -> list[str]:

@@ -17,9 +17,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from lamc.basics.checks import Array
+from lamc.basics.numbers import shortened
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
-from lamc.report.plan_view import shortened
 from lamc.report.plate_contours import Field, draw_contours, triangulation
 from lamc.report.plate_marks import Scale, draw_loads, draw_outline, draw_supports, region_borders, scale_of
 from lamc.report.plate_solid import REST, bent, box, view_aspect

@@ -12,7 +12,6 @@ import os
 from collections.abc import Sized
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
@@ -22,49 +21,21 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from shapely.geometry import MultiPolygon, Polygon
 
-from lamc.basics.errors import LamcError
-from lamc.basics.files import replacing
+from lamc.basics.numbers import length_text, shortened
 from lamc.design.cutting import SLIT, material_size
 from lamc.design.steps import SplitBody, SplitSteps
 from lamc.records.mechanism import Array
-from lamc.report.plan_view import (
-    View,
-    fill,
-    frame,
-    is_hidden,
-    label,
-    length_text,
-    shortened,
-    thinned,
-    view_of,
-)
-from lamc.report.style import WORLD, body_colours
+from lamc.report.plan_view import View, fill, frame, is_hidden, label, thinned, view_of
+from lamc.report.style import WORLD, body_colours, save
 
 # Holes and slits have colours that no body has.
 MATERIAL, HOLE, SLIT_COLOUR, LINE = "#C9D6DF", "#B00020", "#3B2C85", "#000000"
-SUFFIXES = (".png", ".svg", ".pdf")
 _PANEL = 4.6  # inches, width of a panel's drawing
 
 
 def draw_split(steps: SplitSteps, path: str | os.PathLike[str]) -> None:
     """Draw the four steps into `path`. Raises LamcError for a suffix that is not .png, .svg or .pdf."""
-    target = Path(path)
-    if target.suffix.lower() not in SUFFIXES:
-        raise LamcError(f"cannot draw into {target.name!r}; the name must end in {', '.join(SUFFIXES)}")
-    # A fixed salt makes the ids in an SVG repeat from run to run.
-    with mpl.rc_context({"svg.hashsalt": "lamc"}):
-        figure = _figure(steps)
-        kind = target.suffix.lower()
-        with replacing(target) as temporary, temporary.open("wb") as file:
-            figure.savefig(file, format=kind[1:], dpi=160, metadata=_UNDATED[kind])
-
-
-# No date in the file: the same design gives the same picture.
-_UNDATED: dict[str, dict[str, str | None]] = {
-    ".png": {},
-    ".svg": {"Date": None},
-    ".pdf": {"CreationDate": None},
-}
+    save(_figure(steps), Path(path))
 
 
 def _figure(steps: SplitSteps) -> Figure:

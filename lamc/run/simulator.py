@@ -29,10 +29,11 @@ from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
 from lamc.records.mechanism import Mechanism
-from lamc.records.scene import OutputPoint, Scene
+from lamc.records.scene import Scene
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate, drawn_start
+from lamc.run.defaults import DURATION
 from lamc.run.ending import message
 from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
@@ -182,7 +183,7 @@ class Simulator(Evaluations):
 
     def run(
         self,
-        t_end: float = 10.0,
+        t_end: float | None = None,
         rtol: float | None = None,
         atol: float | None = None,
         t_eval: npt.ArrayLike | None = None,
@@ -197,8 +198,9 @@ class Simulator(Evaluations):
         accuracy: float | None = None,
         books: bool | None = None,
     ) -> Result:
-        """Runs from the scene's angles and rates at t = 0 to t_end (s).
+        """Runs from the scene's angles and rates at t = 0 to t_end.
 
+        t_end       s; None: the scene's duration, or 10 s
         rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|);
                     None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
@@ -230,6 +232,8 @@ class Simulator(Evaluations):
         if books is not None:
             superseded("run(books=...)", "run(energy_balance=...)")
             energy_balance = books
+        if t_end is None:
+            t_end = self.scene.duration or DURATION
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
         tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
         request = checked_request(
@@ -288,7 +292,7 @@ class Simulator(Evaluations):
             telling=telling,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks,
-            points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
+            outputs=tuple(self.scene.outputs or ()),
         )
         return result, trajectory.effort
 

@@ -4,6 +4,7 @@ In: the words of the command line. Out: the process's exit code, as `lamc.cli` h
 itself.
 """
 
+import gc
 import os
 import sys
 
@@ -14,10 +15,13 @@ def main() -> None:
         "run"
     ]:  # its matrices are small: threads that OpenBLAS starts would cost more than the run
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.disable()  # what imports make stays: looking through it again and again is a tenth of them
     try:
         from lamc.cli import main as work
     except KeyboardInterrupt:
         if sys.stderr is not None:  # daemons have none
             print("error: interrupted; nothing was written", file=sys.stderr)
         raise SystemExit(130) from None
+    finally:
+        gc.enable()
     work()

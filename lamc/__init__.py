@@ -119,6 +119,9 @@ __all__ = [
 
 drawing.tell(  # (kind of record, verb) → "module:function", imported when the verb is used
     {
+        ("Design", "draw"): "lamc.report.drawn:draw_design",
+        ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
+        ("Solution", "plot"): "lamc.report.plate_plot:plot",
         ("Result", "plot"): "lamc.report.plots:plot",
         ("Result", "animate"): "lamc.report.animation:animate",
     }

@@ -5,15 +5,21 @@ was read, and nowhere later.
 """
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from shapely.geometry import MultiPolygon, Point
 
 from lamc.basics.checks import checked_number
+from lamc.basics.drawing import drawer
 from lamc.basics.errors import Place
 from lamc.basics.places import Places as Places
 from lamc.records.scene import Scene, checked_scenes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
 
@@ -139,3 +145,14 @@ class Design:
         for layer in self.layers:
             heights.append(heights[-1] + layer.thickness)
         return tuple(heights)
+
+    def draw(self, *, axes: "Axes | None" = None, path: "str | os.PathLike[str] | None" = None) -> "Axes":
+        """The layers from above, what is held and the hinge lines with their names.
+
+        axes  Matplotlib axes to draw on; None: a new figure
+        path  a .png, .svg or .pdf file that the figure is written to, without opening a window
+
+        Returns the axes. Raises LamcError for what cannot be written.
+        """
+        drawn: Axes = drawer("Design", "draw")(self, axes=axes, path=path)
+        return drawn

@@ -74,7 +74,7 @@ def draw_deflection(problem: Problem, w: Array, path: Path, title: str, loads: S
     draw_contours(figure, plan, mesh, Field("deflection w", "m", w), scale)
     handles = draw_supports(plan, problem, scale) + draw_loads(plan, problem, loads, scale)
     handles += [*region_borders(mesh), Line2D([], [], color=REST, linewidth=0.9, label="at rest")]
-    _frame(plan, mesh, scale)
+    frame_plate(plan, mesh, scale)
     factor = bent(view, mesh, w)
     view.set_title(f"bent, deflections × {factor:g}", fontsize=9)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
@@ -107,7 +107,7 @@ def draw_fields(
         draw_contours(figure, axis, mesh, field, scale)
         if marks:
             handles = draw_supports(axis, problem, scale) + region_borders(mesh)
-        _frame(axis, mesh, scale)
+        frame_plate(axis, mesh, scale)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
     _legend(figure, handles)
     return save(figure, path)
@@ -138,7 +138,8 @@ def _plan(mesh: Mesh, width: float) -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _frame(axis: Axes, mesh: Mesh, scale: Scale) -> None:
+def frame_plate(axis: Axes, mesh: Mesh, scale: Scale) -> None:
+    """Limits, equal scale, labels with unit, quiet spines."""
     low, high = mesh.points.min(axis=0) * scale.per_metre, mesh.points.max(axis=0) * scale.per_metre
     margin = 0.04 * float((high - low).max())
     axis.set_xlim(low[0] - margin, high[0] + margin)
@@ -157,7 +158,7 @@ def _frame(axis: Axes, mesh: Mesh, scale: Scale) -> None:
 def _finish(
     figure: Figure, axis: Axes, mesh: Mesh, scale: Scale, title: str, handles: Sequence[Line2D]
 ) -> None:
-    _frame(axis, mesh, scale)
+    frame_plate(axis, mesh, scale)
     figure.suptitle(shortened(title, 80), fontsize=10, parse_math=False)
     figure.set_figheight(figure.get_figheight() + 0.25 * math.ceil(len(handles) / _COLUMNS))
     _legend(figure, handles)

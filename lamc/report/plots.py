@@ -16,7 +16,7 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import RequestError
 from lamc.basics.numbers import prefixed, shortened
 from lamc.report.curves import NAMED_CURVES, Curve, draw_curves, dress
-from lamc.report.style import curve_style, save
+from lamc.report.style import curve_style, save, save_axes
 from lamc.run.quantities import AXES, ENERGY, Quantity
 from lamc.run.result import Result
 
@@ -56,10 +56,7 @@ def plot(
     for axis, group in zip(given, groups, strict=True):
         _panel(axis, result, group)
     if path is not None:
-        whole: Any = given[0].figure
-        while not isinstance(whole, Figure):  # of a figure in a figure
-            whole = whole.figure
-        save(whole, Path(path))
+        save_axes(given[0], path)
     return tuple(given)
 
 

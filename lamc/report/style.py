@@ -5,6 +5,7 @@ itself and keeps no state; names are shown as they are, never read as markup or 
 """
 
 import io
+import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -61,6 +62,14 @@ def add_legend(axis: Axes, handles: Sequence[object], names: Sequence[str], colu
         text.set_parse_math(False)
         text.set_text(shortened(name, 24))
     return legend
+
+
+def save_axes(axis: Axes, path: str | os.PathLike[str]) -> Path:
+    """Writes the figure that `axis` is in, as `save` does."""
+    whole: Any = axis.figure
+    while not isinstance(whole, Figure):  # of a figure in a figure
+        whole = whole.figure
+    return save(whole, Path(path))
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from shapely.geometry import MultiPolygon, Point
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import checked_number
 from lamc.basics.drawing import drawer
 from lamc.basics.errors import Place
@@ -53,6 +54,9 @@ class Layer:
     geometry: MultiPolygon  # m, world x and y
     angle: float = 0.0  # rad, ply angle
 
+    def __repr__(self) -> str:
+        return brief("Layer", self.name, self.material.name, f"{self.thickness:g} m")
+
 
 @dataclass(frozen=True)
 class HingeLine:
@@ -75,6 +79,11 @@ class HingeSet:
     damping: float = 0.0  # N·m·s/rad
     rest_angle: float = 0.0  # rad
     limits: tuple[float, float] = (-math.pi, math.pi)  # rad
+
+    def __repr__(self) -> str:
+        return brief(
+            "HingeSet", "", counted(len(self.lines), "line"), f"layer {self.layer}", f"{self.width:g} m wide"
+        )
 
 
 @dataclass(frozen=True)
@@ -137,6 +146,16 @@ class Design:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))
+
+    def __repr__(self) -> str:
+        lines = sum(len(hinges.lines) for hinges in self.hinges)
+        return brief(
+            "Design",
+            self.name,
+            counted(len(self.layers), "layer"),
+            counted(lines, "hinge line"),
+            counted(len(self.scenes), "scene") if self.scenes else "",
+        )
 
     @property
     def z(self) -> tuple[float, ...]:

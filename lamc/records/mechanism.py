@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from shapely.geometry import Polygon
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array as Array
 from lamc.basics.checks import checked_array as checked_array
 from lamc.basics.checks import checked_flag, checked_range, checked_records, shown
@@ -82,6 +83,9 @@ class Body:
         if not self.fixed:
             self._check_inertia(what)
 
+    def __repr__(self) -> str:
+        return brief("Body", self.name, "fixed" if self.fixed else "", f"{self.mass:g} kg")
+
     def _check_inertia(self, what: str) -> None:
         if self.mass == 0.0:
             raise DesignError(f"{what} has zero mass; give it a thickness and a density, or fix it")
@@ -149,6 +153,9 @@ class Joint:
     __eq__ = same_record
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        return brief("Joint", self.name, f"{self.child!r} on {self.parent!r}", f"{self.stiffness:g} N·m/rad")
+
     @property
     def is_limited(self) -> bool:
         """True if the drawn limits are narrower than ±180°."""
@@ -209,6 +216,14 @@ class Mechanism:
 
     __eq__ = same_record
     __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return brief(
+            "Mechanism",
+            self.name,
+            counted(len(self.bodies), "body", "bodies"),
+            counted(len(self.joints), "joint"),
+        )
 
     def body(self, name: str) -> Body:
         """The body of that name. Raises KeyError with the names there are."""

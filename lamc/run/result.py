@@ -6,9 +6,10 @@ was made.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -75,6 +76,9 @@ class Result(GivenOut, Unchanging):
     def __repr__(self) -> str:
         n = len(self.joints)
         return f"<Result of {self.provenance.design!r}: {len(self.t)} rows, {n} joints; {self.message}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     @property
     def success(self) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array, shown
 from lamc.basics.drawing import drawer
 from lamc.basics.errors import DesignError, UnsupportedError
@@ -150,6 +151,11 @@ class Solution:
             )
         numbers = self.problem.dofs.of(name)
         return np.where(numbers >= 0, self.values[np.maximum(numbers, 0)], np.nan)
+
+    def __repr__(self) -> str:
+        return brief(
+            "Solution", "", counted(self.report.unknowns, "unknown"), counted(len(self.loads), "load")
+        )
 
     def plot(
         self, name: str = "w", *, axes: "Axes | None" = None, path: "str | os.PathLike[str] | None" = None

@@ -44,9 +44,9 @@ def field_of(solution: Solution, name: str) -> Field:
             if resultants is not None:
                 for k, part in enumerate(_PARTS):
                     found[f"{letter}_{part}"] = Field(f"${letter}_{{{part}}}$", unit, resultants[..., k])
-        found["stress"] = Field("largest von Mises stress of all plies", "Pa", fields.stress)
+        found["stress"] = Field("largest von Mises stress of all plies", "Pa", fields.stress, signed=False)
         if fields.tsai_wu is not None:
-            found["tsai_wu"] = Field("largest Tsai-Wu index, 1 at failure", "", fields.tsai_wu)
+            found["tsai_wu"] = Field("largest Tsai-Wu index, 1 at failure", "", fields.tsai_wu, signed=False)
     if name not in found:
         raise RequestError(
             f"this solution has no field {shown(name)}; {did_you_mean(str(name), [*own, *found] or list(_UNKNOWNS))}"

@@ -21,6 +21,7 @@ from lamc.basics.numbers import shortened
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
 from lamc.report.plate_contours import Field, draw_contours, triangulation
+from lamc.report.plate_insets import draw_insets, slivers
 from lamc.report.plate_marks import Scale, draw_loads, draw_outline, draw_supports, region_borders, scale_of
 from lamc.report.plate_solid import REST, bent, box, view_aspect
 from lamc.report.style import PALETTE, save
@@ -97,8 +98,9 @@ def draw_fields(
     )
     lines = math.ceil(len(fields) / columns)
     panel = 10.5 / columns if columns > 1 else 7.4
-    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + 1.1
-    figure = Figure(figsize=(panel * columns, tall * lines + 0.5), layout="compressed")
+    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + (2.3 if slivers(problem) else 1.1)
+    layout = "compressed" if columns > 1 else "constrained"
+    figure = Figure(figsize=(panel * columns, tall * lines + 0.9), layout=layout)
     axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     handles: list[Line2D] = []
     for axis in axes[len(fields) :]:
@@ -108,6 +110,7 @@ def draw_fields(
         if marks:
             handles = draw_supports(axis, problem, scale) + region_borders(mesh)
         frame_plate(axis, mesh, scale)
+        draw_insets(axis, problem, field, scale)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
     _legend(figure, handles)
     return save(figure, path)
@@ -124,7 +127,7 @@ def draw_modes(problem: Problem, shapes: Array, titles: Sequence[str], path: Pat
     for axis in axes[count:]:
         axis.set_axis_off()
     for axis, shape, reported in zip(axes, shapes.T, titles, strict=False):
-        bent(axis, mesh, shape, signed=True)
+        bent(axis, mesh, shape)
         axis.set_title(reported, fontsize=9, parse_math=False)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
     figure.supxlabel("purple: up, orange: down, grey: at rest; amplitudes are arbitrary", fontsize=8)

@@ -99,10 +99,11 @@ def bytes_of(figure: Figure, kind: str = "png") -> bytes:
 
 
 def _arrange(figure: Figure) -> None:
-    """Lays the figure out, once: matplotlib would do so in two drawings, of which the first goes nowhere."""
+    """Lays the figure out. matplotlib would draw it twice to do so; axes of equal scales take two goes to settle."""
     engine = figure.get_layout_engine()
     if engine is not None:
         dpi, figure.dpi = figure.dpi, DPI
-        engine.execute(figure)
+        for _ in range(2):
+            engine.execute(figure)
         figure.dpi = dpi
         figure.set_layout_engine(None)

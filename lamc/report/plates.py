@@ -99,7 +99,7 @@ def draw_fields(
     lines = math.ceil(len(fields) / columns)
     panel = 10.5 / columns if columns > 1 else 7.4
     tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + (2.3 if slivers(problem) else 1.1)
-    layout = "compressed" if columns > 1 else "constrained"
+    layout: Any = "compressed" if columns > 1 else "constrained"
     figure = Figure(figsize=(panel * columns, tall * lines + 0.9), layout=layout)
     axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     handles: list[Line2D] = []

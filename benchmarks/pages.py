@@ -3,9 +3,9 @@
     python -m benchmarks.pages [--quick] [EXAMPLE ...]
 
 In: examples. Out: a table: size of the page; median time of drawing a frame; of stepping the model by a sixtieth of a
-second and drawing; of a run anew of the scene's length, the engine warm. A frame of 60 a second is 16.7 ms. Times are the
-processor's: a headless browser has no graphics card, and calls of WebGL return before it has drawn. It needs Chromium
-and a compiler for WebAssembly. `--quick`: fewer frames.
+second and drawing; of a run anew of the scene's length, the engine warm. A frame of 60 a second is 16.7 ms. Times are
+the processor's: a headless browser has no graphics card, and calls of WebGL return before it has drawn. It needs
+Chromium and a compiler for WebAssembly. `--quick`: fewer frames.
 """
 
 import argparse

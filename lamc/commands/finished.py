@@ -14,7 +14,7 @@ import numpy as np
 
 from lamc.basics.errors import LamcError
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
-from lamc.commands.run import MANIFEST
+from lamc.commands.run_folder import MANIFEST
 from lamc.commands.terminal import Progress
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
@@ -25,7 +25,10 @@ from lamc.run.simulator import Simulator
 
 
 def finished_run(folder: Path, source: Source, times: Times, progress: Progress) -> Result:
-    """The run in `folder`."""
+    """The run in `folder`, or in the only folder of a run that it holds, as out/NAME holds out/NAME/SCENE."""
+    inside = sorted(path.parent for path in folder.glob(f"*/{MANIFEST}"))
+    if not (folder / MANIFEST).exists() and len(inside) == 1:
+        folder = inside[0]
     manifest = _manifest(folder)
     way_out = "run it again, or view the design itself"
     origin = str(manifest["source"])

@@ -49,8 +49,7 @@ def run_show(
     mechanism = result.mechanism
     shape = shape_data(mechanism, result.marks)
     size = float(shape["size"])
-    outputs = result.points if scene is None or scene.outputs is None else scene.outputs
-    specs = curve_specs(result, mechanism, outputs, result.energies)
+    specs = curve_specs(result, mechanism, result.outputs, result.energies)
     motion = motion_of(result, specs, size)
     settings = {"rtol": result.stats.rtol, "atol": result.stats.atol}
     model = None if live is None else live_data(live, mechanism, result.provenance.parameters, settings)

@@ -4,7 +4,6 @@ In: a report of `lamc plate`, solutions, modes, or a problem that nobody solved.
 bits, colours 8, as many as can be told apart. Never: solves.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -28,17 +27,20 @@ _TALL = 0.16  # of the plate's size: the largest displacement as it is drawn at 
 _PERIOD = 3.0  # s of a showing: a load comes and goes, or a mode swings once
 _LEVELS = 65535
 _COLOURS = 255
+_SAME = 1e-9  # of the largest value: a field that varies by less is one number
 _AXES = ("x", "y", "xy")
 _VIEW = {"azimuth": -24.0, "elevation": 32.0}
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """What colours a surface. values: (points,) or, where it may jump between cells, (cells, corners), SI."""
+    """What colours a surface. values: (points,) or, where it may jump between cells, (cells, corners), SI; signed: a
+    quantity that has a sign."""
 
     name: str
     unit: str
     values: Array
+    signed: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ def problem_show(problem: Problem, *, label: str = "") -> Show:
     """The mesh at rest, coloured by thickness; nothing is solved."""
     mesh = problem.mesh
     thickness = np.array([laminate.thickness for laminate in problem.laminates])[mesh.regions]
-    field = Field("thickness", "m", np.repeat(thickness[:, None], mesh.corner_count, axis=1))
+    field = Field("thickness", "m", np.repeat(thickness[:, None], mesh.corner_count, axis=1), False)
     still = Shape("at rest", np.zeros((len(mesh.points), 3)), [field])
     return _show("plate", problem, [still], label, ("Nothing is solved yet.",))
 
@@ -96,9 +98,9 @@ def _case(solution: Solution, name: str, fields: CornerFields) -> Shape:
     found = [Field("deflection", "m", moved[:, 2])] if solution.problem.dofs.element.bends else []
     if solution.problem.dofs.element.stretches:
         found += [Field(f"displacement {axis}", "m", moved[:, k]) for k, axis in enumerate("uv")]
-    found.append(Field("stress of plies (von Mises)", "Pa", fields.stress))
+    found.append(Field("stress of plies (von Mises)", "Pa", fields.stress, False))
     if fields.tsai_wu is not None:
-        found.append(Field("Tsai-Wu index", "1", fields.tsai_wu))
+        found.append(Field("Tsai-Wu index", "1", fields.tsai_wu, False))
     for letter, unit, values in (("M", "N", fields.moments), ("N", "N/m", fields.forces)):
         if values is not None:
             found += [Field(f"{letter}_{axis}", unit, values[..., k]) for k, axis in enumerate(_AXES)]
@@ -175,21 +177,17 @@ def _field_data(mesh: Mesh, field: Field) -> dict[str, Any]:
     """Levels of colour, and the numbers at their ends; what is beyond them has the colour of the end."""
     values = np.asarray(field.values, dtype=float)
     low, high = shown_range(mesh, values)
-    if not high - low > 1e-9 * max(abs(low), abs(high)):  # round-off would take all colours
+    if not high - low > _SAME * max(abs(low), abs(high)):  # round-off would take all colours
         low = high = 0.5 * (low + high)
-    colours, _ = colours_of(low, high)
-    if colours == TWO_SIGNS:
-        size = max(abs(low), abs(high))
-        low, high = -size, size
-    span = high - low
-    share = (np.nan_to_num(values, nan=low) - low) / span if span > 0.0 else np.full_like(values, 0.5)
+    colours, norm = colours_of(low, high, signed=field.signed)
+    share = np.asarray(norm(np.clip(np.nan_to_num(values, nan=low), low, high)), dtype=float)
     return {
         "name": field.name,
         "unit": field.unit,
         "colours": colours,
-        "low": low,
-        "high": high,
-        "least": float(np.nanmin(values)) if not math.isnan(float(np.nanmin(values))) else 0.0,
+        "low": float(norm.vmin or 0.0),
+        "high": float(norm.vmax or 0.0),
+        "least": float(np.nanmin(values)),
         "most": float(np.nanmax(values)),
         "levels": np.rint(np.clip(share, 0.0, 1.0) * _COLOURS).astype("u1").ravel(),
         "jumps": values.ndim == 2,

@@ -51,7 +51,7 @@ def test_several_stand_side_by_side() -> None:
 
 
 def test_a_finished_run_is_shown_from_its_folder(monkeypatch: pytest.MonkeyPatch) -> None:
-    words = ["run", "--example", "four_bar", "--t-end", "0.3", "--no-animation", "--out", "run"]
+    words = ["run", "--example", "four_bar", "--t-end", "0.3", "--no-pictures", "--out", "run"]
     assert CliRunner().invoke(main, words).exit_code == 0
     text, _ = page("run", "--no-live")
     assert "0.3 s by" in text

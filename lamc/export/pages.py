@@ -29,11 +29,11 @@ from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.defaults import DURATION, default_rows
+from lamc.run.remaking import Telling
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.view.device import fold_show, run_show
 from lamc.view.document import MOST_BYTES, Show, framed, page, write_page
-from lamc.view.live import Live
 from lamc.view.plates import problem_show, solution_show, solutions_show
 
 _MOST_JOINTS = 40  # of a mechanism whose ways out of a singular drawing are looked for, which takes a moment
@@ -64,16 +64,13 @@ def _run(simulator: Simulator) -> Result:
 
 def result_show(result: Result, *, live: bool, label: str = "", budget: int = MOST_BYTES) -> Show:
     """A run; with its model where one is asked for and can be had."""
-    simulator = result.simulator
-    scene = simulator.scene if isinstance(simulator, Simulator) else None
-    model: Live | None = None
-    why = ""
-    if live and isinstance(simulator, Simulator):
-        model, why = live_or_why(simulator)
-    data = None if scene is None else scene_or_none(scene)
-    return run_show(
-        result, scene, model, label=label, scene_data=data, notes=(why,) if why else (), budget=budget
-    )
+    if not live or not isinstance(result.telling, Telling):
+        return run_show(result, label=label, budget=budget)
+    simulator = result.telling.simulator
+    model, why = live_or_why(simulator)
+    scene, notes = simulator.scene, (why,) if why else ()
+    data = scene_or_none(scene)
+    return run_show(result, scene, model, label=label, scene_data=data, notes=notes, budget=budget)
 
 
 def mechanism_show(mechanism: Mechanism, label: str = "") -> Show:

@@ -56,11 +56,16 @@ class Telling:
         self._simulator = simulator
         self._recipe, self._parameters, self._baumgarte = recipe, dict(parameters), baumgarte
 
-    def __call__(self) -> "Motion":
+    @property
+    def simulator(self) -> "Simulator":
+        """What ran; in another process made anew when it is first asked for."""
         if self._simulator is None:
             assert self._recipe is not None
             self._simulator = self._recipe.simulator()
-        return self._simulator.telling.motion(self._parameters, self._baumgarte)
+        return self._simulator
+
+    def __call__(self) -> "Motion":
+        return self.simulator.telling.motion(self._parameters, self._baumgarte)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Telling, (None, self._recipe, self._parameters, self._baumgarte)

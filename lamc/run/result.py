@@ -69,7 +69,6 @@ class Result(GivenOut, Viewable, Unchanging):
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
-    simulator: object = field(default=None, repr=False)  # that made it; None: a result made by hand
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):

@@ -318,7 +318,6 @@ class Simulator(Evaluations, Viewable):
             mechanism=self.mechanism,
             motion=motion,
             telling=telling,
-            simulator=self,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks,
             outputs=tuple(self.scene.outputs or ()),

@@ -20,13 +20,17 @@ from lamc.plates.problem import Problem
 from lamc.plates.solving.solution import Solution
 from lamc.report.plate_contours import shown_range
 from lamc.report.plate_records import PlateReport
-from lamc.report.plate_solid import ONE_SIGN, TWO_SIGNS, box, colours_of, rounded, split
+from lamc.report.plate_solid import ONE_SIGN, TWO_SIGNS, box, colours_of, rounded
 from lamc.view.document import Show
 
 _TALL = 0.16  # of the plate's size: the largest displacement as it is drawn at first
 _PERIOD = 3.0  # s of a showing: a load comes and goes, or a mode swings once
 _LEVELS = 65535
 _COLOURS = 255
+_MANY, _COARSE = (
+    4000,
+    4,
+)  # cells; of more, every fourth colour is used, which the eye does not miss and pages do
 _SAME = 1e-9  # of the largest value: a field that varies by less is one number
 _AXES = ("x", "y", "xy")
 _VIEW = {"azimuth": -24.0, "elevation": 32.0}
@@ -136,15 +140,14 @@ def _at_points(problem: Problem, vector: Array) -> Array:
 
 def _show(name: str, problem: Problem, shapes: Sequence[Shape], label: str, notes: tuple[str, ...]) -> Show:
     mesh = problem.mesh
-    corners = split(np.arange(mesh.cells.size).reshape(mesh.cells.shape))
     ends = mesh.edges[np.bincount(mesh.cell_edges.ravel(), minlength=len(mesh.edges)) == 1]
     data = {
         "kind": "plate",
         "label": label,
         "description": f"{name}, bent; the list beside it tells what is shown",
         "points": mesh.points.astype("f4").ravel(),
-        "corners": mesh.cells.astype("u4").ravel(),
-        "triangles": corners.astype("u4").ravel(),
+        "corners": mesh.cells.astype("u2" if len(mesh.points) < 1 << 16 else "u4").ravel(),
+        "perCell": mesh.corner_count,
         "rim": ends.astype("u4").ravel(),
         "shapes": [_shape_data(mesh, shape) for shape in shapes],
         "maps": {each: _table(each) for each in (ONE_SIGN, TWO_SIGNS)},
@@ -181,6 +184,8 @@ def _field_data(mesh: Mesh, field: Field) -> dict[str, Any]:
         low = high = 0.5 * (low + high)
     colours, norm = colours_of(low, high, signed=field.signed)
     share = np.asarray(norm(np.clip(np.nan_to_num(values, nan=low), low, high)), dtype=float)
+    step = _COARSE if len(mesh.cells) > _MANY else 1
+    levels = step * np.rint(np.clip(share, 0.0, 1.0) * _COLOURS / step).clip(max=_COLOURS // step)
     return {
         "name": field.name,
         "unit": field.unit,
@@ -189,7 +194,7 @@ def _field_data(mesh: Mesh, field: Field) -> dict[str, Any]:
         "high": float(norm.vmax or 0.0),
         "least": float(np.nanmin(values)),
         "most": float(np.nanmax(values)),
-        "levels": np.rint(np.clip(share, 0.0, 1.0) * _COLOURS).astype("u1").ravel(),
+        "levels": levels.astype("u1").ravel(),
         "jumps": values.ndim == 2,
     }
 

@@ -37,7 +37,8 @@ class Curves {
       },
     });
     line.toggle = toggle;
-    const mark = svg("svg", { viewBox: "0 0 22 10", class: "mark" }, svg("path", { d: "M1 5h20", stroke: line.colour, "stroke-dasharray": line.dash.join(" ") }));
+    line.path = svg("path", { d: "M1 5h20", stroke: line.colour, "stroke-dasharray": line.dash.join(" ") });
+    const mark = svg("svg", { viewBox: "0 0 22 10", class: "mark" }, line.path);
     toggle.append(mark, el("span", { className: "name", textContent: short(line.name) }), line.value);
     return el("li", {}, toggle);
   }
@@ -46,6 +47,7 @@ class Curves {
   show(motion, duration, events, from = 0) {
     Object.assign(this, { motion, duration, events, from });
     this.measure();
+    this.part();
     if (!this.chosen && this.lines.length > SHOWN && motion.filled > 1) {
       this.chosen = true;
       const most = [...this.lines].sort((a, b) => b.high - b.low - (a.high - a.low)).slice(0, SHOWN);
@@ -69,6 +71,21 @@ class Curves {
         if (value > line.high) line.high = value;
       }
     }
+  }
+
+  /** Lines that lie on one another get dashes, so that all of them are seen */
+  part() {
+    if (this.motion === this.parted || this.motion.filled < 2 || this.lines.length > 24) return;
+    this.parted = this.motion.filled === this.motion.rows ? this.motion : null;
+    const instants = Array.from({ length: 40 }, (_, k) => (this.motion.end * k) / 39);
+    const [low, high] = this.range();
+    const values = this.lines.map((line) => instants.map((t) => this.motion.curve(line.at, t)));
+    const same = (a, b) => values[a].every((v, i) => Math.abs(v - values[b][i]) < 0.004 * (high - low));
+    this.lines.forEach((line, k) => {
+      const before = this.lines.slice(0, k).filter((_, j) => same(j, k)).length;
+      line.dash = before > 0 ? [12 - 3 * Math.min(before, 3), 6 + 4 * Math.min(before, 3)] : DASHES[Math.floor(k / 6) % 4];
+      line.path.setAttribute("stroke-dasharray", line.dash.join(" "));
+    });
   }
 
   range() {
@@ -117,7 +134,8 @@ class Curves {
     const columns = ticks(this.from, this.duration, Math.max(2, this.wide / 90));
     columns.at.forEach((t, k) => {
       const last = k === columns.at.length - 1;
-      pen.fillText(`${fixed(t, columns.step)}${last ? " s" : ""}`, clamp(x(t), this.left + 8, width - 16), height - 7);
+      const text = `${fixed(t, columns.step)}${last ? " s" : ""}`;
+      pen.fillText(text, Math.min(x(t), width - 2 - pen.measureText(text).width / 2), height - 7);
       pen.moveTo(Math.round(x(t)) + 0.5, 6);
       pen.lineTo(Math.round(x(t)) + 0.5, tall);
     });

@@ -13,15 +13,23 @@ class Plate {
     this.stage = new Stage({ ...NOTHING, size: 2 * ball.radius }, home, data.description);
     this.places = new Float32Array(3 * count);
     const corners = data.corners.length;
+    this.triangles = this.makeTriangles(corners, data.perCell);
     this.surface = {
       points: new Float32Array(3 * corners), normals: new Float32Array(3 * corners), colours: new Uint8Array(4 * corners).fill(255),
-      triangles: data.triangles, rim: this.rim(count),
+      triangles: this.triangles, rim: this.rim(count),
     };
     this.side = el("div", { className: "side" });
     const label = data.label ? [el("h2", { textContent: data.label })] : [];
     this.element = el("article", { className: "show" }, ...label, el("div", { className: "pair" }, this.stage.element, this.side));
     this.makeSide();
     this.choose(0);
+  }
+
+  /** Corners of cells as triangles; those of four corners are split in two */
+  makeTriangles(count, perCell) {
+    if (perCell === 3) return Uint32Array.from({ length: count }, (_, k) => k);
+    const order = [0, 1, 2, 0, 2, 3];
+    return Uint32Array.from({ length: 1.5 * count }, (_, k) => 4 * Math.floor(k / 6) + order[k % 6]);
   }
 
   /** Ends of the rim's lines as corners of cells */
@@ -89,7 +97,8 @@ class Plate {
 
   seek(time) {
     this.time = time;
-    const { points, corners, triangles } = this.data;
+    const { triangles } = this;
+    const { points, corners } = this.data;
     const { moved, step } = this.shape;
     const { places, surface } = this;
     const share = this.data.duration > 0 ? this.share(time) * this.factor * step : 0;

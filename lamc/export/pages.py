@@ -118,7 +118,14 @@ def open_page(path: Path) -> bool:
 
 def frame(record: Any) -> str:
     """`Viewable._repr_html_`: no model, and a plate that nobody solved is not solved for it."""
-    return framed(page([show_of(record, live=False)]))
+    show = _at_start(record) if isinstance(record, Simulator) else show_of(record, live=False)
+    return framed(page([show]))
+
+
+def _at_start(simulator: Simulator) -> Show:
+    """A simulator as it begins: a notebook that shows its value shall not wait for a run."""
+    start = dict(zip(simulator.joints, simulator.start.tolist(), strict=False))
+    return fold_show(simulator.mechanism, start)
 
 
 def compared(shows: Sequence[Show], title: str) -> str:

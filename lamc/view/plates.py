@@ -184,7 +184,7 @@ def _field_data(mesh: Mesh, field: Field) -> dict[str, Any]:
         low = high = 0.5 * (low + high)
     colours, norm = colours_of(low, high, signed=field.signed)
     share = np.asarray(norm(np.clip(np.nan_to_num(values, nan=low), low, high)), dtype=float)
-    step = _COARSE if len(mesh.cells) > _MANY else 1
+    step = _COARSE if values.ndim == 2 and len(mesh.cells) > _MANY else 1
     levels = step * np.rint(np.clip(share, 0.0, 1.0) * _COLOURS / step).clip(max=_COLOURS // step)
     return {
         "name": field.name,

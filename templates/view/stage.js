@@ -32,6 +32,11 @@ class Stage {
     const spans = shape.hinges.map((h) => norm(minus(h.ends.slice(3), h.ends.slice(0, 3)))).sort((a, b) => a - b);
     this.hingeLength = spans[spans.length >> 1] ?? 0;
     this.labels = shape.hinges.map((hinge) => el("span", { textContent: short(hinge.name, 20) }));
+    this.bodyLabels = shape.bodies.map((body) => {
+      const label = el("span", { className: "body" }, el("i"), short(body.name, 20));
+      label.firstChild.style.background = body.colour;
+      return label;
+    });
     this.frames = [];
   }
 
@@ -93,6 +98,10 @@ class Stage {
         const [x, y] = seen(placed(this.pose(hinge.parent), middle));
         this.labels[k].style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -130%)`;
       });
+      this.shape.bodies.forEach((body, b) => {
+        const [x, y] = seen(placed(this.pose(b), body.com));
+        this.bodyLabels[b].style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
+      });
     }
     const pixel = look.metre * ratio; // m, at the target
     const power = 10 ** Math.floor(Math.log10((width / 6) * pixel));
@@ -117,7 +126,7 @@ class Stage {
 
   name(shown) {
     this.named = shown;
-    this.names.replaceChildren(...(shown ? this.labels : []));
+    this.names.replaceChildren(...(shown ? [...this.bodyLabels, ...this.labels] : []));
     this.draw();
   }
 }

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lamc.basics.errors import LamcError
+from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import checked_path
 from lamc.commands.export_plate import check_example, is_plate_source
 from lamc.commands.finished import finished_run
@@ -52,7 +52,7 @@ class ViewOrder:
 
 
 def view(order: ViewOrder, terminal: Terminal) -> int:
-    """Writes the page. Returns 0."""
+    """Writes the page. Returns 0, or 3 where a run did not reach its end."""
     if not order.sources:
         raise LamcError("name a FILE, the folder of a finished run, or an example with --example NAME")
     if len(order.sources) > _MOST_SHOWS:
@@ -74,8 +74,19 @@ def view(order: ViewOrder, terminal: Terminal) -> int:
     terminal.say("\n".join(lines))
     notes = [note for show in shows for note in show.notes]
     live = [bool(show.engine) for show in shows]
-    terminal.result({"ok": True, "page": str(path), "bytes": size, "live": live, "notes": notes})
-    return 0
+    terminal.result(
+        {
+            "ok": not any(show.failed for show in shows),
+            "page": str(path),
+            "bytes": size,
+            "live": live,
+            "notes": notes,
+        }
+    )
+    for show in shows:
+        if show.failed:
+            terminal.error(f"{show.name}: {show.failed}; what was computed until then is in {path}")
+    return SimulationError.exit_code if any(show.failed for show in shows) else 0
 
 
 def _path(order: ViewOrder, title: str) -> Path:

@@ -79,8 +79,10 @@ def run_show(
     facts = (
         f"{len(mechanism.bodies)} bodies, {len(names)} hinges; {duration:g} s by {result.stats.integrator}"
     )
-    said = (_told(recording["error"], size), *_events_note(result), *notes)
-    return Show(mechanism.name, facts, data, "" if live is None else live.engine, said)
+    failed = "" if result.success else result.message
+    said = (*([failed] if failed else []), _told(recording["error"], size), *_events_note(result))
+    engine = "" if live is None else live.engine
+    return Show(mechanism.name, facts, data, engine, (*said, *result.notes, *notes), failed)
 
 
 def model_show(

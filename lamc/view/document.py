@@ -38,6 +38,7 @@ class Show:
     data    plain data with arrays, for `templates/view/device.js` or `plate.js`
     engine  JavaScript that defines `simulatorOf`, of a model that is in the data; empty: none is
     notes   sentences below the picture
+    failed  why a run ended before its time; empty: it did not
     """
 
     name: str
@@ -45,6 +46,7 @@ class Show:
     data: Mapping[str, Any]
     engine: str = ""
     notes: tuple[str, ...] = field(default=())
+    failed: str = ""
 
 
 def page(shows: Sequence[Show], title: str | None = None) -> str:

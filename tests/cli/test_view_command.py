@@ -102,3 +102,18 @@ def test_without_a_compiler_it_says_what_to_install(monkeypatch: pytest.MonkeyPa
     text, data = page("--example", "pendulum", "--t-end", "0.2")
     assert data["live"] == [False]
     assert "pip install lamc[cc]" in text
+
+
+def test_a_run_that_ends_early_is_shown_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = lamc.Simulator.run
+
+    def short(self: lamc.Simulator, *given: object, **named: object) -> lamc.Result:
+        return whole(self, *given, **{**named, "max_steps": 20})  # type: ignore[arg-type]
+
+    monkeypatch.setattr(lamc.Simulator, "run", short)
+    result = call("--example", "pendulum", "--no-live", "--out", "early.html")
+    assert result.exit_code == 3
+    told = result.stderr.splitlines()[-1]
+    assert told.startswith("error: pendulum: ")
+    assert told.endswith("what was computed until then is in early.html")
+    assert "20 steps" in Path("early.html").read_text(encoding="utf-8")

@@ -104,6 +104,6 @@ if __name__ == "__main__":
     given = parser.parse_args()
     if CHROMIUM is None:
         sys.exit(
-            "no Chromium is on the path: install one (Debian: apt install chromium), or set LAMC_CHROMIUM"
+            "no Chromium is on the path: install one (Debian: apt install chromium), or name it in $CHROMIUM"
         )
     pages(given.examples or list(EXAMPLES), 20 if given.quick else 120)

@@ -130,7 +130,7 @@ def _show(source: Source, order: ViewOrder, times: Times, progress: Progress) ->
 def _run(mechanism: Mechanism, source: Source, order: ViewOrder, times: Times, progress: Progress) -> Result:
     scene, _ = changed_scene(mechanism, order.changes)
     simulator = compile_design(mechanism, scene, source.options, times)
-    parameters = dict(parameters_of(order.settings, simulator.parameters))
+    parameters = dict(parameters_of(order.settings, simulator.parameter_units))
     end = order.t_end or scene.duration or DURATION
     rows = default_rows(end, len(simulator.start))
     with times.stage("run"):

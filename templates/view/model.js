@@ -97,7 +97,10 @@ class LiveDevice extends Device {
   again(done, slider = null) {
     if (this.engine === null) return;
     const isQuick = this.cost !== undefined && this.cost <= QUICK;
-    if (!isQuick && !done) return;
+    if (!isQuick && !done) {
+      if (slider === null && !this.data.walks) this.fold(); // an angle is dragged: at least where it begins
+      return;
+    }
     const order = this.order();
     const motion = new Motion(this.data.moving.length, this.data.curves.length, order.rows);
     if (isQuick) {

@@ -139,6 +139,23 @@ def test_a_start_angle_gives_the_run_of_python(
 
 
 @needs_wasm
+def test_an_input_of_a_run_with_other_parameters_gives_the_run_of_python(tab: Page, tmp_path: Path) -> None:
+    inputs = {"load": lamc.Input(0.2, unit="N*m")}
+    scene = lamc.Scene(added=(lamc.Torque({"h1": "load*sin(3*t)"}),), inputs=inputs, duration=1.0)
+    sim = lamc.compile(mechanism_of("pendulum"), scene)
+    given = {name: 1.2 * value for name, value in sim.parameters.items() if name.endswith("mass")}
+    path = sim.run(1.0, parameters=given).view(tmp_path / "run.html")
+    tab.open(path, fragment="#t=0")
+    t, angles = turned(tab, "load", -0.5)
+    expected = sim.run(1.0, t_eval=t, parameters={**given, "load": -0.5})
+    for joint, found in angles.items():
+        np.testing.assert_allclose(found, expected.angle(joint), rtol=0.0, atol=1e-9)  # lamc's own sine
+    text = tab.value("lamcView.shows[0].copy()")
+    (tmp_path / "scene.yaml").write_text(text, encoding="utf-8")
+    assert lamc.load_scene(tmp_path / "scene.yaml").inputs["load"].default == -0.5
+
+
+@needs_wasm
 @pytest.mark.parametrize("name", ["crawler", "limit_stop"])
 def test_bodies_stand_where_python_has_them(name: str, tab: Page, tmp_path: Path) -> None:
     """Played and computed anew, whatever the order of bodies in the file and in the model."""

@@ -26,6 +26,7 @@ from lamc.commands.options import (
 from lamc.commands.plate_options import plate
 from lamc.commands.run_options import run
 from lamc.commands.terminal import Terminal
+from lamc.commands.view_options import view
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
@@ -43,6 +44,7 @@ def main(context: click.Context) -> None:
     \b
     Try:
       lamc run --example pendulum      simulate, and write results, pictures and a film
+      lamc view --example pendulum     a page that shows it in 3D, with sliders
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc export --example pendulum   sources for programs in C, C++ and other languages
@@ -211,6 +213,7 @@ main.add_command(export)
 main.add_command(ledger)
 main.add_command(plate)
 main.add_command(run)
+main.add_command(view)
 
 
 @main.command()

@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, about
+from lamc.basics.seen import Viewable
 from lamc.plates.dofs import Dofs
 from lamc.plates.elements.definition import TRIANGLE, Element
 from lamc.plates.elements.library import checked_element, combine, element
@@ -34,7 +36,7 @@ _IN_PLANE = ("u", "v")
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(Viewable):
     """A plate, its supports and its loads.
 
     mesh       cells, and the regions they belong to
@@ -111,6 +113,17 @@ class Problem:
     def _number(self, dofs: Dofs) -> None:
         self._put("dofs", dofs)
         self._put("places", MeshLocator(dofs, self.tolerance * self.size))
+
+    def __repr__(self) -> str:
+        return brief(
+            "Problem",
+            "",
+            f"element {self.dofs.element.name!r}",
+            counted(len(self.mesh.cells), "cell"),
+            counted(len(self.supports), "support"),
+            counted(len(self.loads), "load"),
+            counted(len(self.cases), "case") if self.cases else "",
+        )
 
     @property
     def all_loads(self) -> tuple[LoadRecord, ...]:

@@ -1,0 +1,101 @@
+"""A finished `lamc run`, read back from its folder: to be looked at without running again.
+
+In: the folder. Out: a `Result` with the rows of its files and the model of its design. Raises LamcError where the
+design that the folder names is not there, or is not what was run.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lamc.basics.errors import LamcError
+from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
+from lamc.commands.run_folder import MANIFEST
+from lamc.commands.terminal import Progress
+from lamc.pipeline import Times
+from lamc.pipeline import compile as compile_design
+from lamc.run.request import Status
+from lamc.run.result import Result
+from lamc.run.run_record import Provenance, RunStats
+from lamc.run.simulator import Simulator
+
+
+def finished_run(folder: Path, source: Source, times: Times, progress: Progress) -> Result:
+    """The run in `folder`, or in the only folder of a run that it holds, as out/NAME holds out/NAME/SCENE."""
+    inside = sorted(path.parent for path in folder.glob(f"*/{MANIFEST}"))
+    if not (folder / MANIFEST).exists() and len(inside) == 1:
+        folder = inside[0]
+    manifest = _manifest(folder)
+    way_out = "run it again, or view the design itself"
+    origin = str(manifest["source"])
+    is_file = Path(origin).exists()
+    loaded = load_source(
+        replace(source, file=origin if is_file else None, example=None if is_file else origin),
+        times,
+        progress,
+    )
+    mechanism = mechanism_of(loaded, times, progress)
+    scene, _ = changed_scene(mechanism, SceneChanges(scene=manifest["scene"]))
+    scene = replace(scene, angles=manifest["angles"], rates=manifest["rates"])
+    simulator = compile_design(mechanism, scene, source.options, times)
+    result = _result(folder, manifest, simulator)
+    if result.provenance.digest != manifest["program_digest"]:
+        raise LamcError(
+            f"{folder}: it was run of another model than {origin!r} is now; the file has changed since, or effects "
+            f"were added or left out by options: {way_out}"
+        )
+    return result
+
+
+def _manifest(folder: Path) -> Mapping[str, Any]:
+    path = folder / MANIFEST
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise LamcError(
+            f"{folder} is no folder of a finished `lamc run`: {path.name} cannot be read; name a file"
+        ) from error
+    needed = (
+        "source",
+        "scene",
+        "angles",
+        "rates",
+        "program_digest",
+        "stats",
+        "status",
+        "message",
+        "parameters",
+    )
+    if not isinstance(manifest, dict) or any(name not in manifest for name in needed):
+        raise LamcError(f"{path} is no manifest of `lamc run`; name a file, or the folder of a run")
+    return manifest
+
+
+def _result(folder: Path, manifest: Mapping[str, Any], simulator: Simulator) -> Result:
+    try:
+        with np.load(folder / "results.npz", allow_pickle=False) as arrays:
+            t, q, u = arrays["t"], arrays["q"], arrays["u"]
+    except (OSError, ValueError, KeyError) as error:
+        raise LamcError(f"{folder / 'results.npz'} cannot be read: {error}; run it again") from error
+    given = {
+        name: float(value) for name, value in manifest["parameters"].items() if name in simulator.parameters
+    }
+    changed = {name: value for name, value in given.items() if value != simulator.parameters[name]}
+    # A run of no length gives all that does not come from the files.
+    like = simulator.run(1e-9, parameters=changed)
+    if (q.shape[1], u.shape[1]) != (like.q.shape[1], like.u.shape[1]):
+        raise LamcError(
+            f"{folder}: its results are of another mechanism than the design is now; run it again"
+        )
+    stats = RunStats(
+        **{**manifest["stats"], "switches": tuple(tuple(each) for each in manifest["stats"]["switches"])}
+    )
+    provenance: Provenance = like.provenance
+    return replace(
+        like, t=t, q=q, u=u, stats=stats, provenance=provenance, events=(), message=str(manifest["message"]),
+        status=Status[str(manifest["status"]).upper()],
+    )  # fmt: skip

@@ -26,7 +26,7 @@ from lamc.report.style import DPI, WORLD, body_colours, save
 from lamc.run.result import Result
 
 PANELS = 4
-_LONGEST = 700  # pixels of a panel
+_LONGEST = 620  # pixels of a panel
 _NARROWEST = 960  # pixels of the sheet: what legend, axes and scale take
 _ALIKE = math.radians(
     2.0

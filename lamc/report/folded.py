@@ -26,7 +26,7 @@ from lamc.report.style import DPI, WORLD, body_colours, save
 from lamc.run.result import Result
 
 PANELS = 4
-_LONGEST = 700  # pixels of a panel
+_LONGEST = 620  # pixels of a panel
 _NARROWEST = 960  # pixels of the sheet: what legend, axes and scale take
 _ALIKE = math.radians(
     2.0
@@ -162,7 +162,10 @@ def _title(result: Result, row: int, *, with_angles: bool) -> str:
     word = " (start)" if row == 0 else " (end)" if row == len(result.t) - 1 else ""
     title = f"t = {result.t[row]:.4g} s{word}"
     if with_angles:
-        angles = [f"{shortened(j, 10)} {math.degrees(result.angle(j)[row]):.1f}°" for j in result.hinges]
+        angles = [
+            f"{shortened(j, 10)} {round(math.degrees(result.angle(j)[row]), 1) + 0.0:.1f}°"
+            for j in result.hinges
+        ]
         title += "\n" + "\n".join(textwrap.wrap(",  ".join(a.replace(" ", "\u00a0") for a in angles), 44))
     return title
 

@@ -16,6 +16,7 @@ from lamc.basics._version import __version__
 from lamc.basics.errors import (
     BuildError,
     DesignError,
+    DesignWarning,
     EmitError,
     ExportError,
     ExpressionError,
@@ -72,6 +73,7 @@ __all__ = [
     "CompileOptions",
     "Design",
     "DesignError",
+    "DesignWarning",
     "Effect",
     "EmitError",
     "ExportError",

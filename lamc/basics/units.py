@@ -66,6 +66,10 @@ EXPANSION = Quantity("thermal expansion", "K^-1", "22e-6 K^-1")
 STRAIN_PER_FIELD = Quantity("piezoelectric strain", "m/V", "-190 pm/V")
 ELECTRIC_FIELD = Quantity("electric field", "V/m", "0.5 kV/mm")
 
+EXAMPLES = {
+    q.unit: q.example for q in list(globals().values()) if isinstance(q, Quantity) and q.unit
+}  # by unit
+
 
 def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> float:
     """`value` in SI.

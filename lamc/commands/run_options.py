@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, folder, precision, seconds, speaking, staged
+from lamc.commands.options import compiler, design, folder, hinges, precision, seconds, speaking, staged
 from lamc.commands.terminal import Terminal
 from lamc.run.methods import SHOWN
 
@@ -43,9 +43,14 @@ if TYPE_CHECKING:
     "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
 )
 @click.option(
-    "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Change a parameter: 0.002 (SI) or '2 N*mm/rad'.",
 )
 @staged()
+@hinges
 @compiler
 @precision
 @click.option(
@@ -69,6 +74,8 @@ def run(
     integrator: str,
     max_steps: int,
     settings: tuple[str, ...],
+    hinge_stiffness: str,
+    materials: tuple[str, ...],
     cc: str | None,
     fast: bool,
     precision: str,
@@ -90,15 +97,17 @@ def run(
       lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
       lamc run pendulum.yaml --scene driven
       lamc run pendulum.yaml --accuracy '0.1 %'
+      lamc run flaps.yaml --hinge-stiffness from-material
       lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
       lamc run --example pendulum --energy-balance
     """
+    from lamc.commands.hinge_choice import HingeChoice
     from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
 
     order = RunOrder(
-        source=Source(file, example, cc, fast, precision),
+        source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials)),
         changes=changes,
         settings=settings,
         t_end=t_end,

@@ -1,0 +1,48 @@
+"""Hinges of native designs: their names, old words for their gap, stiffness from material.
+
+In: the schema's models, a design. Out: names, a warning, the design with every stiffness.
+"""
+
+from collections.abc import Sequence
+
+from lamc.basics.errors import warn
+from lamc.readers.checking import Problems
+from lamc.readers.schema import HingeModel
+from lamc.records.design import Design
+
+
+def line_names(hinge: HingeModel) -> list[str | None]:
+    """One name per line: the hinge's own, numbered where it has several lines."""
+    count = 1 if hinge.line is not None else len(hinge.lines or [])
+    if hinge.name is None or count == 1:
+        return [hinge.name] * count
+    return [f"{hinge.name}_{i}" for i in range(1, count + 1)]
+
+
+def stiffened(design: Design, hinges: Sequence[HingeModel], problems: Problems) -> Design:
+    """With the stiffness of hinges that ask for it from their material. Raises DesignErrors where it has no moduli."""
+    asked = next((i for i, hinge in enumerate(hinges) if isinstance(hinge.stiffness, str)), None)
+    if asked is None:
+        return design
+    from lamc.plates.designs.hinges import with_material_stiffness  # a tenth of a second, for few designs
+
+    found = problems.attempt(
+        ("hinges", asked, "stiffness"), lambda: with_material_stiffness(design, only_asked=True)[0]
+    )
+    problems.raise_if_any()
+    assert found is not None
+    return found
+
+
+def tell_old_names(hinges: Sequence[HingeModel], problems: Problems) -> None:
+    """One warning for all hinges that say width in place of gap."""
+    old = [(i, hinge.width) for i, hinge in enumerate(hinges) if hinge.width is not None]
+    if not old:
+        return
+    index, width = old[0]
+    others = f" and {len(old) - 1} more" if len(old) > 1 else ""
+    warn(
+        f"hinges[{index}]{others}: width is gap now, from board to board, which is twice as much: write "
+        f"gap: {2e3 * width:.6g} mm",
+        problems.place(("hinges", index, "width")),
+    )

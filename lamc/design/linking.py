@@ -90,8 +90,14 @@ def _pair(
         return first, second
     names = ", ".join(repr(sites[b].name) for b in bodies)
     count = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'}" + (f" ({names})" if names else "")
+    wide = hinge.properties.gap > hinge.line.length and contact.free_length > 0.0
+    check = (
+        f". Its gap, {hinge.properties.gap * 1e3:.3g} mm, is longer than its line: check it first"
+        if wide
+        else ""
+    )
     raise TopologyError(
-        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges, layers)}",
+        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges, layers)}{check}",
         known(hinge.place),
     )
 

@@ -20,7 +20,7 @@ from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode
-from lamc.readers.native_hinges import line_names, stiffened, tell_old_names
+from lamc.readers.native_hinges import check_angles, line_names, stiffened, tell_old_names
 from lamc.readers.scene_file import read_scenes
 from lamc.readers.schema import (
     DesignModel,
@@ -87,6 +87,7 @@ class _Reader:
         )
         source = PurePath(self.file).name
         tell_old_names(model.hinges, problems)
+        check_angles(model.hinges, problems)
         design = Design(
             name,
             layers,

@@ -6,9 +6,10 @@ In: the schema's models, a design. Out: names, a warning, the design with every 
 from collections.abc import Sequence
 
 from lamc.basics.errors import warn
-from lamc.readers.checking import Problems
+from lamc.readers.checking import Path, Problems, shown
 from lamc.readers.schema import HingeModel
 from lamc.records.design import Design
+from lamc.records.scene import is_bare, warn_of_degrees
 
 
 def line_names(hinge: HingeModel) -> list[str | None]:
@@ -46,3 +47,14 @@ def tell_old_names(hinges: Sequence[HingeModel], problems: Problems) -> None:
         f"gap: {2e3 * width:.6g} mm",
         problems.place(("hinges", index, "width")),
     )
+
+
+def check_angles(hinges: Sequence[HingeModel], problems: Problems) -> None:
+    """Warns of rest angles and limits of more than a turn that are written without a unit."""
+    for index, hinge in enumerate(hinges):
+        path: Path = ("hinges", index)
+        said: list[tuple[float, Path, str]] = [(hinge.rest_angle, (*path, "rest_angle"), "rest_angle")]
+        said += [(limit, (*path, "limits", k), "limits") for k, limit in enumerate(hinge.limits or ())]
+        for value, at, name in said:
+            if is_bare(problems.text(at)):
+                warn_of_degrees(value, f"{shown(path)}.{name}", problems.place(at))

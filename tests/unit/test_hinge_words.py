@@ -1,6 +1,7 @@
 """A hinge has a gap; its old name and numbers without their unit are told; units are taken wherever a number is."""
 
 import math
+import re
 import warnings
 from pathlib import Path
 
@@ -133,3 +134,43 @@ def test_files_that_are_not_utf_8_say_so_and_how_to_save_them(tmp_path: Path) ->
 
 def test_pairs_divide_at_the_last_sign() -> None:
     assert pairs_of(["a=b=0.4 mm"], "--set", "1") == {"a=b": "0.4 mm"}
+
+
+@pytest.mark.parametrize("said", ["rest_angle: 10", "limits: [-10, 10]", "limits: [-1, 7]"])
+def test_bare_angles_of_a_hinge_beyond_a_turn_warn_at_their_place(said: str) -> None:
+    with pytest.warns(
+        lamc.DesignWarning, match=rf"a.yaml:13:\d+: hinges\[0\].{said.split(':')[0]} is .* turns"
+    ):
+        load_text(FLAP.replace("damping: 1e-6", said), "a.yaml")
+
+
+def test_a_hinge_wider_than_its_plate_is_told() -> None:
+    design = load_text(FLAP.replace("gap: 0.4", "gap: 40"), "a.yaml")
+    assert isinstance(design, lamc.Design)
+    with pytest.warns(
+        lamc.DesignWarning, match=r"a.yaml:13:24: hinge 'fold' is wider than its plate: .* 15 mm from"
+    ):
+        lamc.split(design)
+    wider = load_text(FLAP.replace("gap: 0.4", "gap: 100"), "a.yaml")
+    assert isinstance(wider, lamc.Design)
+    with pytest.raises(lamc.TopologyError, match="Its gap, 100 mm, is longer than its line: check it first"):
+        lamc.split(wider)
+
+
+def test_a_fold_that_passes_half_a_turn_is_told_with_its_time_unless_something_stops_it() -> None:
+    """Under a constant torque alone angle = T t² / 2 J: ±180° are passed at sqrt(2 π J / T)."""
+    design = load_text(FLAP.replace(", stiffness: 0.5 N*mm/rad, damping: 1e-6", ""), "a.yaml")
+    mechanism = lamc.split(design)  # type: ignore[arg-type]
+    arm = next(body for body in mechanism.bodies if not body.fixed)
+    hinge = mechanism.joint("fold")
+    away = arm.com - hinge.point
+    inertia = arm.inertia[1, 1] + arm.mass * (away[0] ** 2 + away[2] ** 2)
+    torque = 1e-4
+    scene = lamc.Scene(effects=(lamc.Torque({"fold": torque}),))
+    result = lamc.compile(mechanism, scene).run(0.2, t_eval=[k * 1e-3 for k in range(201)])
+    (note,) = result.notes
+    told = float(re.findall(r"hinge 'fold' at t = (\S+) s went through ±180°", note)[0])
+    # Between two rows 1e-3 s apart the crossing is interpolated: (1e-3)²/8 of the acceleration, over the rate, is 3e-6.
+    assert told == pytest.approx(math.sqrt(2.0 * math.pi * inertia / torque), abs=1e-5)
+    stopped = lamc.Scene(effects=(lamc.Torque({"fold": torque}), lamc.JointLimits(flat_fold=True)))
+    assert lamc.compile(mechanism, stopped).run(0.2).notes == ()

@@ -12,7 +12,7 @@
 #include "cholesky.h"
 #include "loop_parts.h"
 
-static void lamc_dense_swap(lamc_real *a, lamc_real *b, int count, int stride) {
+static inline void lamc_dense_swap(lamc_real *a, lamc_real *b, int count, int stride) {
   for (int i = 0; i < count; i++) {
     const lamc_real keep = a[(ptrdiff_t)i * stride];
     a[(ptrdiff_t)i * stride] = b[(ptrdiff_t)i * stride];
@@ -28,7 +28,7 @@ enum {
 static int lamc_dense_eliminate(const lamc_loop_parts *p, int k) {
   const int n = p->n;
   const lamc_real *pivot = p->a + (ptrdiff_t)k * n;
-  const lamc_real inverse = 1 / pivot[k];
+  const lamc_real inverse = p->inverse[k];
   lamc_real most = -1;
   int best = 0;
   for (int i = k + 1; i < p->m; i++) {
@@ -77,7 +77,7 @@ static void lamc_dense_look(const lamc_loop_parts *p, int i, int k) {
 static int lamc_dense_eliminate_sparse(const lamc_loop_parts *p, int k) {
   const int n = p->n;
   const lamc_real *pivot = p->a + (ptrdiff_t)k * n;
-  const lamc_real inverse = 1 / pivot[k];
+  const lamc_real inverse = p->inverse[k];
   for (int i = k + 1; i < p->m; i++) {
     lamc_real *ai = p->a + (ptrdiff_t)i * n;
     if (ai[k] == 0) continue;
@@ -92,7 +92,8 @@ static int lamc_dense_eliminate_sparse(const lamc_loop_parts *p, int k) {
 static int lamc_dense_copy(const lamc_loop_parts *p) {
   lamc_real most = -1;
   int best = 0;
-  memset(p->a, 0, (size_t)p->m * (size_t)p->n * sizeof *p->a);
+  const int size = p->m * p->n;
+  if (p->pattern->row_start[p->m] < size) memset(p->a, 0, (size_t)size * sizeof *p->a);
   for (int i = 0; i < p->m; i++) {
     for (int e = p->pattern->row_start[i]; e < p->pattern->row_start[i + 1]; e++) {
       const int at = i * p->n + p->pattern->column[e];
@@ -124,14 +125,15 @@ static int lamc_dense_order(const lamc_loop_parts *p, int rank) {
     if (row != count) {
       lamc_dense_swap(p->a + (ptrdiff_t)count * n, p->a + (ptrdiff_t)row * n, n, 1);
       lamc_dense_swap(p->rows + count, p->rows + row, 1, 1);
-      lamc_dense_swap(p->peak + count, p->peak + row, 1, 1);
-      lamc_dense_swap(p->filled + count, p->filled + row, 1, 1);
+      if (n > LARGE) lamc_dense_swap(p->peak + count, p->peak + row, 1, 1);
+      if (n > LARGE) lamc_dense_swap(p->filled + count, p->filled + row, 1, 1);
     }
     if (column != count) {
       lamc_dense_swap(p->a + count, p->a + column, p->m, n);
       lamc_dense_swap(p->columns + count, p->columns + column, 1, 1);
     }
     if (!(lamc_dense_pivot(p, count) > PASSING * lamc_dense_pivot(p, 0))) break;
+    p->inverse[count] = 1 / p->a[(ptrdiff_t)count * n + count];
     if (count + 1 < rank) {
       best = n > LARGE ? lamc_dense_eliminate_sparse(p, count) : lamc_dense_eliminate(p, count);
     }
@@ -152,7 +154,7 @@ static void lamc_dense_impose(const lamc_loop_parts *p, int count, const lamc_re
   for (int k = count - 1; k >= 0; k--) {
     const lamc_real *row = p->a + (ptrdiff_t)k * n;
     for (int i = k + 1; i < count; i++) y[k] -= row[i] * y[i];
-    y[k] /= row[k];
+    y[k] *= p->inverse[k];
     x[(int)p->columns[k]] = y[k];
   }
 }
@@ -169,7 +171,7 @@ static void lamc_dense_find_free(const lamc_loop_parts *p, int count) {
       const lamc_real *row = p->a + (ptrdiff_t)k * n;
       lamc_real rest = -row[c];
       for (int i = k + 1; i < count; i++) rest -= row[i] * y[i];
-      y[k] = rest / row[k];
+      y[k] = rest * p->inverse[k];
       direction[(int)p->columns[k]] = y[k];
     }
   }
@@ -181,7 +183,7 @@ static void lamc_dense_lambda(const lamc_loop_parts *p, int count, const lamc_re
   for (int k = 0; k < count; k++) {
     lamc_real rest = z[(int)p->columns[k]];
     for (int i = 0; i < k; i++) rest -= p->a[(ptrdiff_t)i * n + k] * p->x[i];
-    p->x[k] = rest / p->a[(ptrdiff_t)k * n + k];
+    p->x[k] = rest * p->inverse[k];
   }
   for (int k = count - 1; k >= 0; k--) {
     for (int i = k + 1; i < count; i++) p->x[k] -= p->a[(ptrdiff_t)i * n + k] * p->x[i];

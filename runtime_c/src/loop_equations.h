@@ -131,6 +131,16 @@ static lamc_real lamc_loop_last_pivot(const lamc_loop_parts *p, int count) {
   return count > 0 ? lamc_dense_pivot(p, count - 1) / lamc_dense_pivot(p, 0) : 1;
 }
 
+/* 1 if one of the equations that were taken has less than `least` of its say: by its pivot, or by the length of its row */
+static int lamc_loop_is_faint(const lamc_loop_parts *p, int count, lamc_real least) {
+  if (lamc_loop_last_pivot(p, count) < least) return 1;
+  for (int k = 0; k < count; k++) {
+    const int i = p->is_sparse ? lamc_at(p->steps.row, k) : (int)p->rows[k];
+    if (lamc_loop_fades(p, i, least)) return 1;
+  }
+  return 0;
+}
+
 /* lambda (m,) of M udot = f + J^T lambda, by the model's equations: of the taken ones, zero for the others */
 static void lamc_loop_lambda(const lamc_loop_parts *p, int count, lamc_real t, const lamc_real *u,
                              const lamc_real *udot, lamc_real *lambda) {

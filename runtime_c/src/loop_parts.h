@@ -49,6 +49,7 @@ typedef struct lamc_loop_parts {
   lamc_real *a; /* (m, n): J with rows and columns in order: the multipliers of elimination below U and V */
   lamc_real *rows;    /* (m,): the equation that row k of `a` is, a whole number */
   lamc_real *columns; /* (n,): the rate that column k of `a` is, likewise */
+  lamc_real *inverse; /* (n,): 1 / pivot k: back substitution waits for no division then */
   lamc_real *peak;    /* (m,): the largest entry of row k of `a` that is left, in loops that are not tiny */
   lamc_real *filled;  /* (m,): how many entries of row k that are left are not zero, likewise */
   lamc_steps steps, found; /* of large loops: those at hand; those that are looked for at run time */
@@ -106,15 +107,16 @@ static void lamc_loop_divide(const lamc_loop_parts *p, lamc_real least) {
   for (int i = 0; i < p->m; i++) {
     if (fades && lamc_loop_fades(p, i, TOGETHER)) p->norms[i] = 1;
     if (p->norms[i] == 1) continue;
-    const lamc_real scale = 1 / (p->norms[i] > 0 ? p->norms[i] : least);
+    const lamc_real scale = p->norms[i] > 0 ? 1 / p->norms[i] : least > NO_EQUATION ? 1 / least : 0;
     for (int e = p->pattern->row_start[i]; e < p->pattern->row_start[i + 1]; e++) p->j[e] *= scale;
     p->extra[i] *= scale;
   }
 }
 
 /* Rows of J that are short or long, and what is in `extra` with them, divided by their largest entry: an equation that
- * fades in a flat position, with all its digits, is as good as any. What is left of a misfit, or of round-off, is not made
- * large; nor is what fades without its digits, to be let go. */
+ * fades in a flat position, with all its digits, is as good as any. What is left of a misfit is not made large,
+ * nor is what fades without its digits, to be let go; and what round-off leaves is no equation: right on a singular position
+ * its row would point anywhere. */
 static void lamc_loop_normalise(const lamc_loop_parts *p, const lamc_real *q) {
   const lamc_model *model = p->motion->model;
   const lamc_real misfit = OF_MISFIT * model->tolerance / model->size;

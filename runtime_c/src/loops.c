@@ -106,25 +106,23 @@ static int something_yields(const lamc_loop_parts *p) {
   return 0;
 }
 
-/* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
- * places on each side along the hinges' rates, by the polynomial through them: they are smooth along a branch, and there
- * is no other way to know them from so near. Returns 0 where it is no passage; the work is then that of another place. */
-static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
-                        const lamc_real *u, lamc_real *udot, lamc_real *lambda) {
+/* As solve_around, from places that are `apart`, rad, from one to the next. Returns 0 where one of them is singular itself,
+ * or nearly so. */
+static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
+                       const lamc_real *u, lamc_real apart, lamc_real *udot, lamc_real *lambda) {
   static const lamc_real WEIGHTS[3] = {LAMC_R(0.75), LAMC_R(-0.3), LAMC_R(0.05)};
   const lamc_real pace = largest(p->beyond, u); /* a base stays where it is: it moves no loop */
   lamc_real *sum = p->mean, *forces = p->mean + p->n;
-  if (!(pace > LAMC_LEAST) || something_yields(p)) return 0;
   memset(sum, 0, (size_t)(p->n + p->m) * sizeof *sum);
   for (int k = 0; k < 6; k++) {
-    const lamc_real way = (lamc_real)(k / 2 + 1) * (k % 2 == 0 ? AROUND : -AROUND) / pace;
+    const lamc_real way = (lamc_real)(k / 2 + 1) * (k % 2 == 0 ? apart : -apart) / pace;
     lamc_real moved = 0;
     memcpy(p->y, q, (size_t)p->nq * sizeof *q);
     for (int i = 0; i < p->beyond; i++) p->y[i] += way * u[i];
     memcpy(p->y + p->nq, u, (size_t)p->n * sizeof *u);
     if (lamc_motion_settle(motion, t, p->y, &moved) != LAMC_OK) return 0;
     const int count = prepare(motion, p, t, p->y, p->y + p->nq);
-    if (count < motion->model->rank) return 0;
+    if (count < motion->model->rank || lamc_loop_is_faint(p, count, LAMC_R(0.5) * FADING)) return 0;
     solve(p, count, t, p->y + p->nq, udot, lambda);
     for (int i = 0; i < p->n; i++) sum[i] += WEIGHTS[k / 2] * udot[i];
     for (int i = 0; i < p->m && lambda != NULL; i++) forces[i] += WEIGHTS[k / 2] * lambda[i];
@@ -134,15 +132,30 @@ static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real
   return 1;
 }
 
+/* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
+ * places on each side along the hinges' rates, by the polynomial through them: they are smooth along a branch, and there
+ * is no other way to know them from so near. Where one of the places is as near to the singular position as this one was,
+ * they are taken farther apart. Returns 0 where it is no passage; the work is then that of another place. */
+static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
+                        const lamc_real *u, lamc_real *udot, lamc_real *lambda) {
+  if (!(largest(p->beyond, u) > LAMC_LEAST) || something_yields(p)) return 0;
+  for (int k = 2; k <= 4; k++) {
+    const lamc_real apart = LAMC_R(0.5) * (lamc_real)k * AROUND;
+    if (solve_apart(motion, p, t, q, u, apart, udot, lambda)) return 1;
+  }
+  return 0;
+}
+
 int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
                             lamc_real *udot, lamc_real *lambda) {
-  lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   const lamc_real *rates = u;
   int count = prepare(motion, &p, t, q, u);
   if (motion->baumgarte != 0) {
     pull_back(motion, &p, q, u);
   } else if (is_near_singular(&p, count)) {
-    if ((p.state[4] > 0 || lamc_loop_last_pivot(&p, count) < FADING) &&
+    if ((p.state[4] > 0 || lamc_loop_is_faint(&p, count, FADING)) &&
         solve_around(motion, &p, t, q, u, udot, lambda)) {
       p.state[0] = (lamc_real)motion->model->rank; /* none is let go for good */
       return motion->model->rank;
@@ -165,26 +178,30 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 }
 
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   for (int i = 0; i < p.m; i++) p.goal[i] = p.norms[i] > 0 ? goal[i] / p.norms[i] : 0;
   memcpy(p.step, x, (size_t)p.n * sizeof *x);
   lamc_loop_solve(&p, count, p.goal, p.step, x);
 }
 
 int lamc_loops_weigh(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u) {
-  lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   return prepare(motion, &p, t, q, u);
 }
 
 void lamc_loops_free(const lamc_motion *motion, int count, lamc_real *x) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memset(p.x, 0, (size_t)p.n * sizeof *p.x);
   lamc_loop_along(&p, count, x, p.x);
   memcpy(x, p.x, (size_t)p.n * sizeof *x);
 }
 
 void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memcpy(p.x, x, (size_t)p.n * sizeof *x);
   memset(x, 0, (size_t)p.n * sizeof *x);
   lamc_loop_add(&p, count, p.x, x);
@@ -205,7 +222,8 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
   const lamc_model *model = motion->model;
   *moved = 0;
   if (model->cut_count == 0) return LAMC_OK;
-  lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   lamc_real *q = y;
   lamc_real *u = y + p.nq;
   lamc_real open = evaluate_closure(motion, &p, q);
@@ -237,32 +255,40 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
 }
 
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memcpy(kept, p.state, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   memcpy(p.state, kept, LAMC_LOOPS_KEPT * sizeof *kept);
 }
 
 void lamc_loops_begin(const lamc_motion *motion) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   p.state[1] = p.state[2] = p.state[3] = 0;
 }
 
 long long lamc_loops_doubts(const void *context) {
-  const lamc_loop_parts p = lamc_loop_parts_of((const lamc_motion *)context);
+  lamc_loop_parts p;
+  lamc_loop_parts_of((const lamc_motion *)context, &p);
   return (long long)p.state[2];
 }
 
 long long lamc_motion_singular_steps(const lamc_motion *motion) {
-  return motion->model->cut_count > 0 ? (long long)lamc_loop_parts_of(motion).state[3] : 0;
+  if (motion->model->cut_count == 0) return 0;
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
+  return (long long)p.state[3];
 }
 
 lamc_status lamc_loops_judge(const void *context) {
   const lamc_motion *motion = (const lamc_motion *)context;
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   const int is_singular = p.state[0] < (lamc_real)motion->model->rank;
   p.state[1] = is_singular ? p.state[1] + 1 : 0;
   if (is_singular) p.state[3] += 1;
@@ -270,7 +296,8 @@ lamc_status lamc_loops_judge(const void *context) {
 }
 
 void lamc_loops_closure(const lamc_motion *motion, const lamc_real *q, lamc_real *closure) {
-  const lamc_loop_parts p = lamc_loop_parts_of(motion);
+  lamc_loop_parts p;
+  lamc_loop_parts_of(motion, &p);
   lamc_real *dense = closure + p.m;
   motion->model->closure(motion->constants, q, p.raw);
   memcpy(closure, p.raw, (size_t)p.m * sizeof *closure);

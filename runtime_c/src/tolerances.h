@@ -2,8 +2,8 @@
  *
  * In loops, residuals of floats round off at 1e-7 of the size, and equations that fade to half the cube root of that are
  * let go (see lamc_loop_order in loop_equations.h). Those of floats were found by trying: passages of the N-four-bar keep
- * branch and energy, and random states move as doubles do (tests/export/test_export_float_loops.py); with AROUND at 0.15
- * and 0.2 a passage loses its energy. */
+ * branch and energy, and random states move as doubles do (tests/export/test_export_float_loops.py); places
+ * that are themselves within half of FADING are taken up to twice as far apart. */
 #ifndef LAMC_TOLERANCES_H
 #define LAMC_TOLERANCES_H
 

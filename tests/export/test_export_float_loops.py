@@ -82,6 +82,18 @@ def outputs(model: Exported, it: Any) -> Any:
     return found
 
 
+def growth(pair: Pair, count: int) -> float:
+    """What the scene's motion makes of a nudge of its start over `count` steps, by what it is after one of them."""
+    it = pair.double.instance()
+    state = np.array(pair.double.state(it))
+    _, rows = stepped(pair.double, it, H, count)
+    nudge = 1e-7 * np.random.default_rng(7).choice([-1.0, 1.0], len(state))
+    status, aside = started(pair.double, pair.count, state + nudge)
+    assert status == 0
+    off = np.abs(stepped(pair.double, aside, H, count)[1] - rows).max(axis=1)
+    return max(1.0, float(off.max() / off[0]))
+
+
 @pytest.mark.parametrize("name", LOOPS)
 @pytest.mark.quick("four_bar")
 @pytest.mark.ci("four_bar", "two_loops", "bricard", "vertex")
@@ -93,9 +105,10 @@ def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any)
     _, here = stepped(pair.single, pair.single.instance(), H, count)
     assert here.shape == there.shape == (count, 2 * pair.count)
     size = max(1.0, float(np.abs(there).max()))
-    # One rounding of half a unit for each step, all the same way; that of the first steps, taken from the start's own
-    # rounding of angles, turns rates by as many units as accelerations are steep in angles, which is 1e3 per step here.
-    bound = 0.5 * EPSILON * size * (np.arange(1, count + 1)[:, np.newaxis] + 10.0)
+    # One rounding of half a unit for the start and for each step: all the same way they add up; at random they grow as
+    # their root, and each as the motion makes a nudge grow.
+    steps = np.arange(1, count + 1)[:, np.newaxis] + 1.0
+    bound = 0.5 * EPSILON * size * (steps + growth(pair, count) * np.sqrt(steps))
     worst = np.max(np.abs(here - there) / bound)
     assert worst <= 1.0
     assert np.any(here != there)
@@ -117,30 +130,34 @@ def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) 
     assert it.t == np.float32(100_000 * H)
 
 
-@pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.parametrize("count", [2, 5])
 @pytest.mark.slow
 def test_passages_through_a_singular_position_keep_branch_and_energy(count: int, pairs: Any) -> None:
-    """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip. Twenty seconds have
-    twenty passages. In each, without the fading equations, the branch is left to forces for as long as these are below
-    2e-3 of the first, so that rates turn by 2e-3 or so, this way or that: by 0.01 in all, and energies by twice it."""
+    """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip; with five of them J is
+    no array any more. Ten seconds have ten passages, met by each length of step at other distances: right on one, or$
+    with a place around on it, one in some thousand steps made energy out of nothing.
+
+    Places around have pivots of 0.025 at least (half of FADING), and closure is kept to 2e-6: an acceleration is off by
+    3e-3 of itself at most, at random, for a tenth of a turn."""
     pair = pairs(f"n_four_bar:{count}")
     model = pair.single
-    it = model.instance()
-    start = outputs(model, it).total_energy
     names = [model.ffi.string(model.call("joint_name", k)).decode() for k in range(pair.count)]
     upright = [names.index(f"g{k}") for k in range(count + 1)]
-    passages, above = 0, True
-    for _ in range(20_000):
-        assert model.call("step_fixed", it, H) == 0
-        found = outputs(model, it)
-        angles = np.array([found.angle[k] for k in upright], dtype=float)
-        spread = np.angle(np.exp(1j * (angles - angles[0])))
-        assert np.abs(spread).max() < 0.02  # rad; in line, tops that are off by LOST leave angles its root
-        passages += above != (math.cos(angles[0]) > 0.0)
-        above = math.cos(angles[0]) > 0.0
-        assert found.closure <= LOST * pair.size
-        assert abs(found.total_energy - start) < 0.02 * start
-    assert passages >= 20
+    for share in np.linspace(0.8, 1.2, 7):
+        it = model.instance()
+        start = outputs(model, it).total_energy
+        passages, above = 0, True
+        for _ in range(round(10.0 / (share * H))):
+            assert model.call("step_fixed", it, share * H) == 0
+            found = outputs(model, it)
+            angles = np.array([found.angle[k] for k in upright], dtype=float)
+            spread = np.angle(np.exp(1j * (angles - angles[0])))
+            assert np.abs(spread).max() < 2e-3  # rad; in line, tops are off by the root of what closure is
+            passages += above != (math.cos(angles[0]) > 0.0)
+            above = math.cos(angles[0]) > 0.0
+            assert found.closure <= LOST * pair.size
+            assert abs(found.total_energy - start) < 1e-3 * start
+        assert passages >= 10
 
 
 def random_state(pair: Pair, generator: np.random.Generator) -> Array | None:

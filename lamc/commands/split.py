@@ -14,7 +14,7 @@ from lamc.commands.hinge_choice import account_of
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import named_hinges, split_steps
-from lamc.loops.at_start import drawn_loops
+from lamc.loops.at_start import drawn_loops, loops_of
 from lamc.mechanism.plan import plan
 from lamc.pipeline import Times
 from lamc.readers.joint_definition import drawn_layers, drawn_lines
@@ -76,6 +76,10 @@ def _loops(mechanism: Mechanism) -> tuple[str, dict[str, object] | None]:
     tolerance = mechanism.scene.closure_tolerance if mechanism.scene is not None else None
     try:
         count, branches = drawn_loops(plan(mechanism), tolerance)
+        if count.misfit is not None and mechanism.scene is not None and any(mechanism.scene.angles.values()):
+            count = loops_of(
+                plan(mechanism), mechanism.scene
+            )  # drawn nearly flat, weak equations look like a misfit
     except DesignError as error:  # what was split is written all the same
         return f"note: the loops were not counted: {error.message}", None
     return "\n".join([loops_line(count), *branch_lines(branches, "as drawn")]), loops_data(count, branches)

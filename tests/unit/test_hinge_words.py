@@ -174,3 +174,10 @@ def test_a_fold_that_passes_half_a_turn_is_told_with_its_time_unless_something_s
     assert told == pytest.approx(math.sqrt(2.0 * math.pi * inertia / torque), abs=1e-5)
     stopped = lamc.Scene(effects=(lamc.Torque({"fold": torque}), lamc.JointLimits(flat_fold=True)))
     assert lamc.compile(mechanism, stopped).run(0.2).notes == ()
+
+
+def test_numbers_that_numpy_shows_are_told_by_their_cause() -> None:
+    with pytest.raises(
+        lamc.DesignError, match=r"'np.float64\(40.0\)' is how Python shows a number of numpy's"
+    ):
+        load_text(FLAP.replace("0, 40, 20", "0, np.float64(40.0), 20"), "a.yaml")

@@ -12,6 +12,7 @@ import numpy as np
 
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.walks import LoopPosition
+from lamc.records.mechanism import Array
 
 
 @dataclass(frozen=True)
@@ -31,10 +32,9 @@ class Misfit:
 
     @property
     def text(self) -> str:
-        at = ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in self.place)
         return (
             f"the loop closed by hinge {self.cut!r} closes only within {length(self.gap)} over its motion, and fits "
-            f"worst around ({at}) mm"
+            f"worst around {_millimetres(self.place)}"
         )
 
 
@@ -42,9 +42,23 @@ def measure_misfit(geometry: LoopGeometry, places: Sequence[LoopPosition], rank:
     """The largest gap at the places of a walk that `rank` allows."""
     gaps = np.array([geometry.gaps(place.angles) for place in places])
     row, cut = (int(k) for k in np.unravel_index(np.argmax(gaps), gaps.shape))
-    left = np.abs(geometry.rings.residual(places[row].angles)[0]).reshape(-1, 6).max(axis=1)
+    name = geometry.names[geometry.tree_count + cut]
+    return Misfit(rank, float(gaps[row, cut]), name, _worst_place(geometry, places[row].angles))
+
+
+def widest_gap(geometry: LoopGeometry, angles: Array) -> tuple[str, float]:
+    """Where a loop is open most at some angles (n,), rad, and the widest gap, m."""
+    return _millimetres(_worst_place(geometry, angles)), float(geometry.gaps(angles).max())
+
+
+def _worst_place(geometry: LoopGeometry, angles: Array) -> tuple[float, float, float]:
+    left = np.abs(geometry.rings.residual(angles)[0]).reshape(-1, 6).max(axis=1)
     x, y, z = geometry.cycles[int(np.argmax(left))].centre.tolist()
-    return Misfit(rank, float(gaps[row, cut]), geometry.names[geometry.tree_count + cut], (x, y, z))
+    return x, y, z
+
+
+def _millimetres(place: tuple[float, float, float]) -> str:
+    return f"({', '.join(f'{round(1e3 * x, 3) + 0.0:g}' for x in place)}) mm"
 
 
 def length(value: float) -> str:

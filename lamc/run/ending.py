@@ -3,14 +3,22 @@
 In: a `Trajectory` and the motion that it is of. Out: one line. Never: decides how a run ends.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
+from lamc.loops.geometry import LoopGeometry
+from lamc.loops.misfit import length, widest_gap
+from lamc.loops.rank import LoopCount
+from lamc.records.mechanism import Array
 from lamc.run.model import Motion
 from lamc.run.request import Request, Status, Trajectory
 
 
-def message(trajectory: Trajectory, request: Request, motion: Motion) -> str:
-    """One line about the end of the run."""
+def message(
+    trajectory: Trajectory, request: Request, motion: Motion, gap_at: Callable[[Array], str] | None = None
+) -> str:
+    """One line about the end of the run. gap_at: how far loops are open at angles (n,), rad, in words."""
     at = f"at t = {trajectory.t_reached:.9g} s"
     status = trajectory.status
     if status == Status.REACHED_END:
@@ -30,8 +38,10 @@ def message(trajectory: Trajectory, request: Request, motion: Motion) -> str:
         Status.CANCELLED: f"cancelled {at} of {request.t_end:g} s; what was computed is kept",
         Status.FAILED: f"stopped {at}: the integrator failed",
     }[status]
-    concerned = _concerned(trajectory, motion)
-    notes = [note for note in (concerned, trajectory.note) if note]
+    gap = ""
+    if status == Status.CLOSURE_LOST and gap_at is not None and len(trajectory.q):
+        gap = gap_at(trajectory.q[-1, : len(motion.model.joints)])
+    notes = [note for note in (_concerned(trajectory, motion), gap, trajectory.note) if note]
     return f"{text} ({'; '.join(notes)})" if notes and status < 0 else text
 
 
@@ -52,3 +62,16 @@ def _concerned(trajectory: Trajectory, motion: Motion) -> str:
         case Status.EVENTS_PILE_UP if trajectory.events:
             return f"at {model.guards[trajectory.events[-1][1]]}"
     return ""
+
+
+def gap_text(geometry: LoopGeometry, count: LoopCount, angles: Array) -> str:
+    """Where loops are open at angles (n,), rad, of all joints in the order of `geometry.names`, and how far; why, where
+    the drawing closes only nearly."""
+    at, gap = widest_gap(geometry, angles)
+    text = f"open by {length(gap)} there, most around {at} as drawn"
+    if count.misfit is None:
+        return text
+    return (
+        f"{text}; the drawing closes only within {length(count.misfit.gap)}, which grows towards positions like this "
+        "one: draw it with more digits, or let facets bend (facet_creases)"
+    )

@@ -33,7 +33,7 @@ from lamc.records.scene import OutputPoint, Scene
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate, drawn_start
-from lamc.run.ending import message
+from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
@@ -268,7 +268,7 @@ class Simulator(Evaluations):
             q=trajectory.q,
             u=trajectory.u,
             status=trajectory.status,
-            message=message(trajectory, request, motion),
+            message=message(trajectory, request, motion, self._gap_at if self.cut_joints else None),
             events=tuple(Event(t, self._model.guards[k]) for t, k in trajectory.events),
             stats=RunStats(
                 integrator=used,
@@ -293,6 +293,11 @@ class Simulator(Evaluations):
             points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
         )
         return result, trajectory.effort
+
+    def _gap_at(self, angles: Array) -> str:
+        """How far loops are open at angles (n,), rad, of the joints, in words."""
+        geometry, known = LoopGeometry(self._arrangement.tree), dict(zip(self.joints, angles, strict=True))
+        return gap_text(geometry, self.loops, np.array([known.get(name, 0.0) for name in geometry.names]))
 
     @lazy
     def _rigid_scene(self) -> Scene:

@@ -1,6 +1,7 @@
 """Rank and freedoms of published mechanisms, where they are, and of drawings as people have them."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -225,3 +226,21 @@ def test_a_larger_rounded_sheet_stays_as_closed_as_it_is_accepted() -> None:
     result = sim.run(t_end=0.1, rtol=1e-6, atol=1e-8)
     assert result.success, result.message
     assert result.constraint_error.max() <= sim.loops.accepted_gap
+
+
+@needs_cc
+def test_a_rounded_sheet_that_cannot_go_on_says_where_and_why() -> None:
+    """Three decimals of a millimetre let a falling 3 x 3 sheet fold up to some 170 degrees: there the drawing's misfit
+    has grown beyond what any position closes."""
+    mechanism = sheet(flat_miura(3, 3, 17.0, 3))
+    sim = compiled(mechanism, effects=(Gravity((0.3, 0.2, -9.81)),))
+    result = sim.run(t_end=0.5, rtol=1e-6, atol=1e-8)
+    assert not result.success
+    assert "came apart" in result.message
+    found = re.search(r"open by ([\d.]+) µm there, most around \(([^)]+)\) mm as drawn", result.message)
+    assert found, result.message
+    place = 1e-3 * np.array([float(x) for x in found.group(2).split(",")])
+    inner = flat_miura(3, 3, 17.0, 3)[1:-1, 1:-1].reshape(-1, 3)  # m
+    assert np.linalg.norm(inner - place, axis=1).min() < 1e-6
+    assert "the drawing closes only within" in result.message
+    assert np.degrees(np.abs(result.q[-1]).max()) > 160.0

@@ -174,9 +174,7 @@ class Unit:
             )
         kind, plain = self.unit, self.si
         if isinstance(kind, str):
-            kind = Quantity(
-                name.replace("_", " "), plain, units.EXAMPLES.get(plain) or f"0.5 {plain}".rstrip()
-            )
+            kind = Quantity(name, plain, units.EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
         number = to_si(value, kind, (context or {}).get(LENGTH_UNIT) if plain == "m" else None) + 0.0
         for rule, words in _RULES.items():
             bound = getattr(self, rule)
@@ -196,7 +194,7 @@ class Unit:
         if kind is not float:
             return self._read(kind, value, (name,), context)
         try:  # as `_read`, sooner: designs have thousands of coordinates
-            return self.number(value, name, context)
+            return self.number(value, name.replace("_", " "), context)
         except DesignError as error:
             raise custom(error) from error
 

@@ -20,7 +20,7 @@ from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode
-from lamc.readers.native_hinges import check_angles, line_names, stiffened, tell_old_names
+from lamc.readers.native_hinges import check_angles, check_size, line_names, stiffened, tell_old_names
 from lamc.readers.scene_file import read_scenes
 from lamc.readers.schema import (
     DesignModel,
@@ -102,6 +102,7 @@ class _Reader:
             tuple(model.contact_points),
             facet_creases=model.facet_creases.record() if model.facet_creases else None,
         )
+        check_size(design, self.length_unit)
         return stiffened(design, model.hinges, problems)
 
     def _places(self) -> Places:

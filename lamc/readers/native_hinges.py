@@ -1,15 +1,18 @@
-"""Hinges of native designs: their names, old words for their gap, stiffness from material.
+"""What native designs say and may not mean, and what follows for hinges: names, stiffness from material.
 
-In: the schema's models, a design. Out: names, a warning, the design with every stiffness.
+In: the schema's models, a design. Out: names, warnings, the design with every stiffness.
 """
 
 from collections.abc import Sequence
 
 from lamc.basics.errors import warn
+from lamc.design.cutting import material_size
 from lamc.readers.checking import Path, Problems, shown
 from lamc.readers.schema import HingeModel
 from lamc.records.design import Design
 from lamc.records.scene import is_bare, warn_of_degrees
+
+_LARGE = 5.0  # m: no laminate is drawn as wide, but one in millimetres without its unit
 
 
 def line_names(hinge: HingeModel) -> list[str | None]:
@@ -58,3 +61,14 @@ def check_angles(hinges: Sequence[HingeModel], problems: Problems) -> None:
         for value, at, name in said:
             if is_bare(problems.text(at)):
                 warn_of_degrees(value, f"{shown(path)}.{name}", problems.place(at))
+
+
+def check_size(design: Design, unit: str | None) -> None:
+    """Warns of a drawing of metres that names no unit: its numbers are millimetres, most likely."""
+    size = material_size(design.layers) if unit is None and design.layers else 0.0
+    if size > _LARGE:
+        warn(
+            f"the design names no units, so its lengths are metres, and the drawing is {size:.3g} m wide: write "
+            "units: mm if they are millimetres, units: m if not",
+            design.places.of(),
+        )

@@ -181,3 +181,18 @@ def test_numbers_that_numpy_shows_are_told_by_their_cause() -> None:
         lamc.DesignError, match=r"'np.float64\(40.0\)' is how Python shows a number of numpy's"
     ):
         load_text(FLAP.replace("0, 40, 20", "0, np.float64(40.0), 20"), "a.yaml")
+
+
+def test_a_drawing_of_metres_without_a_unit_is_told() -> None:
+    with pytest.warns(lamc.DesignWarning, match=r"a.yaml:1:1: .* metres, .* 44.7 m wide: write units: mm"):
+        load_text(FLAP.replace("units: mm\n", ""), "a.yaml")
+
+
+def test_a_key_without_its_colon_is_told_as_such() -> None:
+    with pytest.raises(lamc.DesignError, match="a line above has a key without ': ' behind it"):
+        load_text(FLAP.replace("units: mm", "units mm"), "a.yaml")
+
+
+def test_a_name_with_underscores_keeps_them_in_messages() -> None:
+    with pytest.raises(lamc.DesignError, match="not a unit of torques of 'right_root'"):
+        lamc.Torque({"right_root": "1 N"})

@@ -11,7 +11,7 @@ PARALLEL ?= -n 2 --dist worksteal # neighbours stay with one worker, which has w
 
 demo: $(STAMP)
 	$(BIN)/lamc split lamc/examples/pendulum.cad --out $(OUT)
-	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --out $(OUT)
+	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --rtol 1e-9 --film --out $(OUT)
 	$(BIN)/lamc check lamc/examples/pendulum.cad
 	$(BIN)/lamc bench lamc/examples/pendulum.cad --out $(OUT)
 	$(BIN)/lamc plate --example strip --out $(OUT)/plate
@@ -73,7 +73,7 @@ ledgers: $(STAMP)
 	$(BIN)/python -m benchmarks.ledgers
 
 pictures: $(STAMP)
-	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --no-animation --out out/pictures
+	$(BIN)/lamc run lamc/examples/pendulum.cad --t-end 10 --out out/pictures
 	cp out/pictures/folded.png docs/pendulum.png
 	$(BIN)/lamc examples --picture docs/gallery.png
 	$(BIN)/lamc plate --example strip --out out/pictures

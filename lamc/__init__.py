@@ -10,8 +10,10 @@
 Everything public is listed in `__all__`; everything else may change.
 """
 
+import logging
 from typing import TYPE_CHECKING
 
+from lamc.basics import drawing
 from lamc.basics._version import __version__
 from lamc.basics.errors import (
     BuildError,
@@ -117,6 +119,19 @@ __all__ = [
     "load_scene",
     "split",
 ]
+
+logging.getLogger("lamc").addHandler(logging.NullHandler())  # whoever wants its words adds a handler
+
+drawing.tell(  # (kind of record, verb) → "module:function", imported when the verb is used
+    {
+        ("Design", "draw"): "lamc.report.drawn:draw_design",
+        ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
+        ("Simulator", "remake"): "lamc.pipeline:compile",
+        ("Solution", "plot"): "lamc.report.plate_plot:plot",
+        ("Result", "plot"): "lamc.report.plots:plot",
+        ("Result", "animate"): "lamc.report.animation:animate",
+    }
+)
 
 
 def __dir__() -> list[str]:

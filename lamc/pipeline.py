@@ -3,9 +3,10 @@
 load → split → plan → derive → lower → emit → build. Nothing is remembered between two calls but the cache.
 """
 
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import BuildError, DesignError
 from lamc.basics.once import remembered
 from lamc.basics.places import located_at
+from lamc.basics.progress import bar
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module, load_module
 from lamc.codegen.options import CompileOptions
@@ -34,6 +36,7 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
+from lamc.run.remaking import Recipe
 from lamc.run.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations
     from lamc.symbolic.program import Program
 
+logger = logging.getLogger("lamc")  # stages with their times
 Observer = Callable[[str], None]  # told the name of each stage as it begins
 
 
@@ -60,7 +64,29 @@ class Times:
         try:
             yield
         finally:
-            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
+            taken = time.perf_counter() - start
+            self.seconds[name] = self.seconds.get(name, 0.0) + taken
+            logger.debug("%s: %.3g s", name, taken)
+
+    @contextmanager
+    def told(self, progress: Observer | bool | None) -> Iterator[None]:
+        """Tells `progress` of stages too while it lasts; True: a bar."""
+        if not progress:
+            yield
+            return
+        before = self.observer
+        with nullcontext((progress, None)) if callable(progress) else bar("compile") as (stage, _):
+
+            def both(name: str) -> None:
+                stage(name)
+                if before is not None:
+                    before(name)
+
+            self.observer = both
+            try:
+                yield
+            finally:
+                self.observer = before
 
 
 def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:
@@ -109,24 +135,29 @@ def compile(  # noqa: A001  the public name is lamc.compile
     options: CompileOptions | None = None,
     times: Times | None = None,
     cache: Cache | None = None,
+    progress: Observer | bool | None = None,
 ) -> Simulator:
     """A simulator of `design` in `scene` (None: the design's own, else what the design asks for).
 
     cache: where compiled modules are kept; None: the user's own.
+    progress: called with the name of each stage as it begins; True: a bar, in notebooks too.
 
     Raises DesignError and its leaves for what cannot be simulated, BuildError without a working compiler or cache.
     """
     _check_arguments(design, scene, options, times)
     options = options or CompileOptions()
     times = times or Times()
-    if isinstance(design, Design):
-        with times.stage("split"):
-            mechanism = split(design)
-    else:
-        mechanism = design
-    scene = scene or mechanism.scene or Scene()
-    with located_at(scene.places):
-        return _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
+    with times.told(progress):
+        if isinstance(design, Design):
+            with times.stage("split"):
+                mechanism = split(design)
+        else:
+            mechanism = design
+        scene = scene or mechanism.scene or Scene()
+        with located_at(scene.places):
+            made = _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
+    logger.info("%r is compiled%s", made, ", from the cache" if times.from_cache else "")
+    return made
 
 
 def _compiled(
@@ -191,6 +222,7 @@ def _compiled(
         module(energy_balance=False),
         loops,
         lambda: module(energy_balance=True),
+        Recipe(mechanism, scene, options, cache),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 

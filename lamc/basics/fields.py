@@ -63,7 +63,7 @@ Path = tuple[str | int, ...]
 class StrictModel(BaseModel):
     """Base of all models: unknown keys are errors, and nothing changes after reading."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 def custom(error: LamcError) -> PydanticCustomError:

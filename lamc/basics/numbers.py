@@ -1,7 +1,7 @@
-"""Numbers with units, for people.
+"""Numbers with units, and names, for people.
 
-In: a value in SI and its unit. Out: text, or a scale and a unit with a prefix. It rounds, so nothing is computed from
-what it gives.
+In: a value in SI and its unit, or a name. Out: text, or a scale and a unit with a prefix. It rounds, so nothing is
+computed from what it gives.
 """
 
 import math
@@ -41,3 +41,16 @@ def duration(seconds: float) -> str:
         if seconds >= scale:
             return f"{seconds / scale:.3g} {unit}"
     return f"{seconds * 1e9:.3g} ns"
+
+
+def length_text(metres: float) -> str:
+    """A length in m, mm or µm."""
+    for scale, unit in ((1.0, "m"), (1e-3, "mm")):
+        if metres >= 0.1 * scale:
+            return f"{metres / scale:.3g} {unit}"
+    return f"{metres * 1e6:.3g} µm"
+
+
+def shortened(name: str, count: int) -> str:
+    """The name, cut to `count` characters."""
+    return name if len(name) <= count else name[: count - 1] + "…"

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, RequestError
 from lamc.codegen.options import PRECISIONS
 from lamc.commands.terminal import INTERRUPTED, Terminal, open_streams, tell, unprinted
 
@@ -191,6 +191,47 @@ def staged(*, start: bool = True) -> Callable[[Function], Function]:
     return decorate
 
 
+def looked(function: Function) -> Function:
+    """Adds --format, --camera and --size, and hands the function a Look, `look`."""
+
+    @functools.wraps(function)
+    def wrapped(*, format_: str, camera: str | None, size: int | None, **given: Any) -> int:
+        from lamc.report.look import Look, camera_of
+
+        try:
+            look = Look(camera_of(camera), size, format_)
+        except RequestError as error:
+            raise click.UsageError(error.message) from error
+        return int(function(look=look, **given))
+
+    options = together(
+        click.option(
+            "--format",
+            "format_",
+            type=click.Choice(["png", "svg", "pdf"]),
+            default="png",
+            help="Format of the pictures.",
+        ),
+        click.option(
+            "--camera",
+            metavar="VIEW",
+            help="front, back, left, right, top, bottom, corner, or AZIMUTH,ELEVATION in degrees.  "
+            "[default: where the motion is seen best]",
+        ),
+        click.option(
+            "--size", type=int, metavar="PIXELS", help="Longer side of the device's picture, and of a film."
+        ),
+    )
+    decorated: Function = options(wrapped)
+    return decorated
+
+
+run_folder = click.option(
+    "--out",
+    metavar="DIR",
+    help="Folder to write to.  [default: out/<name of the design>/<name of the scene>]",
+    show_default=False,
+)
 folder = click.option(
     "--out",
     metavar="DIR",

@@ -151,9 +151,9 @@ def _draw_case(report: PlateReport, case: CaseReport, folder: Path) -> Iterator[
         if values is not None:
             parts = [Field(f"${letter}_{{{a}}}$", unit, values[..., k]) for k, a in enumerate(_AXES)]
             yield draw_fields(problem, parts, path(stem), title).name
-    stress = [Field("largest von Mises stress of all plies", "Pa", fields.stress)]
+    stress = [Field("largest von Mises stress of all plies", "Pa", fields.stress, signed=False)]
     if fields.tsai_wu is not None and not np.isnan(fields.tsai_wu).any():
-        stress.append(Field("largest Tsai-Wu index, 1 at failure", "", fields.tsai_wu))
+        stress.append(Field("largest Tsai-Wu index, 1 at failure", "", fields.tsai_wu, signed=False))
     yield draw_fields(problem, stress, path("stress"), title).name
 
 

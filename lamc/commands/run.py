@@ -1,4 +1,4 @@
-"""`lamc run`: simulates a design and writes results, pictures and a film.
+"""`lamc run`: simulates a design and writes results and pictures, and a film where one is asked for.
 
 In: a `RunOrder`. Out: files in a folder, a summary, an exit code. What was computed is written also where the run was
 interrupted or failed.
@@ -26,16 +26,15 @@ from lamc.commands.inputs import (
     parameters_of,
 )
 from lamc.commands.pairs import share_of
+from lamc.commands.run_folder import MANIFEST, own_manifest, run_folder
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
 from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.records.design import Design
 from lamc.records.effect import conserves
-from lamc.report.animation import draw_animation
-from lamc.report.folded import draw_folded
+from lamc.report.look import FORMATS, Look
 from lamc.report.loops_text import loops_data
-from lamc.report.plots import draw_angles_energy
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.files import energy_balance_data, write_csv, write_npz
@@ -44,15 +43,10 @@ from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
-MANIFEST = "manifest.json"
 FILES = (
-    "results.npz",
-    "results.csv",
-    "angles_energy.png",
-    "folded.png",
-    "animation.mp4",
-    "animation.gif",
-    MANIFEST,
+    *("results.npz", "results.csv", MANIFEST),
+    *(f"{name}.{kind}" for name in ("angles_energy", "folded") for kind in FORMATS),
+    *("animation.mp4", "animation.gif"),
 )
 
 _LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
@@ -72,8 +66,11 @@ class RunOrder:
     integrator: str
     points: int | None  # rows; 0: one after every step; None: `default_rows`
     max_steps: int
-    animation: bool
+    film: bool
+    pictures: bool
+    look: Look
     energy_balance: bool
+    verbose: bool  # whether absent effects have a line each
     out: str | None
 
 
@@ -84,7 +81,8 @@ def run(order: RunOrder, terminal: Terminal) -> int:
         times.observer = progress.stage
         _check_points(order.points, 0)
         loaded = load_source(order.source, times, progress)
-        with output_folder(order.out, loaded.name) as folder:
+        out, remark = run_folder(order.out, loaded, order.changes.scene)
+        with output_folder(out, loaded.name) as folder:
             mechanism = mechanism_of(loaded, times, progress)
             scene, account = changed_scene(mechanism, order.changes)
             if order.t_end is None:
@@ -94,9 +92,9 @@ def run(order: RunOrder, terminal: Terminal) -> int:
             parameters = parameters_of(order.settings, simulator.parameter_units)
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
-            report = _report(loaded, simulator, result, account, times, order.changes.scene)
+            report = _report(loaded, simulator, result, account, times, order.changes.scene, remark)
             files, interrupted = _write_all(order, report, folder, times, progress)
-    terminal.say(summary(report, folder, files))
+    terminal.say(summary(report, folder, files, verbose=order.verbose))
     terminal.result(_data(report) | {"folder": str(folder), "files": files})
     return _ending(result, folder, terminal, interrupted=interrupted)
 
@@ -155,6 +153,7 @@ def _report(
     account: tuple[Choice, ...],
     times: Times,
     scene: str | None,
+    remark: str,
 ) -> RunReport:
     conservative = all(conserves(c.effect, result.energies) for c in account if c.effect is not None)
     return RunReport(
@@ -167,6 +166,7 @@ def _report(
         times=times,
         drift=energy_drift(result) if conservative else None,
         scene=scene,
+        remarks=(remark,) if remark else (),
     )
 
 
@@ -182,13 +182,12 @@ def _write_all(
             with times.stage("write results"):
                 files += [write_npz(result, staged / "results.npz", manifest=False).name]
                 files += [write_csv(result, staged / "results.csv", manifest=False).name]
-            if len(result.t):
+            if order.pictures and len(result.t):
                 with times.stage("draw"):
-                    files += [draw_angles_energy(result, staged / "angles_energy.png").name]
-                    files += [draw_folded(result, staged / "folded.png").name]
-            if order.animation and result.success and len(result.t) > 1 and result.joints:
+                    files += _draw(result, staged, order.look)
+            if order.film and result.success and len(result.t) > 1 and result.hinges:
                 with times.stage("animate"):
-                    files += [draw_animation(result, staged, lambda k, n: progress.part(k, n)).name]
+                    files += [_animate(result, staged, order.look, progress)]
         except KeyboardInterrupt:
             interrupted = True
         sums = digests(staged, files)
@@ -198,14 +197,29 @@ def _write_all(
     return files, interrupted
 
 
+def _draw(result: Result, folder: Path, look: Look) -> list[str]:
+    """Draws the pictures. Returns their names."""
+    from lamc.report.folded import (
+        draw_folded,  # matplotlib takes half as long to import as all the rest of a run
+    )
+    from lamc.report.plots import draw_angles_energy
+
+    return [
+        draw_angles_energy(result, folder / f"angles_energy.{look.format}").name,
+        draw_folded(result, folder / f"folded.{look.format}", look).name,
+    ]
+
+
+def _animate(result: Result, folder: Path, look: Look, progress: Progress) -> str:
+    from lamc.report.animation import draw_animation
+
+    return draw_animation(result, folder, lambda k, n: progress.part(k, n), look=look).name
+
+
 def _own_files(folder: Path) -> set[str]:
     """Files of an earlier run in this folder, by its manifest; only names that lamc itself gives."""
-    try:
-        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-        listed = {str(name) for name in manifest["files"]} if "lamc_version" in manifest else set()
-    except (OSError, ValueError, KeyError, TypeError):
-        return set()
-    return listed & set(FILES)
+    listed = own_manifest(folder).get("files", ())
+    return {str(name) for name in listed if isinstance(listed, list)} & set(FILES)
 
 
 def _data(report: RunReport) -> dict[str, Any]:

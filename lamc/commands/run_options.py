@@ -4,12 +4,23 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, folder, hinges, precision, seconds, speaking, staged
+from lamc.commands.options import (
+    compiler,
+    design,
+    hinges,
+    looked,
+    precision,
+    run_folder,
+    seconds,
+    speaking,
+    staged,
+)
 from lamc.commands.terminal import Terminal
 from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
+    from lamc.report.look import Look
 
 
 @click.command()
@@ -59,8 +70,14 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Keep the work of every effect: who stored, supplied, dissipated.",
 )
-@click.option("--no-animation", is_flag=True, help="Make no film.")
-@folder
+@click.option(
+    "--film/--no-film", default=False, help="Make a film too: MP4 where the extra `video` is, else GIF."
+)
+@click.option("--no-animation", is_flag=True, hidden=True)
+@click.option("--no-pictures", is_flag=True, help="Draw nothing: results only.")
+@looked
+@click.option("--verbose", is_flag=True, help="Name the effects that are not in, each with the reason.")
+@run_folder
 @speaking
 def run(
     file: str | None,
@@ -80,15 +97,19 @@ def run(
     fast: bool,
     precision: str,
     energy_balance: bool,
+    film: bool,
     no_animation: bool,
+    no_pictures: bool,
+    look: "Look",
+    verbose: bool,
     out: str | None,
     terminal: Terminal,
 ) -> int:
-    """Simulate a design; write results, pictures and a film.
+    """Simulate a design; write results and pictures.
 
-    Writes results.npz, results.csv, angles_energy.png, folded.png, an animation and manifest.json. Ctrl-C ends the
-    run and keeps what was computed. A run that reaches its end but not its --accuracy says so and ends with exit
-    code 0; manifest.json has the error that it reached.
+    Writes results.npz, results.csv, angles_energy.png, folded.png and manifest.json, and with --film a film. Ctrl-C
+    ends the run and keeps what was computed. A run that reaches its end but not its --accuracy says so and ends with
+    exit code 0; manifest.json has the error that it reached.
 
     \b
     Examples:
@@ -100,12 +121,15 @@ def run(
       lamc run flaps.yaml --hinge-stiffness from-material
       lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
       lamc run --example pendulum --energy-balance
+      lamc run --example crawler --film --camera front
     """
     from lamc.commands.hinge_choice import HingeChoice
     from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
 
+    if no_animation:
+        terminal.warn("--no-animation is --no-film now, which is what happens unless --film is there")
     order = RunOrder(
         source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials)),
         changes=changes,
@@ -117,7 +141,10 @@ def run(
         integrator=integrator,
         points=points,
         max_steps=max_steps,
-        animation=not no_animation,
+        film=film,
+        pictures=not no_pictures,
+        look=look,
+        verbose=verbose,
         energy_balance=energy_balance,
         out=out,
     )

@@ -160,6 +160,11 @@ class Terminal:
         """A failure that comes with a result, on stderr; other failures are raised."""
         tell(f"error: {text}")
 
+    def warn(self, text: str) -> None:
+        """A word on stderr about how the command was called."""
+        if not self.quiet:
+            tell(f"warning: {text}")
+
     def result(self, data: Mapping[str, Any]) -> None:
         """The result for programs: numbers that are not finite become null."""
         if self.as_json:

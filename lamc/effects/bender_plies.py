@@ -99,12 +99,20 @@ def _ply(data: Any, info: ValidationInfo) -> "Ply":
     return _made(lambda: Ply(**{name: getattr(said, name) for name in sorted(said.model_fields_set)}))
 
 
-_PLIES: TypeAdapter[list[Any]] = TypeAdapter(list[Annotated[Any, PlainValidator(_ply)]])
-_SCHEMA: Mapping[str, Any] = {
-    "type": ["array", "object"],
-    "items": _PlyData.model_json_schema(),
-    "properties": {"plies": {"type": "array"}, "reference": {"enum": ["bottom", "middle", "top"]}},
-}
+@lru_cache(maxsize=1)
+def _plies() -> "TypeAdapter[list[Any]]":
+    return TypeAdapter(list[Annotated[Any, PlainValidator(_ply)]])
+
+
+class _LaminateSchema:
+    """What JSON Schema says of a laminate, made when it is asked for: it takes longer than importing this."""
+
+    def __get_pydantic_json_schema__(self, _core: Any, _handler: Any) -> dict[str, Any]:
+        return {
+            "type": ["array", "object"],
+            "items": _PlyData.model_json_schema(),
+            "properties": {"plies": {"type": "array"}, "reference": {"enum": ["bottom", "middle", "top"]}},
+        }
 
 
 def _laminate(data: Any, info: ValidationInfo) -> "Laminate":
@@ -120,11 +128,11 @@ def _laminate(data: Any, info: ValidationInfo) -> "Laminate":
             raise DesignError(
                 f"the laminate is {shown(data)}; give its plies from bottom to top, or a lamc.plate.Laminate"
             )
-    plies = _PLIES.validate_python(list(data), context=info.context)
+    plies = _plies().validate_python(list(data), context=info.context)
     return _made(lambda: Laminate(plies, reference))
 
 
 if TYPE_CHECKING:
     LaminateField = Annotated[Laminate, PlainValidator(_laminate)]
 else:
-    LaminateField = Annotated[object, PlainValidator(_laminate), WithJsonSchema(dict(_SCHEMA))]
+    LaminateField = Annotated[object, PlainValidator(_laminate), _LaminateSchema()]

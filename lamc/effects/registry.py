@@ -52,11 +52,13 @@ ADDED = "added by the scene"
 
 
 class Choice(NamedTuple):
-    """One line of the account of effects: the effect that acts, or None, and why."""
+    """One line of the account of effects: the effect that acts, or None, and why; whether somebody asked to leave it
+    out."""
 
     name: str
     effect: Effect | None
     reason: str
+    left_out: bool = False
 
 
 def by_name() -> Mapping[str, type[RegisteredEffect]]:
@@ -109,7 +111,7 @@ def _changed(choices: list[Choice], scene: Scene) -> list[Choice]:
                 raise DesignError(
                     f"the scene is to be without {name[:40]!r}, which is no effect; {did_you_mean(name, known)}"
                 )
-        choices = [c for c in choices if c.name != name] + [Choice(name, None, "left out by the scene")]
+        choices = [c for c in choices if c.name != name] + [Choice(name, None, "left out by the scene", True)]
     return choices
 
 

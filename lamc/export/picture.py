@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
 
+from lamc.basics.numbers import shortened
 from lamc.records.mechanism import Array, Joint, Mechanism
 from lamc.report.folded import free_corners, scale_bar, triad
-from lamc.report.plan_view import shortened
 from lamc.report.stage import HINGE, Stage, as_drawn
-from lamc.report.style import png_of
+from lamc.report.style import bytes_of
 
 _LONGEST = 900  # pixels
 _WIDTH = 7.0  # inches
@@ -56,7 +56,7 @@ def picture_of(mechanism: Mechanism, joints: Sequence[str], moving: Sequence[str
     figure.suptitle(
         f"{shortened(mechanism.name, 60)} as drawn: all angles zero", parse_math=False, fontsize=12
     )
-    return png_of(figure)
+    return bytes_of(figure)
 
 
 def _draw_hinge(axis: Axes, stage: Stage, joint: Joint, segment: Array, label: str) -> None:

@@ -13,7 +13,7 @@ from lamc.export.options import ExportOptions
 from lamc.export.package import DIGITS, compile_line, single_header
 from lamc.plates.problem import Problem
 from lamc.report.plates import mesh_figure
-from lamc.report.style import png_of
+from lamc.report.style import bytes_of
 
 _TEMPLATES = {
     "CMakeLists.txt": "package/CMakeLists.txt.j2",
@@ -60,7 +60,7 @@ def folder_of(
         path.format(prefix=prefix): environment().get_template(f"export/{name}").render(known).encode()
         for path, name in _TEMPLATES.items()
     }
-    picture = png_of(mesh_figure(problem, title, problem.all_loads))
+    picture = bytes_of(mesh_figure(problem, title, problem.all_loads))
     return {**{name: text.encode() for name, text in texts.items()}, **files, "mesh.png": picture}
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, about
 from lamc.plates.dofs import Dofs
@@ -111,6 +112,17 @@ class Problem:
     def _number(self, dofs: Dofs) -> None:
         self._put("dofs", dofs)
         self._put("places", MeshLocator(dofs, self.tolerance * self.size))
+
+    def __repr__(self) -> str:
+        return brief(
+            "Problem",
+            "",
+            f"element {self.dofs.element.name!r}",
+            counted(len(self.mesh.cells), "cell"),
+            counted(len(self.supports), "support"),
+            counted(len(self.loads), "load"),
+            counted(len(self.cases), "case") if self.cases else "",
+        )
 
     @property
     def all_loads(self) -> tuple[LoadRecord, ...]:

@@ -5,15 +5,22 @@ was read, and nowhere later.
 """
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from shapely.geometry import MultiPolygon, Point
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import checked_number
+from lamc.basics.drawing import drawer
 from lamc.basics.errors import Place
 from lamc.basics.places import Places as Places
 from lamc.records.scene import Scene, checked_scenes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Line = tuple[tuple[float, float], tuple[float, float]]  # m, world x and y
 
@@ -46,6 +53,9 @@ class Layer:
     thickness: float  # m
     geometry: MultiPolygon  # m, world x and y
     angle: float = 0.0  # rad, ply angle
+
+    def __repr__(self) -> str:
+        return brief("Layer", self.name, self.material.name, f"{self.thickness:g} m")
 
 
 @dataclass(frozen=True)
@@ -80,6 +90,11 @@ class HingeSet:
     def gap(self) -> float:
         """Length of bare film from link to link, across the line, m."""
         return 2.0 * self.width
+
+    def __repr__(self) -> str:
+        return brief(
+            "HingeSet", "", counted(len(self.lines), "line"), f"layer {self.layer}", f"{self.width:g} m wide"
+        )
 
 
 @dataclass(frozen=True)
@@ -143,6 +158,16 @@ class Design:
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))
 
+    def __repr__(self) -> str:
+        lines = sum(len(hinges.lines) for hinges in self.hinges)
+        return brief(
+            "Design",
+            self.name,
+            counted(len(self.layers), "layer"),
+            counted(lines, "hinge line"),
+            counted(len(self.scenes), "scene") if self.scenes else "",
+        )
+
     @property
     def z(self) -> tuple[float, ...]:
         """Heights of the layer boundaries, m, shape (len(layers) + 1,)."""
@@ -150,3 +175,14 @@ class Design:
         for layer in self.layers:
             heights.append(heights[-1] + layer.thickness)
         return tuple(heights)
+
+    def draw(self, *, axes: "Axes | None" = None, path: "str | os.PathLike[str] | None" = None) -> "Axes":
+        """The layers from above, what is held and the hinge lines with their names.
+
+        axes  Matplotlib axes to draw on; None: a new figure
+        path  a .png, .svg or .pdf file that the figure is written to, without opening a window
+
+        Returns the axes. Raises LamcError for what cannot be written.
+        """
+        drawn: Axes = drawer("Design", "draw")(self, axes=axes, path=path)
+        return drawn

@@ -5,7 +5,8 @@ well formed; what needs more than one look (a path to the world, loops) is the b
 """
 
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -13,11 +14,13 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from lamc.basics import units
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array as Array
 from lamc.basics.checks import checked_array as checked_array
 from lamc.basics.checks import checked_flag, checked_range, checked_records, shown
 from lamc.basics.checks import checked_name as checked_name
 from lamc.basics.checks import checked_number as checked_number
+from lamc.basics.drawing import drawer
 from lamc.basics.errors import DesignError, TopologyError
 from lamc.basics.given import GivenNumber
 from lamc.basics.once import lazy
@@ -25,6 +28,8 @@ from lamc.records.network import faults, listed_names
 from lamc.records.scene import Scene, checked_scenes
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from lamc.records.design import Design
 
 Named = TypeVar("Named", "Body", "Joint")
@@ -79,6 +84,9 @@ class Body:
         put("fixed", checked_flag(self.fixed, f"fixed of {what}"))
         if not self.fixed:
             self._check_inertia(what)
+
+    def __repr__(self) -> str:
+        return brief("Body", self.name, "fixed" if self.fixed else "", f"{self.mass:g} kg")
 
     def _check_inertia(self, what: str) -> None:
         if self.mass == 0.0:
@@ -155,6 +163,9 @@ class Joint:
     __eq__ = same_record
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        return brief("Joint", self.name, f"{self.child!r} on {self.parent!r}", f"{self.stiffness:g} N·m/rad")
+
     @property
     def is_limited(self) -> bool:
         """True if the drawn limits are narrower than ±180°."""
@@ -216,6 +227,14 @@ class Mechanism:
     __eq__ = same_record
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        return brief(
+            "Mechanism",
+            self.name,
+            counted(len(self.bodies), "body", "bodies"),
+            counted(len(self.joints), "joint"),
+        )
+
     def body(self, name: str) -> Body:
         """The body of that name. Raises KeyError with the names there are."""
         return _named(self._bodies_by_name, name, "body")
@@ -238,6 +257,31 @@ class Mechanism:
         points = np.array([*(b.com for b in self.bodies if not b.fixed), *(j.point for j in self.joints)])
         diagonal = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
         return diagonal or 1.0
+
+    def draw(
+        self,
+        angles: Mapping[str, float] | None = None,
+        *,
+        axes: "Axes | None" = None,
+        path: "str | os.PathLike[str] | None" = None,
+        camera: str | Sequence[float] | None = None,
+        size: int | None = None,
+    ) -> "Axes":
+        """The bodies in space.
+
+        angles  rad, by joint, as in a `Scene`; those left out follow from closure, or are zero
+        axes    Matplotlib axes to draw on; None: a new figure
+        path    a .png, .svg or .pdf file that the figure is written to, without opening a window
+        camera  "front", "top", "corner", … or (azimuth, elevation), degrees; None: where faces are seen best
+        size    pixels of the longer side
+
+        Returns the axes. Raises DesignError for angles at which loops do not close, RequestError for a camera or a
+        size that there is not, LamcError for what cannot be written.
+        """
+        drawn: Axes = drawer("Mechanism", "draw")(
+            self, angles, axes=axes, path=path, camera=camera, size=size
+        )
+        return drawn
 
 
 def _setter(record: object) -> Any:

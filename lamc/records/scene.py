@@ -6,7 +6,7 @@ In: effects, and plain values. Out: checked records. Nothing here knows any effe
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from numbers import Integral
 
 from lamc.basics.checks import checked_array, checked_kind, checked_name, checked_number, shown
@@ -204,6 +204,16 @@ class Scene:
                 self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0, quantity=LENGTH
             )
             object.__setattr__(self, "closure_tolerance", tolerance)
+
+    def __repr__(self) -> str:
+        """What it says beyond the defaults, effects by name."""
+        told = []
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if each.repr and value not in (None, (), {}):
+                shown_value = [e.name for e in value] if each.name in ("effects", "added") else value
+                told.append(f"{each.name}={shown_value!r}")
+        return f"Scene({', '.join(told)})"
 
     def acting(self, effects: Iterable[Effect]) -> "Scene":
         """The same in which exactly these effects act, with the inputs that they read."""

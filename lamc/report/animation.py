@@ -1,12 +1,11 @@
-"""A film of the moving device: MP4 where ffmpeg is installed, else GIF.
+"""A film of the moving device: MP4 where PyAV or ffmpeg is installed, else GIF.
 
 In: a `Result`. Out: one file, written whole or not at all. Short runs are slowed down and long ones sped up, and every
 frame says by how much, and has the axes and a scale.
 """
 
-import shutil
-import subprocess
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -14,10 +13,12 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from lamc.basics.errors import LamcError
-from lamc.basics.files import replacing
+from lamc.basics.files import checked_path, replacing
+from lamc.basics.numbers import length_text, shortened
 from lamc.records.mechanism import Array
+from lamc.report.film import Encoder, write_mp4
 from lamc.report.folded import round_length
-from lamc.report.plan_view import length_text, shortened
+from lamc.report.look import Look, camera_of
 from lamc.report.raster import Pixels
 from lamc.report.stage import stage_of
 from lamc.run.result import Result
@@ -29,31 +30,58 @@ _MARGIN = 26  # pixels above the picture, for the time
 _FOOT = 84  # pixels below it, for axes and scale
 _ARROW = 28  # pixels
 _PAPER = 244  # of 255: colours as pale as this are white
-_TIMEOUT = 300  # s
 
 Progress = Callable[[int, int], None]
 
 
 def draw_animation(
-    result: Result, folder: Path, progress: Progress | None = None, *, ffmpeg: str | None = None
+    result: Result,
+    folder: Path,
+    progress: Progress | None = None,
+    *,
+    look: Look | None = None,
+    encoders: Sequence[Encoder] | None = None,
 ) -> Path:
-    """Writes animation.mp4 into `folder`, or animation.gif without a working ffmpeg. Returns its path.
+    """Writes animation.mp4 into `folder`, or animation.gif where nothing writes MP4. Returns its path.
 
     progress  told frames made and frames in all
-    ffmpeg    the program to use; None: the one on the search path
+    encoders  of MP4; None: those that are there
 
     Raises LamcError if the file cannot be written.
     """
-    times, speed = frame_times(result)
-    frames = _Frames(result, times, speed, progress)
-    program = ffmpeg or shutil.which("ffmpeg")
-    if program is not None:
-        path = folder / "animation.mp4"
-        with replacing(path) as temporary:
-            if _write_mp4(frames, temporary, program):
-                return path
-        path.unlink()
+    frames = _frames(result, progress, look)
+    path = folder / "animation.mp4"
+    if write_mp4(frames, path, FRAMES_PER_SECOND, encoders):
+        return path
     return _write_gif(frames, folder / "animation.gif")
+
+
+def animate(
+    result: Result,
+    path: str | os.PathLike[str],
+    *,
+    camera: str | Sequence[float] | None = None,
+    size: int | None = None,
+    progress: Progress | None = None,
+) -> Path:
+    """`Result.animate`."""
+    target = checked_path(path)
+    kind = target.suffix.lower()
+    if kind not in (".mp4", ".gif"):
+        raise LamcError(f"cannot film into {target.name!r}; the name must end in .mp4 or .gif")
+    if not len(result.t):
+        raise LamcError("this result has no rows: there is nothing to film")
+    frames = _frames(result, progress, Look(camera_of(camera), size))
+    if kind == ".gif":
+        return _write_gif(frames, target)
+    if not write_mp4(frames, target, FRAMES_PER_SECOND):
+        raise LamcError(f"nothing here writes {target.name!r}: pip install 'lamc[video]', or name a .gif")
+    return target
+
+
+def _frames(result: Result, progress: Progress | None, look: Look | None) -> "_Frames":
+    times, speed = frame_times(result)
+    return _Frames(result, times, speed, progress, look or Look())
 
 
 def frame_times(result: Result) -> tuple[Array, float]:
@@ -69,8 +97,10 @@ def frame_times(result: Result) -> tuple[Array, float]:
 class _Frames:
     """The frames, drawn one by one as they are asked for."""
 
-    def __init__(self, result: Result, times: Array, speed: float, progress: Progress | None) -> None:
-        self._stage = stage_of(result, times, _SIDE)
+    def __init__(
+        self, result: Result, times: Array, speed: float, progress: Progress | None, look: Look
+    ) -> None:
+        self._stage = stage_of(result, times, look.size or _SIDE, look.camera)
         self._progress = progress
         self._times = times
         self._name = shortened(result.provenance.design, 40)
@@ -123,28 +153,6 @@ class _Frames:
             yield self.frame(index)
             if self._progress is not None:
                 self._progress(index + 1, len(self))
-
-
-def _write_mp4(frames: _Frames, path: Path, program: str) -> bool:
-    """Pipes the frames to ffmpeg. False if it fails: an ffmpeg without encoders is no reason to stop."""
-    command = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
-    command += ["-s", f"{frames.width}x{frames.height}", "-r", str(FRAMES_PER_SECOND), "-i", "-", "-an"]
-    command += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path)]
-    try:
-        with subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        ) as process:
-            assert process.stdin is not None
-            try:
-                for frame in frames:
-                    process.stdin.write(frame.tobytes())
-                process.stdin.close()
-                return process.wait(_TIMEOUT) == 0
-            except BaseException:
-                process.kill()
-                raise
-    except (OSError, subprocess.TimeoutExpired):
-        return False
 
 
 def _write_gif(frames: _Frames, path: Path) -> Path:

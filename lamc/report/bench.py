@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from lamc.basics.numbers import duration
+from lamc.basics.numbers import duration, shortened
 from lamc.ledger.bench import Bench, Row
-from lamc.report.plan_view import shortened
 from lamc.report.style import save
 
 _COLOURS = ("#9A9A9A", "#E69F00", "#56B4E9", "#0072B2")

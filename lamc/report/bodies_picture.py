@@ -12,9 +12,10 @@ import shapely
 from matplotlib.figure import Figure
 from shapely.geometry import Polygon
 
+from lamc.basics.numbers import shortened
 from lamc.records.design import Line
 from lamc.records.mechanism import Body, Mechanism
-from lamc.report.plan_view import fill, frame, label, shortened, thinned, view_of
+from lamc.report.plan_view import fill, frame, label, thinned, view_of
 from lamc.report.style import body_colours, save
 
 _WIDTH = 7.0  # inches

@@ -6,8 +6,8 @@ In: the account of each hinge. Out: a table for a terminal, and a list of dictio
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lamc.basics.numbers import length_text
 from lamc.design.cutting import SLIT
-from lamc.report.plan_view import length_text
 from lamc.report.split_text import names, short_name, table
 
 if TYPE_CHECKING:

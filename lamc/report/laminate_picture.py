@@ -21,9 +21,9 @@ from matplotlib.patches import Patch, Rectangle
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import LamcError
+from lamc.basics.numbers import shortened
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.plies import Ply
-from lamc.report.plan_view import shortened
 from lamc.report.style import PALETTE, save
 
 _WIDTH = 7.0  # inches

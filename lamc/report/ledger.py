@@ -14,12 +14,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from lamc.basics.numbers import duration
+from lamc.basics.numbers import duration, shortened
 from lamc.ledger.records import Ledger, Point
 from lamc.ledger.verdict import power
 from lamc.report.ledger_effects import GRID, draw_effects, effect_rows
 from lamc.report.ledger_text import shown_name
-from lamc.report.plan_view import shortened
 from lamc.report.style import save
 from lamc.run.methods import AUTO, METHODS
 

@@ -10,10 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
-from lamc.basics.numbers import duration
+from lamc.basics.numbers import duration, shortened
 from lamc.ledger.records import Account, EffectRow, Ledger
 from lamc.ledger.verdict import percent, power
-from lamc.report.plan_view import shortened
 
 GRID = "#E3E3E3"
 _DOUBT = "#777777"

@@ -5,10 +5,9 @@ In: a `Ledger`. Out: plain text. It measures nothing.
 
 from collections.abc import Sequence
 
-from lamc.basics.numbers import duration, shown_number
+from lamc.basics.numbers import duration, shortened, shown_number
 from lamc.ledger.records import Account, ArithmeticRow, EffectRow, Ledger, Point, Reference
 from lamc.ledger.verdict import cheapest_of, percent, power, setting_text
-from lamc.report.plan_view import shortened
 
 _REACHED = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)  # errors whose price is tabled
 NAMES = {"cvode:Adams": "CVODE, Adams", "cvode:BDF": "CVODE, BDF", "mujoco": "MuJoCo, RK4"}

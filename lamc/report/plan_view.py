@@ -17,6 +17,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
+from lamc.basics.numbers import shortened
 from lamc.records.mechanism import Array
 
 _LARGEST_FONT, _SMALLEST_FONT = 9.0, 4.5  # pt; labels that would be smaller are left out
@@ -148,14 +149,3 @@ def _font_size(points: Array, names: Sequence[str], view: View) -> float:
 def is_hidden(length: float, view: View) -> bool:
     """True if a length is under two points on paper."""
     return length * view.inches_per_metre * 72 < 2.0
-
-
-def length_text(metres: float) -> str:
-    for scale, unit in ((1.0, "m"), (1e-3, "mm")):
-        if metres >= 0.1 * scale:
-            return f"{metres / scale:.3g} {unit}"
-    return f"{metres * 1e6:.3g} µm"
-
-
-def shortened(name: str, count: int) -> str:
-    return name if len(name) <= count else name[: count - 1] + "…"

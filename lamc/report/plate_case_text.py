@@ -7,12 +7,11 @@ import math
 
 import numpy as np
 
-from lamc.basics.numbers import place_text, prefixed, shown_number
+from lamc.basics.numbers import place_text, prefixed, shortened, shown_number
 from lamc.plates.answers.corner_fields import Extreme
 from lamc.plates.answers.estimate import ErrorEstimate
 from lamc.plates.answers.hinge_rotations import HingeRotation
 from lamc.report.failure_text import failure_text
-from lamc.report.plan_view import shortened
 from lamc.report.plate_marks import load_text, vector_text
 from lamc.report.plate_records import CaseReport, Halved
 

@@ -36,11 +36,13 @@ class Field:
     """A scalar over a plate.
 
     values  (points,) or, where it may jump between cells, (cells, corners); SI
+    signed  whether the quantity has a sign: its colours are then about zero
     """
 
     name: str
     unit: str
     values: Array
+    signed: bool = True
 
 
 def triangulation(mesh: Mesh, scale: Scale, chosen: Array | None = None) -> Triangulation:
@@ -67,7 +69,7 @@ def draw_contours(figure: Figure, axis: Axes, mesh: Mesh, field: Field, scale: S
     if same:  # round-off would take all colours
         low = high = 0.5 * (low + high)
         shown = np.full_like(shown, low)
-    colours, norm = colours_of(low, high)
+    colours, norm = colours_of(low, high, signed=field.signed)
     if colours == ONE_SIGN and low * high < 0.0:  # a little of the other sign takes no colour
         low, high = (0.0, high) if high > -low else (low, 0.0)
         shown = np.clip(shown, *((0.0, None) if high > 0.0 else (None, 0.0)))

@@ -16,7 +16,7 @@ from matplotlib.patheffects import withStroke
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
-from lamc.basics.numbers import shown_number
+from lamc.basics.numbers import shortened, shown_number
 from lamc.plates.loads import (
     EdgeLoad,
     EdgeMoment,
@@ -32,7 +32,6 @@ from lamc.plates.loads import (
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Symmetry
-from lamc.report.plan_view import shortened
 
 INK = "#202020"
 LOAD = "#D55E00"  # vermilion of Okabe and Ito

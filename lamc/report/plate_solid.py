@@ -3,8 +3,8 @@
 In: a mesh, deflections at its points, matplotlib axes. Out: artists, and how many times deflections were enlarged.
 Never: files. The view is a parallel projection onto plain axes: matplotlib's own views leave most of the paper empty.
 
-Colours are viridis for what has one sign and PuOr about zero for what has two: both are even to the eye, also where
-colours are told apart less well.
+Colours are viridis for quantities without a sign and PuOr about zero for those with one: both are even to the eye, also
+where colours are told apart less well.
 """
 
 import math
@@ -20,6 +20,7 @@ from lamc.basics.checks import Array
 from lamc.plates.meshing.mesh import Mesh
 from lamc.report.plate_marks import INK
 
+_FAR = 0.3  # of the largest value: all that has one sign and is farther from zero has half of the colours
 ONE_SIGN, TWO_SIGNS = "viridis", "PuOr"
 _SOLID = 12_000  # triangles of a view in space
 _TALL = 0.18  # of the plate's size: the largest deflection as it is drawn
@@ -38,11 +39,10 @@ _VIEW, _DEPTH = _directions(24.0, 32.0)  # degrees: turned about z, seen from th
 _LIGHT = np.array([-0.4, -0.3, 0.866])
 
 
-def bent(axis: Axes, mesh: Mesh, w: Array, *, signed: bool = False) -> float:
+def bent(axis: Axes, mesh: Mesh, w: Array) -> float:
     """The plate as it is seen from above and from the side, its deflections enlarged; grey, its edge at rest.
 
-    w       (points,), m
-    signed  colours are those of two signs in any case
+    w  (points,), m
     Returns how many times deflections were enlarged.
     """
     largest = float(np.abs(w).max(initial=0.0))
@@ -50,7 +50,7 @@ def bent(axis: Axes, mesh: Mesh, w: Array, *, signed: bool = False) -> float:
     points, cells = _coarsened(mesh)
     corners = np.column_stack([mesh.points[points], factor * w[points]])[cells]  # (k, 3, 3)
     middle = corners.mean(axis=1)
-    colours, norm = colours_of(-largest, largest) if signed else colours_of(float(w.min()), float(w.max()))
+    colours, norm = colours_of(-largest, largest, signed=True)
     faces = mpl.colormaps[colours](norm(middle[:, 2] / factor))
     faces[:, :3] *= _shade(corners)[:, None]
     order = np.argsort(middle @ _DEPTH, kind="stable")[::-1]
@@ -143,11 +143,19 @@ def split(cells: Any) -> Any:
     return cells if cells.shape[1] == 3 else np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
 
 
-def colours_of(low: float, high: float) -> tuple[str, Normalize]:
-    """Colour map and its range: PuOr about zero where values have two signs that both matter, else viridis."""
+def colours_of(low: float, high: float, *, signed: bool) -> tuple[str, Normalize]:
+    """Colour map and its range: PuOr for a quantity that has a sign, purple above zero and orange below, whether or not
+    both are there, so that it looks alike in all pictures; else viridis."""
     size = max(abs(low), abs(high))
-    if min(-low, high) > 0.02 * size:
-        return TWO_SIGNS, CenteredNorm(0.0, size)
+    if (
+        signed and min(-low, high) < -_FAR * size
+    ):  # far from zero: half of the map, pale where nearest to zero
+        span = (high - low) or size
+        return TWO_SIGNS, Normalize(low - 1.15 * span, high) if low > 0.0 else Normalize(
+            low, high + 1.15 * span
+        )
+    if signed:
+        return TWO_SIGNS, CenteredNorm(0.0, size or 1.0)
     room = 0.0 if high > low else max(abs(low), 1.0)
     return ONE_SIGN, Normalize(low - room, high + room)
 

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from lamc.basics.numbers import duration, place_text, prefixed, shown_number
+from lamc.basics.numbers import duration, place_text, prefixed, shortened, shown_number
 from lamc.pipeline import Times
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.report import corner_angles
 from lamc.plates.problem import Problem
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, SupportRecord, Symmetry
-from lamc.report.plan_view import shortened
 from lamc.report.plate_case_text import case_rows
 from lamc.report.plate_records import PlateReport
 from lamc.report.plate_shape_text import shape_rows

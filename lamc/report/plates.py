@@ -17,10 +17,11 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from lamc.basics.checks import Array
+from lamc.basics.numbers import shortened
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
-from lamc.report.plan_view import shortened
 from lamc.report.plate_contours import Field, draw_contours, triangulation
+from lamc.report.plate_insets import draw_insets, slivers
 from lamc.report.plate_marks import Scale, draw_loads, draw_outline, draw_supports, region_borders, scale_of
 from lamc.report.plate_solid import REST, bent, box, view_aspect
 from lamc.report.style import PALETTE, save
@@ -74,7 +75,7 @@ def draw_deflection(problem: Problem, w: Array, path: Path, title: str, loads: S
     draw_contours(figure, plan, mesh, Field("deflection w", "m", w), scale)
     handles = draw_supports(plan, problem, scale) + draw_loads(plan, problem, loads, scale)
     handles += [*region_borders(mesh), Line2D([], [], color=REST, linewidth=0.9, label="at rest")]
-    _frame(plan, mesh, scale)
+    frame_plate(plan, mesh, scale)
     factor = bent(view, mesh, w)
     view.set_title(f"bent, deflections × {factor:g}", fontsize=9)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
@@ -97,8 +98,9 @@ def draw_fields(
     )
     lines = math.ceil(len(fields) / columns)
     panel = 10.5 / columns if columns > 1 else 7.4
-    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + 1.1
-    figure = Figure(figsize=(panel * columns, tall * lines + 0.5), layout="compressed")
+    tall = min(max(panel * 0.72 * height / width, 1.1), 5.0) + (2.3 if slivers(problem) else 1.1)
+    layout: Any = "compressed" if columns > 1 else "constrained"
+    figure = Figure(figsize=(panel * columns, tall * lines + 0.9), layout=layout)
     axes = np.atleast_1d(figure.subplots(lines, columns)).ravel()
     handles: list[Line2D] = []
     for axis in axes[len(fields) :]:
@@ -107,7 +109,8 @@ def draw_fields(
         draw_contours(figure, axis, mesh, field, scale)
         if marks:
             handles = draw_supports(axis, problem, scale) + region_borders(mesh)
-        _frame(axis, mesh, scale)
+        frame_plate(axis, mesh, scale)
+        draw_insets(axis, problem, field, scale)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
     _legend(figure, handles)
     return save(figure, path)
@@ -124,7 +127,7 @@ def draw_modes(problem: Problem, shapes: Array, titles: Sequence[str], path: Pat
     for axis in axes[count:]:
         axis.set_axis_off()
     for axis, shape, reported in zip(axes, shapes.T, titles, strict=False):
-        bent(axis, mesh, shape, signed=True)
+        bent(axis, mesh, shape)
         axis.set_title(reported, fontsize=9, parse_math=False)
     figure.suptitle(shortened(title, 80), fontsize=11, parse_math=False)
     figure.supxlabel("purple: up, orange: down, grey: at rest; amplitudes are arbitrary", fontsize=8)
@@ -138,7 +141,8 @@ def _plan(mesh: Mesh, width: float) -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _frame(axis: Axes, mesh: Mesh, scale: Scale) -> None:
+def frame_plate(axis: Axes, mesh: Mesh, scale: Scale) -> None:
+    """Limits, equal scale, labels with unit, quiet spines."""
     low, high = mesh.points.min(axis=0) * scale.per_metre, mesh.points.max(axis=0) * scale.per_metre
     margin = 0.04 * float((high - low).max())
     axis.set_xlim(low[0] - margin, high[0] + margin)
@@ -157,7 +161,7 @@ def _frame(axis: Axes, mesh: Mesh, scale: Scale) -> None:
 def _finish(
     figure: Figure, axis: Axes, mesh: Mesh, scale: Scale, title: str, handles: Sequence[Line2D]
 ) -> None:
-    _frame(axis, mesh, scale)
+    frame_plate(axis, mesh, scale)
     figure.suptitle(shortened(title, 80), fontsize=10, parse_math=False)
     figure.set_figheight(figure.get_figheight() + 0.25 * math.ceil(len(handles) / _COLUMNS))
     _legend(figure, handles)

@@ -138,9 +138,12 @@ class Canvas:
     def finish(self) -> Pixels:
         """The picture, (height, width, 3)."""
         k = self.oversampling
-        palette = np.array(list(self._numbers), dtype=np.uint16)
-        total = np.zeros((self.height // k, self.width // k, 3), dtype=np.uint16)
-        for row in range(k):
-            for column in range(k):
-                total += palette[self.paint[row::k, column::k]]
-        return (total // (k * k)).astype(np.uint8)
+        palette = np.array(list(self._numbers), dtype=np.uint8)
+        parts = [self.paint[row::k, column::k] for row in range(k) for column in range(k)]
+        picture: Pixels = palette[parts[0]]
+        mixed = np.zeros(picture.shape[:2], dtype=np.bool_)  # few pixels are: those at edges
+        for part in parts[1:]:
+            mixed |= part != parts[0]
+        total = sum(palette[part[mixed]].astype(np.uint16) for part in parts)
+        picture[mixed] = total // (k * k)
+        return picture

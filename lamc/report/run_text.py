@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from lamc.basics.numbers import duration
+from lamc.basics.numbers import duration, shortened
 from lamc.effects.registry import Choice
 from lamc.mechanism.limits import outside_limits
 from lamc.pipeline import Times
 from lamc.report.loops_text import branch_lines, loops_line
-from lamc.report.plan_view import shortened
 from lamc.run.outputs import outputs_of
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -32,6 +31,7 @@ class RunReport:
     drift    largest change of the energy, J; None where something may dissipate or drive
     scene    what the scene was called on the command line; None: the design's own
     beside   files that the design was read from besides `source`: name and SHA-256
+    remarks  what else the user should know
     """
 
     source: str
@@ -43,11 +43,12 @@ class RunReport:
     drift: float | None
     scene: str | None = None
     beside: tuple[tuple[str, str], ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the user should know and cannot see."""
-        notes = []
+        notes = list(self.remarks)
         limited = [joint.name for joint in self.simulator.mechanism.joints if joint.is_limited]
         if limited and not any("limit" in c.name for c in self.account if c.effect is not None):
             notes.append(
@@ -72,12 +73,12 @@ def energy_drift(result: Result) -> float | None:
     return float(np.abs(result.energy - result.energy[0]).max()) if len(result.t) else None
 
 
-def summary(report: RunReport, folder: Path, files: Sequence[str]) -> str:
-    """The whole summary, a labelled line for each matter."""
+def summary(report: RunReport, folder: Path, files: Sequence[str], *, verbose: bool = False) -> str:
+    """The whole summary, a labelled line for each matter; `verbose`: one for each effect that is not in, too."""
     rows = [("device", _device(report))]
     rows += _loops(report)
     rows += _scene(report)
-    rows += _effects(report.account)
+    rows += _effects(report.account, verbose=verbose)
     rows += [("note", note) for note in report.notes]
     rows += [("run", _run(report.result)), ("steps", _steps(report.result)), *_accuracy(report.result)]
     rows += _happenings(report.result)
@@ -135,14 +136,17 @@ def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
 
 
-def _effects(account: Sequence[Choice]) -> list[tuple[str, str]]:
-    width = max((len(choice.name) for choice in account), default=0)
-    acting = [c for c in account if c.effect is not None]
-    idle = [c for c in account if c.effect is None]
-    return [
-        ("effects", f"{'in ' if c.effect is not None else 'out'}  {c.name:<{width}}  {c.reason}")
-        for c in acting + idle
+def _effects(account: Sequence[Choice], *, verbose: bool) -> list[tuple[str, str]]:
+    """A line for each effect that acts, or that somebody left out; the others in one line unless `verbose`."""
+    told = [c for c in account if verbose or c.effect is not None or c.left_out]
+    width = max((len(choice.name) for choice in told), default=0)
+    lines = [
+        f"{'in ' if c.effect is not None else 'out'}  {c.name:<{width}}  {c.reason}"
+        for c in sorted(told, key=lambda c: c.effect is None)
     ]
+    if len(told) < len(account):
+        lines.append(f"out  {len(account) - len(told)} more, which nothing calls for (--verbose names them)")
+    return [("effects", line) for line in lines]
 
 
 def _run(result: Result) -> str:

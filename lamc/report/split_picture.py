@@ -1,4 +1,5 @@
-"""A picture of the splitting in four panels: device, holes, cut, bodies (as in Figure 1 of the paper).
+"""A picture of the splitting in four panels: device, holes, cut, bodies (as in Figure 1 of the paper); where there are
+several sheets, a panel for each (`sheets_picture`).
 
 In: the steps of a splitting and a path ending in .png, .svg or .pdf. Out: that file, written whole or not at
 all. It computes nothing about the mechanism, and it shares no state with other figures (no pyplot).
@@ -12,7 +13,6 @@ import os
 from collections.abc import Sized
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
@@ -22,49 +22,23 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from shapely.geometry import MultiPolygon, Polygon
 
-from lamc.basics.errors import LamcError
-from lamc.basics.files import replacing
+from lamc.basics.numbers import length_text, shortened
 from lamc.design.cutting import SLIT, material_size
 from lamc.design.steps import SplitBody, SplitSteps
 from lamc.records.mechanism import Array
-from lamc.report.plan_view import (
-    View,
-    fill,
-    frame,
-    is_hidden,
-    label,
-    length_text,
-    shortened,
-    thinned,
-    view_of,
-)
-from lamc.report.style import WORLD, body_colours
+from lamc.report.plan_view import View, fill, frame, is_hidden, label, thinned, view_of
+from lamc.report.sheets_picture import sheets_figure, sheets_of
+from lamc.report.style import WORLD, body_colours, save
 
 # Holes and slits have colours that no body has.
 MATERIAL, HOLE, SLIT_COLOUR, LINE = "#C9D6DF", "#B00020", "#3B2C85", "#000000"
-SUFFIXES = (".png", ".svg", ".pdf")
 _PANEL = 4.6  # inches, width of a panel's drawing
+_SHEET = 7.0  # inches, the same of a sheet
 
 
 def draw_split(steps: SplitSteps, path: str | os.PathLike[str]) -> None:
     """Draw the four steps into `path`. Raises LamcError for a suffix that is not .png, .svg or .pdf."""
-    target = Path(path)
-    if target.suffix.lower() not in SUFFIXES:
-        raise LamcError(f"cannot draw into {target.name!r}; the name must end in {', '.join(SUFFIXES)}")
-    # A fixed salt makes the ids in an SVG repeat from run to run.
-    with mpl.rc_context({"svg.hashsalt": "lamc"}):
-        figure = _figure(steps)
-        kind = target.suffix.lower()
-        with replacing(target) as temporary, temporary.open("wb") as file:
-            figure.savefig(file, format=kind[1:], dpi=160, metadata=_UNDATED[kind])
-
-
-# No date in the file: the same design gives the same picture.
-_UNDATED: dict[str, dict[str, str | None]] = {
-    ".png": {},
-    ".svg": {"Date": None},
-    ".pdf": {"CreationDate": None},
-}
+    save(_figure(steps), Path(path))
 
 
 def _figure(steps: SplitSteps) -> Figure:
@@ -72,10 +46,14 @@ def _figure(steps: SplitSteps) -> Figure:
     width, height = bounds[1] - bounds[0]
     rows, columns = (4, 1) if width > 2.4 * height else (2, 2)
     panel_width = 2 * _PANEL if columns == 1 else _PANEL
-    view = view_of(bounds, material_size(steps.design.layers), panel_width)
+    size = material_size(steps.design.layers)
+    sheets = sheets_of(steps)
+    if len(sheets) > 1:
+        return sheets_figure(steps, view_of(bounds, size, _SHEET), sheets, _SHEET)
+    view = view_of(bounds, size, panel_width)
     panel_height = max(panel_width * height / width, 0.9)
-    size = (columns * (panel_width + 0.9) + 0.3, rows * (panel_height + 0.9) + 1.2)
-    figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.14))
+    paper = (columns * (panel_width + 0.9) + 0.3, rows * (panel_height + 0.9) + 1.2)
+    figure = Figure(figsize=paper, layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.14))
     axes = list(figure.subplots(rows, columns).flat)
     figure.suptitle(
         f"{shortened(steps.design.name, 60)}: from laminate to bodies", parse_math=False, fontsize=13

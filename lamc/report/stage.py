@@ -71,13 +71,17 @@ def as_drawn(mechanism: Mechanism) -> Poses:
     return Poses(np.zeros(1), centres, np.tile(np.eye(3), (1, len(bodies), 1, 1)))
 
 
-def stage_of(result: Result, times: Array, longest_side: int) -> "Stage":
+def stage_of(
+    result: Result, times: Array, longest_side: int, camera: tuple[float, float] | None = None
+) -> "Stage":
     """A run at the given times, s."""
-    return Stage(result.mechanism, poses_at(result, times), longest_side, result.marks)
+    return Stage(result.mechanism, poses_at(result, times), longest_side, result.marks, camera=camera)
 
 
 class Stage:
-    """A mechanism's shape, its poses, and one camera for all of them. `draw` gives the picture of an instant."""
+    """A mechanism's shape, its poses, and one camera for all of them. `draw` gives the picture of an instant.
+
+    camera: azimuth and elevation, degrees; None: where the motion spreads widest"""
 
     def __init__(
         self,
@@ -87,6 +91,7 @@ class Stage:
         marks: Sequence[PlaneMark] = (),
         *,
         oversampling: int = 2,
+        camera: tuple[float, float] | None = None,
     ) -> None:
         self.poses = poses
         self.solid: Solid = solid_of(mechanism)
@@ -98,7 +103,7 @@ class Stage:
         self._colours = _rgb(mechanism)
         above = np.concatenate([self._outline(k) for k in range(len(poses.t))])
         self._sheets = [Sheet(mark, above) for mark in marks]
-        self.camera, self.width, self.height = self._compose(longest_side)
+        self.camera, self.width, self.height = self._compose(longest_side, camera)
 
     def _gather(self) -> None:
         """All vertices of all faces in one array, so that posing is one product; `_rings` cuts it up again."""
@@ -132,17 +137,21 @@ class Stage:
     def _place(self, instant: int, lines: Lines) -> Array:
         return self.poses.place(instant, lines.segments, lines.bodies, self._drawn)
 
-    def _compose(self, longest_side: int) -> tuple[Camera, int, int]:
+    def project(self, instant: int, lines: Lines) -> Array:
+        """Ends of lines at an instant, (k, 2, 3): pixels to the right and up from the middle, and depth."""
+        return self.camera.project(self._place(instant, lines))
+
+    def _compose(self, longest_side: int, asked: tuple[float, float] | None) -> tuple[Camera, int, int]:
         """The camera, and width and height of the image in pixels, both even."""
         count = len(self.poses.t)
         chosen = sorted({int(k) for k in np.linspace(0, count - 1, min(_SAMPLES, count))})
-        right, up, towards = self._best_view(chosen)
+        right, up, towards = self._best_view(chosen) if asked is None else _axes(*asked)
         axes = np.stack([right, up, towards], axis=1)
         seen = [np.concatenate([self._outline(k), self._ground()]) @ axes for k in range(count)]
         low = np.min([s.min(axis=0) for s in seen], axis=0)
         high = np.max([s.max(axis=0) for s in seen], axis=0)
         extent = np.maximum((high - low)[:2], 0.05 * self.solid.size) * 1.08
-        ratio = float(np.clip(extent[1] / extent[0], 0.35, 1.0 if extent[1] <= extent[0] else 1.6))
+        ratio = float(np.clip(extent[1] / extent[0], 0.2, 1.6))
         width = longest_side if ratio <= 1.0 else int(longest_side / ratio)
         height = int(width * ratio)
         width, height = width - width % 2, height - height % 2
@@ -191,15 +200,15 @@ class Stage:
         return canvas.finish()
 
     def _draw_lines(self, canvas: Canvas, instant: int) -> None:
-        solid, project = self.solid, self.camera.project
+        solid = self.solid
         sticks = self._colours[solid.sticks.bodies].astype(np.uint8)
-        canvas.lines(project(self._place(instant, solid.sticks)), sticks, width=5.0, bias=0.0, solid=True)
+        canvas.lines(self.project(instant, solid.sticks), sticks, width=5.0, bias=0.0, solid=True)
         edges = np.tile(np.array(_EDGE, dtype=np.uint8), (len(solid.edges.segments), 1))
-        canvas.lines(project(self._place(instant, solid.edges)), edges, width=0.8, bias=1.5)
+        canvas.lines(self.project(instant, solid.edges), edges, width=0.8, bias=1.5)
         hinges = np.tile(np.array(HINGE, dtype=np.uint8), (len(solid.hinges.segments), 1))
         # Hinge lines lie at the mid-plane, inside the material; they are shown through it, and short ones thinner.
         width = float(np.clip(self._hinge_length * self.camera.scale / 16, 0.5, 1.8))
-        canvas.lines(project(self._place(instant, solid.hinges)), hinges, width=width, bias=np.inf)
+        canvas.lines(self.project(instant, solid.hinges), hinges, width=width, bias=np.inf)
 
 
 def _axes(azimuth: float, elevation: float) -> tuple[Array, Array, Array]:

@@ -15,6 +15,8 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from lamc.basics.files import replacing
+from lamc.records.scene import OutputPoint
+from lamc.run.quantities import AXES, Quantity
 from lamc.run.request import Array
 
 if TYPE_CHECKING:
@@ -29,13 +31,23 @@ def columns(result: "Result") -> dict[str, Array]:
     values = [result.t, *(result.angle(j) for j in result.joints), *(result.rate(j) for j in result.joints)]
     values += [*result.q.T[count:], *result.u.T[count:], *result.energies.values(), result.energy]
     named = titles(result.joints, result.coordinates, result.rates, list(result.energies))
-    table = dict(zip(named, values, strict=True))
-    for point in result.points:
-        path = result.point(point.name)
-        table |= {f"{point.name}.{axis} (m)": path[:, k] for k, axis in enumerate("xyz")}
+    found = dict(zip(named, values, strict=True))
+    for hinge in result.hinges:  # those that close loops and yield are coordinates without a rate
+        found.setdefault(f"{hinge} rate (rad/s)", result.rate(hinge))
+    found |= {f"{q.name} ({q.unit})": q.values for q in positions(result)}
     if result.kept is not None:
-        table |= {f"{name} work (J)": values for name, values in result.work.items()}
-    return table
+        found |= {f"{name} work (J)": values for name, values in result.work.items()}
+    return found
+
+
+def positions(result: "Result") -> list[Quantity]:
+    """Of the scene's outputs those that are not among coordinates: points and centres of bodies, m."""
+    known = {c.name for c in result.coordinates}
+    wanted = [
+        [f"{each.name}.{axis}" for axis in AXES] if isinstance(each, OutputPoint) else [each]
+        for each in result.outputs
+    ]
+    return [result.quantity(name) for group in wanted for name in group if name not in known]
 
 
 def titles(
@@ -83,15 +95,15 @@ def others(result: "Result") -> list[tuple[str, str, Array]]:
 
 def write_csv(result: "Result", path: Path, *, manifest: bool = True) -> Path:
     """Writes the table with 17 digits, which read back exactly, and the manifest if asked. Returns the path."""
-    table = columns(result)
+    found = columns(result)
 
     def write(file: IO[str]) -> None:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table)
-        writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
+        writer.writerow(found)
+        writer.writerows(zip(*(values.tolist() for values in found.values()), strict=True))
 
     if manifest:
-        _write_manifest(result, path, list(table))
+        _write_manifest(result, path, list(found))
     _write_text(path, write)
     return path
 
@@ -102,7 +114,7 @@ def write_npz(result: "Result", path: Path, *, manifest: bool = True) -> Path:
         "t": result.t,
         "q": result.q,
         "u": result.u,
-        "energies": np.column_stack([np.zeros((len(result.t), 0)), *result.energies.values()]),
+        "energies": table(list(result.energies.values()), len(result.t)),
         "energy": result.energy,
         "constraint_error": result.constraint_error,
         "joints": np.array(result.joints, dtype=np.str_),
@@ -111,15 +123,28 @@ def write_npz(result: "Result", path: Path, *, manifest: bool = True) -> Path:
         "rates": np.array([c.name for c in result.rates], dtype=np.str_),
         "rate_units": np.array([c.unit for c in result.rates], dtype=np.str_),
         "energy_names": np.array(list(result.energies), dtype=np.str_),
+        "hinges": np.array(result.hinges, dtype=np.str_),
+        "angles": table([result.angle(name) for name in result.hinges], len(result.t)),
+        "angle_rates": table([result.rate(name) for name in result.hinges], len(result.t)),
     }
+    outputs = positions(result)
+    arrays["outputs"] = table([each.values for each in outputs], len(result.t))
+    arrays["output_names"] = np.array([each.name for each in outputs], dtype=np.str_)
+    arrays["output_units"] = np.array([each.unit for each in outputs], dtype=np.str_)
     if result.kept is not None:
-        arrays["work"] = np.column_stack([np.zeros((len(result.t), 0)), *result.work.values()])
+        arrays["work"] = table(list(result.work.values()), len(result.t))
         arrays["work_names"] = np.array(list(result.work), dtype=np.str_)
     if manifest:
         _write_manifest(result, path, list(arrays))
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, **arrays)
     return path
+
+
+def table(columns: Sequence[Array], rows: int) -> Array:
+    """Columns (m,) side by side, (m, len(columns))."""
+    found: Array = np.column_stack([np.zeros((rows, 0)), *columns])
+    return found
 
 
 def _write_manifest(result: "Result", path: Path, contents: list[str]) -> None:

@@ -5,14 +5,16 @@ Out: arrays. Never: integrates; interprets names or physics.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn, Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
 from lamc.basics.errors import UnsupportedError
 from lamc.run.opened import Opened, OpenedPool
 from lamc.run.parameters import checked_parameters
+from lamc.run.remaking import Recipe, remade_model, remember
 from lamc.run.request import Array
 from lamc.symbolic.program import Coordinate
 
@@ -33,7 +35,8 @@ class CompiledModule(Protocol):
 
 
 class Unchanging:
-    """Base of what holds compiled code. It never changes, so a copy is the thing itself; it cannot be pickled."""
+    """Base of what holds compiled code. It never changes, so a copy is the thing itself; it is pickled as what it was
+    made from (`lamc.run.remaking`), and not at all where it was made by hand."""
 
     def __copy__(self) -> Self:
         return self
@@ -41,7 +44,7 @@ class Unchanging:
     def __deepcopy__(self, _memo: dict[int, Any]) -> Self:
         return self
 
-    def __reduce__(self) -> NoReturn:
+    def __reduce__(self) -> tuple[Any, ...]:
         raise UnsupportedError(
             f"a {type(self).__name__} holds compiled code of this process and cannot be pickled; pickle the mechanism "
             "and the scene and compile them there (the cache makes it quick), or write a result with to_npz"
@@ -58,11 +61,15 @@ class Motion(Unchanging):
     def __init__(self, model: "Model", parameters: Array, baumgarte: float = 0.0) -> None:
         self.model = model
         self.parameters = parameters
+        self._baumgarte = baumgarte
         constants = np.zeros(max(model.constant_count, 1))  # C wants an address even for none
         model.handle.setup(model.read(parameters), model.write(constants))
         constants.flags.writeable = False
         self.constants = constants
         self._pool = OpenedPool(model, constants, baumgarte)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Motion, (self.model, self.parameters, self._baumgarte)
 
     def opened(self) -> Opened:
         """A `lamc_motion` for one caller: `with motion.opened() as handle`. What C keeps of `handle`, such as a
@@ -163,9 +170,13 @@ class Motion(Unchanging):
 
 
 class Model(Unchanging):
-    """The names, counts and defaults of a compiled mechanism."""
+    """The names, counts and defaults of a compiled mechanism.
 
-    def __init__(self, module: CompiledModule) -> None:
+    recipe  what it was made from; None: by hand, and it cannot be pickled. tells: whether it tells powers
+    """
+
+    def __init__(self, module: CompiledModule, recipe: Recipe | None = None, *, tells: bool = False) -> None:
+        self._recipe, self._tells, self._entry = recipe, tells, str(module.source_dir)
         self.ffi: Any = module.ffi
         self.lib: Any = module.lib
         self.handle: Any = self.lib.lamc_this_model()
@@ -191,6 +202,14 @@ class Model(Unchanging):
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
         self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
+
+        if recipe is not None:
+            remember(self, self._entry)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._recipe is None:
+            return super().__reduce__()
+        return partial(remade_model, tells=self._tells), (self._recipe, self.digest, self._entry)
 
     @property
     def state_size(self) -> int:

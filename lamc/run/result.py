@@ -6,37 +6,35 @@ was made.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.errors import RequestError
-from lamc.basics.files import checked_path
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint
-from lamc.run import doubts, files, frames
+from lamc.run import doubts
 from lamc.run.accuracy_record import Accuracy
 from lamc.run.energy_balance import IMPACTS, EnergyBalance, Kept, energy_balance_of
+from lamc.run.given_out import GivenOut
 from lamc.run.model import Motion, Unchanging
+from lamc.run.quantities import Quantity, quantity_of
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
-    import pandas
-    import xarray
-
     from lamc.records.effect import PlaneMark
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Unchanging):
+class Result(GivenOut, Unchanging):
     """A run, complete or not. m rows at times t.
 
     t, q, u  times (m,), s; coordinates (m, nq) and rates (m, nu), in the order of `coordinates` and `rates`: first
@@ -47,7 +45,7 @@ class Result(Unchanging):
     events   limits reached and left, and impacts, in order
     marks    what pictures show besides the bodies, such as the ground
     accuracy what a run to an accuracy came to; None for runs at a tolerance
-    points   those that the scene's outputs name
+    outputs  what the scene asks for: names and points; empty: all hinges
 
     Rows lie where `run` was asked for them. A run that ended early ends with one more: the last state it reached.
 
@@ -66,7 +64,7 @@ class Result(Unchanging):
     events: tuple[Event, ...] = ()
     marks: "tuple[PlaneMark, ...]" = ()
     accuracy: Accuracy | None = None
-    points: tuple[OutputPoint, ...] = ()
+    outputs: tuple[str | OutputPoint, ...] = ()
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
@@ -78,6 +76,9 @@ class Result(Unchanging):
     def __repr__(self) -> str:
         n = len(self.joints)
         return f"<Result of {self.provenance.design!r}: {len(self.t)} rows, {n} joints; {self.message}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     @property
     def success(self) -> bool:
@@ -114,6 +115,12 @@ class Result(Unchanging):
     def joints(self) -> tuple[str, ...]:
         """Names of the joints, in the order of the first columns of q and u."""
         return self.motion.model.joints
+
+    @lazy
+    def hinges(self) -> tuple[str, ...]:
+        """Names of all hinges whose angle is known, those that close loops too, in the design's order."""
+        known = {*self.joints, *self._held}
+        return tuple(joint.name for joint in self.mechanism.joints if joint.name in known)
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -238,6 +245,11 @@ class Result(Unchanging):
         rows = self._poses[:, moving.index(body)]
         return rows[:, :3], rows[:, 3:].reshape(m, 3, 3)
 
+    @property
+    def points(self) -> tuple[OutputPoint, ...]:
+        """The points that the scene's outputs name."""
+        return tuple(each for each in self.outputs if isinstance(each, OutputPoint))
+
     def point(self, name: str) -> Array:
         """Path of a point that the scene's outputs name (`OutputPoint`), shape (m, 3), m, world. Raises KeyError with
         the names there are."""
@@ -248,25 +260,11 @@ class Result(Unchanging):
         known = ", ".join(each.name for each in self.points) or "none"
         raise KeyError(f"no output point is named {name!r}; there are {known}")
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Writes a table with one row per time: t, angles, rates, energies, output points, units in the header; numbers
-        read back exactly. A JSON manifest goes beside it. Both appear whole or not at all. Raises LamcError
-        if it cannot."""
-        return files.write_csv(self, checked_path(path))
-
-    def to_npz(self, path: str | Path) -> Path:
-        """Writes arrays t, q, u, energies, energy, constraint_error, joints, coordinates and rates (names), their units
-        coordinate_units and rate_units, energy_names, with an energy balance work and work_names (no pickles), a JSON
-        manifest beside it. Both appear whole or not at all. Raises LamcError if it cannot."""
-        return files.write_npz(self, checked_path(path))
-
-    def to_pandas(self) -> "pandas.DataFrame":
-        """A DataFrame over t with the columns of `to_csv`. Raises LamcError without pandas."""
-        return frames.to_pandas(self)
-
-    def to_xarray(self) -> "xarray.Dataset":
-        """A Dataset over (t, joint, energy_name). Raises LamcError without xarray."""
-        return frames.to_xarray(self)
+    def quantity(self, name: str) -> Quantity:
+        """Anything of the run by name, with its unit: a hinge's angle, a coordinate, a rate such as "base.vz" or
+        "h1.rate", a body's centre or an output point by axis ("link.x", "tip.z"), an energy by effect ("gravity"),
+        "energy" or "constraint_error". Raises KeyError with the nearest names there are."""
+        return quantity_of(self, name)
 
     @lazy
     def _rows(self) -> Array:

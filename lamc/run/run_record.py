@@ -6,6 +6,8 @@ In: plain values. Out: frozen records, which a `Result` carries and files keep. 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from lamc.basics.brief import brief
+
 
 @dataclass(frozen=True)
 class RunStats:
@@ -48,3 +50,9 @@ class Provenance:
     flags: tuple[str, ...]
     effects: tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)  # every one, as used
+
+    def __repr__(self) -> str:
+        effects = ", ".join(self.effects)
+        return brief(
+            "Provenance", self.design, f"lamc {self.lamc_version}", f"digest {self.digest[:12]}…", effects
+        )

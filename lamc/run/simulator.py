@@ -4,11 +4,13 @@ In: a mechanism, a scene and the module that `build` made of them. Out: `Result`
 It never changes; runs share nothing but the compiled code.
 """
 
+import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +20,7 @@ from lamc.basics.errors import RequestError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
+from lamc.basics.progress import bar
 from lamc.loops.at_start import loops_of
 from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
@@ -29,10 +32,11 @@ from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
 from lamc.records.mechanism import Mechanism
-from lamc.records.scene import OutputPoint, Scene
+from lamc.records.scene import Scene
 from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate, drawn_start
+from lamc.run.defaults import DURATION
 from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
@@ -40,6 +44,7 @@ from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.pushes import push_of
+from lamc.run.remaking import Recipe, Telling, remade_simulator
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
@@ -49,6 +54,7 @@ if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
     from lamc.symbolic.program import Program
 
+logger = logging.getLogger("lamc")
 _T = TypeVar("_T")
 
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
@@ -79,14 +85,17 @@ class Simulator(Evaluations):
         module: CompiledModule,
         loops: LoopCount | None = None,
         energy_balance: Callable[[], CompiledModule] | None = None,
+        recipe: Recipe | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
         energy_balance: makes the module that also tells powers; None: there is none to be had.
+        recipe: what it can be made from again, in another process; None: it cannot be pickled.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
-        super().__init__(Model(module))
+        super().__init__(Model(module, recipe))
+        self._recipe = recipe
         self.mechanism = mechanism
         self.scene = scene
         self.effects = tuple(effects)
@@ -102,6 +111,9 @@ class Simulator(Evaluations):
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return super().__reduce__() if self._recipe is None else (remade_simulator, (self._recipe,))
 
     @lazy
     def loops(self) -> LoopCount:
@@ -182,7 +194,7 @@ class Simulator(Evaluations):
 
     def run(
         self,
-        t_end: float = 10.0,
+        t_end: float | None = None,
         rtol: float | None = None,
         atol: float | None = None,
         t_eval: npt.ArrayLike | None = None,
@@ -191,14 +203,15 @@ class Simulator(Evaluations):
         *,
         max_steps: int = 1_000_000,
         max_step: float | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
         baumgarte: float | None = None,
         energy_balance: bool = False,
         accuracy: float | None = None,
         books: bool | None = None,
     ) -> Result:
-        """Runs from the scene's angles and rates at t = 0 to t_end (s).
+        """Runs from the scene's angles and rates at t = 0 to t_end.
 
+        t_end       s; None: the scene's duration, or 10 s
         rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|);
                     None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
@@ -209,7 +222,7 @@ class Simulator(Evaluations):
                     keep their defaults
         max_steps   steps tried before the run gives up
         max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only
-        progress    called with (t, t_end) now and then
+        progress    called with (t, t_end) now and then; True: a bar, in notebooks too
         baumgarte   rate, 1/s, at which loops that drift apart are pulled together (Baumgarte's stabilisation, for
                     comparison, and for a fixed cost per step: with rtol=1, atol=1e6 and a max_step all steps but
                     the first are of that length); None: each step is projected on closure, with nothing to choose
@@ -232,6 +245,24 @@ class Simulator(Evaluations):
         if books is not None:
             superseded("run(books=...)", "run(energy_balance=...)")
             energy_balance = books
+        if t_end is None:
+            t_end = self.scene.duration or DURATION
+        if isinstance(progress, bool):
+            with bar("run") if progress else nullcontext((None, None)) as (_, told):
+                return self.run(
+                    t_end,
+                    rtol,
+                    atol,
+                    t_eval,
+                    integrator,
+                    parameters,
+                    max_steps=max_steps,
+                    max_step=max_step,
+                    progress=told,
+                    baumgarte=baumgarte,
+                    energy_balance=energy_balance,
+                    accuracy=accuracy,
+                )
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
         tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
         request = checked_request(
@@ -239,14 +270,14 @@ class Simulator(Evaluations):
         )
         rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
         motion = (
-            self._motion(parameters, rate) if not energy_balance else self._telling.motion(parameters, rate)
+            self._motion(parameters, rate) if not energy_balance else self.telling.motion(parameters, rate)
         )
         with located_at(self.scene.places):
             limited = with_limits(self.mechanism, checked_parameters(parameters, self.parameter_units))
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
             check_run(self.effects, self.mechanism, motion, self.start, request.t_end)
-        telling = (lambda: motion) if energy_balance else (lambda: self._telling.motion(parameters, rate))
+        telling = Telling(self, self._recipe, parameters, rate)
 
         def run(name: str, asked: Request) -> tuple[Result, float]:
             return self._integrated(name, asked, motion, telling)
@@ -290,8 +321,9 @@ class Simulator(Evaluations):
             telling=telling,
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks,
-            points=tuple(each for each in self.scene.outputs or () if isinstance(each, OutputPoint)),
+            outputs=tuple(self.scene.outputs or ()),
         )
+        logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
         return result, trajectory.effort
 
     def _gap_at(self, angles: Array) -> str:
@@ -316,11 +348,11 @@ class Simulator(Evaluations):
         return tuple(each.body for each in self._arrangement.flexible)
 
     @lazy
-    def _telling(self) -> Model:
+    def telling(self) -> Model:
         """The model that tells powers."""
         if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        return Model(self._energy_balance())
+        return Model(self._energy_balance(), self._recipe, tells=True)
 
     @lazy
     def _arrangement(self) -> Arrangement:

@@ -315,7 +315,7 @@ def test_copy_without_a_name_is_refused(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_an_example_of_a_size_runs_and_splits_like_a_file(tmp_path: Path) -> None:
     words = ("--example", "miura:2x3", "--out", str(tmp_path), "--quiet")
-    assert run("run", *words, "--t-end", "0.1", "--no-animation")[0] == 0
+    assert run("run", *words, "--t-end", "0.1")[0] == 0
     assert json.loads((tmp_path / "manifest.json").read_text())["source"] == "miura:2x3"
     assert run("split", *words)[0] == 0
     assert run("split", "--example", "n_four_bar:3", "--out", str(tmp_path), "--quiet")[0] == 0

@@ -46,7 +46,7 @@ def test_a_full_disk_under_stdout_is_no_bug_of_lamc(arguments: list[str]) -> Non
 def test_an_option_that_says_two_things_of_one_name_is_refused(
     options: list[str], reported: str, tmp_path: Path
 ) -> None:
-    arguments = ["run", "--example", "flaps", "--t-end", "0", "--no-animation", "--quiet"]
+    arguments = ["run", "--example", "flaps", "--t-end", "0", "--quiet"]
     result = CliRunner().invoke(main, [*arguments, "--out", str(tmp_path / "o"), *options])
     assert result.exit_code == 2
     assert reported in result.output

@@ -105,8 +105,8 @@ def test_each_lamc_command_of_the_pages_succeeds(
     arguments = shlex.split(command)[1:]
     if "--copy" in arguments:
         shutil.rmtree(folder / arguments[-1], ignore_errors=True)  # what the command is to make
-    if "run" in arguments:
-        arguments.append("--no-animation")  # the film has its own tests, and takes most of the time
+    if "--film" in arguments:
+        arguments.append("--no-film")  # it has its own tests, and takes most of the time
     if arguments[0] == "ledger":
         arguments += ["--budget", "1s"]  # what it may spend, it does
     monkeypatch.chdir(folder)

@@ -78,7 +78,7 @@ def test_two_cross_checks_tell_the_same_powers(name: str) -> None:
     q, u = state[:nq], state[nq:]
     constants = cross_check.constants()
     theirs = cross_check.powers(0.7, q, u, sim.acceleration(q, u, t=0.7), constants)
-    mine = sim._telling.motion({}).powers(np.array([0.7]), state.reshape(1, -1))[0]
+    mine = sim.telling.motion({}).powers(np.array([0.7]), state.reshape(1, -1))[0]
     size = max(1.0, float(np.abs(mine).max(initial=0.0)))
     assert mine == pytest.approx(theirs, rel=1e-12, abs=1e-12 * size)  # round-off of sums of some hundred
 
@@ -285,7 +285,7 @@ def powers_and_changes(
     sim: Simulator, state: Array, t: float
 ) -> tuple[Mapping[str, float], Mapping[str, float]]:
     """Power of each effect, W, and rates of the energies by name, W, at one state."""
-    telling = sim._telling.motion({})
+    telling = sim.telling.motion({})
     rows, times = state.reshape(1, -1), np.array([t])
     powers = dict(zip(telling.model.powers, telling.powers(times, rows)[0].tolist(), strict=True))
     ahead = telling.rhs(t, state)

@@ -411,7 +411,7 @@ def test_split_and_run_tell_loops_and_branches(tmp_path: Path, capsys: pytest.Ca
     assert "1 loop: 6 equations of rank 3, 3 redundant" in reported
     assert "branch 1: c0 -0.1413, c1 +1, c2 +0.1413, c3 +1" in reported  # the published ratios
     assert "branch 2: c0 +1, c1 -0.386, c2 +1, c3 +0.386" in reported
-    run = ["run", str(path), "--t-end", "0.01", "--no-animation", *out]
+    run = ["run", str(path), "--t-end", "0.01", *out]
     assert main(run, standalone_mode=False) == 0
     told = capsys.readouterr().out
     assert "the start is singular and at rest; it takes branch" in told

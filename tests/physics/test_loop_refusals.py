@@ -302,7 +302,7 @@ def refused(file: Path, damage: Damage) -> None:
     with pytest.raises(LamcError, match=message) as caught:
         lamc.compile(lamc.load(file))
     assert str(caught.value).splitlines()[0].startswith(f"{file}:{line}:"), str(caught.value)
-    result = CliRunner().invoke(main, ["run", str(file), "--no-animation", "--out", str(file.parent / "out")])
+    result = CliRunner().invoke(main, ["run", str(file), "--out", str(file.parent / "out")])
     assert result.exit_code == 2, result.output
     errors = [each for each in result.stderr.splitlines() if each.startswith("error:")]
     assert errors[0].startswith(f"error: {file}:{line}:"), result.stderr
@@ -423,7 +423,7 @@ def test_starts_that_no_position_has_are_refused(tmp_path: Path, name: str) -> N
     with pytest.raises(DesignError, match=message) as caught:
         lamc.compile(lamc.load(file)).run(t_end=0.1)
     assert "\n" not in str(caught.value)
-    result = CliRunner().invoke(main, ["run", str(file), "--no-animation", "--out", str(tmp_path / "out")])
+    result = CliRunner().invoke(main, ["run", str(file), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2, result.output
     assert re.search(message, result.stderr.splitlines()[-1])
     assert not (tmp_path / "out").exists()
@@ -435,9 +435,7 @@ def test_a_start_outside_limits_is_told_where_nothing_enforces_them(tmp_path: Pa
     text = FOUR_BAR.replace("[-3, 3]", "[-0.2, 0.2]").replace(third, f"{third}, limits: [0.5, 1]")
     file = tmp_path / "bar.yaml"
     file.write_text(f"{text}scene: {{effects: {{gravity: }}, angles: {{D: 0.4}}}}\n", encoding="utf-8")
-    result = CliRunner().invoke(
-        main, ["run", str(file), "--t-end", "0.01", "--no-animation", "--out", str(tmp_path)]
-    )
+    result = CliRunner().invoke(main, ["run", str(file), "--t-end", "0.01", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert "joint 'D' starts at 0.4 rad, outside its limits (-0.2, 0.2)" in result.stdout
     assert re.search(r"joint 'C' starts at \S+ rad, outside its limits \(0.5, 1\)", result.stdout)

@@ -159,13 +159,15 @@ def test_the_legend_tells_regions_supports_and_loads_apart(
     assert len(set(held)) == 3
 
 
-def test_colours_are_even_to_the_eye_and_zero_is_pale_where_signs_differ() -> None:
-    name, norm = colours_of(-1.0, 3.0)
+def test_a_quantity_has_one_colour_map_and_zero_is_pale_where_it_has_a_sign() -> None:
+    name, norm = colours_of(-1.0, 3.0, signed=True)
     assert name == "PuOr"
     assert norm(0.0) == pytest.approx(0.5)
     assert norm(-3.0) == pytest.approx(0.0)
-    assert colours_of(0.0, 3.0)[0] == colours_of(-3.0, -1.0)[0] == "viridis"
-    assert colours_of(-1e-9, 3.0)[0] == "viridis"  # round-off has no sign
+    assert colours_of(0.0, 3.0, signed=True)[0] == colours_of(-3.0, -1.0, signed=True)[0] == "PuOr"
+    assert colours_of(0.0, 3.0, signed=False)[0] == "viridis"
+    assert colours_of(9.0, 10.0, signed=True)[1](9.0) > 0.5 > colours_of(-10.0, -9.0, signed=True)[1](-9.0)
+    assert np.isfinite(colours_of(0.0, 0.0, signed=True)[1](0.0))  # a plate at rest
 
 
 @pytest.mark.parametrize(("given", "round_"), [(1.0, 1.0), (4.99, 2.0), (5.0, 5.0), (99.0, 50.0), (0.3, 0.2)])
@@ -234,7 +236,12 @@ def test_a_field_of_one_value_has_one_colour_and_one_tick(
     monkeypatch.setattr("lamc.report.plates.save", lambda figure, path: (kept.append(figure), path)[1])
     problem = plate()
     noise = 1.0 + 1e-15 * np.random.default_rng(2).integers(-9, 9, size=problem.mesh.cells.shape)
-    draw_fields(problem, [Field("stress", "Pa", 147.8434411528e6 * noise)], tmp_path / "s.png", "one value")
+    draw_fields(
+        problem,
+        [Field("stress", "Pa", 147.8434411528e6 * noise, signed=False)],
+        tmp_path / "s.png",
+        "one value",
+    )
     (figure,) = kept
     axis, bar = figure.axes
     (drawn,) = [each for each in axis.collections if each.get_array() is not None]
@@ -285,3 +292,18 @@ def test_a_table_reads_back_to_the_last_bit(tmp_path: Path) -> None:
         heads, *rows = csv.reader(stream)
     assert heads == ["x [m]", "y [m]", 'a, "b": w [m]']
     assert np.array_equal(np.array(rows, dtype=float), np.column_stack([mesh.points, values]))
+
+
+def test_slivers_of_another_laminate_are_enlarged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: list[Figure] = []
+    monkeypatch.setattr("lamc.report.plates.save", lambda figure, path: (kept.append(figure), path)[1])
+    film = Polygon([(1.0, 0), (1.04, 0), (1.04, 1), (1.0, 1)])
+    mesh = grid(2.0, 1.0, 50, 4, regions={"film": film})
+    other = Laminate([Ply(SHEET.plies[0].material, 1e-5)])
+    values = np.where(mesh.regions == mesh.region_names.index("film"), 7.0, 1.0)[:, None] * np.ones(3)
+    field = Field("stress", "Pa", values, signed=False)
+    draw_fields(Problem(mesh, {"film": other, "": SHEET}), [field], tmp_path / "f.png", "film")
+    draw_fields(Problem(mesh, SHEET), [field], tmp_path / "f.png", "one laminate")
+    (inset,) = [child for axis in kept[0].axes for child in axis.child_axes]
+    assert inset.get_title() == "film: 7 to 7 Pa"
+    assert not [child for axis in kept[1].axes for child in axis.child_axes]

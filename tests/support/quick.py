@@ -9,7 +9,7 @@ twenty calls of the compiler that give the same bytes. `pytest --as-shipped` com
 
 import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -72,8 +72,9 @@ def unpainted_figures() -> Iterator[None]:
 
     from matplotlib.figure import Figure
 
-    def savefig(_figure: object, stream: BinaryIO, **_settings: object) -> None:
-        stream.write(b"\x89PNG\r\n\x1a\n")
+    def savefig(_figure: object, target: BinaryIO | str, **_settings: object) -> None:
+        with open(target, "wb") if isinstance(target, str) else nullcontext(target) as stream:
+            stream.write(b"\x89PNG\r\n\x1a\n")
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", savefig)

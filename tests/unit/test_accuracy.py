@@ -322,7 +322,7 @@ def test_what_is_no_accuracy_is_refused(arguments: Mapping[str, Any], reported: 
 
 @pytest.mark.slow
 def test_the_command_tells_error_choice_and_cost(tmp_path: Path) -> None:
-    words = ["run", "--example", "two_loops", "--t-end", "1", "--accuracy", "0.1 %", "--no-animation"]
+    words = ["run", "--example", "two_loops", "--t-end", "1", "--accuracy", "0.1 %"]
     done = CliRunner().invoke(main, [*words, "--out", str(tmp_path)], standalone_mode=False)
     assert done.return_value == 0, done.output
     assert "of the outputs' range, 0.001 asked for" in done.stdout
@@ -344,7 +344,7 @@ def test_an_accuracy_that_is_not_reached_is_reported_and_no_failure(tmp_path: Pa
     words = ["run", "--example", "pendulum", "--t-end", "1", "--accuracy", "1e-10", "--precision", "float"]
     done = CliRunner().invoke(
         main,
-        [*words, "--max-steps", "20000", "--no-animation", "--out", str(tmp_path)],
+        [*words, "--max-steps", "20000", "--out", str(tmp_path)],
         standalone_mode=False,
     )
     assert done.return_value == 0, done.output

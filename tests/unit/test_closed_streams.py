@@ -15,7 +15,7 @@ from tests.support.quick import QUICKLY, with_runtime
 
 Commands = dict[str, str]
 COMMANDS: Commands = {
-    "run": "run --example flaps --t-end 0.05 --no-animation --out o",
+    "run": "run --example flaps --t-end 0.05 --out o",
     "split": "split --example flaps --out o",
     "check": "check --example pendulum --states 2 --t-end 0.01",
     "build": "build --example pendulum --out o",

@@ -446,7 +446,7 @@ scene:
 def test_a_run_is_told_its_inputs_by_set(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
-    options = ("--t-end", "1", "--no-animation", "--json")
+    options = ("--t-end", "1", "--json")
     done = CliRunner().invoke(main, ["run", "arm.yaml", *options, "--set", "drive=0.03"])
     assert done.exit_code == 0, done.output
     (angles,) = [np.load(path)["q"] for path in tmp_path.rglob("*.npz")]

@@ -166,7 +166,7 @@ def test_a_run_names_the_files_beside(tmp_path: Path) -> None:
     text = placing("leg.cad").replace(TO, "[1, 0, 0], [2, 10, 0]")
     (tmp_path / "outer.cad").write_text(text, encoding="utf-8")
     out = tmp_path / "out"
-    words = ["run", str(tmp_path / "outer.cad"), "--t-end", "0.01", "--no-animation", "--out", str(out)]
+    words = ["run", str(tmp_path / "outer.cad"), "--t-end", "0.01", "--out", str(out)]
     assert main(words, standalone_mode=False) == 0
     manifest = json.loads((out / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["beside_sha256"] == {"leg.cad": hashlib.sha256(leg.encode()).hexdigest()}

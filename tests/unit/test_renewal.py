@@ -222,7 +222,7 @@ def test_what_a_run_that_still_goes_on_writes_is_left_alone(tmp_path: Path) -> N
 def test_lamc_run_killed_while_it_writes_leaves_the_earlier_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    given = ["run", "--example", "flaps", "--out", "o", "--quiet", "--no-animation", "--t-end"]
+    given = ["run", "--example", "flaps", "--out", "o", "--quiet", "--t-end"]
     monkeypatch.chdir(tmp_path)
     assert CliRunner().invoke(main, [*given, "0.05"]).exit_code == 0
     process = subprocess.Popen([sys.executable, "-m", "lamc", *given, "0.3"])

@@ -1,6 +1,7 @@
 """Pictures and texts of a run: they exist, show what they should, and never stumble over a name."""
 
 import re
+from functools import partial
 from pathlib import Path
 
 import matplotlib.mathtext
@@ -14,6 +15,7 @@ from lamc.basics.numbers import duration
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.report.animation import FRAMES_PER_SECOND, draw_animation, frame_times
 from lamc.report.equations_text import equations_tex, equations_txt, escaped, listing, symbol_tex
+from lamc.report.film import by_ffmpeg
 from lamc.report.folded import draw_folded, instants, round_length
 from lamc.report.plots import draw_angles_energy
 from lamc.report.raster import Camera, Canvas
@@ -200,12 +202,9 @@ def test_bodies_without_outline_are_drawn_as_sticks(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_film_is_a_gif_without_ffmpeg(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("PATH", "")
+def test_the_film_is_a_gif_where_nothing_writes_mp4(result: Result, tmp_path: Path) -> None:
     seen: list[tuple[int, int]] = []
-    path = draw_animation(result, tmp_path, lambda k, n: seen.append((k, n)))
+    path = draw_animation(result, tmp_path, lambda k, n: seen.append((k, n)), encoders=())
     assert path.name == "animation.gif"
     with Image.open(path) as film:
         assert film.n_frames == len(frame_times(result)[0])
@@ -223,7 +222,8 @@ def test_the_film_is_a_gif_without_ffmpeg(
 
 @pytest.mark.slow
 def test_an_ffmpeg_that_fails_gives_a_gif(result: Result, tmp_path: Path) -> None:
-    assert draw_animation(result, tmp_path, ffmpeg="/bin/false").name == "animation.gif"
+    broken = partial(by_ffmpeg, program="/bin/false")
+    assert draw_animation(result, tmp_path, encoders=[broken]).name == "animation.gif"
     assert [p.name for p in tmp_path.iterdir()] == ["animation.gif"]
 
 

@@ -385,7 +385,7 @@ def call(*words: str) -> Result:
 def test_the_command_line_runs_a_scene_for_its_duration(tmp_path: Path) -> None:
     arm(tmp_path)
     (tmp_path / "s.yaml").write_text(SCENES, encoding="utf-8")
-    words = ["run", str(tmp_path / "arm.yaml"), "--scene", f"{tmp_path / 's.yaml'}:heavier", "--no-animation"]
+    words = ["run", str(tmp_path / "arm.yaml"), "--scene", f"{tmp_path / 's.yaml'}:heavier"]
     done = call(*words, "--out", str(tmp_path / "out"))
     assert done.exit_code == 0, done.stderr
     assert "the end was reached at t = 3 s" in done.stdout

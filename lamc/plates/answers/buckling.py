@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sparse
 
+from lamc.basics.brief import brief
 from lamc.basics.checks import Array, checked_array, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
@@ -53,6 +54,10 @@ class Buckling(Shapes):
     reversed: Array
     forces: Array
     given: bool
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{f:.4g}" for f in self.factors[:6]) + (", …" if len(self.factors) > 6 else "")
+        return brief("Buckling", "", f"factors {found}" if len(self.factors) else "no positive factor")
 
     @property
     def critical(self) -> float:

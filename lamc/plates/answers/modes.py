@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lamc.basics.brief import brief
 from lamc.basics.checks import Array, checked_flag, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
@@ -46,6 +47,10 @@ class Modes(Shapes):
     rigid: tuple[str, ...]
     modal_mass: Array
     effective_mass: Array
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{f:.4g}" for f in self.frequencies[:6]) + (", …" if len(self) > 6 else "")
+        return brief("Modes", "", f"{found} Hz" if len(self) else "none")
 
     @property
     def frequencies(self) -> Array:

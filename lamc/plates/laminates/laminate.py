@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array, checked_array, checked_number, checked_records, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
@@ -70,6 +71,11 @@ class Laminate:
         else:
             self._put("reference", checked_number(self.reference, "the reference surface of a laminate"))
         self._set_stiffness()
+
+    def __repr__(self) -> str:
+        thickness = sum(ply.thickness for ply in self.plies)
+        at = "" if self.reference == "middle" else f"reference {self.reference!r}"
+        return brief("Laminate", "", counted(len(self.plies), "ply", "plies"), f"{thickness:g} m thick", at)
 
     @classmethod
     def parse(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array
 from lamc.basics.once import lazy
 from lamc.plates.meshing.checks import (
@@ -63,6 +64,17 @@ class Mesh:
             object.__setattr__(self, name, value)
         object.__setattr__(self, "region_names", names)
         checked_neighbours(points, cells, self.cell_edges, len(self.edges))
+
+    def __repr__(self) -> str:
+        kind = "triangle" if self.corner_count == 3 else "quadrilateral"
+        regions = len(self.region_names)
+        return brief(
+            "Mesh",
+            "",
+            counted(len(self.points), "point"),
+            counted(len(self.cells), kind),
+            counted(regions, "region") if regions > 1 else "",
+        )
 
     @property
     def corner_count(self) -> int:

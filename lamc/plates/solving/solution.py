@@ -8,13 +8,17 @@ the plate; on an edge between cells, where curvature and moments jump, the first
 own; `recovered` has the better ones, by which extremes, outputs of files and first failures go.
 """
 
+import os
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
+from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array, shown
+from lamc.basics.drawing import drawer
 from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.basics.once import lazy
 from lamc.plates.answers.estimate import ErrorEstimate, error_estimate, recovered_strains
@@ -36,6 +40,9 @@ from lamc.plates.solving.refine import solve as refined
 from lamc.plates.solving.rigid import check_balance
 from lamc.plates.solving.sections import in_cells, matrices
 from lamc.plates.solving.system import System
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -144,6 +151,25 @@ class Solution:
             )
         numbers = self.problem.dofs.of(name)
         return np.where(numbers >= 0, self.values[np.maximum(numbers, 0)], np.nan)
+
+    def __repr__(self) -> str:
+        return brief(
+            "Solution", "", counted(self.report.unknowns, "unknown"), counted(len(self.loads), "load")
+        )
+
+    def plot(
+        self, name: str = "w", *, axes: "Axes | None" = None, path: "str | os.PathLike[str] | None" = None
+    ) -> "Axes":
+        """Contours of a field: "u", "v", "w", "w_x", "w_y", "M_x", "M_y", "M_xy", "N_x", "N_y", "N_xy", "stress" (the
+        largest von Mises stress of all plies) or "tsai_wu".
+
+        axes  Matplotlib axes to draw on; None: a new figure
+        path  a .png, .svg or .pdf file that the figure is written to, without opening a window
+
+        Returns the axes. Raises RequestError for a field that there is not, LamcError for what cannot be written.
+        """
+        drawn: Axes = drawer("Solution", "plot")(self, name, axes=axes, path=path)
+        return drawn
 
     @lazy
     def reactions(self) -> tuple[Reaction, ...]:

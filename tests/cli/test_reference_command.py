@@ -47,6 +47,15 @@ def test_schemas_are_written_for_editors(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "s" / "lamc.schema.json").read_text()) == json.loads(call("schema").stdout)
 
 
+def test_a_copy_of_an_example_beside_the_schema_names_it(tmp_path: Path) -> None:
+    call("examples", "flaps", "--copy", str(tmp_path / "bare"))
+    call("schema", "--out", str(tmp_path))
+    call("examples", "flaps", "--copy", str(tmp_path))
+    line, rest = (tmp_path / "flaps.yaml").read_text(encoding="utf-8").split("\n", 1)
+    assert line == "# yaml-language-server: $schema=lamc.schema.json"
+    assert rest == (tmp_path / "bare" / "flaps.yaml").read_text(encoding="utf-8")
+
+
 def test_the_list_has_every_effect_and_each_can_be_asked_for() -> None:
     listed = call("schema", "--list").stdout
     for name in by_name():

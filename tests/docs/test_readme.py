@@ -97,6 +97,12 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
     "lamc run --example limit*",
     "lamc run --example bricard*",
     "lamc run --example flaps --scene commanded*",
+    "lamc schema*",
+    "lamc materials*",
+    "lamc effects*",
+    "lamc functions*",
+    "lamc run --example flaps --angle*",
+    "lamc run --example flaps --hinge-stiffness*",
 )
 @pytest.mark.ci("lamc [!c]*", "lamc check d*", "command*")
 def test_each_lamc_command_of_the_pages_succeeds(

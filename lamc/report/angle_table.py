@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from lamc.basics.numbers import shortened
+from lamc.records.mechanism import Array
 from lamc.report.stage import Stage
 from lamc.run.result import Result
 
@@ -21,6 +22,7 @@ _BLOCKS = 3  # of the table, side by side
 _LINE, _HEAD = 15.2, 26.0  # pixels
 _NAME, _CELL = 0.34, 0.15  # of a block's width
 _FONT = 6.5  # pt
+_CLOSE = 13.0  # pixels between numbers at hinges
 _HALO = [withStroke(linewidth=1.8, foreground="white")]
 
 
@@ -56,7 +58,7 @@ class AngleTable:
             names = [f"{n + 1}  {shortened(self.hinges[n], 16)}" for n in chosen]
             self._column(axis, x, ["hinge", *names], "left")
             for column, time in enumerate(self.times):
-                cells = [f"{self.degrees[n][column]:.1f}°" for n in chosen]
+                cells = [f"{round(self.degrees[n][column], 1) + 0.0:.1f}°" for n in chosen]
                 right = x + block * (_NAME + _CELL * (column + 1)) - 10
                 self._column(axis, right, [f"{time:.3g} s", *cells], "right")
         if self.left_out:
@@ -97,8 +99,13 @@ def number_hinges(axis: Axes, stage: Stage, table: AngleTable) -> None:
     """The numbers of the table's hinges at their lines at the first instant. Axes have the picture's pixels."""
     places = {joint.name: k for k, joint in enumerate(stage.solid.mechanism.joints)}
     middles = stage.project(0, stage.solid.hinges).mean(axis=1)
+    taken: list[Array] = []
     for number, name in enumerate(table.hinges):
         x, y, _ = middles[places[name]]
+        here = np.array([x, y])
+        if any(float(np.abs(here - other).max()) < _CLOSE for other in taken):
+            continue  # a number over another names neither; those beside it tell where it is
+        taken.append(here)
         axis.text(
             stage.width / 2 + x,
             stage.height / 2 - y,

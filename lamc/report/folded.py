@@ -162,7 +162,10 @@ def _title(result: Result, row: int, *, with_angles: bool) -> str:
     word = " (start)" if row == 0 else " (end)" if row == len(result.t) - 1 else ""
     title = f"t = {result.t[row]:.4g} s{word}"
     if with_angles:
-        angles = [f"{shortened(j, 10)} {math.degrees(result.angle(j)[row]):.1f}°" for j in result.hinges]
+        angles = [
+            f"{shortened(j, 10)} {round(math.degrees(result.angle(j)[row]), 1) + 0.0:.1f}°"
+            for j in result.hinges
+        ]
         title += "\n" + "\n".join(textwrap.wrap(",  ".join(a.replace(" ", "\u00a0") for a in angles), 44))
     return title
 

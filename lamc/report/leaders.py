@@ -39,6 +39,13 @@ def label_beside(axis: Axes, points: Array, names: Sequence[str], view: View, co
     return f"{left_out} names do not fit here and are left out." if left_out else ""
 
 
+def raise_limits(axis: Axes, view: View) -> None:
+    """Makes room for the names above and below what `frame` shows."""
+    room = ROOM / view.inches_per_metre * view.per_metre
+    low, high = axis.get_ylim()
+    axis.set_ylim(low - room, high + room)
+
+
 def _row(
     axis: Axes,
     points: Array,

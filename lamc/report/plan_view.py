@@ -106,6 +106,11 @@ def thinned(geometry: BaseGeometry, view: View) -> BaseGeometry:
     return shapely.simplify(geometry, view.tolerance)
 
 
+def fits(points: Array, names: Sequence[str], view: View) -> bool:
+    """Whether names at points (n, 2) m can be read, without one over another."""
+    return _font_size(points, [shortened(name, 16) for name in names], view) >= _SMALLEST_FONT
+
+
 def label(axis: Axes, points: Array, names: Sequence[str], view: View, what: str, *, bold: bool) -> str:
     """Write names at points (n, 2) m as large as their spacing allows; or return a note instead."""
     shown = [shortened(name, 16) for name in names]

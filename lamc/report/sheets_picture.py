@@ -16,7 +16,7 @@ from lamc.basics.groups import root, unite
 from lamc.basics.numbers import length_text, shortened
 from lamc.design.steps import SplitSteps
 from lamc.records.mechanism import Array
-from lamc.report.leaders import ROOM, label_beside
+from lamc.report.leaders import ROOM, label_beside, raise_limits
 from lamc.report.plan_view import View, fill, frame, thinned
 from lamc.report.style import body_colours
 
@@ -107,9 +107,7 @@ def _draw_sheet(axis: Axes, steps: SplitSteps, view: View, sheet: tuple[int, ...
     if note:
         axis.set_xlabel(note, fontsize=7)
     frame(axis, view)
-    room = ROOM / view.inches_per_metre * view.per_metre
-    low, high = axis.get_ylim()
-    axis.set_ylim(low - room, high + room)
+    raise_limits(axis, view)
 
 
 def _draw_side(axis: Axes, steps: SplitSteps, view: View, sheets: list[tuple[int, ...]]) -> None:

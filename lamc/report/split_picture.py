@@ -10,7 +10,7 @@ stroke of visible width, and the picture says so and gives the true width.
 
 import math
 import os
-from collections.abc import Sized
+from collections.abc import Sequence, Sized
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,8 @@ from lamc.basics.numbers import length_text, shortened
 from lamc.design.cutting import SLIT, material_size
 from lamc.design.steps import SplitBody, SplitSteps
 from lamc.records.mechanism import Array
-from lamc.report.plan_view import View, fill, frame, is_hidden, label, thinned, view_of
+from lamc.report.leaders import ROOM, label_beside, raise_limits
+from lamc.report.plan_view import View, fill, fits, frame, is_hidden, label, thinned, view_of
 from lamc.report.sheets_picture import sheets_figure, sheets_of
 from lamc.report.style import WORLD, body_colours, save
 
@@ -51,7 +52,9 @@ def _figure(steps: SplitSteps) -> Figure:
     if len(sheets) > 1:
         return sheets_figure(steps, view_of(bounds, size, _SHEET), sheets, _SHEET)
     view = view_of(bounds, size, panel_width)
-    panel_height = max(panel_width * height / width, 0.9)
+    named = ((_hinge_points(steps, view), [h.name for h in steps.hinges]), _body_points(steps, view))
+    room = 0.0 if all(fits(*each, view) for each in named) else 2 * ROOM
+    panel_height = max(panel_width * height / width, 0.9) + room
     paper = (columns * (panel_width + 0.9) + 0.3, rows * (panel_height + 0.9) + 1.2)
     figure = Figure(figsize=paper, layout=ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.14))
     axes = list(figure.subplots(rows, columns).flat)
@@ -60,9 +63,11 @@ def _figure(steps: SplitSteps) -> Figure:
     )
     panels = (_draw_device, _draw_holes, _draw_cut, _draw_bodies)
     for axis, panel in zip(axes, panels, strict=True):
+        frame(axis, view)
+        if room:
+            raise_limits(axis, view)
         note = panel(axis, steps, view)
         axis.set_title(note or " ", fontsize=7.5, color="#444444", parse_math=False)
-        frame(axis, view)
     figure.legend(handles=_legend(steps), loc="outside lower center", ncols=5, fontsize=8, frameon=False)
     return figure
 
@@ -142,7 +147,6 @@ def _draw_cut(axis: Axes, steps: SplitSteps, view: View) -> str:
 def _draw_bodies(axis: Axes, steps: SplitSteps, view: View) -> str:
     fixed = sum(body.fixed for body in steps.bodies)
     _headline(axis, f"4  bodies: {len(steps.bodies) - fixed} moving, {fixed} fixed")
-    points = np.array([_middle(body, view) for body in steps.bodies])
     colours = body_colours(steps.mechanism)
     for body in steps.bodies:
         for polygons in body.polygons:
@@ -153,7 +157,7 @@ def _draw_bodies(axis: Axes, steps: SplitSteps, view: View) -> str:
         if body.fixed:
             fill(axis, parts, view, face="none", edge="#5A5A5A", line=0.4, hatch="///")
     _hinge_lines(axis, steps, view, labels=False)
-    return label(axis, points, [body.name for body in steps.bodies], view, "body", bold=True)
+    return _named(axis, *_body_points(steps, view), view, "body", bold=True)
 
 
 def _hinge_lines(axis: Axes, steps: SplitSteps, view: View, *, labels: bool) -> str:
@@ -162,10 +166,27 @@ def _hinge_lines(axis: Axes, steps: SplitSteps, view: View, *, labels: bool) -> 
         axis.plot(xy[:, 0], xy[:, 1], color=LINE, linewidth=0.9, dashes=(5, 2), zorder=3)
     if not labels:
         return ""
+    names = [hinge.name for hinge in steps.hinges]
+    return _named(axis, _hinge_points(steps, view), names, view, "hinge", bold=False)
+
+
+def _named(axis: Axes, points: Array, names: Sequence[str], view: View, what: str, *, bold: bool) -> str:
+    """Names where they fit, else beside the drawing. Returns a note where some are left out."""
+    if fits(points, names, view):
+        return label(axis, points, names, view, what, bold=bold)
+    return label_beside(axis, points, names, view, ["black"] * len(names))
+
+
+def _hinge_points(steps: SplitSteps, view: View) -> Array:
+    """Middles of the hinge lines, (n, 2), m."""
     box = shapely.box(*view.low, *view.high)
     middles = [shapely.intersection(hinge.line, box).centroid for hinge in steps.hinges]
-    points = np.array([(p.x, p.y) for p in middles])
-    return label(axis, points, [hinge.name for hinge in steps.hinges], view, "hinge", bold=False)
+    return np.array([(p.x, p.y) for p in middles]).reshape(-1, 2)
+
+
+def _body_points(steps: SplitSteps, view: View) -> tuple[Array, list[str]]:
+    """A point inside each body, (n, 2), m, and its name."""
+    return np.array([_middle(body, view) for body in steps.bodies]), [body.name for body in steps.bodies]
 
 
 def _middle(body: SplitBody, view: View) -> tuple[float, float]:

@@ -28,7 +28,7 @@ HELD = plate.Problem(
             "the laminate of a hinge is None; it must be a Laminate",
         ),
         (lambda: plate.solve(None), "the problem is None; it must be a Problem"),
-        (lambda: plate.FactoredPlate(SQUARE), r"the problem is Mesh\(.*; it must be a Problem"),
+        (lambda: plate.FactoredPlate(SQUARE), r"the problem is <Mesh.*; it must be a Problem"),
         (
             lambda: plate.mesh_report(None),
             "the mesh of a report is None; it must be a Mesh: make one by plate.grid",

@@ -8,7 +8,9 @@ from typing import Any
 
 import matplotlib
 import pytest
+from click.testing import CliRunner
 
+from lamc.cli import main
 from lamc.readers.plates.problem_file import plate_of_text
 from tests.support.ctools import needs_cc
 from tests.support.paths import ROOT
@@ -96,3 +98,13 @@ def test_tables_in_docstrings_stay_tables() -> None:
     assert fenced(text) == (
         "A thing.\n\n\n```text\nmass   kg; of the thing,\n       all of it\ncom    m\ncentre m, too\n```\n\n\nRaises."
     )
+
+
+def test_split_tells_of_loops_where_the_scene_starts_not_as_drawn_nearly_flat(tmp_path: Path) -> None:
+    """As drawn the lift's legs lie 1.5 mm above one another, and its weak equations look like a misfit of as much."""
+    source = cells(ROOT / "docs" / "tutorials" / "sarrus.ipynb", "code")[1]
+    (text,) = re.findall(r'write_text\("""\n(.*?)"""\)', source, re.DOTALL)
+    (tmp_path / "lift.yaml").write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(main, ["split", str(tmp_path / "lift.yaml"), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0
+    assert "\n1 loop: 6 equations of rank 5, 1 redundant\n" in done.stdout

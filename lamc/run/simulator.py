@@ -194,7 +194,7 @@ class Simulator(Evaluations):
 
     def run(
         self,
-        t_end: float | None = None,
+        t_end: float | str | None = None,
         rtol: float | None = None,
         atol: float | None = None,
         t_eval: npt.ArrayLike | None = None,
@@ -202,7 +202,7 @@ class Simulator(Evaluations):
         parameters: Mapping[str, float | str] = NO_PARAMETERS,
         *,
         max_steps: int = 1_000_000,
-        max_step: float | None = None,
+        max_step: float | str | None = None,
         progress: Progress | bool | None = None,
         baumgarte: float | None = None,
         energy_balance: bool = False,
@@ -211,7 +211,7 @@ class Simulator(Evaluations):
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
 
-        t_end       s; None: the scene's duration, or 10 s
+        t_end       s, or text such as "500 ms"; None: the scene's duration, or 10 s
         rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|);
                     None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after

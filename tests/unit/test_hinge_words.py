@@ -121,6 +121,9 @@ def test_parameters_of_a_run_take_text_with_units() -> None:
     by_text = sim.run(0.01, parameters={"fold.stiffness": "0.7 N*mm/rad", "link_1.mass": "0.3 g"})
     by_number = sim.run(0.01, parameters={"fold.stiffness": 0.7e-3, "link_1.mass": 0.3e-3})
     assert (by_text.q == by_number.q).all()
+    assert sim.run("10 ms").t[-1] == 0.01
+    with pytest.raises(lamc.RequestError, match="t_end is '3 mm'; it must be a number"):
+        sim.run("3 mm")
     with pytest.raises(lamc.RequestError, match=r"'mm' is not a unit of parameter 'fold.stiffness'"):
         sim.run(0.01, parameters={"fold.stiffness": "3 mm"})
 

@@ -26,9 +26,9 @@ def warn_of_wide_gaps(connections: Sequence[Connection], bodies: Sequence[SplitB
             if reach < hinge.properties.width:
                 gap, near = (f"{1e3 * length:.3g} mm" for length in (hinge.properties.gap, reach))
                 warn(
-                    f"hinge {hinge.name!r} is wider than its plate: half of its gap of {gap} lies to either side of its "
-                    f"line, and body {name!r} reaches {near} from it; the gap is the length of bare film from board "
-                    "to board",
+                    f"hinge {hinge.name!r} is wider than its plate: half of its gap of {gap} lies to either side of "
+                    f"its line, and body {name!r} reaches {near} from it; the gap is the length of bare film from "
+                    "board to board",
                     hinge.place if hinge.place.line else None,
                 )
                 break

@@ -18,6 +18,7 @@ from lamc.basics._version import __version__
 from lamc.basics.errors import (
     BuildError,
     DesignError,
+    DesignWarning,
     EmitError,
     ExportError,
     ExpressionError,
@@ -74,6 +75,7 @@ __all__ = [
     "CompileOptions",
     "Design",
     "DesignError",
+    "DesignWarning",
     "Effect",
     "EmitError",
     "ExportError",

@@ -18,12 +18,14 @@ from lamc.commands.options import (
     compiler,
     design,
     folder,
+    hinges,
     precision,
     seconds,
     speaking,
     staged,
 )
 from lamc.commands.plate_options import plate
+from lamc.commands.reference_options import effects, functions, materials, schema
 from lamc.commands.run_options import run
 from lamc.commands.terminal import Terminal
 from lamc.commands.view_options import view
@@ -50,6 +52,7 @@ def main(context: click.Context) -> None:
       lamc export --example pendulum   sources for programs in C, C++ and other languages
       lamc plate --example strip       bend a laminate: deflection, moments, stress, modes
       lamc examples                    list the designs that ship with lamc
+      lamc schema hinge                what a file may say: also design, scene, effects, plate, ...
       lamc doctor                      see whether this machine has what lamc needs
 
     Exit codes: 2 bad input, 3 failed simulation, 4 failed build, 130 after Ctrl-C.
@@ -137,19 +140,7 @@ def check(
 
 @main.command()
 @design
-@click.option(
-    "--hinge-stiffness",
-    type=click.Choice(["drawn", "from-material"]),
-    default="drawn",
-    help="Stiffness of hinges: as the file gives it, or from the flexible layer's material and the hinge's size.",
-)
-@click.option(
-    "--material",
-    "materials",
-    metavar="NAME=MATERIAL",
-    multiple=True,
-    help="With from-material: a material of lamc's library in place of the file's material NAME.",
-)
+@hinges
 @folder
 @speaking
 def split(
@@ -170,11 +161,12 @@ def split(
       lamc split pendulum.cad --out parts
       lamc split flaps.yaml --hinge-stiffness from-material --material "film=Kapton HN"
     """
+    from lamc.commands.hinge_choice import HingeChoice
     from lamc.commands.inputs import Source
-    from lamc.commands.split import HingeChoice
     from lamc.commands.split import split as work
 
-    return work(Source(file, example), HingeChoice(hinge_stiffness, materials), out, terminal)
+    source = Source(file, example, hinges=HingeChoice(hinge_stiffness, materials))
+    return work(source, out, terminal)
 
 
 @main.command()
@@ -248,18 +240,10 @@ def examples(name: str | None, copy: str | None, picture: str | None, terminal: 
     return list_examples(terminal)
 
 
-@main.command()
-@click.option("--debug", is_flag=True, help="Show the traceback of errors.")
-def schema(debug: bool) -> int:
-    """Print the JSON Schema of design, mechanism, scene and plate files.
-
-    \b
-    Example:
-      lamc schema > lamc.schema.json
-    """
-    from lamc.commands.schema import schema as work
-
-    return Terminal(debug=debug).guard(work)
+main.add_command(schema)
+main.add_command(materials)
+main.add_command(effects)
+main.add_command(functions)
 
 
 @main.command()

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.errors import DesignError
+from lamc.basics.units import ANGLE, Quantity, to_si
 
 Array = npt.NDArray[np.float64]
 Item = TypeVar("Item")
@@ -60,8 +61,13 @@ def checked_name(name: object, what: str) -> str:
     return name
 
 
-def checked_array(value: object, shape: tuple[int, ...], what: str) -> Array:
-    """`value` as a read-only array of finite floats of the given shape, or DesignError."""
+def checked_array(
+    value: object, shape: tuple[int, ...], what: str, quantity: Quantity | None = None
+) -> Array:
+    """`value` as a read-only array of finite floats of the given shape, or DesignError. With a quantity, entries may be
+    text with a unit."""
+    if quantity is not None and is_list(value) and any(isinstance(each, str) for each in value):
+        value = [_in_si(each, what, quantity) for each in value]
     try:
         array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -74,8 +80,13 @@ def checked_array(value: object, shape: tuple[int, ...], what: str) -> Array:
     return array
 
 
-def checked_number(value: object, what: str, *, minimum: float = -math.inf) -> float:
-    """`value` as a finite float, at least `minimum`, or DesignError: True is 1 to Python, and must not pass for it."""
+def checked_number(
+    value: object, what: str, *, minimum: float = -math.inf, quantity: Quantity | None = None
+) -> float:
+    """`value` as a finite float, at least `minimum`, or DesignError: True is 1 to Python, and must not pass for it.
+    With a quantity it may be text with a unit, "3 N*mm/deg"."""
+    if quantity is not None:
+        value = _in_si(value, what, quantity)
     if isinstance(value, bool | np.bool_):
         raise DesignError(f"{what} is {shown(value)}; it must be a number")
     try:
@@ -88,6 +99,16 @@ def checked_number(value: object, what: str, *, minimum: float = -math.inf) -> f
         rule = "finite" if minimum == -math.inf else f"finite and at least {minimum:g}"
         raise DesignError(f"{what} is {number!r}; it must be {rule}")
     return number
+
+
+def _in_si(value: object, what: str, quantity: Quantity) -> object:
+    """Text with a unit as a number, SI; anything else as it is."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return to_si(value, quantity)
+    except DesignError as error:
+        raise DesignError(f"{what} is {shown(value)}; {error.message}") from error
 
 
 def is_list(value: object) -> TypeGuard[Sequence[Any]]:
@@ -126,7 +147,7 @@ def checked_range(value: object, what: str) -> tuple[float, float]:
 def _checked_limit(value: object, what: str) -> float:
     if isinstance(value, float) and math.isinf(value):
         raise DesignError(f"{what} is {value!r}; it must be finite: leave limits out where there are none")
-    return checked_number(value, what)
+    return checked_number(value, what, quantity=ANGLE)
 
 
 def checked_records(values: Iterable[Item], kind: type[Item], name: str, where: str) -> tuple[Item, ...]:

@@ -4,6 +4,7 @@ One exception root, specific leaves. A message is one line and names the offende
 way out; `place` says where in which file. The CLI turns `exit_code` into the process's exit code.
 """
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -62,6 +63,15 @@ class TopologyError(DesignError):
 
 class ExpressionError(DesignError):
     """An expression in a scene is outside the permitted language."""
+
+
+class DesignWarning(UserWarning):
+    """What a file or an argument says is read, and is probably not what is meant, or has a new name."""
+
+
+def warn(text: str, place: Place | None = None) -> None:
+    """Warns the user: Python's way, or one line of the command line."""
+    warnings.warn(f"{place}: {text}" if place else text, DesignWarning, stacklevel=3)
 
 
 class UnsupportedError(LamcError):

@@ -40,12 +40,13 @@ M = TypeVar("M", bound=BaseModel)
 
 LENGTH_UNIT = "length_unit"
 FOLDER = "folder"
+UNIT = "x-unit"  # of numbers, in JSON Schema: SI, "1" for a plain number
+MEANING = "x-meaning"  # of a field, in JSON Schema: its description without words about its form
 
 # No expression begins with a number and goes on with a unit: "3 N*mm" is a quantity, "3*sin(t)" is none.
 _MEASURED = re.compile(
     r"\s*[-+]?(?:\.[0-9]++|[0-9]++(?:\.[0-9]*+)?+)(?:[eE][-+]?[0-9]++)?+\s*[A-Za-zµμ°(]", re.ASCII
 )
-_EXAMPLES = {q.unit: q.example for q in vars(units).values() if isinstance(q, Quantity) and q.unit}
 _PLAIN_WORDS = {  # pydantic speaks of Python's types; people who write files know lists and maps
     "tuple_type": "a list of values is expected here",
     "list_type": "a list of values is expected here",
@@ -108,6 +109,32 @@ def problem_text(item: Any) -> str:
     return f"{text[0].lower()}{text[1:]}, and it is {given if len(given) <= 40 else given[:39] + '…'}"
 
 
+def unit_in(schema: Any) -> str:
+    """The unit of the numbers in a field's JSON Schema: of one, of a list or a map, whatever its depth; "" for none."""
+    if isinstance(schema, Mapping):
+        if UNIT in schema:
+            return str(schema[UNIT])
+        inner = [schema.get("items"), schema.get("additionalProperties"), schema.get("prefixItems")]
+        return next((unit for unit in map(unit_in, [*inner, *schema.get("anyOf", ())]) if unit), "")
+    if isinstance(schema, list):
+        return next((unit for unit in map(unit_in, schema) if unit), "")
+    return ""
+
+
+def with_unit(schema: Mapping[str, Any]) -> dict[str, Any]:
+    """A field whose description says its unit, for editors, which show nothing else."""
+    unit, said = unit_in(schema), str(schema.get("description", ""))
+    if unit in ("", "1") or "a number (" in said or ": a number" in said:
+        return dict(schema)
+    bare = "the file's units" if unit == "m" else unit
+    words = f"a number ({bare}), or text with a unit"
+    return {
+        **schema,
+        "description": f"{said}; {words}" if said else words,
+        MEANING: schema.get(MEANING, said),
+    }
+
+
 def is_measured(text: str) -> bool:
     """True for a number with a unit, which no expression looks like."""
     return _MEASURED.match(text) is not None
@@ -147,7 +174,7 @@ class Unit:
             )
         kind, plain = self.unit, self.si
         if isinstance(kind, str):
-            kind = Quantity(name.replace("_", " "), plain, _EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
+            kind = Quantity(name, plain, units.EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
         number = to_si(value, kind, (context or {}).get(LENGTH_UNIT) if plain == "m" else None) + 0.0
         for rule, words in _RULES.items():
             bound = getattr(self, rule)
@@ -167,7 +194,7 @@ class Unit:
         if kind is not float:
             return self._read(kind, value, (name,), context)
         try:  # as `_read`, sooner: designs have thousands of coordinates
-            return self.number(value, name, context)
+            return self.number(value, name.replace("_", " "), context)
         except DesignError as error:
             raise custom(error) from error
 
@@ -232,7 +259,8 @@ class Unit:
         """JSON Schema of the type `kind`, with the unit in words."""
         said = self._schema(kind)
         words = "; ".join(text for text in (self.description, said.get("description")) if text)
-        return {**said, "description": words} if words else said
+        meaning = {MEANING: self.description} if self.description else {}
+        return {**said, "description": words, **meaning} if words else said
 
     def _schema(self, kind: Any) -> dict[str, Any]:
         forms = [form for form in _forms(kind) if form is not str or float not in _forms(kind)]
@@ -253,7 +281,7 @@ class Unit:
                 "maximum": self.le,
             }
             said = {key: bound for key, bound in bounds.items() if bound is not None}
-            return {"type": ["number", "string"], "description": words, **said}
+            return {"type": ["number", "string"], "description": words, UNIT: self.si or "1", **said}
         if origin is Literal:
             return {"enum": list(inner)}
         if origin is Mapping:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from lamc.basics.errors import DesignError
-from lamc.basics.units import Quantity, check_unit, registry, to_si
+from lamc.basics.units import EXAMPLES, Quantity, check_unit, registry, to_si
 
 _ANY = Quantity("input", "", "0.5 N*mm")
 _SIGNS: Mapping[str, str] = {"·": "*", "²": "^2", "³": "^3", "Ω": "ohm", "µ": "u", "μ": "u"}
@@ -63,6 +63,15 @@ def measured(text: str) -> tuple[float, str]:
     unit = si_unit(spelled[len(number) :])
     plain = unit.text if unit.text != "1" else ""
     return to_si(spelled, Quantity("input", _spelled(plain), _ANY.example)), unit.text
+
+
+def in_unit(text: str, unit: str, name: str) -> float:
+    """A number of the quantity `name`, "3 N*mm/deg", in its SI `unit`, "N·m/rad"; one without a unit is in it already.
+
+    Raises DesignError for what is no number of that dimension.
+    """
+    spelled = "" if unit == "1" else _spelled(unit)
+    return to_si(_spelled(text), Quantity(name, spelled, EXAMPLES.get(spelled) or f"0.5 {spelled}".rstrip()))
 
 
 def _is_number(text: str) -> bool:

@@ -22,6 +22,7 @@ _QUANTITY = re.compile(
     r"\s*(?P<number>[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]{1,4})?)\s*(?P<unit>.*?)\s*\Z",
     re.DOTALL,
 )
+_REPR = re.compile(r"(?:np|numpy)\.[a-z0-9]+\(")  # np.float64(0.5), from a list that a program wrote
 # A product of unit names with one-digit powers, groups in parentheses one level deep. No power of a power and
 # no bare number gets through: pint would spend years on m^9^9^9.
 _FACTOR = r"[A-Za-zµμ°]+(?: ?(?:\^|\*\*) ?-?[0-9])?"
@@ -65,6 +66,10 @@ FOUNDATION = Quantity("stiffness of a foundation", "N/m^3", "2 MPa/mm")
 EXPANSION = Quantity("thermal expansion", "K^-1", "22e-6 K^-1")
 STRAIN_PER_FIELD = Quantity("piezoelectric strain", "m/V", "-190 pm/V")
 ELECTRIC_FIELD = Quantity("electric field", "V/m", "0.5 kV/mm")
+
+EXAMPLES = {
+    q.unit: q.example for q in list(globals().values()) if isinstance(q, Quantity) and q.unit
+}  # by unit
 
 
 def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> float:
@@ -113,6 +118,10 @@ def _split(text: str, quantity: Quantity) -> tuple[float, str]:
     if len(text) > LONGEST:
         raise DesignError(f"{_a(quantity.name)} of {len(text)} characters; at most {LONGEST} are allowed")
     match = _QUANTITY.match(text)
+    if match is None and _REPR.match(text):
+        raise DesignError(
+            f"{text!r} is how Python shows a number of numpy's; where the text is made, write float(x) or f'{{x:.9g}}'"
+        )
     if match is None:
         raise DesignError(
             f"{text!r} is not {_a(quantity.name)}; write a number and a unit, such as {quantity.example!r}"

@@ -11,6 +11,7 @@ from typing import Any
 
 from lamc import examples
 from lamc.basics.errors import LamcError
+from lamc.commands.schema import ALL_FILE
 from lamc.commands.terminal import Terminal
 from lamc.design.split import split
 from lamc.examples import Example
@@ -90,6 +91,12 @@ def _facts(example: Example, name: str) -> dict[str, Any]:
     }
 
 
+def _for_editors(file_name: str, folder: Path) -> str:
+    """The line by which editors find the schema, where `lamc schema --out` has put it beside the copy."""
+    has_schema = file_name.endswith(".yaml") and (folder / ALL_FILE).is_file()
+    return f"# yaml-language-server: $schema={ALL_FILE}\n" if has_schema else ""
+
+
 def copy_file(example: Example, folder: Path) -> Path:
     """Writes the example's file into a folder, which is made if it is missing. Never replaces a file."""
     target = folder / example.file_name
@@ -106,5 +113,5 @@ def copy_file(example: Example, folder: Path) -> Path:
         reported = getattr(error, "strerror", None) or error
         raise LamcError(f"{str(target)!r} cannot be written: {reported}; name another folder") from error
     with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-        stream.write(example.text)
+        stream.write(_for_editors(example.file_name, folder) + example.text)
     return target

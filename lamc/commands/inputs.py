@@ -7,7 +7,7 @@ values of effects are read as inert YAML, angles as numbers with units.
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,8 +15,12 @@ from pathlib import Path
 from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.places import located_at
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.si_units import in_unit
 from lamc.basics.units import ANGLE, ANGLE_RATE, Quantity, to_si
 from lamc.codegen.options import CompileOptions
+from lamc.commands.hinge_choice import AS_DRAWN, HingeChoice, stiffened
+from lamc.commands.pairs import pairs_of
 from lamc.commands.terminal import Progress
 from lamc.design.split import split
 from lamc.effects.registry import ADDED, Choice, by_name, choose
@@ -28,7 +32,7 @@ from lamc.readers.load_scene import load_scene
 from lamc.records.design import Design
 from lamc.records.effect import Effect, hooked
 from lamc.records.mechanism import Mechanism
-from lamc.records.scene import Scene, is_scene_name
+from lamc.records.scene import Scene, is_bare, is_scene_name, warn_of_degrees
 from lamc.run.request import did_you_mean
 
 
@@ -41,6 +45,7 @@ class Source:
     compiler: str | None = None
     fast: bool = False
     precision: str = "double"
+    hinges: HingeChoice = AS_DRAWN
 
     @property
     def options(self) -> CompileOptions:
@@ -89,10 +94,12 @@ def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
         example = examples.find(source.example) if source.example is not None else None
         if example is not None and example.path is None:
             digest = hashlib.sha256(example.text.encode("utf-8")).hexdigest()
-            return Loaded(load_text(example.text, example.name), example.name, None, digest)
+            record = stiffened(load_text(example.text, example.name), source.hinges, example.name)
+            return Loaded(record, example.name, None, digest)
         path = example.path if example is not None else Path(source.file or "")
         assert path is not None
         record = load(path, progress=lambda _name, part: progress.part(part, 1.0))
+        record = stiffened(record, source.hinges, str(path))
     return Loaded(record, str(path), path, hashlib.sha256(path.read_bytes()).hexdigest())
 
 
@@ -154,7 +161,7 @@ def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, t
         scene,
         added=(*kept, *more),
         without=(*(n for n in scene.without if n not in named and n not in left_out), *left_out),
-        angles={**scene.angles, **_quantities(changes.angles, "--angle", ANGLE, joints)},
+        angles=ReadOnlyDict({**scene.angles, **_quantities(changes.angles, "--angle", ANGLE, joints)}),
         rates={**scene.rates, **_quantities(changes.rates, "--rate", ANGLE_RATE, joints)},
         branch=scene.branch if changes.branch is None else changes.branch,
     )
@@ -200,58 +207,25 @@ def _quantities(texts: Sequence[str], option: str, kind: Quantity, joints: Seque
             raise DesignError(f"{what}: no joint is named {joint!r}; {did_you_mean(joint, joints)}")
         try:
             values[joint] = to_si(value, kind)
+            if kind is ANGLE and is_bare(value):
+                warn_of_degrees(values[joint], what)
         except DesignError as error:
             raise DesignError(f"{what}: {error.message}") from error
     return values
 
 
-def parameters_of(texts: Sequence[str], known: Iterable[str]) -> Mapping[str, float]:
-    """NAME=NUMBER of --set, in the parameters' own units."""
-    names = list(known)
+def parameters_of(texts: Sequence[str], units: Mapping[str, str]) -> Mapping[str, float]:
+    """NAME=VALUE of --set: a number in the parameter's own unit, of `units`, or text with a unit."""
     values = {}
     for name, value in pairs_of(texts, "--set", "0.01").items():
         what = f"--set {f'{name}={value}'!r}"
-        if name not in names:
-            raise DesignError(f"{what}: no parameter is named {name!r}; {did_you_mean(name, names)}")
+        if name not in units:
+            raise DesignError(f"{what}: no parameter is named {name!r}; {did_you_mean(name, list(units))}")
         try:
-            values[name] = float(value)
-        except ValueError as error:
-            raise DesignError(f"{what}: {value!r} is not a number") from error
+            values[name] = in_unit(value, units[name], "number")
+        except DesignError as error:
+            raise DesignError(f"{what}: {error.message}") from error
     return values
-
-
-def share_of(text: str, option: str) -> float:
-    """A share as a number: of "1e-3" or "0.1 %". Raises DesignError for what is no number."""
-    number, unit = text.strip(), 1.0
-    if number.endswith("%"):
-        number, unit = number[:-1].strip(), 1e-2
-    try:
-        return float(number) * unit
-    except ValueError as error:
-        raise DesignError(
-            f"{option} {text!r} is no number; it must be a share such as 1e-3 or '0.1 %'"
-        ) from error
-
-
-def pairs_of(texts: Iterable[str], option: str, example: str) -> dict[str, str]:
-    """Values by name of an option that may stand several times, each as in `split_pair`; one name may stand once."""
-    values: dict[str, str] = {}
-    for text in texts:
-        name, value = split_pair(text, option, example)
-        if name in values:
-            raise DesignError(
-                f"{option} gives {name!r} twice, {values[name][:40]!r} and {value[:40]!r}; keep one of them"
-            )
-        values[name] = value
-    return values
-
-
-def split_pair(text: str, option: str, example: str) -> tuple[str, str]:
-    """NAME and VALUE of "NAME=VALUE"; the last "=" divides, since names may hold one."""
-    name, sign, value = text.rpartition("=")
-    if not sign or not name or not value:
-        raise DesignError(f"{option} {text!r} is not of the form NAME=VALUE, such as h1={example}")
-    return name, value
 
 
 def folder_name(name: str) -> str:

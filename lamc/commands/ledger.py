@@ -16,8 +16,8 @@ from lamc.commands.inputs import (
     load_source,
     mechanism_of,
     output_folder,
-    share_of,
 )
+from lamc.commands.pairs import share_of
 from lamc.commands.terminal import INTERRUPTED, Terminal, plain
 from lamc.ledger.measure import measure
 from lamc.ledger.peers import PEERS

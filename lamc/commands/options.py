@@ -101,6 +101,21 @@ compiler = together(
     click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
     click.option("--fast", is_flag=True, help="This machine's own instructions, and inline sine and cosine."),
 )
+hinges = together(
+    click.option(
+        "--hinge-stiffness",
+        type=click.Choice(["drawn", "from-material"]),
+        default="drawn",
+        help="Stiffness of hinges: as the file says, or from the flexible layer's material and the hinge's size.",
+    ),
+    click.option(
+        "--material",
+        "materials",
+        metavar="NAME=MATERIAL",
+        multiple=True,
+        help="With from-material: a material of lamc's library (`lamc materials`) in place of the file's NAME.",
+    ),
+)
 precision = click.option(
     "--precision",
     type=click.Choice(PRECISIONS),

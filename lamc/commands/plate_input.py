@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lamc.basics.errors import DesignError, LamcError
-from lamc.commands.inputs import check_named, split_pair
+from lamc.commands.inputs import check_named
+from lamc.commands.pairs import split_pair
 from lamc.examples import plates
 from lamc.readers import joints_file, popupcad
 from lamc.readers.checking import did_you_mean

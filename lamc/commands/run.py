@@ -24,8 +24,8 @@ from lamc.commands.inputs import (
     mechanism_of,
     output_folder,
     parameters_of,
-    share_of,
 )
+from lamc.commands.pairs import share_of
 from lamc.commands.run_folder import MANIFEST, own_manifest, run_folder
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
@@ -89,7 +89,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
                 order = replace(order, t_end=scene.duration or DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
             _check_points(order.points, len(simulator.start))
-            parameters = parameters_of(order.settings, simulator.parameters)
+            parameters = parameters_of(order.settings, simulator.parameter_units)
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
             report = _report(loaded, simulator, result, account, times, order.changes.scene, remark)

@@ -7,6 +7,7 @@ import click
 from lamc.commands.options import (
     compiler,
     design,
+    hinges,
     looked,
     precision,
     run_folder,
@@ -53,9 +54,14 @@ if TYPE_CHECKING:
     "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
 )
 @click.option(
-    "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Change a parameter: 0.002 (SI) or '2 N*mm/rad'.",
 )
 @staged()
+@hinges
 @compiler
 @precision
 @click.option(
@@ -85,6 +91,8 @@ def run(
     integrator: str,
     max_steps: int,
     settings: tuple[str, ...],
+    hinge_stiffness: str,
+    materials: tuple[str, ...],
     cc: str | None,
     fast: bool,
     precision: str,
@@ -110,10 +118,12 @@ def run(
       lamc run flaps.yaml --without gravity --with 'torque={left: "0.001*sin(2*pi*5*t)"}'
       lamc run pendulum.yaml --scene driven
       lamc run pendulum.yaml --accuracy '0.1 %'
+      lamc run flaps.yaml --hinge-stiffness from-material
       lamc run pendulum.cad --scene scenes.yaml:slow --without hinge_damping
       lamc run --example pendulum --energy-balance
       lamc run --example crawler --film --camera front
     """
+    from lamc.commands.hinge_choice import HingeChoice
     from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
@@ -121,7 +131,7 @@ def run(
     if no_animation:
         terminal.warn("--no-animation is --no-film now, which is what happens unless --film is there")
     order = RunOrder(
-        source=Source(file, example, cc, fast, precision),
+        source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials)),
         changes=changes,
         settings=settings,
         t_end=t_end,

@@ -10,6 +10,7 @@ import os
 import sys
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ from typing import Any, Protocol, Self
 
 import click
 
-from lamc.basics.errors import DesignErrors, LamcError
+from lamc.basics.errors import DesignErrors, DesignWarning, LamcError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 _PLAIN_EVERY = 2.0  # s between two plain lines about the same work
@@ -181,9 +182,13 @@ class Terminal:
             yield PlainProgress()
 
     def guard(self, work: Callable[[], int]) -> int:
-        """The exit code of `work`; every exception becomes one line per problem on stderr and an exit code."""
+        """The exit code of `work`; every exception becomes one line per problem on stderr and an exit code, and every
+        warning of lamc's a line."""
         try:
-            return work()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore" if self.quiet else "default", DesignWarning)
+                warnings.showwarning = _shown_by(warnings.showwarning)
+                return work()
         except KeyboardInterrupt:
             self._complain(["interrupted; nothing more was written"], [], INTERRUPTED)
             return INTERRUPTED
@@ -219,6 +224,18 @@ class Terminal:
             reported = [problem_data(p) for p in problems] or [{"message": line} for line in lines]
             with suppress(LamcError):  # stderr has it
                 print_out(json.dumps({"ok": False, "exit_code": code, "errors": reported}, indent=2))
+
+
+def _shown_by(others: Callable[..., None]) -> Callable[..., None]:
+    """How warnings are shown: lamc's own as a line on stderr, `others` as ever."""
+
+    def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        if issubclass(category, DesignWarning):
+            tell(f"warning: {message}")
+        else:
+            others(message, category, *where)
+
+    return show
 
 
 def problem_data(error: LamcError) -> dict[str, Any]:

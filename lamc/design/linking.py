@@ -90,8 +90,14 @@ def _pair(
         return first, second
     names = ", ".join(repr(sites[b].name) for b in bodies)
     count = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'}" + (f" ({names})" if names else "")
+    wide = hinge.properties.gap > hinge.line.length and contact.free_length > 0.0
+    check = (
+        f". Its gap, {hinge.properties.gap * 1e3:.3g} mm, is longer than its line: check it first"
+        if wide
+        else ""
+    )
     raise TopologyError(
-        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges, layers)}",
+        f"{_label(hinge)} touches {count}; a hinge needs exactly 2: {_way_out(hinge, contact, hinges, layers)}{check}",
         known(hinge.place),
     )
 
@@ -103,18 +109,18 @@ def _way_out(hinge: Hinge, contact: Contact, hinges: Sequence[Hinge], layers: Se
         near = [repr(h.name) for h in beside or neighbours][:4]
         if not near:
             return (
-                f"it is {hinge.line.length * 1e3:.3g} mm long and {hinge.properties.width * 1e3:.3g} mm wide, which "
-                "leaves nothing to bend; make it longer, or lower the hinge width"
+                f"it is {hinge.line.length * 1e3:.3g} mm long and its gap {hinge.properties.gap * 1e3:.3g} mm, which "
+                "leaves nothing to bend; make it longer, or lower the gap"
             )
         doubled = ""
         if beside:
             length = 1e3 * max(_shared(hinge, h) for h in beside)
             doubled = (
-                f"; over {length:.3g} mm they are within a width: keep one where a crease is drawn twice"
+                f"; over {length:.3g} mm they are within half a gap: keep one where a crease is drawn twice"
             )
         return (
             f"the holes where it meets {_plural('hinge', near)} swallow it; move them apart, make it "
-            f"longer, or lower the hinge width{doubled}"
+            f"longer, or lower the gap{doubled}"
         )
     bodies = contact.bodies
     if len(bodies) == 0:
@@ -206,7 +212,7 @@ def _neighbours(hinge: Hinge, hinges: Sequence[Hinge]) -> list[Hinge]:
 
 
 def _shared(hinge: Hinge, other: Hinge) -> float:
-    """How much of the shorter line lies within a hinge width of the other, m."""
+    """How much of the shorter line lies within half a gap of the other, m."""
     shorter, longer = sorted((hinge.line, other.line), key=lambda line: line.length)
     width = max(hinge.properties.width, other.properties.width)
     return float(shorter.intersection(longer.buffer(width)).length)

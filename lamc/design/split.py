@@ -23,6 +23,7 @@ from lamc.design.linking import Site, link, millimetres
 from lamc.design.mass import body_properties
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
+from lamc.design.wide_gaps import warn_of_wide_gaps
 from lamc.records.design import BodyName, Design
 from lamc.records.mechanism import Array, Body, Joint, Mechanism, Slab
 
@@ -83,6 +84,7 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
     touched = contacts(hinges, holes, layers)
     connections = link(hinges, touched, sites, [layer.name for layer in design.layers])
+    warn_of_wide_gaps(connections, parts)
     notes: tuple[str, ...] = ()
     if design.facet_creases is not None:
         bent = bend_facets(design, parts, connections, design.facet_creases)

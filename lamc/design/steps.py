@@ -89,7 +89,7 @@ class SplitSteps:
             + self.facet_notes
             + tuple(
                 f"left out a scrap of {s.area * 1e6:.3g} mm² at ({s.at[0] * 1e3:.6g}, {s.at[1] * 1e3:.6g}) mm: "
-                "smaller than the square of a hinge width, it is no body"
+                "smaller than the square of half a gap, it is no body"
                 for s in self.scraps
             )
         )

@@ -90,14 +90,14 @@ class Account:
 
 
 def meetings_of(strips: Geometries, place: Place | None) -> Pairs:
-    """Pairs of indices (k, 2), sorted, of the strips of hinge lines (the lines, grown by their widths) that meet.
+    """Pairs of indices (k, 2), sorted, of the strips of hinge lines (the lines, grown by half their gaps) that meet.
 
     Raises DesignError where too many do."""
     pairs = _meetings(strips, MOST_MEETINGS)
     if len(pairs) > MOST_MEETINGS:
         raise DesignError(
-            f"the strips of {len(strips)} hinge lines, each a width to both sides of its line, meet {len(pairs)} times "
-            f"or more; at most {MOST_MEETINGS} meetings are cut: let lines end where they meet, lower the width, or "
+            f"the strips of {len(strips)} hinge lines, each half a gap to either side, meet {len(pairs)} times "
+            f"or more; at most {MOST_MEETINGS} meetings are cut: let lines end where they meet, lower the gap, or "
             "draw the device in parts",
             place,
         )
@@ -110,9 +110,9 @@ def check_overlaps(overlaps: Geometries, place: Place | None) -> None:
     count = len(_meetings(overlaps, MOST_OVERLAPS, None))
     if count > MOST_OVERLAPS:
         raise DesignError(
-            f"the {len(overlaps)} areas in which strips of hinge lines meet, each a width to both sides of its line, "
+            f"the {len(overlaps)} areas in which strips of hinge lines meet, each half a gap to either side of a line, "
             f"lie on one another {count} times or more; at most {MOST_OVERLAPS} times are joined to holes: let fewer "
-            "lines run through one place, or lower the width",
+            "lines run through one place, or lower the gap",
             place,
         )
 

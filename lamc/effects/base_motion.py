@@ -44,6 +44,7 @@ class BaseMotion(RegisteredEffect):
 
     name: ClassVar[str] = "base_motion"
     summary: ClassVar[str] = "Fixed bodies that move as told"
+    example: ClassVar[str] = 'base_motion: {displacement: [0, 0, "0.001*sin(2*pi*20*t)"]}'
     source: ClassVar[str] = "x(t) and θ(t), differentiated"
     absent: ClassVar[str] = "the fixed bodies stay where they are"
 

@@ -53,9 +53,9 @@ class PiezoBender(RegisteredEffect):
     Raises DesignError for a normal along the strip, ends that meet, and polarities that move nothing.
     """
 
-    body_a: Name
+    body_a: Annotated[Name, Field(description="the body of the first end")]
     root: Annotated[Vector, Unit("m", "end of the strip in the drawn configuration, world axes")]
-    body_b: Name
+    body_b: Annotated[Name, Field(description="the body of the other end")]
     tip: Annotated[Vector, Unit("m", "other end of the strip, which is straight there")]
     normal: Annotated[
         Vector,
@@ -97,6 +97,11 @@ class PiezoBender(RegisteredEffect):
 
     name: ClassVar[str] = "piezo_bender"
     summary: ClassVar[str] = "Piezoelectric benders"
+    example: ClassVar[str] = (
+        "piezo_bender: {body_a: frame, root: [0, 0, 0], body_b: arm, tip: [12 mm, 0, 0], normal: [0, 0, "
+        "1], width: 4 mm, laminate: [{material: PZT-5H, thickness: 127 um}, {material: PZT-5H, "
+        "thickness: 127 um}], polarity: [1, -1], voltage: 100*sin(2*pi*10*t)}"
+    )
     source: ClassVar[str] = "F = f V - k d, Smits & Choi 1991; Wood, Steltz & Fearing 2005"
     repeatable: ClassVar[bool] = True
     absent: ClassVar[str] = "no bender is called for"

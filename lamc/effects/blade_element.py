@@ -114,6 +114,7 @@ class BladeElementDrag(RegisteredEffect):
 
     name: ClassVar[str] = "blade_element_drag"
     summary: ClassVar[str] = "Air around flat wings"
+    example: ClassVar[str] = "blade_element_drag: {body: wing, strips: 12}"
     source: ClassVar[str] = (
         "CL = A sin 2a, CD = C0 cos^2 a + C90 sin^2 a, Whitney & Wood 2010; rotation, Sane & Dickinson 2002"
     )

@@ -46,6 +46,7 @@ class ExternalTorque(RegisteredEffect):
 
     name: ClassVar[str] = "external_torque"
     summary: ClassVar[str] = "Hinge torques from outside"
+    example: ClassVar[str] = "external_torque: [knee]"
     source: ClassVar[str] = "eq. 17"
     shorthand: ClassVar[str] = "joints"
     absent: ClassVar[str] = "no torque comes from outside"

@@ -78,6 +78,7 @@ class FlexibleLinks(RegisteredEffect):
 
     name: ClassVar[str] = "flexible_links"
     summary: ClassVar[str] = "Bodies that bend"
+    example: ClassVar[str] = "flexible_links: {bodies: [arm], modes: 2}"
     source: ClassVar[str] = "½ ηᵀ K η, modes of the plate in a floating frame, Shabana 2013, ch. 5"
     absent: ClassVar[str] = "bodies are rigid"
 

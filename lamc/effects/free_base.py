@@ -44,6 +44,7 @@ class FreeBase(RegisteredEffect):
 
     name: ClassVar[str] = "free_base"
     summary: ClassVar[str] = "Fixed bodies that float"
+    example: ClassVar[str] = "free_base: {position: [0, 0, 40 mm], spin: [1, 0, 0]}"
     conservative: ClassVar[bool] = True
     source: ClassVar[str] = "Newton and Euler for the base; quaternion rates ½ q ω"
     absent: ClassVar[str] = "the fixed bodies stay where they are"

@@ -23,6 +23,7 @@ class Gravity(RegisteredEffect):
 
     name: ClassVar[str] = "gravity"
     summary: ClassVar[str] = "Gravity"
+    example: ClassVar[str] = "gravity: [0, 0, -9.81]"
     source: ClassVar[str] = "F = m g, eq. 18"
     shorthand: ClassVar[str] = "acceleration"
 

@@ -104,6 +104,7 @@ class GroundContact(RegisteredEffect):
 
     name: ClassVar[str] = "ground_contact"
     summary: ClassVar[str] = "Contact with the ground"
+    example: ClassVar[str] = "ground_contact: {friction: 0.4, height: -5 mm}"
     conservative: ClassVar[bool] = False
     source: ClassVar[str] = (
         "F = k d^n (1 + 3/2 c v), Hunt & Crossley 1975; friction mu F s / sqrt(s^2 + vs^2)"

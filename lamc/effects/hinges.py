@@ -47,6 +47,7 @@ class HingeStiffness(RegisteredEffect):
 
     name: ClassVar[str] = "hinge_stiffness"
     summary: ClassVar[str] = "Hinge stiffness"
+    example: ClassVar[str] = "hinge_stiffness:"
     source: ClassVar[str] = "T = -k q, eq. 15"
 
     def contribute(self, loads: Loads) -> None:
@@ -79,6 +80,7 @@ class RestAngle(RegisteredEffect):
 
     name: ClassVar[str] = "rest_angle"
     summary: ClassVar[str] = "Rest angle of the hinges"
+    example: ClassVar[str] = "rest_angle:"
     source: ClassVar[str] = "T = k q0, eq. 15"
 
     def contribute(self, loads: Loads) -> None:
@@ -112,6 +114,7 @@ class HingeDamping(RegisteredEffect):
 
     name: ClassVar[str] = "hinge_damping"
     summary: ClassVar[str] = "Hinge damping"
+    example: ClassVar[str] = "hinge_damping:"
     source: ClassVar[str] = "T = -c u, eq. 16"
 
     def contribute(self, loads: Loads) -> None:

@@ -65,6 +65,7 @@ class JointLimits(RegisteredEffect):
 
     name: ClassVar[str] = "joint_limits"
     summary: ClassVar[str] = "Limits of the joints"
+    example: ClassVar[str] = "joint_limits: {stiffness: 2 N*mm/deg, flat_fold: true}"
     source: ClassVar[str] = "T = -k (q - limit) - c u beyond the limit; or Newton's law of impact"
 
     def __post_init__(self) -> None:

@@ -6,6 +6,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
@@ -66,7 +67,7 @@ class LinearMotor(RegisteredEffect):
     Several motors may act in one scene.
     """
 
-    joint: Name
+    joint: Annotated[Name, Field(description="the hinge that it drives")]
     voltage: Annotated[float | str, Unit("V", "positive voltage opens the fold")]
     stall_torque: Annotated[
         float | None, Unit("N*m", "T_stall, of the motor at rest at the nominal voltage", gt=0.0)
@@ -94,6 +95,10 @@ class LinearMotor(RegisteredEffect):
 
     name: ClassVar[str] = "linear_motor"
     summary: ClassVar[str] = "DC motors on hinges"
+    example: ClassVar[str] = (
+        "linear_motor: {joint: crank, voltage: 3*sin(2*pi*t), nominal_voltage: 3, stall_torque: 1 N*mm, "
+        "no_load_speed: 60}"
+    )
     source: ClassVar[str] = "T = k (V - k w) / R, Hughes & Drury, Electric Motors and Drives, ch. 3"
     repeatable: ClassVar[bool] = True
     conservative: ClassVar[bool] = False

@@ -126,6 +126,9 @@ class NonlinearStiffness(RegisteredEffect):
 
     name: ClassVar[str] = "nonlinear_stiffness"
     summary: ClassVar[str] = "Nonlinear stiffness of hinges"
+    example: ClassVar[str] = (
+        "nonlinear_stiffness: {knee: [3e-4, 0, 1e-3], hip: {table: [[-1, -2e-3], [0, 0], [1, 3e-3]]}}"
+    )
     source: ClassVar[str] = "T = -dW/dq, W the antiderivative of the given law"
 
     shorthand: ClassVar[str] = "laws"

@@ -20,6 +20,7 @@ class RegisteredEffect(Effect):
     absent     why it is not there where nobody asks for it, in a few words
     shorthand  the field that may stand alone, as in `gravity: [0, 0, -9.81]`
     said       the docstring of the class without its fields
+    example    how a scene may call for it, YAML of one entry
 
     Numbers are SI, text has its unit ("3 N*mm/deg"), in Python as in files.
     """
@@ -27,6 +28,7 @@ class RegisteredEffect(Effect):
     absent: ClassVar[str] = "the scene does not call for it"
     shorthand: ClassVar[str | None] = None
     said: ClassVar[str] = ""
+    example: ClassVar[str] = ""
 
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
@@ -26,11 +27,11 @@ _ROUND_OFF = 1e-12  # of the points' coordinates
 class Spring(RegisteredEffect):
     """Pulls its two points together when it is longer than its rest length; several may act in one scene."""
 
-    body_a: Name
+    body_a: Annotated[Name, Field(description="the body of the first end")]
     point_a: Annotated[Vector, Unit("m", "where the point is in the drawn configuration, world axes")]
-    body_b: Name
+    body_b: Annotated[Name, Field(description="the body of the other end")]
     point_b: Annotated[Vector, Unit("m", "where the point is in the drawn configuration, world axes")]
-    stiffness: Annotated[float, Unit("N/m", ge=0.0)]
+    stiffness: Annotated[float, Unit("N/m", "force per stretch", ge=0.0)]
     rest_length: Annotated[
         float,
         Unit(
@@ -43,6 +44,10 @@ class Spring(RegisteredEffect):
 
     name: ClassVar[str] = "spring"
     summary: ClassVar[str] = "Springs between points"
+    example: ClassVar[str] = (
+        "spring: {body_a: frame, point_a: [0, 0, 0], body_b: arm, point_b: [10 mm, 0, 2 mm], stiffness: "
+        "0.2 N/mm, rest_length: 8 mm}"
+    )
     source: ClassVar[str] = "F = -(k (l - l0) + c dl/dt) along the line, eq. 18"
     repeatable: ClassVar[bool] = True
     absent: ClassVar[str] = "no spring is called for"

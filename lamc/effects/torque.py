@@ -31,6 +31,7 @@ class Torque(RegisteredEffect):
 
     name: ClassVar[str] = "torque"
     summary: ClassVar[str] = "Applied hinge torques"
+    example: ClassVar[str] = "torque: {knee: 0.1 N*mm, hip: 1e-4*sin(2*pi*5*t) - 1e-6*rate}"
     source: ClassVar[str] = "eq. 17"
     shorthand: ClassVar[str] = "torques"
     absent: ClassVar[str] = "no torque is called for"

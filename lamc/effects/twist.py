@@ -67,6 +67,7 @@ class TwistCompliance(RegisteredEffect):
 
     name: ClassVar[str] = "twist_compliance"
     summary: ClassVar[str] = "Hinges that yield across their axis"
+    example: ClassVar[str] = "twist_compliance: {joints: [knee], retardation: 1e-5}"
     source: ClassVar[str] = "½ pᵀ K p of a clamped strip, Timoshenko & Gere 1961, 5.3"
     absent: ClassVar[str] = "hinges turn about their axes only"
 

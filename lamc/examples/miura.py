@@ -124,7 +124,7 @@ def _hinges(columns: int, rows: int) -> str:
 
 def _hinge(name: str, line: list[tuple[float, float]], stiffness: float, rest: float) -> str:
     return (
-        f"  - {{name: {name}, line: {_points(line)}, width: {0.5 * GAP:g}, stiffness: {stiffness:g} N*mm/rad, "
+        f"  - {{name: {name}, line: {_points(line)}, gap: {GAP:g}, stiffness: {stiffness:g} N*mm/rad, "
         f"damping: 2e-7 N*m*s/rad, rest_angle: {math.degrees(rest):.9g} deg}}"
     )
 

@@ -154,7 +154,7 @@ def _hinges(pattern: CreasePattern, creases: Sequence[Crease]) -> str:
     for crease in creases:
         start, end = pattern.points[crease.start], pattern.points[crease.end]
         lines.append(
-            f"  - {{name: {crease.name}, line: {_listed([start, end])}, width: {0.5 * GAP:g}, stiffness: "
+            f"  - {{name: {crease.name}, line: {_listed([start, end])}, gap: {GAP:g}, stiffness: "
             f"{FILM * math.dist(start, end):.3g} N*mm/rad, damping: 2e-6 N*m*s/rad, rest_angle: "
             f"{math.degrees(crease.rest):.9g} deg}}"
         )

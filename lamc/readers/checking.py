@@ -49,6 +49,11 @@ class Problems:
         pairs = node.pairs if isinstance(node, MapNode) else ()
         return {key.text: value.place for key, value in pairs if isinstance(key, ScalarNode)}
 
+    def text(self, path: Path) -> str:
+        """What is written at `path`; empty where no single value is."""
+        node = node_at(self._root, path)
+        return node.text if isinstance(node, ScalarNode) else ""
+
     def add(self, path: Path, message: str, place: Place | None = None) -> None:
         self._found.append(DesignError(f"{shown(path)}: {message}", place or self.place(path)))
 

@@ -26,6 +26,7 @@ def with_effects(definitions: Mapping[str, Any]) -> dict[str, Any]:
             properties[key] = {
                 "description": said,
                 "anyOf": [{"$ref": f"#/$defs/{_EFFECTS}"}, {"type": "null"}],
+                "default": None,
             }
         given[name] = {**given[name], "properties": properties}
     known = by_name()
@@ -65,4 +66,4 @@ def effect_schema(kind: type[RegisteredEffect]) -> dict[str, Any]:
 
 
 def _untitled(schema: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in schema.items() if key not in ("title", "default")}
+    return {key: value for key, value in schema.items() if key != "title"}

@@ -36,7 +36,7 @@ def _length_unit(value: Any) -> str:
         raise custom(error) from error
 
 
-def _crease_stiffness(value: Any) -> Any:
+def _material_stiffness(value: Any) -> Any:
     if isinstance(value, str) and value != FROM_MATERIAL and not is_measured(value):
         text = f"it is {value[:40]!r}; write a number and a unit, such as '1e-3 N*m/rad', or {FROM_MATERIAL}"
         raise custom(DesignError(text))
@@ -63,8 +63,8 @@ Inertia = Annotated[float, Unit(units.INERTIA)]
 Number = Annotated[float, Unit(units.RATIO)]
 Duration = Annotated[float, Unit(units.DURATION, gt=0.0)]
 
-CreaseStiffness = Annotated[
-    float | Literal["from-material"], Unit(units.STIFFNESS, ge=0.0), BeforeValidator(_crease_stiffness)
+MaterialStiffness = Annotated[
+    float | Literal["from-material"], Unit(units.STIFFNESS, ge=0.0), BeforeValidator(_material_stiffness)
 ]
 
 Point = tuple[Coordinate, Coordinate]

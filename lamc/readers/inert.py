@@ -88,6 +88,8 @@ def _events(text: str, file: str) -> Iterator[Any]:
         problem = error.problem or error.context or "it cannot be parsed"
         if "'\\t'" in problem:
             problem += "; indent with spaces, not tabs"
+        if problem == "could not find expected ':'":
+            problem = "a line above has a key without ': ' behind it, as in units: mm"
         raise DesignError(f"this is not YAML: {problem}", place) from error
     except YAMLError as error:
         raise DesignError(f"this is not YAML: {str(error)[:200]}", Place(file)) from error

@@ -159,6 +159,8 @@ def _text(data: bytes, file: str) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise DesignError(
-            f"byte {error.start} is not text; lamc reads {FORMATS}", Place(file, line)
+            f"byte {error.start} ({data[error.start]:#04x}) is not UTF-8: if it is text, save it as UTF-8 in your "
+            f"editor; lamc reads {FORMATS}",
+            Place(file, line),
         ) from error
     return text

@@ -16,10 +16,10 @@ from lamc.design import shapes
 from lamc.readers.checking import Problems, validate
 from lamc.readers.fields import LENGTH_UNIT
 from lamc.readers.inert import Node
+from lamc.readers.mechanism_schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.readers.native import length_unit_of
 from lamc.readers.scene_file import check_joints, read_scenes
 from lamc.readers.scene_writer import scenes_data
-from lamc.readers.schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism, Slab
 from lamc.records.network import faults, loose_ends
 

@@ -20,6 +20,7 @@ from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode
+from lamc.readers.native_hinges import check_angles, check_size, line_names, stiffened, tell_old_names
 from lamc.readers.scene_file import read_scenes
 from lamc.readers.schema import (
     DesignModel,
@@ -85,7 +86,9 @@ class _Reader:
             for entry, sheet in zip(model.layers, geometry, strict=True)
         )
         source = PurePath(self.file).name
-        return Design(
+        tell_old_names(model.hinges, problems)
+        check_angles(model.hinges, problems)
+        design = Design(
             name,
             layers,
             hinges,
@@ -99,6 +102,8 @@ class _Reader:
             tuple(model.contact_points),
             facet_creases=model.facet_creases.record() if model.facet_creases else None,
         )
+        check_size(design, self.length_unit)
+        return stiffened(design, model.hinges, problems)
 
     def _places(self) -> Places:
         """The places that a message about the whole drawing may need."""
@@ -128,7 +133,7 @@ class _Reader:
                 problems.attempt((section, name), partial(checked_name, name, f"an entry of {section}"))
         seen: set[str] = set()
         for index, hinge in enumerate(model.hinges):
-            for line_name in _line_names(hinge):
+            for line_name in line_names(hinge):
                 if line_name is not None:
                     path: Path = ("hinges", index, "name")
                     problems.attempt(path, partial(checked_name, line_name, "a hinge"))
@@ -210,7 +215,7 @@ class _Reader:
             [(*path, "line")] if hinge.line is not None else [(*path, "lines", i) for i in range(len(drawn))]
         )
         lines: list[HingeLine] = []
-        for at, (start, end), name in zip(line_paths, drawn, _line_names(hinge), strict=True):
+        for at, (start, end), name in zip(line_paths, drawn, line_names(hinge), strict=True):
             line = self.problems.attempt(at, partial(shapes.line, start, end))
             if line is not None:
                 lines.append(HingeLine(line, name, self.problems.place(at)))
@@ -221,13 +226,14 @@ class _Reader:
         limits = hinge.limits or (-math.pi, math.pi)
         return HingeSet(
             tuple(lines),
-            hinge.width,
+            hinge.half_gap,
             layer,
             tuple(through),
-            hinge.stiffness,
+            0.0 if isinstance(hinge.stiffness, str) else hinge.stiffness,
             hinge.damping,
             hinge.rest_angle,
             limits,
+            from_material=isinstance(hinge.stiffness, str),
         )
 
     def _hinge_layer(self, path: Path, name: str | None) -> int | None:
@@ -274,14 +280,6 @@ def _sheet(entries: Sequence[tuple[Polygon, bool]], layer: str, account: Account
         joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square
         sheet = shapes.areas(sheet.difference(joined) if cut else shapely.union_all([sheet, joined]))
     return sheet
-
-
-def _line_names(hinge: HingeModel) -> list[str | None]:
-    """One name per line: the hinge's own, numbered where it has several lines."""
-    count = 1 if hinge.line is not None else len(hinge.lines or [])
-    if hinge.name is None or count == 1:
-        return [hinge.name] * count
-    return [f"{hinge.name}_{i}" for i in range(1, count + 1)]
 
 
 def _draw(shape: OutlineModel) -> Polygon:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from lamc.basics.errors import DesignError, DesignErrors, Place
 from lamc.basics.places import Places
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.data import DataError, file_context
 from lamc.effects.registry import by_name
 from lamc.readers.checking import Path, Problems, did_you_mean, shown
@@ -17,7 +18,7 @@ from lamc.readers.effect_calls import Called, effects_called, make_effect
 from lamc.readers.scene_inputs import read_inputs
 from lamc.readers.scene_schema import OutputPointModel, SceneModel
 from lamc.records.effect import Effect
-from lamc.records.scene import OutputPoint, Scene, is_scene_name
+from lamc.records.scene import OutputPoint, Scene, is_bare, is_scene_name, warn_of_degrees
 
 MOST_SCENES = 1000  # in one file
 MOST_VALUES = 100_000  # that its scenes come to, with all that they are like
@@ -229,13 +230,14 @@ class _Reader:
         places += [(("outputs", name), (*path, index)) for index, name in enumerate(names)]
         known = tuple((key, self._place(path) if path else problems.place(path)) for key, path in places)
         single = {name: value for name, (value, _) in said.single.items() if name != "outputs"}
+        self._check_angles(said)
         return problems.attempt(
             said.path,
             lambda: Scene(
                 effects=None if effects is None else tuple(e for e, _ in effects if e is not None),
                 added=tuple(e for e, _ in added if e is not None),
                 without=tuple(said.without),
-                angles={name: value for name, (value, _) in said.angles.items()},
+                angles=ReadOnlyDict({name: value for name, (value, _) in said.angles.items()}),
                 rates={name: value for name, (value, _) in said.rates.items()},
                 outputs=tuple(map(_output, outputs)) if "outputs" in said.single else None,
                 inputs=inputs,
@@ -243,6 +245,12 @@ class _Reader:
                 **single,
             ),
         )
+
+    def _check_angles(self, said: _Said) -> None:
+        """Warns of angles that are more than a turn, and written without a unit."""
+        for name, (value, path) in said.angles.items():
+            if is_bare(self.problems.text(path)):
+                warn_of_degrees(value, f"the initial angle of joint {name!r}", self._place(path))
 
     def _effect(self, called: Called) -> Effect | None:
         """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""

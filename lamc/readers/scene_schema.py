@@ -10,21 +10,26 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from lamc.basics.fields import UNIT
 from lamc.readers.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, SpacePoint, StrictModel
 
 _CALLED: dict[str, Any] = {"type": ["object", "array", "null"]}
 _INPUT_FIELDS = {
-    "default": {"type": ["number", "string"], "description": "value until told otherwise, as in 0 N*mm"},
+    "default": {
+        "type": ["number", "string"],
+        UNIT: "of the input",
+        "description": "value until told otherwise, as in 0 N*mm",
+    },
     "unit": {"type": "string", "description": "of a default that is written without one"},
     "meaning": {"type": "string", "description": "what it is, in a few words"},
 }
 _INPUTS: dict[str, Any] = {
     "additionalProperties": {
         "anyOf": [
-            {"type": ["number", "string"]},
+            {"type": ["number", "string"], UNIT: "of the input"},
             {"type": "object", "properties": _INPUT_FIELDS, "additionalProperties": False},
         ]
-    }
+    },
 }
 _SAYS = "effects by name with their values, as a map, or as a list of names and one-entry maps"
 
@@ -98,14 +103,14 @@ ScenesModel = Annotated[
 class SceneFileModel(StrictModel):
     """Scenes in a file of their own, for `lamc run DESIGN --scene FILE:NAME`."""
 
-    kind: Literal["scene"] = "scene"
+    kind: Literal["scene"] = Field("scene", description="what the file is")
     units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
     scene: SceneModel | None = Field(None, description="the one that is meant where no name is given")
     scenes: ScenesModel = Field(default={})
 
 
 class LoneSceneModel(SceneModel):
-    """One scene that is a file."""
+    """What acts, how the mechanism starts, how long it runs: one scene. Without `effects`: what the design asks for."""
 
-    kind: Literal["scene"] = "scene"
-    units: LengthUnit = "m"
+    kind: Literal["scene"] = Field("scene", description="what the file is")
+    units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")

@@ -14,7 +14,7 @@ from lamc.effects.registered import RegisteredEffect
 from lamc.readers.effect_calls import make_effect
 from lamc.readers.scene_file import SINGLE
 from lamc.records.effect import Effect
-from lamc.records.scene import OutputPoint, Scene
+from lamc.records.scene import TURN, OutputPoint, Scene
 
 
 def scenes_data(default: Scene | None, named: Mapping[str, Scene]) -> dict[str, Any]:
@@ -40,9 +40,11 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         data["with"] = [{effect.name: _effect_data(effect)} for effect in scene.added]
     if scene.without:
         data["without"] = list(scene.without)
-    for name, values in (("angles", scene.angles), ("rates", scene.rates)):
-        if values:
-            data[name] = dict(sorted(values.items()))
+    if scene.angles:  # bare ones of more than a turn would be taken for degrees
+        said = sorted(scene.angles.items())
+        data["angles"] = {joint: f"{angle!r} rad" if abs(angle) > TURN else angle for joint, angle in said}
+    if scene.rates:
+        data["rates"] = dict(sorted(scene.rates.items()))
     if scene.inputs:
         data["inputs"] = {name: _plain(each) for name, each in scene.inputs.items()}
     for name in SINGLE:

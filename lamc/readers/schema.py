@@ -11,29 +11,25 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import with_unit
 from lamc.readers import fields
 from lamc.readers.effects_schema import with_effects
 from lamc.readers.fields import (
     ALL_LAYERS,
     Angle,
-    AnyAngle,
     Coordinate,
-    CreaseStiffness,
     Damping,
     Density,
-    Direction,
-    InertiaTensor,
     LayerNames,
     Length,
     LengthUnit,
-    Mass,
+    MaterialStiffness,
     Modulus,
     Point,
     Poisson,
-    SpacePoint,
-    Stiffness,
     StrictModel,
 )
+from lamc.readers.mechanism_schema import MechanismModel
 from lamc.readers.scene_schema import LoneSceneModel, SceneFileModel, SceneModel, ScenesModel
 from lamc.records.design import FacetCreases
 
@@ -41,29 +37,34 @@ from lamc.records.design import FacetCreases
 class MaterialModel(StrictModel):
     """A sheet material; one or none of the flags is usual."""
 
-    density: Density
-    E1: Modulus | None = None
-    E2: Modulus | None = None
-    poisson: Poisson | None = None
+    density: Density = Field(description="mass per volume of the sheet")
+    E1: Modulus | None = Field(
+        None,
+        description="Young's modulus along the sheet's first axis; alone, of a sheet that is alike in all directions",
+    )
+    E2: Modulus | None = Field(None, description="Young's modulus across it; as E1 if not said")
+    poisson: Poisson | None = Field(None, description="Poisson's ratio; stretch along 1 contracts 2 by it")
     G12: Modulus | None = Field(None, description="shear modulus; needed where E2 differs from E1")
-    rigid: bool = False
-    flexible: bool = False
-    adhesive: bool = False
-    conductive: bool = False
+    rigid: bool = Field(False, description="a board: hinges cut through it")
+    flexible: bool = Field(False, description="a film: it bends at hinges and carries their axes")
+    adhesive: bool = Field(False, description="glue: it joins its neighbours and is cut like a board")
+    conductive: bool = Field(False, description="a conductor: it is cut like a board")
 
 
 class LayerModel(StrictModel):
     """One sheet of the laminate; layers are listed from bottom to top."""
 
-    name: str
-    material: str
-    thickness: Length
-    angle: Angle = 0.0
+    name: str = Field(description="of the layer, for hinges, shapes and regions to name")
+    material: str = Field(description="an entry of materials")
+    thickness: Length = Field(description="of the sheet")
+    angle: Angle = Field(0.0, description="of the material's first axis, from x towards y")
 
 
 class CircleModel(StrictModel):
-    center: Point
-    radius: Length
+    """A disc."""
+
+    center: Point = Field(description="its centre, [x, y]")
+    radius: Length = Field(description="its radius")
 
 
 class OutlineModel(StrictModel):
@@ -74,7 +75,7 @@ class OutlineModel(StrictModel):
     )
     polygon: list[Point] | None = Field(None, description="corners in order; the last joins the first")
     holes: list[list[Point]] = Field(default=[], description="holes of the polygon")
-    circle: CircleModel | None = None
+    circle: CircleModel | None = Field(None, description="a disc: {center: [x, y], radius: r}")
 
     @model_validator(mode="after")
     def _one_region(self) -> "OutlineModel":
@@ -93,13 +94,15 @@ class OutlineModel(StrictModel):
 class RegionModel(OutlineModel):
     """A region in some layers."""
 
-    layers: LayerNames = Field(default=[ALL_LAYERS])
+    layers: LayerNames = Field(default=[ALL_LAYERS], description="names of the layers that it is in, or all")
 
 
 class ShapeModel(RegionModel):
     """A drawn shape: material that is added, or with `cut`, taken away from what was drawn before it."""
 
-    cut: OutlineModel | None = None
+    cut: OutlineModel | None = Field(
+        None, description="a region to take away from what was drawn before, in place of one that is added"
+    )
 
 
 class HingeModel(StrictModel):
@@ -108,16 +111,43 @@ class HingeModel(StrictModel):
     The joint's axis points from the start of a line to its end, and its angle is positive by the right hand.
     """
 
-    name: str | None = None
-    line: tuple[Point, Point] | None = None
-    lines: list[tuple[Point, Point]] | None = None
+    name: str | None = Field(None, description="of the joint; several lines count on: fold1, fold2")
+    line: tuple[Point, Point] | None = Field(
+        None, description="the hinge line from start to end, [[x, y], [x, y]]"
+    )
+    lines: list[tuple[Point, Point]] | None = Field(
+        None, description="several such lines, each a hinge of its own"
+    )
     layer: str | None = Field(None, description="the layer that bends; by default the only flexible one")
-    width: Length
-    stiffness: Stiffness = 0.0
-    damping: Damping = 0.0
-    rest_angle: Angle = 0.0
-    limits: tuple[Angle, Angle] | None = None
+    gap: Length | None = Field(
+        None, description="length of bare film that bends, from board to board across the line; required"
+    )
+    width: Length | None = Field(
+        None, description="old name: half of the gap", json_schema_extra={"deprecated": True}
+    )
+    stiffness: MaterialStiffness = Field(
+        0.0, description="torque per angle, or from-material: of the film's modulus, thickness and gap"
+    )
+    damping: Damping = Field(0.0, description="torque per rate")
+    rest_angle: Angle = Field(
+        0.0, description="angle at which the hinge's own stiffness holds it; 0 is as drawn"
+    )
+    limits: tuple[Angle, Angle] | None = Field(None, description="lowest and highest angle; free if not said")
     layers: LayerNames = Field(default=[ALL_LAYERS], description="layers that the hinge cuts through")
+
+    @property
+    def half_gap(self) -> float:
+        """m, to either side of the line."""
+        return 0.5 * self.gap if self.gap is not None else self.width or 0.0
+
+    @model_validator(mode="after")
+    def _one_gap(self) -> "HingeModel":
+        if self.gap is None and self.width is None:
+            text = "a hinge needs its gap, the length of bare film from board to board, such as gap: 0.4 mm"
+            raise fields.custom(DesignError(text))
+        if self.gap is not None and self.width is not None:
+            raise fields.custom(DesignError("width is the old name of half the gap; keep gap alone"))
+        return self
 
     @model_validator(mode="after")
     def _one_kind_of_line(self) -> "HingeModel":
@@ -137,8 +167,8 @@ class HingeModel(StrictModel):
 class NamedBodyModel(StrictModel):
     """A point inside the body that gets the name, and the layer to look in where bodies lie above one another."""
 
-    at: Point
-    layer: str | None = None
+    at: Point = Field(description="a point inside the body, [x, y]")
+    layer: str | None = Field(None, description="the layer to look in, where bodies lie above one another")
 
 
 def _point_alone(value: Any) -> Any:
@@ -155,10 +185,10 @@ BodyPoint = Annotated[
 class FacetCreasesModel(StrictModel):
     """Facets bend along their diagonals: each moving one of four corners or more is parted into triangles by hinges."""
 
-    stiffness: CreaseStiffness = Field(
+    stiffness: MaterialStiffness = Field(
         description="of each diagonal, or from-material: of its facet's layers"
     )
-    damping: Damping = 0.0
+    damping: Damping = Field(0.0, description="torque per rate of each diagonal")
 
     def record(self) -> FacetCreases:
         return FacetCreases(None if isinstance(self.stiffness, str) else self.stiffness, self.damping)
@@ -167,72 +197,31 @@ class FacetCreasesModel(StrictModel):
 class DesignModel(StrictModel):
     """A laminate design."""
 
-    kind: Literal["design"] = "design"
-    name: str | None = None
+    kind: Literal["design"] = Field("design", description="what the file is; may be left out")
+    name: str | None = Field(None, description="of the design; the file's name if not said")
     story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
     units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
-    materials: dict[str, MaterialModel]
-    layers: list[LayerModel]
-    shapes: list[ShapeModel]
-    hinges: list[HingeModel] = Field(default=[])
-    fixed: list[RegionModel] = Field(default=[])
+    materials: dict[str, MaterialModel] = Field(description="materials of the sheets by name")
+    layers: list[LayerModel] = Field(description="the sheets from bottom to top")
+    shapes: list[ShapeModel] = Field(
+        description="what is drawn, in order: later shapes add to earlier ones or cut from them"
+    )
+    hinges: list[HingeModel] = Field(
+        default=[], description="hinge lines, along which the flexible layer bends"
+    )
+    fixed: list[RegionModel] = Field(
+        default=[], description="regions that the world holds; a body that meets one is fixed"
+    )
     bodies: dict[str, BodyPoint] = Field(
         default={}, description="names of bodies, each with a point inside it"
     )
     contact_points: list[Point] = Field(
         default=[], description="points of the drawing at which bodies may touch something"
     )
-    facet_creases: FacetCreasesModel | None = None
-    scene: SceneModel | None = None
-    scenes: ScenesModel = Field(default={})
-
-
-class PlateModel(StrictModel):
-    """One flat piece of a body's outline, between two heights."""
-
-    polygon: list[Point]
-    holes: list[list[Point]] = Field(default=[])
-    z: tuple[Coordinate, Coordinate]
-
-
-class BodyModel(StrictModel):
-    """A rigid body in the drawn configuration, world axes."""
-
-    name: str
-    mass: Mass = 0.0
-    com: SpacePoint = (0.0, 0.0, 0.0)
-    inertia: InertiaTensor = Field(default=((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    fixed: bool = False
-    outline: list[PlateModel] = Field(default=[])
-
-
-class JointModel(StrictModel):
-    """A hinge from parent to child about `axis` through `point`."""
-
-    name: str
-    parent: str
-    child: str
-    point: SpacePoint
-    axis: Direction
-    stiffness: Stiffness = 0.0
-    damping: Damping = 0.0
-    rest_angle: AnyAngle = 0.0
-    limits: tuple[AnyAngle, AnyAngle] | None = None
-
-
-class MechanismModel(StrictModel):
-    """Bodies and joints without a drawing."""
-
-    kind: Literal["mechanism"] = "mechanism"
-    name: str | None = None
-    story: str = Field("", description="what the design is for and what it shows, a paragraph of plain text")
-    units: LengthUnit = "m"
-    bodies: list[BodyModel]
-    joints: list[JointModel] = Field(default=[])
-    contact_points: list[Point] = Field(
-        default=[], description="points of the drawing at which bodies may touch something"
+    facet_creases: FacetCreasesModel | None = Field(
+        None, description="facets bend along their diagonals: {stiffness: from-material}"
     )
-    scene: SceneModel | None = None
+    scene: SceneModel | None = Field(None, description="what is simulated where no scene is named")
     scenes: ScenesModel = Field(default={})
 
 
@@ -251,6 +240,9 @@ def json_schema(files: Mapping[str, type[StrictModel]] = FILES) -> dict[str, Any
     for part in parts:
         shared |= part.pop("$defs", {})
     named = dict(zip(files, parts, strict=True))
+    for definition in (shared | named).values():
+        for name, field in definition.get("properties", {}).items():
+            definition["properties"][name] = with_unit(field)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": f"lamc {' or '.join(name.lower() for name in files)}",

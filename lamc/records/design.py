@@ -70,16 +70,27 @@ class HingeLine:
 
 @dataclass(frozen=True)
 class HingeSet:
-    """Hinge lines that share a flexible layer, a width and properties (a popupCAD joint definition)."""
+    """Hinge lines that share a flexible layer, a gap and properties (a popupCAD joint definition).
+
+    width          m, half of the gap, popupCAD's number: lines are grown by it into strips, which bend, and holes are
+                   cut where strips overlap; a tenth of it to either side is slit
+    from_material  the stiffness was computed from the flexible layer, as the file asks for it
+    """
 
     lines: tuple[HingeLine, ...]
-    width: float  # m, of the strip cut out around the lines where they cross or touch
+    width: float  # m
     layer: int  # index of the flexible layer; the axis lies at its mid-plane
     sublaminate: tuple[int, ...]  # indices of the layers the hinge runs through
     stiffness: float = 0.0  # N·m/rad
     damping: float = 0.0  # N·m·s/rad
     rest_angle: float = 0.0  # rad
     limits: tuple[float, float] = (-math.pi, math.pi)  # rad
+    from_material: bool = False
+
+    @property
+    def gap(self) -> float:
+        """Length of bare film from link to link, across the line, m."""
+        return 2.0 * self.width
 
     def __repr__(self) -> str:
         return brief(

@@ -13,8 +13,9 @@ from typing import Any
 
 from lamc.basics.checks import checked_number, shown
 from lamc.basics.errors import DesignError, ExpressionError, about
+from lamc.basics.given import GivenNumber
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.basics.si_units import si_unit
+from lamc.basics.si_units import in_unit, measured, si_unit
 from lamc.records.effect import hooked
 from lamc.symbolic.functions import FUNCTIONS
 
@@ -34,19 +35,18 @@ _MEANS = {
 class Input:
     """A number from outside.
 
-    default  its value until set otherwise, in `unit`
+    default  its value until set otherwise, in `unit`; or text with its own, "3 N*mm"
     unit     SI, such as "N*m"; "1" for a plain number
     meaning  what it is, in a few words
 
     Raises DesignError for a default that is no finite number and a unit that is not SI.
     """
 
-    default: float = 0.0
+    default: GivenNumber = 0.0  # type: ignore[assignment]
     unit: str = "1"
     meaning: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "default", checked_number(self.default, "the default of an input"))
         if not isinstance(self.unit, str) or not isinstance(self.meaning, str):
             raise DesignError(
                 f"an input has unit {shown(self.unit)} and meaning {shown(self.meaning)}; both must be text"
@@ -57,7 +57,16 @@ class Input:
                 f"the unit of an input is {self.unit!r}; inputs are in SI units: give {unit.text!r}, and the default "
                 f"times {unit.factor:g}"
             )
-        object.__setattr__(self, "unit", unit.text)
+        default: float | str = self.default
+        said = unit.text
+        if isinstance(default, str):
+            default, said = (
+                measured(default)
+                if said == "1"
+                else (in_unit(default, said, "the default of an input"), said)
+            )
+        object.__setattr__(self, "default", checked_number(default, "the default of an input"))
+        object.__setattr__(self, "unit", said)
         object.__setattr__(self, "meaning", " ".join(self.meaning.split()))
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from shapely.geometry import Polygon
 
+from lamc.basics import units
 from lamc.basics.brief import brief, counted
 from lamc.basics.checks import Array as Array
 from lamc.basics.checks import checked_array as checked_array
@@ -21,6 +22,7 @@ from lamc.basics.checks import checked_name as checked_name
 from lamc.basics.checks import checked_number as checked_number
 from lamc.basics.drawing import drawer
 from lamc.basics.errors import DesignError, TopologyError
+from lamc.basics.given import GivenNumber
 from lamc.basics.once import lazy
 from lamc.basics.seen import Viewable
 from lamc.records.network import faults, listed_names
@@ -66,7 +68,7 @@ class Body:
     """
 
     name: str
-    mass: float = 0.0  # kg
+    mass: GivenNumber = 0.0  # type: ignore[assignment]  # kg
     com: Array = field(default_factory=lambda: np.zeros(3))  # m
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))  # kg·m²
     fixed: bool = False
@@ -76,8 +78,8 @@ class Body:
         put = _setter(self)
         put("name", checked_name(self.name, "a body"))
         what = f"body {self.name!r}"
-        put("mass", checked_number(self.mass, f"the mass of {what}", minimum=0.0))
-        put("com", checked_array(self.com, (3,), f"the centre of mass of {what}"))
+        put("mass", checked_number(self.mass, f"the mass of {what}", minimum=0.0, quantity=units.MASS))
+        put("com", checked_array(self.com, (3,), f"the centre of mass of {what}", units.LENGTH))
         put("inertia", checked_array(self.inertia, (3, 3), f"the inertia of {what}"))
         put("outline", checked_records(self.outline, Slab, "outline", what))
         put("fixed", checked_flag(self.fixed, f"fixed of {what}"))
@@ -114,6 +116,8 @@ class Joint:
     The joint angle is zero in the drawn configuration and positive by the right-hand rule about `axis`, child
     relative to parent. Hinge torque on the child about `axis`: -stiffness (angle - rest_angle) - damping rate.
 
+    Numbers are SI; text has its unit, as in stiffness="3 N*mm/deg".
+
     point      a point on the hinge line, shape (3,), m, world, drawn configuration
     axis       direction of the hinge line, shape (3,), world; made a unit vector
     limits     (lower, upper) angle, rad; (-π, π) means none were given
@@ -124,9 +128,9 @@ class Joint:
     child: str
     point: Array = field(default_factory=lambda: np.zeros(3))  # m
     axis: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    stiffness: float = 0.0  # N·m/rad
-    damping: float = 0.0  # N·m·s/rad
-    rest_angle: float = 0.0  # rad
+    stiffness: GivenNumber = 0.0  # type: ignore[assignment]  # N·m/rad
+    damping: GivenNumber = 0.0  # type: ignore[assignment]  # N·m·s/rad
+    rest_angle: GivenNumber = 0.0  # type: ignore[assignment]  # rad
     limits: tuple[float, float] = FREE_LIMITS  # rad
 
     def __post_init__(self) -> None:
@@ -135,7 +139,7 @@ class Joint:
         what = f"joint {self.name!r}"
         put("parent", checked_name(self.parent, f"the parent of {what}"))
         put("child", checked_name(self.child, f"the child of {what}"))
-        put("point", checked_array(self.point, (3,), f"the point of {what}"))
+        put("point", checked_array(self.point, (3,), f"the point of {what}", units.LENGTH))
         axis = checked_array(self.axis, (3,), f"the axis of {what}")
         length = float(np.linalg.norm(axis))
         if length == 0.0 or not math.isfinite(length):
@@ -144,9 +148,15 @@ class Joint:
         unit = axis if abs(length - 1.0) < 1e-15 else axis / length
         unit.flags.writeable = False
         put("axis", unit)
-        put("stiffness", checked_number(self.stiffness, f"the stiffness of {what}", minimum=0.0))
-        put("damping", checked_number(self.damping, f"the damping of {what}", minimum=0.0))
-        put("rest_angle", checked_number(self.rest_angle, f"the rest angle of {what}"))
+        put(
+            "stiffness",
+            checked_number(self.stiffness, f"the stiffness of {what}", minimum=0.0, quantity=units.STIFFNESS),
+        )
+        put(
+            "damping",
+            checked_number(self.damping, f"the damping of {what}", minimum=0.0, quantity=units.DAMPING),
+        )
+        put("rest_angle", checked_number(self.rest_angle, f"the rest angle of {what}", quantity=units.ANGLE))
         put("limits", checked_range(self.limits, what))
         if self.parent == self.child:
             raise TopologyError(f"{what} joins {self.parent!r} to itself; a hinge needs two different bodies")

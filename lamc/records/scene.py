@@ -3,27 +3,55 @@
 In: effects, and plain values. Out: checked records. Nothing here knows any effect by name, or any mechanism.
 """
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from numbers import Integral
 
 from lamc.basics.checks import checked_array, checked_kind, checked_name, checked_number, shown
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, Place, warn
+from lamc.basics.given import GivenByName, GivenMaybe
 from lamc.basics.places import Places
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.units import ANGLE, ANGLE_RATE, DURATION, LENGTH, Quantity
 from lamc.records.effect import Effect, check_hooks, overrides
 from lamc.records.inputs import Input, check_inputs, check_read, checked_inputs, inputs_of
 
+TURN = 2.0 * math.pi  # rad
 _NEEDED = ("name", "summary", "contribute")  # what `lamc.records.effect.Effect` asks for
 
 
-def _angles(values: Mapping[str, float], argument: str, what: str) -> Mapping[str, float]:
+def _start(
+    values: Mapping[str, float | str], argument: str, what: str, quantity: Quantity
+) -> Mapping[str, float]:
+    """By joint, in SI. What another scene has checked is a ReadOnlyDict; its numbers had units or none, who knows."""
     if not isinstance(values, Mapping):
         raise DesignError(
             f"{argument} of a scene is {shown(values)}; it must map joint names to numbers, as in {{'h1': 0.1}}"
         )
-    return ReadOnlyDict({str(k): checked_number(v, f"the {what} of joint {k!r}") for k, v in values.items()})
+    found = {}
+    for joint, value in values.items():
+        name = f"the {what} of joint {joint!r}"
+        found[str(joint)] = checked_number(value, name, quantity=quantity)
+        if quantity is ANGLE and not isinstance(values, ReadOnlyDict) and is_bare(value):
+            warn_of_degrees(found[str(joint)], name)
+    return ReadOnlyDict(found)
+
+
+def is_bare(value: object) -> bool:
+    """Whether a number comes without a unit."""
+    return not isinstance(value, str) or value.strip()[-1:] in set("0123456789.")
+
+
+def warn_of_degrees(angle: float, what: str, place: Place | None = None) -> None:
+    """Warns of an angle, rad, that came without a unit and is more than a turn."""
+    if abs(angle) > TURN:
+        warn(
+            f"{what} is {angle:g} rad, {abs(angle) / TURN:.3g} turns; angles without a unit are radians: write "
+            f"'{angle:g} deg' for degrees, '{angle:g} rad' if radians are meant",
+            place,
+        )
 
 
 def _effects(values: Iterable[Effect], argument: str) -> tuple[Effect, ...]:
@@ -85,7 +113,8 @@ class OutputPoint:
     def __post_init__(self) -> None:
         checked_name(self.name, "an output point")
         checked_name(self.body, f"the body of the output point {self.name!r}")
-        x, y, z = (float(v) for v in checked_array(self.point, (3,), f"the output point {self.name!r}"))
+        what = f"the output point {self.name!r}"
+        x, y, z = (float(v) for v in checked_array(self.point, (3,), what, LENGTH))
         object.__setattr__(self, "point", (x, y, z))
 
 
@@ -122,18 +151,20 @@ class Scene:
              and "BODY.x", ".y" and ".z" (centre of mass); or an `OutputPoint`, any point of a body; None: all joints
     places   where its parts stand in its file; empty for a scene made by hand
 
+    Numbers are SI; text has its unit, as in angles={"fold": "30 deg"}. A bare angle of more than a turn warns.
+
     Raises DesignError for what are no effects, no numbers, or an effect twice; for an input that no effect reads, and
     ExpressionError for a name in an expression that is no input.
     """
 
     effects: tuple[Effect, ...] | None = None
-    angles: Mapping[str, float] = field(default_factory=dict)  # rad
-    rates: Mapping[str, float] = field(default_factory=dict)  # rad/s
+    angles: GivenByName = field(default_factory=dict)  # type: ignore[assignment]  # rad
+    rates: GivenByName = field(default_factory=dict)  # type: ignore[assignment]  # rad/s
     branch: int | None = None
-    closure_tolerance: float | None = None  # m
+    closure_tolerance: GivenMaybe = None  # type: ignore[assignment]  # m
     added: tuple[Effect, ...] = ()
     without: tuple[str, ...] = ()
-    duration: float | None = None  # s
+    duration: GivenMaybe = None  # type: ignore[assignment]  # s
     outputs: tuple[str | OutputPoint, ...] | None = None
     inputs: Mapping[str, Input] = field(default_factory=dict)
     places: Places = field(default=Places(), compare=False, repr=False)
@@ -151,10 +182,10 @@ class Scene:
         for effect in effects:
             check_inputs(effect, self.inputs)
         check_read(self.inputs, effects)
-        object.__setattr__(self, "angles", _angles(self.angles, "angles", "initial angle"))
-        object.__setattr__(self, "rates", _angles(self.rates, "rates", "initial rate"))
+        object.__setattr__(self, "angles", _start(self.angles, "angles", "initial angle", ANGLE))
+        object.__setattr__(self, "rates", _start(self.rates, "rates", "initial rate", ANGLE_RATE))
         if self.duration is not None:
-            duration = checked_number(self.duration, "duration of a scene", minimum=0.0)
+            duration = checked_number(self.duration, "duration of a scene", minimum=0.0, quantity=DURATION)
             if duration == 0.0:
                 raise DesignError("duration of a scene is 0; give seconds above zero, or None")
             object.__setattr__(self, "duration", duration)
@@ -169,7 +200,9 @@ class Scene:
                 )
             object.__setattr__(self, "branch", int(self.branch))
         if self.closure_tolerance is not None:
-            tolerance = checked_number(self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0)
+            tolerance = checked_number(
+                self.closure_tolerance, "closure_tolerance of a scene", minimum=0.0, quantity=LENGTH
+            )
             object.__setattr__(self, "closure_tolerance", tolerance)
 
     def __repr__(self) -> str:

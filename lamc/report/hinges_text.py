@@ -7,10 +7,35 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lamc.basics.numbers import length_text
-from lamc.report.split_text import short_name, table
+from lamc.design.cutting import SLIT
+from lamc.report.split_text import names, short_name, table
 
 if TYPE_CHECKING:
+    from lamc.design.steps import Hinge
     from lamc.plates.designs.hinges import MaterialHinge
+
+
+def cut_lines(hinges: "Sequence[Hinge]") -> str:
+    """A line for each gap that is drawn: what is slit and what bends, and whose it is."""
+    named: dict[float, list[str]] = {}
+    for hinge in hinges:
+        named.setdefault(hinge.properties.gap, []).append(short_name(hinge.name))
+    lines = []
+    for gap, joints in sorted(named.items()):
+        whose = "all hinges" if len(named) == 1 else names(joints)
+        lines.append(
+            f"gap {length_text(gap)} of {whose}: so much film bends, from board to board; a slit of "
+            f"{length_text(SLIT * gap)} is cut along the line, which the masses lack"
+        )
+    return "\n".join(lines)
+
+
+def cut_data(hinges: "Sequence[Hinge]") -> list[dict[str, object]]:
+    """The same as plain data, m."""
+    return [
+        {"joint": hinge.name, "gap": hinge.properties.gap, "slit": SLIT * hinge.properties.gap}
+        for hinge in hinges
+    ]
 
 
 def hinge_table(account: "Sequence[MaterialHinge]") -> str:
@@ -36,7 +61,7 @@ def hinge_table(account: "Sequence[MaterialHinge]") -> str:
         for hinge in account
     ]
     reported = [
-        "hinge stiffness from material, of a strip of the flexible layer: t thick, L = 2 hinge widths from link to "
+        "hinge stiffness from material, of a strip of the flexible layer: t thick, L = the gap from link to "
         "link, b along the axis; fibres from across the axis",
         table(heads, rows),
         *_notes(account),

@@ -16,6 +16,7 @@ from lamc.records.mechanism import Body, Joint, Mechanism
 _MASSES = ((1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "µg"))
 _LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
 _LONGEST_NAME = 32
+_NAMES = 6  # in a list before it is cut
 _RIGHT = frozenset("0123456789.-+")
 
 
@@ -154,6 +155,12 @@ def _number(value: float, digits: int = 6) -> str:
 
 def _count(things: Sequence[object], one: str, many: str) -> str:
     return f"{len(things)} {one if len(things) == 1 else many}"
+
+
+def names(items: Sequence[str]) -> str:
+    """A few names, then how many there are."""
+    shown = ", ".join(short_name(item) for item in items[:_NAMES])
+    return shown + (f", … ({len(items)} in all)" if len(items) > _NAMES else "")
 
 
 def short_name(name: str) -> str:

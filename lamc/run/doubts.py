@@ -1,4 +1,5 @@
-"""In what a result of loops may not be what it seems: equations let go, a rank from elsewhere.
+"""In what a result may not be what it seems: hinges that pass through themselves, and of loops equations let go and a
+rank from elsewhere.
 
 In: a `Result`. Out: lines for people. Never: changes a number, or looks at more rows than it says.
 """
@@ -10,6 +11,8 @@ import numpy as np
 if TYPE_CHECKING:
     from lamc.run.result import Result
 
+_THROUGH = np.pi + 1e-6  # rad: a fold that is drawn or held flat is not beyond
+_NAMED = 4  # hinges in a line
 _ROWS = 5  # at which the rank of the closure is looked at
 _MOST = 2_000_000  # numbers in a closure's Jacobian that are looked at; a decomposition of more takes seconds
 _INDEPENDENT = (
@@ -18,10 +21,36 @@ _INDEPENDENT = (
 
 
 def notes(result: "Result") -> tuple[str, ...]:
-    """The lines, none for a tree."""
-    if not result.motion.model.cuts or not len(result.t):
+    """The lines."""
+    if not len(result.t):
         return ()
-    return (*_let_go(result), *_rank_from_elsewhere(result))
+    loops = (*_let_go(result), *_rank_from_elsewhere(result)) if result.motion.model.cuts else ()
+    return (*_folded_through(result), *loops)
+
+
+def _folded_through(result: "Result") -> list[str]:
+    """Hinges between plates that pass ±180°, where a fold's faces meet, and have no limits: with the first time."""
+    has_plates = {body.name: bool(body.outline) for body in result.mechanism.bodies}
+    passed: list[tuple[float, str]] = []
+    for joint in result.mechanism.joints:
+        stopped = f"{joint.name}.upper_limit" in result.motion.model.parameters
+        if stopped or not (has_plates[joint.parent] and has_plates[joint.child]):
+            continue
+        angle = np.abs(result.angle(joint.name))
+        beyond = np.flatnonzero((angle[1:] > _THROUGH) & (angle[:-1] <= _THROUGH))
+        if len(beyond):
+            k = int(beyond[0])
+            share = (_THROUGH - angle[k]) / (angle[k + 1] - angle[k])
+            passed.append((float(result.t[k] + share * (result.t[k + 1] - result.t[k])), joint.name))
+    if not passed:
+        return []
+    said = [f"{name!r} at t = {t:.4g} s" for t, name in sorted(passed)[:_NAMED]]
+    more = f" and {len(passed) - _NAMED} more" if len(passed) > _NAMED else ""
+    hinges = "hinges" if len(passed) > 1 else "hinge"
+    return [
+        f"{hinges} {', '.join(said)}{more} went through ±180°, where the two faces of a fold "
+        "meet: nothing stops them there; joint_limits: {flat_fold: true} does, and limits of the hinge do earlier"
+    ]
 
 
 def _let_go(result: "Result") -> list[str]:

@@ -67,7 +67,7 @@ class Evaluations(Unchanging):
         q: npt.ArrayLike,
         u: npt.ArrayLike,
         t: npt.ArrayLike = 0.0,
-        parameters: Mapping[str, float] = NO_PARAMETERS,
+        parameters: Mapping[str, float | str] = NO_PARAMETERS,
     ) -> Array:
         """Derivatives of the rates, shape (…, nu), of joints rad/s², at coordinates q (…, nq), of joints rad, rates
         u (…, nu) and times t (…), s. The leading shapes broadcast. Raises RequestError for other shapes."""
@@ -79,7 +79,7 @@ class Evaluations(Unchanging):
         q: npt.ArrayLike,
         u: npt.ArrayLike,
         t: float = 0.0,
-        parameters: Mapping[str, float] = NO_PARAMETERS,
+        parameters: Mapping[str, float | str] = NO_PARAMETERS,
     ) -> tuple[Array, Array]:
         """Derivatives of the accelerations by the coordinates, shape (nu, nq), of joints 1/s², and by the rates, shape
         (nu, nu), of joints 1/s, at coordinates q (nq,), rates u (nu,) and time t, s: [i, j] is that of i by j.
@@ -96,7 +96,7 @@ class Evaluations(Unchanging):
         q: npt.ArrayLike,
         u: npt.ArrayLike,
         t: npt.ArrayLike = 0.0,
-        parameters: Mapping[str, float] = NO_PARAMETERS,
+        parameters: Mapping[str, float | str] = NO_PARAMETERS,
     ) -> Array:
         """Kinetic plus stored energy, shape (…), J, at coordinates q (…, nq), rates u (…, nu) and times t (…)."""
         times, rows, shape = states(q, u, t, self._model)
@@ -119,7 +119,7 @@ class Evaluations(Unchanging):
     def _default_motion(self) -> Motion:
         return self._model.motion(NO_PARAMETERS)
 
-    def _motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
+    def _motion(self, parameters: Mapping[str, float | str], baumgarte: float = 0.0) -> Motion:
         if parameters is not NO_PARAMETERS or baumgarte:
             return self._model.motion(parameters, baumgarte)
         return self._default_motion

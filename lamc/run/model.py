@@ -216,7 +216,7 @@ class Model(Unchanging):
         """nq + nu."""
         return len(self.coordinates) + len(self.rates)
 
-    def motion(self, parameters: Mapping[str, float], baumgarte: float = 0.0) -> Motion:
+    def motion(self, parameters: Mapping[str, float | str], baumgarte: float = 0.0) -> Motion:
         """The model with these parameters, by name, and defaults for the rest.
 
         baumgarte  1/s, rate at which loops that drifted close again; 0: states are projected on closure instead

@@ -14,6 +14,7 @@ import numpy as np
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, RequestError
+from lamc.basics.si_units import in_unit
 from lamc.mechanics.compliant_hinge import CROSS_FREEDOMS
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.run.request import did_you_mean, finite
@@ -72,6 +73,11 @@ def _value(name: str, value: object, units: Mapping[str, str]) -> float:
         raise RequestError(f"no parameter is named {shown(name)}; {did_you_mean(name, units)}")
     if isinstance(value, bool | np.bool_):
         raise RequestError(f"parameter {name!r} is {shown(value)}; it must be a number in {units[name]}")
+    if isinstance(value, str):
+        try:
+            value = in_unit(value, units[name], f"parameter {name!r}")
+        except DesignError as error:
+            raise RequestError(error.message) from error
     number = finite(value, f"parameter {name!r}", f"a number in {units[name]}")
     rule = _rule(name)
     if rule is None:

@@ -50,7 +50,7 @@ class Telling:
         self,
         simulator: "Simulator | None",
         recipe: Recipe | None,
-        parameters: Mapping[str, float],
+        parameters: Mapping[str, float | str],
         baumgarte: float,
     ) -> None:
         self._simulator = simulator

@@ -7,6 +7,7 @@ integrator shares. Never: evaluates anything.
 import difflib
 import math
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -14,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.checks import shown
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import DesignError, RequestError
+from lamc.basics.units import DURATION, to_si
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -79,17 +81,17 @@ class Trajectory:
 
 def checked_request(
     y0: Array,
-    t_end: float,
+    t_end: float | str,
     rtol: float,
     atol: float,
     t_eval: npt.ArrayLike | None,
     max_steps: int,
-    max_step: float | None,
+    max_step: float | str | None,
     progress: Progress | None,
     energy_balance: bool = False,
 ) -> Request:
     """The request, or RequestError with the argument, its value and the rule."""
-    end = finite(t_end, "t_end", "a time in seconds, zero or later")
+    end = finite(_seconds(t_end), "t_end", "a time in seconds, zero or later")
     if end < 0.0:
         raise RequestError(f"t_end is {end!r} s; a run starts at t = 0 and cannot end before")
     relative = finite(rtol, "rtol", f"between {MIN_RTOL:g} and 1")
@@ -100,7 +102,7 @@ def checked_request(
     absolute = finite(atol, "atol", "zero or more, in rad and rad/s")
     if absolute < 0.0:
         raise RequestError(f"atol is {absolute!r}; it must be zero or more")
-    longest = math.inf if max_step is None else finite(max_step, "max_step", "a time above zero")
+    longest = math.inf if max_step is None else finite(_seconds(max_step), "max_step", "a time above zero")
     if longest <= 0.0:
         raise RequestError(f"max_step is {longest!r} s; it must be above zero (leave it out for no limit)")
     if isinstance(max_steps, bool) or not isinstance(max_steps, int | np.integer) or max_steps <= 0:
@@ -111,6 +113,14 @@ def checked_request(
         raise RequestError(f"energy_balance is {shown(energy_balance)}; it must be True or False")
     steps = min(int(max_steps), 2**62)  # what the C counter holds
     return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress, energy_balance)
+
+
+def _seconds(time: object) -> object:
+    """Text with a unit, "500 ms", in s; anything else as it is, for `finite` to judge."""
+    if isinstance(time, str):
+        with suppress(DesignError):
+            return to_si(time, DURATION)
+    return time
 
 
 def finite(value: object, name: str, rule: str) -> float:

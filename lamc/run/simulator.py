@@ -43,7 +43,7 @@ from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
-from lamc.run.parameters import with_limits
+from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.pushes import push_of
 from lamc.run.remaking import Recipe, Telling, remade_simulator
 from lamc.run.request import Array, Progress, Request, checked_request
@@ -197,15 +197,15 @@ class Simulator(Evaluations, Viewable):
 
     def run(
         self,
-        t_end: float | None = None,
+        t_end: float | str | None = None,
         rtol: float | None = None,
         atol: float | None = None,
         t_eval: npt.ArrayLike | None = None,
         integrator: str = "auto",
-        parameters: Mapping[str, float] = NO_PARAMETERS,
+        parameters: Mapping[str, float | str] = NO_PARAMETERS,
         *,
         max_steps: int = 1_000_000,
-        max_step: float | None = None,
+        max_step: float | str | None = None,
         progress: Progress | bool | None = None,
         baumgarte: float | None = None,
         energy_balance: bool = False,
@@ -214,14 +214,15 @@ class Simulator(Evaluations, Viewable):
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
 
-        t_end       s; None: the scene's duration, or 10 s
+        t_end       s, or text such as "500 ms"; None: the scene's duration, or 10 s
         rtol, atol  tolerance of one step: root mean square over angles and rates of error / (atol + rtol |y|);
                     None: 1e-9 and 1e-11
         t_eval      times of the rows, s, ascending, within 0 … t_end; None: a row at the start and after
                     every step
         integrator  in C: one of `lamc.run.methods`, such as "dop853" (explicit) or "radau5" (implicit, for stiff
                     hinges), or "auto": explicit, and implicit where that goes faster; or "scipy:LSODA", …
-        parameters  values by name, in the units of `parameter_units`; the others keep their defaults
+        parameters  values by name, in the units of `parameter_units`, or text with a unit, "3 N*mm/deg"; the others
+                    keep their defaults
         max_steps   steps tried before the run gives up
         max_step    longest step, s; None: no limit. Give one where a torque acts for a short time only
         progress    called with (t, t_end) now and then; True: a bar, in notebooks too
@@ -232,11 +233,12 @@ class Simulator(Evaluations, Viewable):
                     `Result.energy_balance`. The first time that takes a compile of its own; the motion is the same to
                     the last bit, and `Result.nfev` counts what the energy balance takes as well
         accuracy    error of the scene's outputs (None: of all coordinates) that is wanted at all rows, relative to the
-                    range of each over the run, instead of rtol and atol. Short probes choose the integrator, runs at
-                    falling tolerances follow until three of them bear it out, and the tightest is the result, with
-                    `Result.error_estimate` and `Result.accuracy`. It takes three to five times the work of the last run
-                    alone. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the message says
-                    so, and what was
+                    range of each over the run, instead of rtol and atol. From 1e-4 on two runs whose outputs differ
+                    by less are enough, which is less work than a run at the default tolerances; else short probes
+                    choose the integrator, and runs at falling tolerances follow until three of them bear it out: three
+                    to five times the work of the last. The tightest is the result, with `Result.error_estimate` and
+                    `Result.accuracy`. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the
+                    message says so, and what was
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -274,7 +276,7 @@ class Simulator(Evaluations, Viewable):
             self._motion(parameters, rate) if not energy_balance else self.telling.motion(parameters, rate)
         )
         with located_at(self.scene.places):
-            limited = with_limits(self.mechanism, parameters)
+            limited = with_limits(self.mechanism, checked_parameters(parameters, self.parameter_units))
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
             check_run(self.effects, self.mechanism, motion, self.start, request.t_end)

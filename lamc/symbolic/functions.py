@@ -19,6 +19,7 @@ class Elementary:
     arity: int
     value: Callable[..., float]
     sympy_name: str
+    meaning: str  # for people
 
 
 # What sums, products and signs of a store are, on whatever adds and multiplies: numbers, staged values, sympy.
@@ -33,23 +34,23 @@ def _sign(x: float) -> float:
 
 FUNCTIONS: Mapping[str, Elementary] = MappingProxyType(
     {
-        "sqrt": Elementary(1, math.sqrt, "sqrt"),
-        "sin": Elementary(1, math.sin, "sin"),
-        "cos": Elementary(1, math.cos, "cos"),
-        "tan": Elementary(1, math.tan, "tan"),
-        "asin": Elementary(1, math.asin, "asin"),
-        "acos": Elementary(1, math.acos, "acos"),
-        "atan": Elementary(1, math.atan, "atan"),
-        "atan2": Elementary(2, math.atan2, "atan2"),
-        "sinh": Elementary(1, math.sinh, "sinh"),
-        "cosh": Elementary(1, math.cosh, "cosh"),
-        "tanh": Elementary(1, math.tanh, "tanh"),
-        "exp": Elementary(1, math.exp, "exp"),
-        "log": Elementary(1, math.log, "log"),
-        "abs": Elementary(1, abs, "Abs"),
-        "sign": Elementary(1, _sign, "sign"),
-        "min": Elementary(2, min, "Min"),
-        "max": Elementary(2, max, "Max"),
-        "pow": Elementary(2, math.pow, "Pow"),
+        "sqrt": Elementary(1, math.sqrt, "sqrt", "square root; of 0 or more"),
+        "sin": Elementary(1, math.sin, "sin", "sine, of rad"),
+        "cos": Elementary(1, math.cos, "cos", "cosine, of rad"),
+        "tan": Elementary(1, math.tan, "tan", "tangent, of rad"),
+        "asin": Elementary(1, math.asin, "asin", "rad, of -1 to 1"),
+        "acos": Elementary(1, math.acos, "acos", "rad, of -1 to 1"),
+        "atan": Elementary(1, math.atan, "atan", "rad"),
+        "atan2": Elementary(2, math.atan2, "atan2", "angle of the point (x, y), rad: atan2(y, x)"),
+        "sinh": Elementary(1, math.sinh, "sinh", "hyperbolic sine"),
+        "cosh": Elementary(1, math.cosh, "cosh", "hyperbolic cosine"),
+        "tanh": Elementary(1, math.tanh, "tanh", "hyperbolic tangent; a smooth step"),
+        "exp": Elementary(1, math.exp, "exp", "e to the power"),
+        "log": Elementary(1, math.log, "log", "natural logarithm; of what is above 0"),
+        "abs": Elementary(1, abs, "Abs", "magnitude; has a kink at 0"),
+        "sign": Elementary(1, _sign, "sign", "-1, 0 or 1; jumps at 0"),
+        "min": Elementary(2, min, "Min", "the smaller of two"),
+        "max": Elementary(2, max, "Max", "the larger of two"),
+        "pow": Elementary(2, math.pow, "Pow", "pow(x, y) is x^y"),
     }
 )

@@ -47,7 +47,7 @@ def design_of(text: str) -> Design:
 def corner(creases: str, rest: str = "") -> str:
     """Three rhombi about a point: a vertex of three creases, which is rigid."""
     lines = "".join(
-        f"  - {{name: c{k}, line: [[0, 0], {HEXAGON[2 * k]}], width: 0.5, stiffness: 0.1 N*mm/rad}}\n"
+        f"  - {{name: c{k}, line: [[0, 0], {HEXAGON[2 * k]}], gap: 1, stiffness: 0.1 N*mm/rad}}\n"
         for k in range(3)
     )
     shapes = f"shapes:\n  - {{polygon: {HEXAGON}, layers: film}}\n  - {{polygon: {HEXAGON}, layers: card}}\n"
@@ -165,8 +165,8 @@ materials: {{card: {{density: 700, E1: 3 GPa, poisson: 0.3, flexible: true}}}}
 layers: [{{name: card, material: card, thickness: {thickness}}}]
 shapes: [{{rect: [0, 0, {3 * side}, {side}]}}]
 hinges:
-  - {{line: [[{side}, 0], [{side}, {side}]], width: 0.1}}
-  - {{line: [[{2 * side}, 0], [{2 * side}, {side}]], width: 0.1}}
+  - {{line: [[{side}, 0], [{side}, {side}]], gap: 0.2}}
+  - {{line: [[{2 * side}, 0], [{2 * side}, {side}]], gap: 0.2}}
 fixed: [{{rect: [0, 0, 5, 5]}}]
 facet_creases: {{stiffness: from-material}}
 """
@@ -254,7 +254,7 @@ def test_what_is_left_whole_is_told() -> None:
     assert steps.notes[0].endswith("left whole: 1 fixed")
     triangle = f"""{HEAD}
 shapes: [{{polygon: [[0, 0], [20, 0], [40, 10], [20, 20], [0, 20]]}}]
-hinges: [{{line: [[20, 0], [20, 20]], width: 0.5}}]
+hinges: [{{line: [[20, 0], [20, 20]], gap: 1}}]
 fixed: [{{rect: [0, 0, 5, 20]}}]
 facet_creases: {{stiffness: 1}}
 """

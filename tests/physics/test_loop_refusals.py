@@ -149,7 +149,7 @@ MATERIALS = """\
   plate: {density: 1.8 g/cm^3, E1: 70 GPa, E2: 70 GPa, poisson: 0.3, rigid: true}
   film: {density: 1.42 g/cm^3,"""
 LIMITS = "[-120 deg, 120 deg]"
-ONE_MORE = "  - {name: again, line: %s, width: 0.2}\n\nfixed:\n"
+ONE_MORE = "  - {name: again, line: %s, gap: 0.4}\n\nfixed:\n"
 DRAWINGS: dict[str, Damage] = {
     "a hinge line twice": (
         "\nfixed:\n",

@@ -199,7 +199,7 @@ shapes:
         [[-17.8205081, -9.1339746], [-16.8205081, -10.8660254], [17.8205081, 9.1339746], [16.8205081, 10.8660254]]
     layers: board
 hinges:
-  - {name: crease, line: [[-20, -11.5470054], [20, 11.5470054]], width: 1, layer: film, stiffness: 5 N*mm/rad,
+  - {name: crease, line: [[-20, -11.5470054], [20, 11.5470054]], gap: 2, layer: film, stiffness: 5 N*mm/rad,
      damping: 1e-6 N*m*s/rad, rest_angle: 10 deg, limits: [-90 deg, 90 deg]}
 fixed:
   - {rect: [-30, 0, 0, 30]}
@@ -251,9 +251,9 @@ def test_holes_where_lines_meet_take_their_part() -> None:
 
 
 def test_what_the_drawing_does_not_say_is_noted() -> None:
-    design = crease(CREASE.replace("width: 1,", "width: 0.8,"))
+    design = crease(CREASE.replace("gap: 2,", "gap: 1.6,"))
     _, (account,) = with_material_stiffness(design)
-    assert account.note == "the stiff layers are drawn 2 mm apart, and the hinge width says 1.6 mm"
+    assert account.note == "the stiff layers are drawn 2 mm apart, and the gap says 1.6 mm"
     thick = crease(CREASE.replace("thickness: 0.1", "thickness: 1"))
     assert "too short for a plate" in with_material_stiffness(thick)[1][0].note
 

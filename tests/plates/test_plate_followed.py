@@ -166,7 +166,7 @@ units: mm
 materials: {film: {density: 1420 kg/m^3, E1: 2.5 GPa, poisson: 0.34, flexible: true}}
 layers: [{name: film, material: film, thickness: 0.1}]
 shapes: [{rect: [-20, 0, 20, 10]}]
-hinges: [{name: h, line: [[0, 0], [0, 10]], width: 0.5, layer: film}]
+hinges: [{name: h, line: [[0, 0], [0, 10]], gap: 1, layer: film}]
 fixed: [{rect: [-20, 0, -16.3, 10]}]
 bodies: {left: [-5, 5], right: [5, 5]}
 """

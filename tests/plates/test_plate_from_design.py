@@ -42,7 +42,7 @@ shapes:
   - {cut: {rect: [-0.5, 0, 0.5, 10]}, layers: [lower, glue, upper]}
   - {cut: {rect: [-15, 2, -10, 6]}, layers: upper}
 hinges:
-  - {name: h, line: [[0, 0], [0, 10]], width: 0.5, layer: film}
+  - {name: h, line: [[0, 0], [0, 10]], gap: 1, layer: film}
 fixed:
   - {rect: [-20, 0, -18, 10]}
 bodies: {left: [-5, 5], right: [5, 5]}

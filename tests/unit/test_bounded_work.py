@@ -45,7 +45,7 @@ LAYERS = [
     "{name: upper, material: card, thickness: 0.3}",
 ]
 SHEET = "rect: [0, 0, 100, 100]"
-HINGE = "{line: [[50, 0], [50, 100]], width: 0.2}"
+HINGE = "{line: [[50, 0], [50, 100]], gap: 0.4}"
 
 
 def listed(name: str, entries: Sequence[str]) -> str:
@@ -74,7 +74,7 @@ def comb(teeth: int, *, lying: bool) -> str:
 
 
 def line(a: tuple[float, float], b: tuple[float, float], width: float) -> str:
-    return f"{{line: [[{a[0]}, {a[1]}], [{b[0]}, {b[1]}]], width: {width}}}"
+    return f"{{line: [[{a[0]}, {a[1]}], [{b[0]}, {b[1]}]], gap: {2 * width}}}"
 
 
 def bundle(count: int, width: float) -> list[str]:
@@ -96,7 +96,7 @@ def test_outlines_that_cross_too_often_are_refused_before_they_are_joined(tmp_pa
 def test_hinge_strips_that_meet_too_often_are_refused_before_they_are_cut(tmp_path: Path) -> None:
     """400 lines through a point: 79 800 pairs meet; cutting them took over 40 s."""
     design = load(drawn(tmp_path, hinges=bundle(400, 0.2)))
-    with pytest.raises(DesignError, match=rf"drawn.yaml:13:.*400 hinge lines.* {work.MOST_MEETINGS} .*width"):
+    with pytest.raises(DesignError, match=rf"drawn.yaml:13:.*400 hinge lines.* {work.MOST_MEETINGS} .*gap"):
         split_design(design)  # type: ignore[arg-type]
 
 
@@ -186,7 +186,7 @@ def test_lines_through_one_place_are_refused_before_their_holes_are_joined(tmp_p
     """100 lines through a point: 4950 pairs meet, within that limit, and all these areas lie on one another; joining
     them took a minute."""
     design = load(drawn(tmp_path, hinges=bundle(100, 0.2)))
-    with pytest.raises(DesignError, match=rf"drawn.yaml:13:.*4950 areas.* {work.MOST_OVERLAPS} .*width"):
+    with pytest.raises(DesignError, match=rf"drawn.yaml:13:.*4950 areas.* {work.MOST_OVERLAPS} .*gap"):
         split_design(design)  # type: ignore[arg-type]
 
 

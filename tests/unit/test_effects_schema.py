@@ -41,7 +41,11 @@ def test_fields_have_units_bounds_and_words_of_their_own() -> None:
     limits = effect_schema(JointLimits)
     stiffness = limits["properties"]["stiffness"]
     assert stiffness["description"].startswith("with neither stiffness nor rest")
-    number = {"type": ["number", "string"], "description": "a number (N*m/rad), or text with a unit"}
+    number: dict[str, Any] = {
+        "type": ["number", "string"],
+        "description": "a number (N*m/rad), or text with a unit",
+    }
+    number["x-unit"] = "N*m/rad"
     assert {**number, "exclusiveMinimum": 0.0} in stiffness["anyOf"]
     assert limits["properties"]["flat_fold"]["type"] == "boolean"
     assert limits["type"] == ["object", "null", "boolean"]

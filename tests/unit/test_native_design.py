@@ -32,7 +32,7 @@ shapes:
   - rect: [0, 0, 40, 10]
   - {cut: {rect: [19.9, 0, 20.1, 10]}, layers: card}
 hinges:
-  - {name: h, line: [[20, 0], [20, 10]], width: 0.1, stiffness: 3 N*mm/deg, limits: [-90 deg, 1.5]}
+  - {name: h, line: [[20, 0], [20, 10]], gap: 0.2, stiffness: 3 N*mm/deg, limits: [-90 deg, 1.5]}
 fixed:
   - rect: [0, 0, 5, 10]
 """
@@ -148,7 +148,7 @@ def test_all_problems_of_a_file_come_at_once_in_the_order_of_the_file(tmp_path: 
     text = (
         GOOD.replace("700", "-1")
         .replace("0.3", "0")
-        .replace("width: 0.1", "width: 0 mm")
+        .replace("gap: 0.2", "gap: 0 mm")
         .replace("rect", "rekt", 1)
     )
     lines = problems(tmp_path, text)
@@ -235,7 +235,7 @@ def test_rates_may_be_in_turns() -> None:
     [
         (b"", "the file is empty"),
         (b" \n\n", "the file is empty"),
-        (b"\x7fELF\x02\x01\xff\xfe", "is not text"),
+        (b"\x7fELF\x02\x01\xff\xfe", "is not UTF-8: if it is text"),
         (b"- 1\n", "holds a list"),
         (b"hello", "holds a single value"),
         (b"a: 1", "neither layers nor joints"),

@@ -36,7 +36,7 @@ def points_of(name: str, text: str) -> Points:
 
 
 def with_line(name: str, points: Points, text: str) -> str:
-    return text.replace("hinges:\n", f"hinges:\n  - {{name: {name}, line: {points}, width: 0.5}}\n", 1)
+    return text.replace("hinges:\n", f"hinges:\n  - {{name: {name}, line: {points}, gap: 1}}\n", 1)
 
 
 def moved(name: str, points: Points, text: str) -> str:

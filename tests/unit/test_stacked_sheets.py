@@ -32,10 +32,10 @@ shapes:
   - {{rect: [-10, 0, -2, 8], layers: glue}}
   - {{rect: [15, 0, 23, 8], layers: glue}}
 hinges:
-  - {{name: a1, line: [[0, 0], [0, 8]], layer: low_film, layers: {LOWER}, width: 0.2}}
-  - {{name: a2, line: [[10, 0], [10, 8]], layer: low_film, layers: {LOWER}, width: 0.2}}
-  - {{name: c1, line: [[3, 0], [3, 8]], layer: high_film, layers: {UPPER}, width: 0.2}}
-  - {{name: c2, line: [[13, 0], [13, 8]], layer: high_film, layers: {UPPER}, width: 0.2}}
+  - {{name: a1, line: [[0, 0], [0, 8]], layer: low_film, layers: {LOWER}, gap: 0.4}}
+  - {{name: a2, line: [[10, 0], [10, 8]], layer: low_film, layers: {LOWER}, gap: 0.4}}
+  - {{name: c1, line: [[3, 0], [3, 8]], layer: high_film, layers: {UPPER}, gap: 0.4}}
+  - {{name: c2, line: [[13, 0], [13, 8]], layer: high_film, layers: {UPPER}, gap: 0.4}}
 fixed:
   - {{rect: [-10, 0, -6, 8], layers: glue}}
 bodies:
@@ -86,8 +86,8 @@ def test_hinges_that_cross_in_different_sheets_leave_each_other_alone(tmp_path: 
         "  - {rect: [-10, -10, 10, 10], layers: [low_film, low_board, high_board, high_film]}\n"
         "  - {rect: [-10, -10, -2, -2], layers: glue}\n"
         "hinges:\n"
-        f"  - {{name: below, line: [[0, -10], [0, 10]], layer: low_film, layers: {LOWER}, width: 0.2}}\n"
-        f"  - {{name: above, line: [[-10, 0], [10, 0]], layer: high_film, layers: {UPPER}, width: 0.2}}\n"
+        f"  - {{name: below, line: [[0, -10], [0, 10]], layer: low_film, layers: {LOWER}, gap: 0.4}}\n"
+        f"  - {{name: above, line: [[-10, 0], [10, 0]], layer: high_film, layers: {UPPER}, gap: 0.4}}\n"
         "fixed:\n"
         "  - {rect: [-10, -10, -6, -6], layers: glue}\n"
     )
@@ -160,7 +160,7 @@ def test_a_crease_pattern_drawn_anywhere_meets_in_a_point(tmp_path: Path) -> Non
         "units: mm\nmaterials:\n  film: {density: 1420, flexible: true}\n"
         "layers:\n  - {name: film, material: film, thickness: 0.1}\n"
         f"shapes:\n  - circle: {{center: [{x}, {y}], radius: 30}}\n"
-        f"hinges:\n  - width: 0.5\n    lines:\n{lines}"
+        f"hinges:\n  - gap: 1\n    lines:\n{lines}"
         f"fixed:\n  - circle: {{center: [{x + 13.6}, {y + 14.6}], radius: 2}}\n"
     )
     mechanism = split(drawn(tmp_path, text))

@@ -3,8 +3,8 @@
 In: a design. Out: the same with the stiffness of every hinge computed from its flexible layer, and an account of each.
 Never: changes anything else; a stiffness in the file is replaced, not mixed.
 
-The strip that bends is the hinge line grown by the hinge width, so it is two hinge widths wide; it is as long as the
-line is within the flexible layer and outside the holes that are cut where lines meet.
+The strip that bends is the hinge line grown to either side by half the gap; it is as long as the line is within the
+flexible layer and outside the holes that are cut where lines meet.
 """
 
 from collections.abc import Mapping
@@ -70,28 +70,35 @@ class FlexibleStrip:
 
 
 def with_material_stiffness(
-    design: Design, materials: Mapping[str, Material] | None = None, *, cells: int = 0
+    design: Design,
+    materials: Mapping[str, Material] | None = None,
+    *,
+    cells: int = 0,
+    only_asked: bool = False,
 ) -> tuple[Design, tuple[MaterialHinge, ...]]:
     """The design with every hinge's stiffness from its material, and the account, in the order of the joints.
 
     materials  replace the design's own of the same name
     cells      across each strip for finite elements, which stand beside the formulas; 0: none
+    only_asked of hinges that are `from_material`; others keep their stiffness
 
     Raises DesignError for a flexible layer without moduli, or a hinge line with nothing of that layer on it; BuildError
     without a C compiler where there are cells.
     """
     hinges = named_hinges(design)
-    flexible = sorted({hinge.properties.layer for hinge in hinges})
+    taken = [hinge for hinge in hinges if hinge.properties.from_material or not only_asked]
+    flexible = sorted({hinge.properties.layer for hinge in taken})
     known = plate_materials(design, flexible, materials)
     holes = holes_per_layer(hinges, len(design.layers))
-    account = tuple(_account(design, hinge, holes[hinge.properties.layer], known, cells) for hinge in hinges)
+    account = tuple(_account(design, hinge, holes[hinge.properties.layer], known, cells) for hinge in taken)
+    values = {found.joint: found.stiffness.value for found in account}
     sets = tuple(
         replace(
             hinge.properties,
             lines=(_line_of(hinge),),
-            stiffness=found.stiffness.value,
+            stiffness=values.get(hinge.name, hinge.properties.stiffness),
         )
-        for hinge, found in zip(hinges, account, strict=True)
+        for hinge in hinges
     )
     return replace(design, hinges=sets), account
 
@@ -142,7 +149,7 @@ def flexible_strip(
         material,
         Laminate([Ply(material, layer.thickness, angle)]),
         angle,
-        2.0 * properties.width,
+        properties.gap,
         tuple(free),
     )
 
@@ -169,7 +176,7 @@ def _note(design: Design, hinge: Hinge, free: LineString, width: float) -> str:
     opening = sum(here.distance(side) for side in sides)
     if abs(opening - width) <= _SAME * width:
         return ""
-    return f"the stiff layers are drawn {_millimetres(opening)} apart, and the hinge width says {_millimetres(width)}"
+    return f"the stiff layers are drawn {_millimetres(opening)} apart, and the gap says {_millimetres(width)}"
 
 
 def _millimetres(length: float) -> str:

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError, ExpressionError
+from lamc.basics.fields import UNIT
 from lamc.basics.units import Quantity, to_si
 from lamc.readers import fields
 from lamc.readers.plates import expression
@@ -37,7 +38,7 @@ def _varying(quantity: Quantity, kinds: Sequence[str] = ()) -> tuple[BeforeValid
         "where x and y count in the file's units"
     )
     return BeforeValidator(read), WithJsonSchema(
-        {"type": ["number", "string", *kinds], "description": reported}
+        {"type": ["number", "string", *kinds], "description": reported, UNIT: quantity.unit or "1"}
     )
 
 

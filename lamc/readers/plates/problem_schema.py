@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.basics import units
-from lamc.basics.fields import Unit
+from lamc.basics.fields import UNIT, Unit
 from lamc.readers.fields import Coordinate, Length, LengthUnit, Point, StrictModel
 from lamc.readers.plates.amounts import ElectricField, Intensity, Warming, Wetness
 from lamc.readers.plates.section_schema import LaminateField, MaterialField, one_of, only_with, problem
@@ -59,7 +59,7 @@ class PlateOutlineModel(StrictModel):
         None, description="two opposite corners: [x0, y0, x1, y1]"
     )
     polygon: list[Point] | None = Field(None, description="corners in order; the last joins the first")
-    circle: CircleModel | None = None
+    circle: CircleModel | None = Field(None, description="a disc: {center: [x, y], radius: r}")
     wkt: str | None = Field(None, description="a polygon in well-known text, coordinates in the file's units")
 
     @model_validator(mode="after")
@@ -80,15 +80,15 @@ OutlineField = Annotated[
 class PlateRegionModel(PlateOutlineModel):
     """A part of the plate with a laminate or an edge length of its own."""
 
-    laminate: LaminateField | None = None
+    laminate: LaminateField | None = Field(None, description="of this region; as the plate's if not said")
     size: Length | None = Field(None, description="length of the mesh's edges in this region")
 
 
 class FollowModel(StrictModel):
     """A line or a point inside the plate, where a support, a load or an output is."""
 
-    point: Point | None = None
-    line: list[Point] | None = None
+    point: Point | None = Field(None, description="a point, [x, y]")
+    line: list[Point] | None = Field(None, description="points of a line in order, two at least")
 
     @model_validator(mode="after")
     def _one_place(self) -> "FollowModel":
@@ -100,10 +100,12 @@ class FollowModel(StrictModel):
 class GeometryModel(StrictModel):
     """The plate's outline and how it is meshed."""
 
-    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = None
-    polygon: list[Point] | None = None
-    circle: CircleModel | None = None
-    wkt: str | None = None
+    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
+        None, description="two opposite corners: [x0, y0, x1, y1]"
+    )
+    polygon: list[Point] | None = Field(None, description="corners in order; the last joins the first")
+    circle: CircleModel | None = Field(None, description="a disc: {center: [x, y], radius: r}")
+    wkt: str | None = Field(None, description="a polygon in well-known text, coordinates in the file's units")
     design: str | None = Field(
         None, description="a laminate design beside this file; the laminates come from it"
     )
@@ -116,9 +118,13 @@ class GeometryModel(StrictModel):
         "stiff edge beside the hinge line can be held, and between two bodies of the plate the line itself folds; "
         "strips: it is part of the plate",
     )
-    holes: list[OutlineField] = Field(default=[])
+    holes: list[OutlineField] = Field(
+        default=[], description="what is cut out, each a region or a list of corners"
+    )
     grid: tuple[int, int] | None = Field(None, description="cells along x and y of a regular mesh; for rect")
-    pattern: Literal["one-diagonal", "criss-cross", "union-jack", "squares"] = "one-diagonal"
+    pattern: Literal["one-diagonal", "criss-cross", "union-jack", "squares"] = Field(
+        "one-diagonal", description="how the cells of a grid are parted into triangles; squares: not at all"
+    )
     size: Length | None = Field(None, description="length of the mesh's edges")
     follow: list[FollowModel] = Field(
         default=[], description="lines and points inside that edges and corners of the mesh shall be on"
@@ -147,12 +153,14 @@ class WhereModel(StrictModel):
     """A place on the plate: the boundary, a side of its bounding box, or what is drawn or named here."""
 
     named: Named | None = Field(None, description="fixed: where the design holds the body")
-    point: Point | None = None
-    line: list[Point] | None = None
-    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = None
-    polygon: list[Point] | None = None
-    circle: CircleModel | None = None
-    region: str | None = None
+    point: Point | None = Field(None, description="a point, [x, y]")
+    line: list[Point] | None = Field(None, description="points of a line in order")
+    rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
+        None, description="what lies between two corners: [x0, y0, x1, y1]"
+    )
+    polygon: list[Point] | None = Field(None, description="what lies inside of these corners")
+    circle: CircleModel | None = Field(None, description="what lies inside of {center: [x, y], radius: r}")
+    region: str | None = Field(None, description="an entry of regions")
     hinge: str | None = Field(None, description="a hinge of the design, by the name of its joint")
 
     @model_validator(mode="after")
@@ -185,14 +193,20 @@ _BESIDE = {"fixed": ("where", "value"), "simply_supported": ("kind",), "hinged":
 class SupportModel(StrictModel):
     """How the plate is held, and where: {clamped: left}; {fixed: [w, w_x], where: left, value: 1 mm}."""
 
-    clamped: Where | None = None
-    simply_supported: Where | None = None
+    clamped: Where | None = Field(None, description="the place where the plate neither moves nor turns")
+    simply_supported: Where | None = Field(
+        None, description="the place where it does not move and turns freely"
+    )
     hinged: Where | None = Field(None, description="on a hinge to another body: turns, and does not move")
-    symmetry: Where | None = None
-    fixed: list[Literal["u", "v", "w", "w_x", "w_y"]] | None = None
+    symmetry: Where | None = Field(None, description="the place where its mirror image goes on")
+    fixed: list[Literal["u", "v", "w", "w_x", "w_y"]] | None = Field(
+        None, description="unknowns that are given, at where"
+    )
     where: Where | None = Field(None, description="of fixed unknowns")
     value: FreeValue = Field(
-        0.0, description="of the fixed unknowns, or an expression in x and y; m, of slopes without unit"
+        0.0,
+        description="of the fixed unknowns, or an expression in x and y; m, of slopes without unit",
+        json_schema_extra={UNIT: "m, 1"},
     )
     stiffness: HingeStiffness = Field(0.0, description="of a hinge, per length of its line; 0: turns freely")
     kind: Literal["hard", "soft"] = Field("hard", description="soft: free to twist along a simple support")
@@ -220,7 +234,7 @@ class HingeLineModel(StrictModel):
 
     along: Where = Field(description="a line, or a hinge between bodies of the design: {hinge: name}")
     stiffness: HingeStiffness = Field(0.0, description="per length of the line; 0: turns freely")
-    name: str | None = None
+    name: str | None = Field(None, description="of the hinge, for the results")
 
     @model_validator(mode="after")
     def _a_line(self) -> "HingeLineModel":
@@ -235,15 +249,31 @@ class HingeLineModel(StrictModel):
 class LoadModel(StrictModel):
     """What acts: at a point, along an edge, on the face, or in the material."""
 
-    point: Point | None = None
-    edge: Where | None = None
-    force: FreeVector = Field(None, description="N at a point, N/m along an edge; along z, or [x, y, z]")
-    total: FreeVector = Field(None, description="N, spread evenly along the edge; along z, or [x, y, z]")
+    point: Point | None = Field(None, description="where a force acts, [x, y]")
+    edge: Where | None = Field(None, description="the place along which a force or a moment acts")
+    force: FreeVector = Field(
+        None,
+        description="N at a point, N/m along an edge; along z, or [x, y, z]",
+        json_schema_extra={UNIT: "N, N/m"},
+    )
+    total: FreeVector = Field(
+        None,
+        description="force that is spread evenly along the edge; along z, or [x, y, z]",
+        json_schema_extra={UNIT: "N"},
+    )
     moment: Moment | None = Field(None, description="N·m/m, bends like a positive moment of the plate")
-    pressure: Intensity | None = None
-    gravity: tuple[Acceleration, Acceleration, Acceleration] | None = None
-    temperature: Warming | None = None
-    moisture: Wetness | None = None
+    pressure: Intensity | None = Field(
+        None, description="force per area along z, or an expression in x and y"
+    )
+    gravity: tuple[Acceleration, Acceleration, Acceleration] | None = Field(
+        None, description="acceleration of free fall, [x, y, z]: the plate's own weight"
+    )
+    temperature: Warming | None = Field(
+        None, description="rise from the state without stress, or an expression in x and y"
+    )
+    moisture: Wetness | None = Field(
+        None, description="rise of the share of water by mass, or an expression in x and y"
+    )
     field: ElectricField | None = Field(
         None, description="V/m through every piezoelectric ply, or a list of one value per ply"
     )
@@ -251,6 +281,7 @@ class LoadModel(StrictModel):
         None,
         description="of temperature, K/m, or of moisture, 1/m, through the thickness, upwards from the reference "
         "surface; or an expression in x and y",
+        json_schema_extra={UNIT: "K/m, 1/m"},
     )
     region: str | None = Field(None, description="the named region only")
 
@@ -273,35 +304,45 @@ class OutputModel(StrictModel):
     """A value to print: {name: middle, at: [0, 0], value: w, expected: 0.1 mm}. Curvatures, moments and forces are
     recovered from patches of cells, as the extremes are."""
 
-    at: Point
-    name: str | None = None
-    value: Literal[tuple(VALUES)] = "w"  # type: ignore[valid-type]
+    at: Point = Field(description="the point, [x, y]")
+    name: str | None = Field(None, description="of the value, for the results")
+    value: Literal[tuple(VALUES)] = Field(  # type: ignore[valid-type]
+        "w", description="deflection w, u, v, slopes, curvatures, moments or forces per length"
+    )
     expected: FreeValue | None = Field(
         None,
         description="what it should be: a number, text with a unit, or an expression in A11 to D66 and h, all SI",
+        json_schema_extra={UNIT: "of the value"},
     )
 
 
 class PlateFileModel(StrictModel):
     """A plate, how it is held and what acts on it."""
 
-    kind: Literal["plate"]
-    name: str | None = None
+    kind: Literal["plate"] = Field(description="what the file is")
+    name: str | None = Field(None, description="of the problem; the file's name if not said")
     story: str = Field("", description="what the problem is about, a paragraph of plain text")
     units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
-    materials: dict[str, MaterialField] = Field(default={})
-    laminates: dict[str, LaminateField] = Field(default={})
+    materials: dict[str, MaterialField] = Field(
+        default={}, description="materials by name, each with its numbers or a name of lamc's library"
+    )
+    laminates: dict[str, LaminateField] = Field(default={}, description="laminates by name")
     laminate: LaminateField | None = Field(None, description="of the plate, where no region has its own")
-    geometry: GeometryModel
-    regions: dict[str, PlateRegionModel] = Field(default={})
-    element: str = "dkt"
+    geometry: GeometryModel = Field(description="outline and mesh")
+    regions: dict[str, PlateRegionModel] = Field(
+        default={}, description="parts of the plate by name, with a laminate or an edge length of their own"
+    )
+    element: str = Field(
+        "dkt",
+        description="the finite element: dkt, bciz, specht, or auto with shear through the thickness where it counts",
+    )
     hinges: list[HingeLineModel] = Field(default=[], description="lines inside the plate that fold")
-    supports: list[SupportModel] = Field(default=[])
+    supports: list[SupportModel] = Field(default=[], description="how the plate is held")
     foundation: list[FoundationModel] = Field(
         default=[], description="elastic ground under the plate, in one or several areas"
     )
     loads: list[LoadModel] = Field(default=[], description="what acts, in every case if there are cases")
     cases: dict[str, list[LoadModel]] = Field(default={}, description="loads by the name of the case")
-    outputs: list[OutputModel] = Field(default=[])
+    outputs: list[OutputModel] = Field(default=[], description="values at points that are printed")
     modes: int = Field(0, description="natural modes to compute")
     buckling: int = Field(0, description="buckling loads to compute, in multiples of the first case")

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import Unit
+from lamc.basics.fields import UNIT, Unit
 from lamc.basics.units import to_si
 from lamc.readers import fields
 from lamc.readers.fields import Density, Length, Modulus, StrictModel
@@ -53,7 +53,11 @@ PlyAngle = Annotated[
     float,
     BeforeValidator(_angle),
     WithJsonSchema(
-        {"type": ["number", "string"], "description": "ply angle with its unit, such as '45 deg'"}
+        {
+            "type": ["number", "string"],
+            "description": "ply angle with its unit, such as '45 deg'",
+            UNIT: "deg",
+        }
     ),
 ]
 StrainPerField = Annotated[float, Unit(units.STRAIN_PER_FIELD)]
@@ -63,29 +67,29 @@ Expansion = Annotated[float, Unit(units.EXPANSION)]
 class PlateMaterialModel(StrictModel):
     """A material of one's own, E and nu or E1, E2, nu12 and G12; or the name of one of lamc's library."""
 
-    library: str | None = None
-    E: Modulus | None = None
-    nu: Ratio | None = None
-    E1: Modulus | None = None
-    E2: Modulus | None = None
-    nu12: Ratio | None = None
-    G12: Modulus | None = None
-    density: Density = 0.0
-    alpha: Expansion | None = None
-    alpha1: Expansion | None = None
-    alpha2: Expansion | None = None
-    beta: Ratio | None = None
-    beta1: Ratio | None = None
-    beta2: Ratio | None = None
+    library: str | None = Field(None, description="a material of lamc's library (`lamc materials`), alone")
+    E: Modulus | None = Field(None, description="Young's modulus of a sheet that is alike in all directions")
+    nu: Ratio | None = Field(None, description="its Poisson's ratio")
+    E1: Modulus | None = Field(None, description="Young's modulus along the fibres")
+    E2: Modulus | None = Field(None, description="Young's modulus across the fibres")
+    nu12: Ratio | None = Field(None, description="Poisson's ratio: stretch along 1 contracts 2 by it")
+    G12: Modulus | None = Field(None, description="shear modulus in the plane")
+    density: Density = Field(0.0, description="mass per volume")
+    alpha: Expansion | None = Field(None, description="thermal expansion, the same in all directions")
+    alpha1: Expansion | None = Field(None, description="thermal expansion along 1")
+    alpha2: Expansion | None = Field(None, description="thermal expansion along 2")
+    beta: Ratio | None = Field(None, description="swelling per share of water by mass, in all directions")
+    beta1: Ratio | None = Field(None, description="swelling along 1")
+    beta2: Ratio | None = Field(None, description="swelling along 2")
     d31: StrainPerField = Field(0.0, description="free strain along 1 per electric field along z")
-    d32: StrainPerField = 0.0
+    d32: StrainPerField = Field(0.0, description="free strain along 2 per electric field along z")
     G13: Modulus | None = Field(None, description="shear through the thickness, in the plane of 1 and z")
-    G23: Modulus | None = None
+    G23: Modulus | None = Field(None, description="shear through the thickness, in the plane of 2 and z")
     Xt: Modulus | None = Field(None, description="strength along 1 in tension; strengths are magnitudes")
-    Xc: Modulus | None = None
-    Yt: Modulus | None = None
-    Yc: Modulus | None = None
-    S: Modulus | None = None
+    Xc: Modulus | None = Field(None, description="strength along 1 in compression")
+    Yt: Modulus | None = Field(None, description="strength along 2 in tension")
+    Yc: Modulus | None = Field(None, description="strength along 2 in compression")
+    S: Modulus | None = Field(None, description="strength in shear in the plane")
 
     @model_validator(mode="after")
     def _one_kind(self) -> "PlateMaterialModel":
@@ -121,22 +125,26 @@ MaterialField = Annotated[
 class PlyModel(StrictModel):
     """One layer; plies are listed from bottom to top."""
 
-    material: str
-    thickness: Length
-    angle: PlyAngle = 0.0
+    material: str = Field(description="an entry of materials, or a name of lamc's library")
+    thickness: Length = Field(description="of the ply")
+    angle: PlyAngle = Field(0.0, description="of its fibres from x towards y, with its unit")
 
 
 class LaminateModel(StrictModel):
     """A laminate: plies, a layup of one material, one sheet, or the name of an entry of laminates."""
 
     use: str | None = Field(None, description="the name of an entry of laminates")
-    plies: list[PlyModel] | None = None
-    material: str | None = None
+    plies: list[PlyModel] | None = Field(None, description="the layers from bottom to top")
+    material: str | None = Field(
+        None, description="of one sheet or of a layup: an entry of materials, or a name of lamc's library"
+    )
     layup: str | None = Field(None, description="angles in degrees from bottom to top, such as '[0/90/±45]s'")
     ply: Length | None = Field(None, description="thickness of one ply of a layup")
     thickness: Length | None = Field(None, description="of one sheet")
     angle: PlyAngle = Field(0.0, description="of one sheet")
-    reference: Literal["bottom", "middle", "top"] = "middle"
+    reference: Literal["bottom", "middle", "top"] = Field(
+        "middle", description="the surface that heights and membrane displacements count from"
+    )
 
     @model_validator(mode="after")
     def _one_kind(self) -> "LaminateModel":

@@ -51,7 +51,10 @@ def run_show(
     size = float(shape["size"])
     specs = curve_specs(result, mechanism, result.outputs, result.energies)
     motion = motion_of(result, specs, size)
-    settings = {"rtol": result.stats.rtol, "atol": result.stats.atol}
+    stats = result.stats
+    settings = {"rtol": stats.rtol, "atol": stats.atol}
+    if stats.max_step is not None:
+        settings["maxStep"] = stats.max_step
     model = None if live is None else live_data(live, mechanism, result.provenance.parameters, settings)
     taken = _TEXT + len(packed([shape, model])) + (0 if live is None else len(live.engine))
     recording = _within(motion, size, max(budget - taken, _LEAST))

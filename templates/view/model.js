@@ -232,7 +232,8 @@ class LiveDevice extends Device {
   }
 
   async copy() {
-    const named = (kind) => Object.fromEntries(Object.entries(this.changed[kind]).map(([field, value]) => [this.data.live[kind].find((each) => each.field === field).name, value]));
+    const { given } = this.data.live; // what the run was given besides its scene
+    const named = (kind) => Object.fromEntries(Object.entries({ ...given[kind], ...this.changed[kind] }).map(([field, value]) => [this.data.live[kind].find((each) => each.field === field).name, value]));
     const text = sceneText(this.data.scene ?? {}, { angles: this.changed.angles, inputs: named("inputs"), parameters: named("parameters") });
     const box = el("textarea", { className: "copied", rows: 8, readOnly: true, value: text, "aria-label": "the scene" });
     this.side.querySelector(".copied")?.remove();

@@ -274,3 +274,12 @@ def test_a_plate_bends_by_the_factor_that_is_told(tab: Page, tmp_path: Path) -> 
     assert tab.value("lamcView.player.told.textContent") == "load 100 %"
     tab.value("lamcView.shows[0].colour(1)")
     assert problem._repr_html_().startswith("<iframe")
+
+
+@needs_wasm
+def test_a_copied_scene_has_what_the_run_was_given(tab: Page, tmp_path: Path) -> None:
+    name = next(each for each in simulator("pendulum").parameters if each.endswith(".stiffness"))
+    path = tmp_path / "given.html"
+    path.write_text(page([result_show(run("pendulum", 0.2, **{name: 33.5}), live=True)]), encoding="utf-8")
+    tab.open(path)
+    assert f"--set '{name}=33.5'" in tab.value("lamcView.shows[0].copy()")

@@ -185,7 +185,7 @@ def _write_all(
             if order.pictures and len(result.t):
                 with times.stage("draw"):
                     files += _draw(result, staged, order.look)
-            if order.film and result.success and len(result.t) > 1 and result.hinges:
+            if order.film and len(result.t) > 1:  # of a run that failed, up to there
                 with times.stage("animate"):
                     files += [_animate(result, staged, order.look, progress)]
         except KeyboardInterrupt:

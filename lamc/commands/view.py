@@ -62,7 +62,11 @@ def view(order: ViewOrder, terminal: Terminal) -> int:
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage
-        shows = [_show(source, order, times, progress) for source in order.sources]
+        labels = _labels(order.sources)
+        shows = [
+            _show(source, order, label, times, progress)
+            for source, label in zip(order.sources, labels, strict=True)
+        ]
         if len(shows) > 1:
             shows = [replace(s, notes=tuple(f"{s.data['label']}: {note}" for note in s.notes)) for s in shows]
         shows[0] = replace(shows[0], notes=(*unused, *shows[0].notes))
@@ -112,6 +116,15 @@ def _path(order: ViewOrder, title: str) -> Path:
     return path
 
 
+def _labels(sources: tuple[Source, ...]) -> list[str]:
+    """What stands above each of several: names, or paths where these are alike; folders of runs often are."""
+    if len(sources) == 1:
+        return [""]
+    names = [source.example or Path(source.file or "").name for source in sources]
+    alike = [names.count(name) > 1 for name in names]
+    return [s.file or n if twice else n for s, n, twice in zip(sources, names, alike, strict=True)]
+
+
 def _kind(source: Source) -> str:
     """What is named. Raises LamcError for an example that is not there."""
     if source.file is not None and Path(source.file).is_dir():
@@ -149,8 +162,7 @@ def _unused(order: ViewOrder) -> list[str]:
     return notes
 
 
-def _show(source: Source, order: ViewOrder, times: Times, progress: Progress) -> Show:
-    label = "" if len(order.sources) == 1 else source.example or Path(source.file or "").name
+def _show(source: Source, order: ViewOrder, label: str, times: Times, progress: Progress) -> Show:
     budget = MOST_BYTES // len(order.sources)
     kind = _kind(source)
     if kind == RUN:

@@ -72,3 +72,10 @@ def test_pictures_have_the_format_that_is_asked_for_and_films_are_asked_for() ->
 def test_the_old_word_for_no_film_warns_once() -> None:
     done = run("--example", "flaps", "--no-animation")
     assert done.stderr.count("--no-film") == 1
+
+
+def test_a_run_that_failed_is_filmed_up_to_there() -> None:
+    words = ["run", "--example", "pendulum", "--max-steps", "20", "--film", "--size", "96", "--out", "o"]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 3
+    assert [path.name for path in Path("o").glob("animation.*")] != []

@@ -171,3 +171,12 @@ def test_a_finished_run_goes_on_along_its_branch(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(import_module("lamc.commands.finished"), "compile_design", seen)
     page("run", "--no-live")
     assert [scene.branch for scene in scenes] == [-2]
+
+
+def test_runs_whose_folders_have_one_name_are_told_apart() -> None:
+    for name in ("pendulum", "four_bar"):
+        words = ["run", "--example", name, "--t-end", "0.1", "--no-pictures"]
+        assert CliRunner().invoke(main, words).exit_code == 0
+    _, data = page("out/pendulum/scene", "out/four_bar/scene", "--no-live")
+    heads = [note.partition(": Recorded")[0] for note in data["notes"]]  # type: ignore[attr-defined]
+    assert heads == ["out/pendulum/scene", "out/four_bar/scene"]

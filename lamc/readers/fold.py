@@ -99,7 +99,8 @@ class _Sheet:
         self.notes += hinges.notes
         start = {}
         for crease, joint in zip(creases, joints, strict=True):
-            angle = facets.angles.get(crease.edges[0], 0.0)
+            said = own.hinges[crease.edges[0]] if own.hinges else None
+            angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
             if abs(angle) > _TURNED:
                 start[joint.name] = angle
         scene = Scene(angles=start) if start else None

@@ -13,17 +13,23 @@ from lamc.readers.fold_file import Data
 from lamc.records.card import Card
 
 CARD, BODIES, FIXED, HINGES = "lamc:card", "lamc:faces_body", "lamc:fixed", "lamc:edges_hinge"
-NUMBERS = {"stiffness": 0.0, "damping": 0.0, "rest_angle": -math.inf}  # the least of each; SI
+NUMBERS = {
+    "stiffness": 0.0,
+    "damping": 0.0,
+    "rest_angle": -math.inf,
+    "start_angle": -math.inf,
+}  # the least of each; SI
 
 
 @dataclass(frozen=True)
 class Hinge:
-    """N·m/rad, N·m·s/rad, rad."""
+    """N·m/rad, N·m·s/rad, rad, rad."""
 
     name: str
     stiffness: float
     damping: float
     rest_angle: float
+    start_angle: float
 
 
 @dataclass(frozen=True)

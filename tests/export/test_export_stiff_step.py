@@ -83,10 +83,10 @@ def test_stops_and_contact_are_met(name: str, tmp_path: Path) -> None:
 )
 @pytest.mark.quick("pendulum-*")
 def test_single_precision_follows_double_within_its_round_off(name: str, count: int, tmp_path: Path) -> None:
-    """A step rounds the state by half a unit; of loops, which it closes, by as much as the condition of their Jacobian
-    makes of the last digit of closure (19 in the four-bar). Its change is a sum that cancels: weights of one stage add up
-    to 325, and what a stage rounds is in all that follow, so that a thousand half units of it are lost. Contacts make
-    errors grow: the crawler runs briefly."""
+    """A step rounds the state by half a unit; of loops, which it closes, by as much as the condition of their
+    Jacobian makes of the last digit of closure (19 in the four-bar). Its change is a sum that cancels: weights of
+    one stage add up to 325, and what a stage rounds is in all that follow, so that a thousand half units of it are
+    lost. Contacts make errors grow: the crawler runs briefly."""
     h = 2.0**-13
     here, there = after(stiff(name, tmp_path, "float"), h, count), after(stiff(name, tmp_path), h, count)
     size = max(1.0, float(np.abs(there).max()))

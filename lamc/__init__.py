@@ -60,6 +60,7 @@ from lamc.pipeline import (
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
+from lamc.records.card import Card
 from lamc.records.design import Design, Material
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
@@ -72,6 +73,7 @@ __all__ = [
     "BladeElementDrag",
     "Body",
     "BuildError",
+    "Card",
     "CompileOptions",
     "Design",
     "DesignError",

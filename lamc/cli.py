@@ -21,6 +21,7 @@ from lamc.commands.options import (
     hinges,
     precision,
     seconds,
+    sheeted,
     speaking,
     staged,
 )
@@ -32,6 +33,7 @@ from lamc.commands.view_options import view
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
+    from lamc.records.card import SheetOptions
 
 
 @click.group(cls=Cli, context_settings=SETTINGS, invoke_without_command=True)
@@ -40,7 +42,8 @@ if TYPE_CHECKING:
 def main(context: click.Context) -> None:
     """Compiles laminate designs (flat layers, materials, hinge lines) into fast native simulators.
 
-    FILE is a native design or mechanism (YAML), a popupCAD design (.cad) or a popupCAD joint definition (.joints);
+    FILE is a native design or mechanism (YAML), a sheet of creases (FOLD), a popupCAD design (.cad) or a popupCAD joint
+    definition (.joints);
     its content decides, not its name.
 
     \b
@@ -101,6 +104,7 @@ def build(
 @main.command()
 @design
 @staged()
+@sheeted
 @compiler
 @click.option("--states", type=int, default=20, metavar="N", help="Random states to compare at.")
 @click.option(
@@ -111,6 +115,7 @@ def check(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     cc: str | None,
     fast: bool,
     states: int,
@@ -135,12 +140,13 @@ def check(
     from lamc.commands.check import check as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast), changes, states, t_end, terminal)
+    return work(Source(file, example, cc, fast, sheet=sheet), changes, states, t_end, terminal)
 
 
 @main.command()
 @design
 @hinges
+@sheeted
 @folder
 @speaking
 def split(
@@ -148,6 +154,7 @@ def split(
     example: str | None,
     hinge_stiffness: str,
     materials: tuple[str, ...],
+    sheet: "SheetOptions",
     out: str | None,
     terminal: Terminal,
 ) -> int:
@@ -165,7 +172,7 @@ def split(
     from lamc.commands.inputs import Source
     from lamc.commands.split import split as work
 
-    source = Source(file, example, hinges=HingeChoice(hinge_stiffness, materials))
+    source = Source(file, example, hinges=HingeChoice(hinge_stiffness, materials), sheet=sheet)
     return work(source, out, terminal)
 
 

@@ -4,13 +4,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import design, speaking, staged
+from lamc.commands.options import design, sheeted, speaking, staged
 from lamc.commands.terminal import Terminal
 from lamc.export import TARGETS
 from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
+    from lamc.records.card import SheetOptions
 
 
 _HELP = f"""Write a design's simulator, or a plate's elements, for other programs. Targets:
@@ -43,6 +44,7 @@ Examples:
     show_default=True,
 )
 @staged()
+@sheeted
 @click.option(
     "--prefix", metavar="NAME", help="What all names in the C begin with.  [default: the design's name]"
 )
@@ -105,6 +107,7 @@ def export(
     example: str | None,
     target: str,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     prefix: str | None,
     real_time: bool,
     no_libm: bool,
@@ -139,4 +142,6 @@ def export(
         step=step,
         edge_length=edge_length(size),
     )
-    return work(ExportOrder(Source(file, example), changes, target, options, force, out), terminal)
+    return work(
+        ExportOrder(Source(file, example, sheet=sheet), changes, target, options, force, out), terminal
+    )

@@ -29,6 +29,7 @@ from lamc.readers.effect_calls import make_effect
 from lamc.readers.inert import compose, plain
 from lamc.readers.load import load, load_text
 from lamc.readers.load_scene import load_scene
+from lamc.records.card import NO_SHEET_OPTIONS, SheetOptions
 from lamc.records.design import Design
 from lamc.records.effect import Effect, hooked
 from lamc.records.mechanism import Mechanism
@@ -46,6 +47,7 @@ class Source:
     fast: bool = False
     precision: str = "double"
     hinges: HingeChoice = AS_DRAWN
+    sheet: SheetOptions = NO_SHEET_OPTIONS
 
     @property
     def options(self) -> CompileOptions:
@@ -92,13 +94,23 @@ def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
     source.check()
     with times.stage("load"):
         example = examples.find(source.example) if source.example is not None else None
+        if example is not None and source.sheet.given:
+            raise LamcError(f"--{source.sheet.given[0]} is of FOLD files; examples are none")
         if example is not None and example.path is None:
             digest = hashlib.sha256(example.text.encode("utf-8")).hexdigest()
             record = stiffened(load_text(example.text, example.name), source.hinges, example.name)
             return Loaded(record, example.name, None, digest)
         path = example.path if example is not None else Path(source.file or "")
         assert path is not None
-        record = load(path, progress=lambda _name, part: progress.part(part, 1.0))
+        sheet = source.sheet
+        record = load(
+            path,
+            progress=lambda _name, part: progress.part(part, 1.0),
+            fixed=sheet.fixed,
+            card=sheet.card,
+            crease=sheet.crease,
+            units=sheet.units,
+        )
         record = stiffened(record, source.hinges, str(path))
     return Loaded(record, str(path), path, hashlib.sha256(path.read_bytes()).hexdigest())
 

@@ -116,6 +116,55 @@ hinges = together(
         help="With from-material: a material of lamc's library (`lamc materials`) in place of the file's NAME.",
     ),
 )
+_sheet = together(
+    click.option(
+        "--fixed",
+        metavar="FACET",
+        help="Of a FOLD file: the facet that is held, F12, or a point in it, '10 mm, 20 mm'.  [default: in the middle]",
+        show_default=False,
+    ),
+    click.option(
+        "--card",
+        metavar="CARD",
+        help="Of a FOLD file: thickness and density.  [default: '0.3 mm, 700 kg/m^3']",
+        show_default=False,
+    ),
+    click.option(
+        "--crease",
+        metavar="STIFFNESS",
+        help="Of a FOLD file: of creases by length.  [default: '1e-3 N*mm/rad/mm']",
+        show_default=False,
+    ),
+    click.option(
+        "--units",
+        metavar="UNIT",
+        help="Of a FOLD file: what 1 is.  [default: what the file says, else mm]",
+        show_default=False,
+    ),
+)
+
+
+def sheeted(function: Function) -> Function:
+    """Adds --fixed, --card, --crease and --units, and hands the function SheetOptions, `sheet`."""
+
+    @functools.wraps(function)
+    def wrapped(
+        *, fixed: str | None, card: str | None, crease: str | None, units: str | None, **given: Any
+    ) -> int:
+        from lamc.records.card import Card, SheetOptions, fixed_of  # `--help` does without it
+
+        try:
+            sheet = SheetOptions(
+                fixed_of(fixed) if fixed else None, Card.of(card) if card else None, crease, units
+            )
+        except DesignError as error:
+            raise click.UsageError(error.message) from error
+        return int(function(sheet=sheet, **given))
+
+    decorated: Function = _sheet(wrapped)
+    return decorated
+
+
 precision = click.option(
     "--precision",
     type=click.Choice(PRECISIONS),

@@ -12,6 +12,7 @@ from lamc.commands.options import (
     precision,
     run_folder,
     seconds,
+    sheeted,
     speaking,
     staged,
 )
@@ -20,6 +21,7 @@ from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
+    from lamc.records.card import SheetOptions
     from lamc.report.look import Look
 
 
@@ -62,6 +64,7 @@ if TYPE_CHECKING:
 )
 @staged()
 @hinges
+@sheeted
 @compiler
 @precision
 @click.option(
@@ -83,6 +86,7 @@ def run(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     t_end: float | None,
     points: int | None,
     accuracy: str | None,
@@ -131,7 +135,7 @@ def run(
     if no_animation:
         terminal.warn("--no-animation is --no-film now, which is what happens unless --film is there")
     order = RunOrder(
-        source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials)),
+        source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet),
         changes=changes,
         settings=settings,
         t_end=t_end,

@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, seconds, speaking, staged
+from lamc.commands.options import compiler, seconds, sheeted, speaking, staged
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
+    from lamc.records.card import SheetOptions
 
 
 @click.command()
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 )
 @staged()
 @compiler
+@sheeted
 @click.option("--fold", is_flag=True, help="No run: the mechanism as drawn, folded by sliders.")
 @click.option(
     "--no-live", is_flag=True, help="Without the model: a smaller page that plays what was recorded."
@@ -38,6 +40,7 @@ def view(
     t_end: float | None,
     settings: tuple[str, ...],
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     cc: str | None,
     fast: bool,
     fold: bool,
@@ -65,7 +68,7 @@ def view(
     from lamc.commands.view import ViewOrder
     from lamc.commands.view import view as work
 
-    sources = [Source(file, None, cc, fast) for file in files] + [
-        Source(None, name, cc, fast) for name in examples
+    sources = [Source(file, None, cc, fast, sheet=sheet) for file in files] + [
+        Source(None, name, cc, fast, sheet=sheet) for name in examples
     ]
     return work(ViewOrder(tuple(sources), changes, settings, t_end, fold, not no_live, out, open_), terminal)

@@ -23,9 +23,10 @@ from lamc.records.scene import Scene
 if TYPE_CHECKING:
     from lamc.plates.problem import Problem
     from lamc.readers.plates.problem_records import PlateFile
+    from lamc.run.result import Result
 
 Files = Mapping[str, bytes]  # relative path, parts joined by / → content
-Exported: TypeAlias = Union[Design, Mechanism, "PlateFile", "Problem"]
+Exported: TypeAlias = Union[Design, Mechanism, "Result", "PlateFile", "Problem"]
 
 
 class Making(Protocol):
@@ -117,6 +118,13 @@ _TARGETS = (
         (*_SIMULATOR, "libm", "real_time", "jacobian"),
         "wheel",
     ),
+    Target(
+        "fold",
+        "origami tools",
+        "a FOLD file of a creased sheet, flat and in frames of its motion",
+        ("lossy",),
+        "fold",
+    ),
 )
 TARGETS: Mapping[str, Target] = MappingProxyType({target.name: target for target in _TARGETS})
 PLATE_USES = ("prefix", "libm", "single_header", "lossy", "edge_length")  # of a plate to c
@@ -137,14 +145,31 @@ def files_of(
     read, and for a plate to another target than "c" or in a scene."""
     if to not in TARGETS:
         raise ExportError(f"there is no export to {to!r}; there are {', '.join(TARGETS)}")
+    run = _run_files(design, to, scene, options or ExportOptions())
+    if run is not None:
+        return run
     if not isinstance(design, Design | Mechanism):
         if scene is not None:
             raise ExportError(
                 "a scene is given with a plate, which does not move: leave scene= out, or export a design with joints"
             )
-        return _plate_files(design, to, options or ExportOptions())
+        return _plate_files(cast("PlateFile | Problem", design), to, options or ExportOptions())
     mechanism = split(design) if isinstance(design, Design) else design
     return TARGETS[to].files(mechanism, scene or mechanism.scene or Scene(), options or ExportOptions())
+
+
+def _run_files(design: Exported, to: str, scene: Scene | None, options: ExportOptions) -> Files | None:
+    """Files of a Result; None for anything else."""
+    from lamc.run.result import Result
+
+    if not isinstance(design, Result):
+        return None
+    if to != "fold" or scene is not None:
+        raise ExportError("a run is exported to 'fold' only, and as it was; export its design for more")
+    check_used(options, to, TARGETS[to].uses, _uses())
+    from lamc.export.fold import result_files
+
+    return result_files(design, options)
 
 
 def _plate_files(plate: "PlateFile | Problem", to: str, options: ExportOptions) -> Files:
@@ -171,8 +196,8 @@ def export(
     force: bool = False,
     **values: object,
 ) -> Path:
-    """Writes an export of a design, a mechanism, a plate file or a plate's Problem into the folder `out` (None: NAME_c
-    in the present folder, by target) and returns its path.
+    """Writes an export of a design, a mechanism, a run (to "fold" only), a plate file or a plate's Problem into the
+    folder `out` (None: NAME_c in the present folder, by target) and returns its path.
 
     scene    None: the design's own, else what the design asks for
     options  or their fields by name
@@ -183,7 +208,7 @@ def export(
     if options is not None and values:
         raise ExportError(f"give options or their fields ({', '.join(values)}), not both")
     files = files_of(design, to, scene, options or options_from(**values))
-    name = str(getattr(design, "name", "plate"))  # a Problem has none
+    name = str(getattr(getattr(design, "mechanism", design), "name", "plate"))  # a Problem has none
     folder = Path(out) if out is not None else Path(f"{identifier(name)}_{to}")
     write_folder(folder, files, Origin(name, to), force=force)
     return folder

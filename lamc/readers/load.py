@@ -12,6 +12,8 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.basics.files import read_bytes
 from lamc.readers import joints_file, popupcad
+from lamc.readers.fold import read_fold
+from lamc.readers.fold_file import is_fold
 from lamc.readers.inert import (
     DEFAULT_LIMITS,
     STANDARD_TAGS,
@@ -27,10 +29,13 @@ from lamc.readers.joint_definition import JointDefinition
 from lamc.readers.mechanism_file import read_mechanism
 from lamc.readers.native import read_design
 from lamc.readers.popupcad_beside import Beside
+from lamc.records.card import NO_SHEET_OPTIONS, Card, SheetOptions
 from lamc.records.design import Design, Material
 from lamc.records.mechanism import Mechanism
 
-FORMATS = "a lamc design, a lamc mechanism, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+FORMATS = (
+    "a lamc design or mechanism, FOLD, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+)
 
 
 def load(
@@ -39,12 +44,18 @@ def load(
     materials: Mapping[str, Material] | None = None,
     progress: Progress | None = None,
     limits: Limits = DEFAULT_LIMITS,
+    fixed: str | tuple[float, float] | None = None,
+    card: Card | None = None,
+    crease: float | str | None = None,
+    units: str | None = None,
 ) -> Design | Mechanism:
     """The design or mechanism in the file at `path`.
 
     materials  replace a popupCAD file's materials of the same name, whose moduli are often placeholders
     progress   called now and then with a stage's name and the fraction of it that is done
     limits     what the file may cost; a file beyond them is refused with the limit's name
+    fixed, card, crease, units  of a FOLD file: see `SheetOptions`; None: what the file says, else a default with a
+               warning
 
     Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
     or impossible, and UnsupportedError for one that is well formed and beyond this version.
@@ -54,7 +65,8 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     beside = Beside(Path(path), limits, _text)
-    return _read(file_text(path, limits), str(path), materials or {}, progress, limits, beside)
+    text, sheet = file_text(path, limits), SheetOptions(fixed, card, crease, units)
+    return _read(text, str(path), materials or {}, progress, limits, beside, sheet)
 
 
 def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
@@ -67,7 +79,10 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
 
     For a file that `load` has read. Raises DesignError as `load` does.
     """
-    node = compose(file_text(path, limits), str(path), limits=limits)
+    text = file_text(path, limits)
+    if is_fold(text):
+        return None
+    node = compose(text, str(path), limits=limits)
     return joints_file.read_definition(node) if joints_file.is_joint_definition(node) else None
 
 
@@ -83,8 +98,15 @@ def _read(
     progress: Progress | None,
     limits: Limits,
     beside: Beside,
+    sheet: SheetOptions = NO_SHEET_OPTIONS,
 ) -> Design | Mechanism:
     try:
+        if is_fold(text):
+            if materials:
+                raise DesignError("materials are of popupCAD designs; a FOLD file takes card=", Place(file))
+            return read_fold(text, file, sheet, limits)
+        if sheet.given:
+            raise DesignError(f"{sheet.given[0]} is for sheets (FOLD); edit this file instead", Place(file))
         node = compose(text, file, limits=limits, progress=progress)
         return _record(node, materials, progress, beside)
     except LamcError:

@@ -8,8 +8,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from shapely.geometry import box
 
-from lamc import Body, ExportError, ExternalTorque, Joint, Mechanism, Scene
+from lamc import Body, ExportError, ExternalTorque, Joint, Mechanism, Scene, Slab
+from lamc.design.mass import body_properties
 from lamc.export import TARGETS, Files, files_of
 from lamc.export.options import ExportOptions, options_from
 from tests.support.ctools import needs_cc
@@ -43,11 +45,22 @@ def flap() -> Mechanism:
     return Mechanism((wall, body), (Joint("h", "wall", "flap", axis=(0.0, 0.0, 1.0)),), name="flap")
 
 
+def sheet() -> Mechanism:
+    """Two facets of one card with a common side, as FOLD needs them."""
+    bodies = []
+    for name, x in (("wall", 0.0), ("flap", 0.02)):
+        slab = Slab(box(x, 0.0, x + 0.02, 0.02), 0.0, 3e-4)
+        bodies.append(Body(name, *body_properties([(slab, 700.0)]), name == "wall", (slab,)))
+    joint = Joint("h", "wall", "flap", (0.02, 0.0, 1.5e-4), (0.0, -1.0, 0.0))
+    return Mechanism(tuple(bodies), (joint,), name="flap", scene=Scene(duration=0.1))
+
+
 @cache
 def made(target: str, names: frozenset[str]) -> Files | None:
     """The export with these chosen; None where it is refused, with one line that names one of them."""
     try:
-        return files_of(flap(), target, options=options_from(**{name: CHOSEN[name] for name in names}))
+        design = sheet() if target == "fold" else flap()
+        return files_of(design, target, options=options_from(**{name: CHOSEN[name] for name in names}))
     except ExportError as error:
         reported = str(error)
     assert any(re.search(rf"\({name}\)|\b{name}:", reported) for name in names)

@@ -1,0 +1,268 @@
+"""FOLD files, spec 1.0 to 1.2: JSON as a checked record of one frame, lists of a length each, numbers finite.
+
+In: text. Out: a `FoldFrame` in the file's own units. Never: makes a body; follows what a file names outside itself.
+
+Erik D. Demaine, Jason S. Ku, Robert J. Lang, A new file standard to represent folded structures, 2016; spec 1.2, 2023.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, Place
+from lamc.readers.inert import Limits
+from lamc.readers.json_text import parsed
+from lamc.records.mechanism import Array
+
+KINDS = "MVFUBCJ"  # mountain, valley, flat, unassigned, boundary, cut, join
+UNITS = {
+    "in": 0.0254,
+    "pt": 0.0254 / 72.0,
+    "m": 1.0,
+    "cm": 0.01,
+    "mm": 0.001,
+    "um": 1e-6,
+    "nm": 1e-9,
+}
+LARGEST = 1e12  # of a coordinate: squares and products of such numbers stay finite and are told apart
+
+_MARKS = re.compile(
+    r'"(?:file_spec|file_frames|frame_classes|vertices_coords|edges_vertices|faces_vertices)"\s*:'
+)
+_MOST_FRAMES = 10_000  # of a chain of parents
+Data = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class FoldFrame:
+    """One frame of a file.
+
+    vertices  (n, 3), in `unit`
+    kinds     a letter of `KINDS` for each edge
+    angles    rad, of each edge, positive for a valley; None: not given
+    faces     vertices of each; None: the file has none
+    unit      m; None: not given
+    own       fields that lamc writes, "lamc:…", unchecked
+    """
+
+    title: str
+    vertices: Array
+    edges: tuple[tuple[int, int], ...]
+    kinds: str
+    angles: tuple[float | None, ...]
+    faces: tuple[tuple[int, ...], ...] | None
+    unit: float | None
+    own: Data
+    notes: tuple[str, ...]
+
+
+def is_fold(text: str) -> bool:
+    """True for a text that is meant as FOLD."""
+    return text.lstrip("\ufeff \t\r\n")[:1] == "{" and _MARKS.search(text) is not None
+
+
+def read_frame(text: str, file: str, limits: Limits) -> FoldFrame:
+    """The key frame of a file, or its first one that has edges or faces. Raises DesignError with what is wrong."""
+    place = Place(file)
+    data = parsed(text, file, limits)
+    if not isinstance(data, dict):
+        raise DesignError("the file holds no object; FOLD is a map of lists", place)
+    return _Reader(data, place).frame()
+
+
+class _Reader:
+    """One file; every method raises DesignError with the place."""
+
+    def __init__(self, data: Data, place: Place) -> None:
+        self.data, self.place = data, place
+        self.notes: list[str] = []
+
+    def error(self, message: str) -> DesignError:
+        return DesignError(message, self.place)
+
+    def frame(self) -> FoldFrame:
+        self._check_spec()
+        data = self._chosen()
+        vertices = self._vertices(data)
+        faces = self._faces(data, len(vertices))
+        edges = self._edges(data, len(vertices), faces)
+        if "faceOrders" in data or "edgeOrders" in data:
+            self.notes.append("the order of layers (faceOrders) is not used: facets pass through one another")
+        kinds = self._kinds(data, len(edges))
+        title = next((t for t in (data.get("frame_title"), data.get("file_title")) if isinstance(t, str)), "")
+        own = {key: value for key, value in data.items() if key.startswith("lamc:")}
+        angles = self._angles(data, len(edges))
+        return FoldFrame(
+            title, vertices, edges, kinds, angles, faces, self._unit(data), own, tuple(self.notes)
+        )
+
+    def _check_spec(self) -> None:
+        spec = self.data.get("file_spec")
+        if spec is not None and not (_is_number(spec) or isinstance(spec, str)):
+            raise self.error(f"file_spec is {shown(spec)}; it must be a number such as 1.2")
+        if isinstance(spec, int | float) and not 1.0 <= spec < 2.0:
+            self.notes.append(f"the file says spec {spec:g}; it is read as 1.2")
+
+    def _chosen(self) -> dict[str, Any]:
+        """The frame that is read, with what it inherits."""
+        frames = self.data.get("file_frames", [])
+        if not isinstance(frames, list) or not all(isinstance(frame, dict) for frame in frames):
+            raise self.error("file_frames must be a list of maps")
+        key = {name: value for name, value in self.data.items() if name != "file_frames"}
+        every = [key, *frames]
+        for index in range(len(every)):
+            merged = self._inherited(every, index)
+            if "edges_vertices" in merged or "faces_vertices" in merged:
+                if index:
+                    self.notes.append(f"the key frame has no edges: frame {index} is read")
+                return {**{k: v for k, v in key.items() if k in ("file_title", "frame_unit")}, **merged}
+        raise self.error("no frame has edges_vertices or faces_vertices; draw the sheet's edges")
+
+    def _inherited(self, every: list[dict[str, Any]], index: int) -> dict[str, Any]:
+        chain = [every[index]]
+        seen = {index}
+        while chain[-1].get("frame_inherit") is True:
+            parent = chain[-1].get("frame_parent", 0)
+            if isinstance(parent, bool) or not isinstance(parent, int) or not 0 <= parent < len(every):
+                raise self.error(
+                    f"frame {index} has frame_parent {shown(parent)}; frames are 0 to {len(every) - 1}"
+                )
+            if parent in seen or len(seen) > _MOST_FRAMES:
+                raise self.error(f"frame {index} inherits from itself, by frame {parent}: a parent must not")
+            seen.add(parent)
+            chain.append(every[parent])
+        merged: dict[str, Any] = {}
+        for frame in reversed(chain):
+            merged.update(frame)
+        return merged
+
+    def _list(self, data: Data, key: str, length: int | None = None, of: str = "") -> list[Any]:
+        found = data.get(key, [])
+        if not isinstance(found, list):
+            raise self.error(f"{key} is {shown(found)}; it must be a list")
+        if length is not None and len(found) != length:
+            raise self.error(f"{key} has {len(found)} entries for {length} {of}; each needs one")
+        return found
+
+    def _vertices(self, data: Data) -> Array:
+        rows = self._list(data, "vertices_coords")
+        if not rows:
+            raise self.error("the frame has no vertices_coords; lamc needs places, not only their order")
+        found = np.zeros((len(rows), 3))
+        for index, row in enumerate(rows):
+            right = isinstance(row, list) and len(row) in (2, 3) and all(_is_number(v) for v in row)
+            if not right:
+                raise self.error(f"vertex {index} is {shown(row)}; it must be two or three numbers")
+            for axis, value in enumerate(row):
+                number = _float(value)
+                if not abs(number) < LARGEST:
+                    raise self.error(
+                        f"vertex {index} has the coordinate {value:.6g}; less than {LARGEST:g} is read"
+                        if math.isfinite(number)
+                        else f"vertex {index} has a coordinate that is not finite"
+                    )
+                found[index, axis] = number
+        return found
+
+    def _faces(self, data: Data, count: int) -> tuple[tuple[int, ...], ...] | None:
+        if not data.get("faces_vertices"):
+            return None
+        faces = []
+        for index, face in enumerate(self._list(data, "faces_vertices")):
+            corners = self._indices(face, count, f"face {index}")
+            if len(corners) < 3 or len(set(corners)) != len(corners):
+                raise self.error(
+                    f"face {index} has the vertices {shown(list(corners))}; it needs three or more, each once"
+                )
+            faces.append(corners)
+        return tuple(faces)
+
+    def _edges(
+        self, data: Data, count: int, faces: tuple[tuple[int, ...], ...] | None
+    ) -> tuple[tuple[int, int], ...]:
+        if not data.get("edges_vertices"):
+            if faces is None:
+                raise self.error("the frame has neither edges_vertices nor faces_vertices; draw its edges")
+            sides = ((min(a, b), max(a, b)) for face in faces for a, b in sides_of(face))
+            return tuple(dict.fromkeys(sides))
+        edges: list[tuple[int, int]] = []
+        seen: dict[tuple[int, int], int] = {}
+        for index, edge in enumerate(self._list(data, "edges_vertices")):
+            ends = self._indices(edge, count, f"edge {index}")
+            if len(ends) != 2 or ends[0] == ends[1]:
+                raise self.error(
+                    f"edge {index} has the vertices {shown(list(ends))}; it needs two that differ"
+                )
+            key = (min(ends), max(ends))
+            if key in seen:
+                raise self.error(
+                    f"edges {seen[key]} and {index} both join vertices {key[0]} and {key[1]}; keep one"
+                )
+            seen[key] = index
+            edges.append((ends[0], ends[1]))
+        return tuple(edges)
+
+    def _indices(self, value: Any, count: int, what: str) -> tuple[int, ...]:
+        if not isinstance(value, list):
+            raise self.error(f"{what} is {shown(value)}; it must be a list of vertices")
+        for each in value:
+            if isinstance(each, bool) or not isinstance(each, int) or not 0 <= each < count:
+                raise self.error(f"{what} names vertex {shown(each)}; vertices are 0 to {count - 1}")
+        return tuple(value)
+
+    def _kinds(self, data: Data, count: int) -> str:
+        if not data.get("edges_assignment"):
+            if "edges_foldAngle" not in data:
+                self.notes.append(
+                    "the file has no edges_assignment: every edge between two facets is a hinge without a spring (U)"
+                )
+            return "U" * count
+        kinds = []
+        for index, kind in enumerate(self._list(data, "edges_assignment", count, "edges")):
+            if not isinstance(kind, str) or len(kind) != 1 or kind.upper() not in KINDS:
+                raise self.error(
+                    f"edge {index} has the assignment {shown(kind)}; it must be one of {', '.join(KINDS)}"
+                )
+            kinds.append(kind.upper())
+        return "".join(kinds)
+
+    def _angles(self, data: Data, count: int) -> tuple[float | None, ...]:
+        if not data.get("edges_foldAngle"):
+            return (None,) * count
+        angles: list[float | None] = []
+        for index, angle in enumerate(self._list(data, "edges_foldAngle", count, "edges")):
+            if angle is not None and not (_is_number(angle) and abs(_float(angle)) <= 180.0 + 1e-6):
+                raise self.error(
+                    f"edge {index} has the fold angle {shown(angle)}; it must be null or -180 to 180 degrees"
+                )
+            angles.append(None if angle is None else math.radians(float(angle)))
+        return tuple(angles)
+
+    def _unit(self, data: Data) -> float | None:
+        unit = data.get("frame_unit", "unit")
+        if unit == "unit":
+            return None
+        if not isinstance(unit, str) or unit not in UNITS:
+            raise self.error(f"frame_unit is {shown(unit)}; it must be one of unit, {', '.join(UNITS)}")
+        return UNITS[unit]
+
+
+def sides_of(face: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Directed sides of a face."""
+    return list(zip(face, (*face[1:], face[0]), strict=True))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _float(value: int | float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf

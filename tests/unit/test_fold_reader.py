@@ -1,0 +1,351 @@
+"""FOLD files: what becomes a body and a hinge, signs, units, frames; what is told, what is refused; fuzz."""
+
+import copy
+import json
+import math
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import lamc
+from lamc.basics.errors import DesignWarning, LamcError
+from lamc.commands.options import Cli
+from lamc.records.mechanism import Mechanism
+from tests.support import fold_corpus as corpus
+from tests.support.quick import tries
+
+CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
+Data = dict[str, Any]
+
+
+def read(folder: Path, data: Data, **options: Any) -> Mechanism:
+    """The mechanism of a file that says all but card and crease, without warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        found = lamc.load(
+            corpus.write(folder / "sheet.fold", data), **{"card": CARD, "crease": 1e-3, **options}
+        )
+    assert isinstance(found, Mechanism)
+    return found
+
+
+def notes(folder: Path, data: Data, **options: Any) -> list[str]:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        lamc.load(corpus.write(folder / "sheet.fold", data), **options)
+    return [str(each.message) for each in told]
+
+
+def counts(mechanism: Mechanism) -> tuple[int, int]:
+    return len(mechanism.bodies), len(mechanism.joints)
+
+
+@pytest.mark.parametrize(
+    ("data", "bodies", "joints"),
+    [
+        (corpus.miura(4, 3), 12, 17),
+        (corpus.miura(4, 3, faces=True), 12, 17),
+        (corpus.waterbomb(), 6, 6),
+        (corpus.yoshimura(3, 4), 24, 29),
+        (corpus.box_net(), 6, 5),
+    ],
+)
+def test_facets_are_bodies_and_creases_hinges(tmp_path: Path, data: Data, bodies: int, joints: int) -> None:
+    assert counts(read(tmp_path, data)) == (bodies, joints)
+
+
+def test_faces_found_are_those_that_a_file_lists(tmp_path: Path) -> None:
+    found, listed = (read(tmp_path, corpus.miura(3, 3, faces=faces)) for faces in (False, True))
+    assert {j.name: j.stiffness for j in found.joints} == {j.name: j.stiffness for j in listed.joints}
+    # The same corners in another order: sums round differently in the last digits.
+    middles = [sorted(tuple(np.round(b.com, 12)) for b in m.bodies) for m in (found, listed)]
+    assert middles[0] == middles[1]
+
+
+def test_a_valley_is_positive_and_lifts_the_far_side(tmp_path: Path) -> None:
+    data = corpus.folded_pair(0.7)
+    made = read(tmp_path, data, fixed="F0")
+    joint = made.joints[0]
+    assert (joint.parent, joint.child) == ("F0", "F1")
+    assert made.scene is not None
+    assert made.scene.angles["E1"] == pytest.approx(0.7, abs=1e-12)  # rounding of two cosines
+    position, _ = lamc.compile(made).run(t_end=1e-3).pose("F1")
+    # Where the middle of the second square is in the file, about the middle of the card: 1e-6 m, as 1e-3 s moves it.
+    middle = np.mean([data["vertices_coords"][v] for v in (1, 4, 5, 2)], axis=0) * 1e-3 + [0.0, 0.0, 1.5e-4]
+    assert position[0] == pytest.approx(middle, abs=1e-9)
+    # Laid flat, the second square lies beyond the first one.
+    assert made.body("F1").com[:2] == pytest.approx([0.03, 0.01], abs=1e-12)
+    assert joint.rest_angle == pytest.approx(0.7, abs=1e-12)
+
+
+def test_folded_flat_is_told_by_the_assignment(tmp_path: Path) -> None:
+    for kind, sign in (("V", 1.0), ("M", -1.0)):
+        data = corpus.folded_pair(math.pi)
+        data["edges_assignment"][1] = kind
+        data["vertices_coords"] = [[x, y] for x, y, _ in data["vertices_coords"]]
+        data["faces_vertices"] = [[0, 1, 2, 3], [1, 4, 5, 2]]
+        # The second square lies on the first one: its corners are those of the first.
+        data["vertices_coords"][4], data["vertices_coords"][5] = [0.0, 0.0], [0.0, 20.0]
+        made = read(tmp_path, data)
+        assert made.scene is not None
+        assert made.scene.angles["E1"] == pytest.approx(sign * math.pi)
+
+
+def test_units_are_those_of_the_file_the_user_or_mm(tmp_path: Path) -> None:
+    for unit, options, scale in (
+        ("cm", {}, 0.01),
+        ("cm", {"units": "in"}, 0.0254),
+        ("unit", {}, 1e-3),
+        (None, {}, 1e-3),
+    ):
+        net = read(tmp_path, corpus.box_net(unit), **options)
+        # 4 square units; six digits: areas are sums of products
+        assert net.bodies[0].mass == pytest.approx(4.0 * scale**2 * 3e-4 * 700.0, rel=1e-6)
+    assert any("no unit" in note for note in notes(tmp_path, corpus.box_net(None)))
+    assert not any("no unit" in note for note in notes(tmp_path, corpus.box_net("cm")))
+
+
+def test_what_is_assumed_is_told_and_what_is_given_is_not(tmp_path: Path) -> None:
+    told = " ".join(notes(tmp_path, corpus.miura(2, 2)))
+    assert "--card" in told
+    assert "--crease" in told
+    assert "no fold angle" in told
+    assert notes(tmp_path, corpus.box_net("cm"), card=CARD, crease="1e-3 N*mm/rad/mm") == []
+
+
+def test_stiffness_goes_by_length(tmp_path: Path) -> None:
+    net = read(tmp_path, corpus.box_net("cm"), crease="2e-3 N*mm/rad/mm")
+    assert [j.stiffness for j in net.joints] == pytest.approx([2e-3 * 0.02] * 5)
+    assert [j.rest_angle for j in net.joints] == pytest.approx([math.pi / 2] * 5)
+
+
+def test_flat_edges_and_joins_hold_and_cuts_part(tmp_path: Path) -> None:
+    for kind, expected in (("F", (5, 4)), ("J", (5, 4)), ("C", (6, 4)), ("U", (6, 5))):
+        data = corpus.box_net()
+        hinge = data["edges_assignment"].index("V")
+        data["edges_assignment"][hinge], data["edges_foldAngle"][hinge] = kind, None
+        made = read(tmp_path, data)
+        assert counts(made) == expected
+        assert sum(body.fixed for body in made.bodies) == (2 if kind == "C" else 1)
+        if kind == "U":
+            assert made.joint(f"E{hinge}").stiffness == 0.0
+
+
+def test_pieces_in_line_are_one_hinge(tmp_path: Path) -> None:
+    data = corpus.box_net()
+    hinge = data["edges_assignment"].index("V")
+    a, b = data["edges_vertices"][hinge]
+    middle = np.mean([data["vertices_coords"][v] for v in (a, b)], axis=0).tolist()
+    data["vertices_coords"].append(middle)
+    new = len(data["vertices_coords"]) - 1
+    data["edges_vertices"][hinge] = [a, new]
+    data["edges_vertices"].append([new, b])
+    data["edges_assignment"].append("V")
+    data["edges_foldAngle"].append(90)
+    made = read(tmp_path, data)
+    assert counts(made) == (6, 5)
+    assert made.joint(f"E{hinge}").stiffness == pytest.approx(1e-3 * 0.02)
+
+
+def test_creases_at_an_angle_between_two_facets_hold_them(tmp_path: Path) -> None:
+    data = corpus.box_net()
+    hinge = data["edges_assignment"].index("V")
+    a, b = data["edges_vertices"][hinge]
+    off = (np.mean([data["vertices_coords"][v] for v in (a, b)], axis=0) + 0.3).tolist()
+    data["vertices_coords"].append(off)
+    new = len(data["vertices_coords"]) - 1
+    data["edges_vertices"][hinge] = [a, new]
+    data["edges_vertices"].append([new, b])
+    data["edges_assignment"].append("V")
+    data["edges_foldAngle"].append(90)
+    assert counts(read(tmp_path, data)) == (5, 4)
+    assert any("one body" in note for note in notes(tmp_path, data))
+
+
+def test_the_fixed_facet_is_in_the_middle_named_or_pointed_at(tmp_path: Path) -> None:
+    def fixed(**options: Any) -> list[str]:
+        made = read(tmp_path, corpus.miura(5, 5, faces=True), **options)
+        return [body.name for body in made.bodies if body.fixed]
+
+    assert fixed() == ["F12"]
+    assert fixed(fixed="F3") == ["F3"]
+    assert fixed(fixed=(0.012, 0.005)) == ["F0"]
+    for wrong in ("F99", (5.0, 5.0)):
+        with pytest.raises(LamcError, match="no facet"):
+            fixed(fixed=wrong)
+
+
+def test_frames_inherit_and_a_bare_key_frame_gives_way(tmp_path: Path) -> None:
+    flat = corpus.miura(2, 2)
+    data = {"file_spec": 1.2, "file_frames": [flat, {"frame_parent": 1, "frame_inherit": True}]}
+    assert counts(read(tmp_path, data)) == (4, 4)
+    base = {k: v for k, v in flat.items() if k != "edges_vertices"}
+    own = {"frame_parent": 0, "frame_inherit": True, "edges_vertices": flat["edges_vertices"]}
+    assert counts(read(tmp_path, {**base, "file_frames": [own]})) == (4, 4)
+    loop = [{"frame_parent": 2, "frame_inherit": True}, {"frame_parent": 1, "frame_inherit": True}]
+    with pytest.raises(LamcError, match="inherits from itself"):
+        read(tmp_path, {**base, "file_frames": loop})
+
+
+def set_at(*path: Any) -> Callable[[Any], Callable[[Data], None]]:
+    def of(value: Any) -> Callable[[Data], None]:
+        def change(data: Data) -> None:
+            at: Any = data
+            for key in path[:-1]:
+                at = at[key]
+            at[path[-1]] = value
+
+        return change
+
+    return of
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (set_at("vertices_coords", 3, 0)(math.nan), "NaN, which is no JSON"),
+        (set_at("vertices_coords", 3, 0)("7"), "vertex 3 is"),
+        (set_at("vertices_coords", 3, 0)(10**400), "vertex 3 has a coordinate that is not finite"),
+        (set_at("vertices_coords", 3)([1]), "vertex 3 is"),
+        (set_at("vertices_coords")([]), "no vertices_coords"),
+        (set_at("edges_vertices", 2)([0, 99]), "edge 2 names vertex 99; vertices are 0 to 8"),
+        (set_at("edges_vertices", 2)([0, 0]), "edge 2 has the vertices"),
+        (set_at("edges_vertices", 2)([0, 1]), "edges 0 and 2 both join"),
+        (set_at("edges_vertices", 2)([True, 1]), "edge 2 names vertex True"),
+        (set_at("edges_vertices")(7), "edges_vertices is 7; it must be a list"),
+        (set_at("edges_vertices")([]), "no frame|neither"),
+        (set_at("edges_assignment", 1)("X"), "edge 1 has the assignment 'X'"),
+        (set_at("edges_assignment")(["M"]), "1 entries for 12 edges"),
+        (set_at("edges_foldAngle")([400] * 12), "edge 0 has the fold angle 400"),
+        (set_at("frame_unit")("parsec"), "frame_unit is 'parsec'"),
+        (set_at("vertices_coords", 4)([200.0, 10.0]), r"edges \d+ and \d+ cross at \("),
+        (set_at("vertices_coords", 4)([15.0, 0.0]), r"vertex 4 at \(15, 0\) lies on edge 0"),
+        (set_at("vertices_coords", 4)([0.0, 0.0]), "vertices 0 and 4 are one place"),
+        (set_at("faces_vertices")([[0, 1, 99]]), "face 0 names vertex 99"),
+        (set_at("faces_vertices")([[0, 1, 1]]), "face 0 has the vertices"),
+        (set_at("faces_vertices")([[0, 1, 5, 4]]), "face 0 has a side from vertex"),
+        (set_at("faces_vertices")([[0, 1, 4, 3], [0, 1, 4, 3]]), "faces 0 and 1 lie over one another"),
+        (set_at("vertices_coords", 4, slice(2, 3))([5.0]), "lists no faces_vertices"),
+        (set_at("file_frames")("x"), "file_frames must be a list"),
+        (set_at("lamc:card")({"thickness": 0}), "lamc:card has"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_number(
+    tmp_path: Path, change: Callable[[Data], None], told: str
+) -> None:
+    data = copy.deepcopy(corpus.miura(2, 2))
+    change(data)
+    with pytest.raises(LamcError, match=told) as caught:
+        read(tmp_path, data)
+    assert "sheet.fold" in str(caught.value)
+
+
+def test_text_that_is_no_json_is_told_with_its_line(tmp_path: Path) -> None:
+    file = tmp_path / "sheet.fold"
+    file.write_text('{"file_spec": 1.2,\n "vertices_coords": [[0, 1],]}')
+    with pytest.raises(LamcError, match=r"sheet\.fold:2:.*no JSON"):
+        lamc.load(file)
+
+
+def test_a_closed_box_cannot_be_laid_flat(tmp_path: Path) -> None:
+    with pytest.raises(LamcError, match="cannot be laid flat: about vertex"):
+        read(tmp_path, corpus.cube())
+
+
+def test_a_million_edges_are_refused_soon_with_the_limit(tmp_path: Path) -> None:
+    file = tmp_path / "big.fold"
+    file.write_text('{"vertices_coords": [[0,0],[1,1]], "edges_vertices": [' + "[0,1]," * 10**6 + "[0,1]]}")
+    began = time.monotonic()
+    with pytest.raises(LamcError, match="limit 'values'"):
+        lamc.load(file)
+    assert time.monotonic() - began < 5.0  # s; it is some 10 ms
+
+
+def test_options_of_sheets_are_refused_elsewhere(tmp_path: Path) -> None:
+    file = tmp_path / "flat.yaml"
+    file.write_text("kind: mechanism\nbodies: [{name: a, fixed: true}]\njoints: []\n")
+    with pytest.raises(LamcError, match="units is for sheets"):
+        lamc.load(file, units="mm")
+
+
+def test_the_command_line_takes_what_python_takes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from lamc.cli import main
+
+    assert isinstance(main, Cli)
+    file = str(corpus.write(tmp_path / "net.fold", corpus.box_net(None)))
+    words = ["--card", "0.5 mm, 900 kg/m^3", "--crease", "2e-3 N*mm/rad/mm", "--units", "cm", "--fixed", "F1"]
+    folder = tmp_path / "out"
+    assert main.main(["split", file, *words, "--out", str(folder), "--json"], standalone_mode=False) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["ok"]
+    made = lamc.load(folder / "net.mechanism.yaml")
+    assert isinstance(made, Mechanism)
+    assert made.body("F1").fixed
+    assert made.bodies[0].mass == pytest.approx(4e-4 * 0.5e-3 * 900.0)
+    assert main.main(["split", file, "--card", "thick"], standalone_mode=False) == 2
+    assert "'0.3 mm, 700 kg/m^3'" in capsys.readouterr().err
+
+
+FEW = settings(
+    max_examples=tries(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+WORDS = st.sampled_from(
+    ["[", "]", "{", "}", ",", ":", "null", "NaN", "-1", "1e999", '"M"', '"', "[]", "true", "9" * 5000, "0.5"]
+)
+
+
+@FEW
+@given(data=st.data())
+def test_any_change_of_a_file_is_a_record_or_an_error(tmp_path: Path, data: st.DataObject) -> None:
+    base = data.draw(st.sampled_from([corpus.miura(2, 2, faces=True), corpus.folded_pair(0.7)]))
+    text = json.dumps(base)
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(text)))
+        text = text[:at] + data.draw(WORDS) + text[at + data.draw(st.integers(0, 6)) :]
+    attempt(tmp_path, text)
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers(-3, 9) | st.floats() | st.text(max_size=3),
+    lambda inner: st.lists(inner, max_size=4),
+    max_leaves=8,
+)
+KEYS = ["vertices_coords", "edges_vertices", "edges_assignment", "edges_foldAngle", "faces_vertices"]
+KEYS += [
+    "frame_unit",
+    "frame_inherit",
+    "frame_parent",
+    "file_frames",
+    "file_spec",
+    "frame_title",
+    "lamc:card",
+]
+KEYS += ["lamc:faces_body", "lamc:fixed", "lamc:edges_hinge"]
+
+
+@FEW
+@given(key=st.sampled_from(KEYS), value=VALUES)
+def test_any_value_of_a_field_is_a_record_or_an_error(tmp_path: Path, key: str, value: Any) -> None:
+    attempt(tmp_path, json.dumps({**corpus.miura(2, 2), key: value}))
+
+
+def attempt(folder: Path, text: str) -> None:
+    file = folder / "fuzzed"
+    file.write_text(text, encoding="utf-8")
+    began = time.monotonic()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        message = ""
+        try:
+            lamc.load(file)
+        except LamcError as error:
+            message = str(error)
+    assert all(len(line) < 2000 for line in message.splitlines())
+    assert time.monotonic() - began < 5.0  # s: a second is the promise, and the machine may be busy

@@ -35,6 +35,7 @@ from lamc.records.mechanism import Body, Mechanism, Slab
 from lamc.records.scene import Scene
 
 _LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
+_SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave slivers where it is laid flat
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
 
 
@@ -124,7 +125,7 @@ class _Sheet:
         if frame.faces is None:
             if not level:
                 raise DesignError("the sheet is folded, in three dimensions, and lists no faces_vertices")
-            faces = faces_of(frame.vertices[:, :2], frame.edges, self.notes)
+            faces = faces_of(frame.vertices[:, :2], frame.edges, frame.kinds, self.notes)
             polygons = polygons_of(points[:, :2], faces)
         elif level:
             faces = tuple(counterclockwise(points[:, :2], face) for face in frame.faces)
@@ -135,7 +136,8 @@ class _Sheet:
             if pair is not None and not 0 < turned < len(faces):
                 raise DesignError(
                     f"faces {pair[0]} and {pair[1]} lie over one another; a sheet that is folded flat has faces of "
-                    "both orientations, and any other needs them side by side"
+                    "both orientations, and any other needs them side by side (an outline amid a facet: join it to the "
+                    "facet's corners by two edges F, and a hole is read)"
                 )
             if pair is None:
                 return self._flat(faces)
@@ -160,7 +162,8 @@ class _Sheet:
         angles = angles_of(self.points, normals, frame.edges, beside, joined, signs)
         roots = _roots(len(faces), [beside[k] for k in joined])
         corners = laid_flat(self.points, faces, normals, frame.edges, beside, joined, roots, self.size)
-        pair = overlap([shapely.Polygon([corners[k][v] for v in face]) for k, face in enumerate(faces)])
+        laid = [shapely.Polygon([corners[k][v] for v in face]) for k, face in enumerate(faces)]
+        pair = overlap(laid, _SLIVER)
         if pair is not None:
             raise DesignError(
                 f"laid flat, faces {pair[0]} and {pair[1]} lie over one another: the sheet was not folded from one "

@@ -7,7 +7,7 @@ Joints follow the spec's sign: a positive angle is a valley, seen from the side 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 import numpy as np
@@ -29,6 +29,7 @@ from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normal
 from lamc.readers.fold_groups import Crease, grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
 from lamc.readers.fold_own import Own, own_of
+from lamc.readers.fold_start import fitted
 from lamc.readers.inert import Limits
 from lamc.records.card import Card, SheetOptions
 from lamc.records.mechanism import Body, Mechanism, Slab
@@ -104,10 +105,14 @@ class _Sheet:
             angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
             if abs(angle) > _TURNED:
                 start[joint.name] = angle
-        scene = Scene(angles=start) if start else None
         name = frame.title.strip() or stem or "sheet"
         name = "".join(c for c in name if c.isprintable())[:100] or "sheet"
-        return Mechanism(tuple(bodies), tuple(joints), name, scene), self.notes
+        flat = Mechanism(tuple(bodies), tuple(joints), name)
+        if not start:
+            return flat, self.notes
+        if not own.hinges:
+            start = fitted(flat, start, self.notes)
+        return replace(flat, scene=Scene(angles=start)), self.notes
 
     def _scale(self) -> float:
         """m of the file's unit."""

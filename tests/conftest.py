@@ -26,7 +26,9 @@ NOWHERE = "/proc/nowhere"  # a home that nobody can make or write to, root neith
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--update-golden", action="store_true", help="rewrite tests/golden and print what changed as a diff"
+        "--update-golden",
+        action="store_true",
+        help="rewrite tests/golden and tests/view/kept, and print what changed as a diff",
     )
     parser.addoption(
         "--hostile",

@@ -56,7 +56,7 @@ def doctor(compiler: str | None, terminal: Terminal) -> int:
         Finding("lamc", "ok", __version__),
         _compiler(compiler),
         _cache(),
-        _ffmpeg(),
+        _films(),
         *(_package(*each) for each in _OPTIONAL),
     ]
     width = max(len(f.matter) for f in findings)
@@ -144,11 +144,15 @@ def _cache() -> Finding:
     return Finding("cache", "ok", f"{root}: {count}, {size / 1e6:.1f} MB; delete the folder to empty it")
 
 
-def _ffmpeg() -> Finding:
+def _films() -> Finding:
+    """What writes MP4, in the order of `lamc.report.film`."""
+    if importlib.util.find_spec("av") is not None:
+        return Finding("films", "ok", "MP4, by PyAV")
     found = shutil.which("ffmpeg")
     if found is None:
-        return Finding("ffmpeg", "missing", "films are written as GIF; install ffmpeg for smaller MP4 files")
-    return Finding("ffmpeg", "ok", found)
+        way_out = "pip install 'lamc[video]', or ffmpeg, for smaller MP4 files"
+        return Finding("films", "missing", f"films are written as GIF; {way_out}")
+    return Finding("films", "ok", f"MP4, by {found}")
 
 
 def _package(name: str, purpose: str, way: str) -> Finding:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from lamc import examples
 from lamc.basics.errors import LamcError
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
 from lamc.commands.run_folder import MANIFEST
@@ -24,23 +25,22 @@ from lamc.run.run_record import Provenance, RunStats
 from lamc.run.simulator import Simulator
 
 
-def finished_run(folder: Path, source: Source, times: Times, progress: Progress) -> Result:
-    """The run in `folder`, or in the only folder of a run that it holds, as out/NAME holds out/NAME/SCENE."""
+def finished_run(
+    folder: Path, source: Source, times: Times, progress: Progress
+) -> tuple[Result, tuple[str, ...]]:
+    """The run in `folder`, or in the only folder of a run that it holds, as out/NAME holds out/NAME/SCENE; and what to
+    say of it."""
     inside = sorted(path.parent for path in folder.glob(f"*/{MANIFEST}"))
     if not (folder / MANIFEST).exists() and len(inside) == 1:
         folder = inside[0]
     manifest = _manifest(folder)
     way_out = "run it again, or view the design itself"
     origin = str(manifest["source"])
-    is_file = Path(origin).exists()
-    loaded = load_source(
-        replace(source, file=origin if is_file else None, example=None if is_file else origin),
-        times,
-        progress,
-    )
+    loaded = load_source(_source(folder, origin, source), times, progress)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, SceneChanges(scene=manifest["scene"]))
-    scene = replace(scene, angles=manifest["angles"], rates=manifest["rates"])
+    branch = manifest.get("branch", scene.branch)
+    scene = replace(scene, angles=manifest["angles"], rates=manifest["rates"], branch=branch)
     simulator = compile_design(mechanism, scene, source.options, times)
     result = _result(folder, manifest, simulator)
     if result.provenance.digest != manifest["program_digest"]:
@@ -48,7 +48,26 @@ def finished_run(folder: Path, source: Source, times: Times, progress: Progress)
             f"{folder}: it was run of another model than {origin!r} is now; the file has changed since, or effects "
             f"were added or left out by options: {way_out}"
         )
-    return result
+    notes = []
+    if manifest.get("source_sha256") != loaded.digest:
+        notes.append(f"{origin} was changed after this run: what is drawn may not be what ran; {way_out}.")
+    if simulator.model.guards:
+        notes.append(f"The files of a run have no events, so none is marked; view {origin} itself for them.")
+    return result, tuple(notes)
+
+
+def _source(folder: Path, origin: str, source: Source) -> Source:
+    """Where the design of a manifest is: a file, or an example that is made to a size."""
+    if Path(origin).is_file():
+        return replace(source, file=origin, example=None)
+    try:
+        examples.find(origin)
+    except LamcError as error:
+        raise LamcError(
+            f"{folder}: its design, {origin!r}, is not there as seen from here; go to the folder where it was run, or "
+            "view the design itself"
+        ) from error
+    return replace(source, file=None, example=origin)
 
 
 def _manifest(folder: Path) -> Mapping[str, Any]:

@@ -141,10 +141,16 @@ def show_effects(name: str | None, terminal: Terminal) -> int:
     return 0
 
 
+def _arguments(name: str, arity: int) -> str:
+    if arity == 1:
+        return "x"
+    return "y, x" if name == "atan2" else "x, y"
+
+
 def show_functions(terminal: Terminal) -> int:
     """What expressions may hold."""
     functions = [
-        [f"{name}({'x, y' if each.arity == 2 else 'x'})", each.meaning] for name, each in FUNCTIONS.items()
+        [f"{name}({_arguments(name, each.arity)})", each.meaning] for name, each in FUNCTIONS.items()
     ]
     functions += [[name, f"{value:.6g}"] for name, value in CONSTANTS.items()]
     names = [list(row) for row in _NAMES]

@@ -253,6 +253,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "effects": [{"name": c.name, "in": c.effect is not None, "why": c.reason} for c in report.account],
         "angles": dict(simulator.scene.angles),
         "rates": dict(simulator.scene.rates),
+        "branch": simulator.scene.branch,
         "parameters": dict(result.provenance.parameters),
         "parameter_units": dict(simulator.parameter_units),
         "notes": list(report.notes),

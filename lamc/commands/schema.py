@@ -54,7 +54,7 @@ def part_of(name: str) -> Part:
         raise LamcError("`lamc effects` lists the effects, and `lamc effects NAME` shows the fields of one")
     raise LamcError(
         f"no part of lamc's files is named {name[:40]!r}; {did_you_mean(wanted, list(known))} "
-        "`lamc schema --list` has them all"
+        "`lamc schema --list` has them all, and `lamc effects` those that act in a scene"
     )
 
 

@@ -3,7 +3,7 @@
 In: a `ViewOrder`. Out: one file of HTML, and a line that names it. What a page holds is the business of `lamc.view`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,7 @@ from lamc.run.result import Result
 from lamc.view.document import MOST_BYTES, Show, write_page
 from lamc.view.plates import report_show
 
+RUN, PLATE, DEVICE = "run", "plate", "device"
 _MOST_SHOWS = 12  # on one page
 
 
@@ -57,10 +58,14 @@ def view(order: ViewOrder, terminal: Terminal) -> int:
         raise LamcError("name a FILE, the folder of a finished run, or an example with --example NAME")
     if len(order.sources) > _MOST_SHOWS:
         raise LamcError(f"{len(order.sources)} are named; a page shows at most {_MOST_SHOWS} side by side")
+    unused = _unused(order)
     times = Times()
     with terminal.progress() as progress:
         times.observer = progress.stage
         shows = [_show(source, order, times, progress) for source in order.sources]
+        if len(shows) > 1:
+            shows = [replace(s, notes=tuple(f"{s.data['label']}: {note}" for note in s.notes)) for s in shows]
+        shows[0] = replace(shows[0], notes=(*unused, *shows[0].notes))
         with times.stage("page"):
             title = " · ".join(dict.fromkeys(show.name for show in shows))
             text = compared(shows, title)
@@ -107,17 +112,54 @@ def _path(order: ViewOrder, title: str) -> Path:
     return path
 
 
+def _kind(source: Source) -> str:
+    """What is named. Raises LamcError for an example that is not there."""
+    if source.file is not None and Path(source.file).is_dir():
+        return RUN
+    if is_plate_source(source):
+        return PLATE
+    check_example(source)
+    return DEVICE
+
+
+def _unused(order: ViewOrder) -> list[str]:
+    """Notes on what options do not change. Raises LamcError where they change nothing on the page."""
+    changes = order.changes
+    options = {
+        "--scene": changes.scene, "--with": changes.with_effects, "--without": changes.without_effects,
+        "--angle": changes.angles, "--rate": changes.rates, "--branch": changes.branch,
+        "--set": order.settings, "--t-end": order.t_end,
+    }  # fmt: skip
+    given = [name for name, value in options.items() if value not in (None, (), [])]
+    if order.fold and given:
+        raise LamcError(
+            f"{', '.join(given)} with --fold: nothing runs, and folding begins as drawn; leave out one"
+        )
+    given += ["--fold"] if order.fold else []
+    fixed = [source for source in order.sources if given and _kind(source) != DEVICE]
+    notes = []
+    for source in fixed:
+        name = source.file or source.example
+        what = f"{name} is {'a finished run' if _kind(source) == RUN else 'a plate'}"
+        if len(fixed) == len(order.sources):
+            raise LamcError(
+                f"{', '.join(given)}: {what}, which this does not change; leave it out, or name a design"
+            )
+        notes.append(f"{what}: {', '.join(given)} changed nothing in it.")
+    return notes
+
+
 def _show(source: Source, order: ViewOrder, times: Times, progress: Progress) -> Show:
     label = "" if len(order.sources) == 1 else source.example or Path(source.file or "").name
     budget = MOST_BYTES // len(order.sources)
-    if source.file is not None and Path(source.file).is_dir():
-        return result_show(
-            finished_run(Path(source.file), source, times, progress), live=order.live, label=label
-        )
-    if is_plate_source(source):
+    kind = _kind(source)
+    if kind == RUN:
+        result, notes = finished_run(Path(source.file or ""), source, times, progress)
+        show = result_show(result, live=order.live, label=label, budget=budget)
+        return replace(show, notes=(*show.notes, *notes))
+    if kind == PLATE:
         file, origin = load_plate(PlateSource(source.file, source.example))
         return report_show(answers(file, origin, None, "auto", times), label=label)
-    check_example(source)
     loaded = load_source(source, times, progress)
     mechanism = mechanism_of(loaded, times, progress)
     if order.fold:
@@ -131,7 +173,9 @@ def _run(mechanism: Mechanism, source: Source, order: ViewOrder, times: Times, p
     scene, _ = changed_scene(mechanism, order.changes)
     simulator = compile_design(mechanism, scene, source.options, times)
     parameters = dict(parameters_of(order.settings, simulator.parameter_units))
-    end = order.t_end or scene.duration or DURATION
+    end = (scene.duration or DURATION) if order.t_end is None else order.t_end
+    if end <= 0.0:
+        raise LamcError(f"--t-end is {end:g} s; it must be above zero, or leave the run out by --fold")
     rows = default_rows(end, len(simulator.start))
     with times.stage("run"):
         return simulator.run(

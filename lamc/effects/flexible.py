@@ -164,7 +164,7 @@ class _Asked:
     def __init__(self, plate: BodyPlate, by: FlexibleLinks) -> None:
         self.plate, self.modes, self.element, self.static = plate, by.modes, by.element, by.static
         self.size = (by.size or _usual_size(plate)) / by.refinement
-        regions = tuple((n, plate.regions[n].wkb, repr(plate.laminates[n])) for n in plate.regions)
+        regions = tuple((n, plate.regions[n].wkb, plate.laminates[n]) for n in plate.regions)
         joined = tuple((a.point, a.edge.wkb if a.edge is not None else b"") for a in plate.attachments)
         self._content = (regions, plate.clamped.wkb, joined, self.modes, self.size, self.element, self.static)
 

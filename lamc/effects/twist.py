@@ -40,9 +40,7 @@ class TwistCompliance(RegisteredEffect):
     """
 
     joints: Annotated[Names | None, Field(description="names of those that yield; left out: all")] = None
-    width: Annotated[
-        Amount, Unit("m", "of the strip from link to link; of a design: twice its hinge width", gt=0.0)
-    ] = None
+    width: Annotated[Amount, Unit("m", "of the strip from link to link; of a design: its gap", gt=0.0)] = None
     length: Annotated[
         Amount,
         Unit("m", "along the hinge line; of a design: what is left of the line, piece by piece", gt=0.0),

@@ -15,7 +15,7 @@ from lamc.codegen.cache import Cache, cache_root
 from lamc.export.c import CSource, c_source
 from lamc.export.members import CMember
 from lamc.export.options import ExportOptions
-from lamc.export.wasm_module import INSTALL_HINT, binary_of, engine_of, find_wasm_tools, tools_key
+from lamc.export.wasm_module import binary_of, engine_of, find_wasm_tools, tools_key
 from lamc.readers.scene_writer import scene_data
 from lamc.records.scene import Scene
 from lamc.run.simulator import Simulator
@@ -57,10 +57,7 @@ def live_or_why(simulator: Simulator) -> tuple[Live | None, str]:
     try:
         return live_of(simulator), ""
     except BuildError as error:
-        return (
-            None,
-            f"Without the model: {error}. With one, its numbers can be changed in this page: {INSTALL_HINT}.",
-        )
+        return None, f"Without the model, whose numbers could be changed in this page: {error}."
     except LamcError as error:
         return None, f"Without the model, which cannot run in a page: {error}"
 

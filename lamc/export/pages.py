@@ -36,6 +36,9 @@ from lamc.view.device import fold_show, run_show
 from lamc.view.document import MOST_BYTES, Show, framed, page, write_page
 from lamc.view.plates import problem_show, solution_show, solutions_show
 
+_STABILISED = (
+    "Without the model: this run was stabilised (baumgarte), and models in pages project steps on closure."
+)
 _MOST_JOINTS = 40  # of a mechanism whose ways out of a singular drawing are looked for, which takes a moment
 
 
@@ -66,6 +69,8 @@ def result_show(result: Result, *, live: bool, label: str = "", budget: int = MO
     """A run; with its model where one is asked for and can be had."""
     if not live or not isinstance(result.telling, Telling):
         return run_show(result, label=label, budget=budget)
+    if result.telling.baumgarte:
+        return run_show(result, label=label, notes=(_STABILISED,), budget=budget)
     simulator = result.telling.simulator
     model, why = live_or_why(simulator)
     scene, notes = simulator.scene, (why,) if why else ()
@@ -106,7 +111,7 @@ def _solved(problem: Problem) -> Show:
 
 
 def temporary(record: Any) -> Path:
-    """A place for a page that nobody gave one: the same for the same name."""
+    """A place for a page that nobody gave one, in a new folder each time."""
     name = getattr(getattr(record, "mechanism", record), "name", None) or "plate"
     return Path(tempfile.mkdtemp(prefix="lamc-view-")) / f"{identifier(str(name))}.html"
 

@@ -86,8 +86,9 @@ def find_wasm_tools() -> WasmTools:
     clang, linker = shutil.which("clang"), shutil.which("wasm-ld")
     if clang is None or linker is None:
         missing = " and ".join(name for name, found in (("clang", clang), ("wasm-ld", linker)) if not found)
+        verb = "are" if " and " in missing else "is"
         raise BuildError(
-            f"an export to wasm needs a compiler for it, and {missing} is missing; {INSTALL_HINT}"
+            f"a model in WebAssembly needs a compiler for it, and {missing} {verb} missing; {INSTALL_HINT}"
         )
     return WasmTools(Compiler((clang, "--target=wasm32"), clang), Compiler((linker,), linker))
 

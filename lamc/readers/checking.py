@@ -50,9 +50,16 @@ class Problems:
         return {key.text: value.place for key, value in pairs if isinstance(key, ScalarNode)}
 
     def text(self, path: Path) -> str:
-        """What is written at `path`; empty where no single value is."""
+        """What is written at `path`; empty where no single value is. Looks through the map that it is in."""
         node = node_at(self._root, path)
         return node.text if isinstance(node, ScalarNode) else ""
+
+    def texts(self, path: Path) -> Mapping[str, str]:
+        """What is written in the map at `path`, by key; what is no single value is left out."""
+        node = node_at(self._root, path)
+        pairs = node.pairs if isinstance(node, MapNode) else ()
+        scalars = ((k, v) for k, v in pairs if isinstance(k, ScalarNode) and isinstance(v, ScalarNode))
+        return {key.text: value.text for key, value in scalars}
 
     def add(self, path: Path, message: str, place: Place | None = None) -> None:
         self._found.append(DesignError(f"{shown(path)}: {message}", place or self.place(path)))

@@ -248,8 +248,10 @@ class _Reader:
 
     def _check_angles(self, said: _Said) -> None:
         """Warns of angles that are more than a turn, and written without a unit."""
+        maps = {path[:-1] for _, path in said.angles.values()}
+        texts = {each: self.problems.texts(each) for each in maps}
         for name, (value, path) in said.angles.items():
-            if is_bare(self.problems.text(path)):
+            if is_bare(texts[path[:-1]].get(str(path[-1]), "")):
                 warn_of_degrees(value, f"the initial angle of joint {name!r}", self._place(path))
 
     def _effect(self, called: Called) -> Effect | None:

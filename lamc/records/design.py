@@ -94,7 +94,7 @@ class HingeSet:
 
     def __repr__(self) -> str:
         return brief(
-            "HingeSet", "", counted(len(self.lines), "line"), f"layer {self.layer}", f"{self.width:g} m wide"
+            "HingeSet", "", counted(len(self.lines), "line"), f"layer {self.layer}", f"gap {self.gap:g} m"
         )
 
 

@@ -6,6 +6,7 @@ In: frames, a path. Out: a file, written whole or not at all; or the word that n
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol
@@ -30,15 +31,18 @@ class Frames(Protocol):
 Encoder = Callable[[Frames, Path, int], bool]
 
 
+class _UnwrittenError(Exception):
+    """An encoder cannot."""
+
+
 def write_mp4(frames: Frames, path: Path, rate: int, encoders: Sequence[Encoder] | None = None) -> bool:
     """Writes the frames by the first encoder that can, None: PyAV, then ffmpeg; `rate` a second. False where none can,
-    and then there is no file."""
+    and then `path` is as it was."""
     for encode in (by_pyav, by_ffmpeg) if encoders is None else encoders:
-        with replacing(path) as temporary:
-            done = encode(frames, temporary, rate)
-        if done:
+        with suppress(_UnwrittenError), replacing(path) as temporary:
+            if not encode(frames, temporary, rate):
+                raise _UnwrittenError  # leaves a film that was there before as it was
             return True
-        path.unlink()
     return False
 
 
@@ -48,7 +52,7 @@ def by_pyav(frames: Frames, path: Path, rate: int) -> bool:
         av: Any = import_module("av")
     except ImportError:
         return False
-    codec = next((name for name in _CODECS if name in av.codecs_available), None)
+    codec = next((name for name in _CODECS if _encodes(av, name)), None)
     if codec is None:
         return False
     with av.open(str(path), "w", format="mp4", options={"movflags": "+faststart"}) as film:
@@ -58,6 +62,14 @@ def by_pyav(frames: Frames, path: Path, rate: int) -> bool:
             film.mux(stream.encode(av.VideoFrame.from_image(picture)))
         film.mux(stream.encode(None))
     return True
+
+
+def _encodes(av: Any, name: str) -> bool:
+    """`av.codecs_available` has decoders too, and h264 is one in a build that cannot write it."""
+    try:
+        return bool(av.Codec(name, "w").is_encoder)
+    except ValueError:  # UnknownCodecError
+        return False
 
 
 def by_ffmpeg(frames: Frames, path: Path, rate: int, program: str | None = None) -> bool:

@@ -75,9 +75,9 @@ def _value(name: str, value: object, units: Mapping[str, str]) -> float:
         raise RequestError(f"parameter {name!r} is {shown(value)}; it must be a number in {units[name]}")
     if isinstance(value, str):
         try:
-            value = in_unit(value, units[name], f"parameter {name!r}")
+            value = in_unit(value, units[name], "number")
         except DesignError as error:
-            raise RequestError(error.message) from error
+            raise RequestError(f"parameter {name!r}: {error.message}") from error
     number = finite(value, f"parameter {name!r}", f"a number in {units[name]}")
     rule = _rule(name)
     if rule is None:

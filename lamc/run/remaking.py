@@ -64,6 +64,11 @@ class Telling:
             self._simulator = self._recipe.simulator()
         return self._simulator
 
+    @property
+    def baumgarte(self) -> float:
+        """1/s; 0 where steps are projected."""
+        return self._baumgarte
+
     def __call__(self) -> "Motion":
         return self.simulator.telling.motion(self._parameters, self._baumgarte)
 

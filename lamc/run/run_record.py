@@ -29,6 +29,7 @@ class RunStats:
     singular_steps: int = (
         0  # of the accepted ones, at singular positions, where equations of the loops were let go
     )
+    max_step: float | None = None  # s, the limit that was asked for; None: none
 
 
 @dataclass(frozen=True)

@@ -317,6 +317,7 @@ class Simulator(Evaluations, Viewable):
                 singular_steps=trajectory.singular_steps,
                 wall_time=wall_time,
                 real_time_factor=trajectory.t_reached / wall_time if wall_time > 0.0 else float("inf"),
+                max_step=None if request.max_step == float("inf") else request.max_step,
             ),
             provenance=provenance,
             mechanism=self.mechanism,

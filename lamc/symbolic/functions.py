@@ -41,7 +41,7 @@ FUNCTIONS: Mapping[str, Elementary] = MappingProxyType(
         "asin": Elementary(1, math.asin, "asin", "rad, of -1 to 1"),
         "acos": Elementary(1, math.acos, "acos", "rad, of -1 to 1"),
         "atan": Elementary(1, math.atan, "atan", "rad"),
-        "atan2": Elementary(2, math.atan2, "atan2", "angle of the point (x, y), rad: atan2(y, x)"),
+        "atan2": Elementary(2, math.atan2, "atan2", "angle of the point (x, y), rad"),
         "sinh": Elementary(1, math.sinh, "sinh", "hyperbolic sine"),
         "cosh": Elementary(1, math.cosh, "cosh", "hyperbolic cosine"),
         "tanh": Elementary(1, math.tanh, "tanh", "hyperbolic tangent; a smooth step"),
@@ -51,6 +51,6 @@ FUNCTIONS: Mapping[str, Elementary] = MappingProxyType(
         "sign": Elementary(1, _sign, "sign", "-1, 0 or 1; jumps at 0"),
         "min": Elementary(2, min, "Min", "the smaller of two"),
         "max": Elementary(2, max, "Max", "the larger of two"),
-        "pow": Elementary(2, math.pow, "Pow", "pow(x, y) is x^y"),
+        "pow": Elementary(2, math.pow, "Pow", "x to the power of y, x^y"),
     }
 )

@@ -51,7 +51,10 @@ def run_show(
     size = float(shape["size"])
     specs = curve_specs(result, mechanism, result.outputs, result.energies)
     motion = motion_of(result, specs, size)
-    settings = {"rtol": result.stats.rtol, "atol": result.stats.atol}
+    stats = result.stats
+    settings = {"rtol": stats.rtol, "atol": stats.atol}
+    if stats.max_step is not None:
+        settings["maxStep"] = stats.max_step
     model = None if live is None else live_data(live, mechanism, result.provenance.parameters, settings)
     taken = _TEXT + len(packed([shape, model])) + (0 if live is None else len(live.engine))
     recording = _within(motion, size, max(budget - taken, _LEAST))
@@ -65,6 +68,7 @@ def run_show(
         "moving": moving_bodies(mechanism, result.motion.model.bodies),
         "order": [names.index(name) for name in result.joints],
         "start": [float(result.angle(name)[0]) if name in result.joints else 0.0 for name in names],
+        "rates": [None if scene is None else scene.rates.get(name) for name in names],
         "curves": specs,
         "recording": recording,
         "events": _events(result),
@@ -101,6 +105,7 @@ def model_show(
         "moving": moving_bodies(mechanism, simulator.model.bodies),
         "order": [names.index(name) for name in simulator.joints],
         "start": [float(start.get(name, 0.0)) for name in names],
+        "rates": [scene.rates.get(name) for name in names],
         "curves": curve_specs(simulator, mechanism, scene.outputs or (), simulator.model.energies),
         "recording": None,
         "events": None,

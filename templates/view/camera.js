@@ -42,7 +42,7 @@ class Camera {
   look(width, height, ratio) {
     const { radius, centre } = this.home;
     const aspect = width / height;
-    this.fit = 0.94 / Math.sin(ANGLE / 2) / Math.min(1, aspect * 0.98);
+    this.fit = 1 / Math.sin(ANGLE / 2) / Math.min(1, aspect * 0.98);
     const [right, up, towards] = axesOf(this);
     const middle = plus(centre, this.follow);
     const target = plus(middle, this.aside);

@@ -96,6 +96,21 @@ class Kinematics {
     return error <= 1e-7 ? now : null;
   }
 
+  /** Rates of all hinges at closed angles: those that are given (null: is not), and the smallest others; and whether
+   * that is a motion */
+  rates(angles, given) {
+    const free = given.flatMap((rate, k) => (rate === null ? [k] : []));
+    const rates = given.map((rate) => rate ?? 0);
+    const rows = this.slopes(this.poses(angles));
+    const left = () => rows.map((row) => rates.reduce((sum, rate, k) => sum + row[k] * rate, 0));
+    for (let round = 0; round < 2; round++) { // once more for the digits that the squares took
+      const step = leastSquares(rows, left(), free, 1e-12);
+      free.forEach((k, i) => (rates[k] -= step[i]));
+    }
+    const missed = Math.max(0, ...left().map(Math.abs));
+    return { rates, fits: missed <= 1e-8 * Math.max(...given.map((rate) => Math.abs(rate ?? 0))) };
+  }
+
   /** One hinge is turned to `angle`, in short steps; the others follow, or it stops where they cannot. `rates` is a way
    * out of a singular position, such as the flat one, by the rates of all hinges. */
   turnedTo(angles, joint, angle, rates = null) {

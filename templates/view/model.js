@@ -13,7 +13,9 @@ class LiveDevice extends Device {
     this.module = await WebAssembly.compile(live.wasm);
     this.engine = new Engine(simulatorOf(this.module));
     this.source = source;
-    this.base = this.engine.begin(this.order()).q;
+    const first = this.engine.begin(this.order());
+    [this.base, this.baseRates] = [Array.from(first.q), Array.from(first.u)];
+    first.free();
     this.makeModelSliders();
     this.stage.element.append(el("span", { className: "badge", textContent: "live", title: "The model is in this page: change its numbers" }));
     if (this.recorded === null) {
@@ -63,13 +65,26 @@ class LiveDevice extends Device {
   order() {
     const { parameters, inputs, angles } = this.changed;
     const rows = clamp(Math.round((30 * this.duration) / this.data.speed), 151, 1201);
-    let q = null;
+    let [q, u] = [null, null];
+    this.unfit = "";
     if (Object.keys(angles).length > 0) {
       q = Array.from(this.base);
       this.data.order.forEach((joint, k) => (q[k] = this.angles[joint]));
+      u = this.startRates();
     }
     const { given, settings } = this.data.live;
-    return { duration: this.duration, rows, settings, parameters: { ...given.parameters, ...parameters }, inputs: { ...given.inputs, ...inputs }, q, u: null };
+    return { duration: this.duration, rows, settings, parameters: { ...given.parameters, ...parameters }, inputs: { ...given.inputs, ...inputs }, q, u };
+  }
+
+  /** Rates at angles that were changed: where loops close, others follow from the scene's than where it starts */
+  startRates() {
+    const { hinges, order, rates } = this.data;
+    if (this.kinematics.tree.cuts.length === 0 || order.length < hinges.length || !rates.some((rate) => rate)) return null;
+    const found = this.kinematics.rates(this.angles, rates);
+    if (!found.fits) this.unfit = "The scene's rates are no motion at these angles: the run begins with the nearest.";
+    const u = Array.from(this.baseRates);
+    order.forEach((joint, k) => (u[k] = found.rates[joint]));
+    return u;
   }
 
   /** Values of the curves in a row of the engine */
@@ -114,7 +129,7 @@ class LiveDevice extends Device {
 
   finish(motion, problem, slider) {
     if (slider) slider.refuse(problem && motion.filled < 2 ? problem : "");
-    this.tell(problem ?? "");
+    this.tell(problem ?? this.unfit);
     this.settled = problem === null;
     if (motion.filled > 0) this.show(motion, []);
   }
@@ -232,8 +247,12 @@ class LiveDevice extends Device {
   }
 
   async copy() {
-    const named = (kind) => Object.fromEntries(Object.entries(this.changed[kind]).map(([field, value]) => [this.data.live[kind].find((each) => each.field === field).name, value]));
-    const text = sceneText(this.data.scene ?? {}, { angles: this.changed.angles, inputs: named("inputs"), parameters: named("parameters") });
+    const { given } = this.data.live; // what the run was given besides its scene
+    const named = (kind) => Object.fromEntries(Object.entries({ ...given[kind], ...this.changed[kind] }).map(([field, value]) => [this.data.live[kind].find((each) => each.field === field).name, value]));
+    const base = this.data.scene ?? {};
+    const isSaid = (name) => name in this.changed.angles || name in (base.angles ?? {}); // others of a loop have followed
+    const turned = Object.keys(this.changed.angles).length === 0 ? [] : this.data.hinges.flatMap(({ name }, k) => (isSaid(name) ? [[name, this.angles[k]]] : []));
+    const text = sceneText(base, { angles: Object.fromEntries(turned), inputs: named("inputs"), parameters: named("parameters") });
     const box = el("textarea", { className: "copied", rows: 8, readOnly: true, value: text, "aria-label": "the scene" });
     this.side.querySelector(".copied")?.remove();
     this.side.append(box);

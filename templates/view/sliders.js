@@ -41,7 +41,8 @@ class Slider {
     const within = clamp(value, this.least, this.most);
     const share = this.log ? Math.log(within / this.least) / Math.log(this.most / this.least) : (within - this.least) / (this.most - this.least);
     this.bar.value = String(1000 * share);
-    const text = String(Number((value * this.factor).toPrecision(6)));
+    const shown = Number((value * this.factor).toPrecision(6));
+    const text = String(this.unit === "°" && Math.abs(shown) < 1e-9 ? 0 : shown); // round-off of closing loops
     if (document.activeElement !== this.field || Number(this.field.value) !== Number(text)) this.field.value = text;
     this.element.classList.toggle("changed", value !== this.start);
   }

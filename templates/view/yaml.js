@@ -22,7 +22,10 @@ function yaml(value, indent = "") {
  * as options */
 function sceneText(base, { angles, inputs, parameters }) {
   const scene = { ...base };
-  if (Object.keys(angles).length > 0) scene.angles = { ...scene.angles, ...angles };
+  if (Object.keys(angles).length > 0) {
+    scene.angles = { ...scene.angles, ...angles };
+    delete scene.branch; // of the position that it left
+  }
   if (Object.keys(inputs).length > 0) {
     const as = (old, value) => (old !== null && typeof old === "object" ? { ...old, default: value } : value);
     scene.inputs = { ...scene.inputs };

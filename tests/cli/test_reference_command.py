@@ -1,6 +1,7 @@
 """`lamc schema`, `lamc materials`, `lamc effects`, `lamc functions`: what there is to say, as tables and as data."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -96,3 +97,15 @@ def test_split_tells_slit_and_strip(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["cuts"][0] == {"joint": "left", "gap": 4e-4, "slit": 4e-5}
     text = call("split", "--example", "flaps", "--out", str(tmp_path)).stdout
     assert "gap 0.4 mm of all hinges: so much film bends, from board to board; a slit of 40 µm is cut" in text
+
+
+def test_arguments_stand_in_their_order() -> None:
+    told = call("functions").stdout
+    assert re.search(r"^atan2\(y, x\) +angle of the point \(x, y\)", told, re.MULTILINE)
+    assert re.search(r"^pow\(x, y\) +x to the power of y", told, re.MULTILINE)
+
+
+def test_an_effect_asked_for_as_a_part_leads_to_the_effects() -> None:
+    refused = call("schema", "motor")
+    assert refused.exit_code == 2
+    assert "lamc effects" in refused.stderr

@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 
 import lamc
 from lamc.cli import main
+from lamc.export.wasm_module import INSTALL_HINT
 from tests.support.ctools import needs_cc
 
 pytestmark = [needs_cc, pytest.mark.usefixtures("unpainted")]
@@ -96,12 +97,12 @@ def test_records_write_their_pages(tmp_path: Path) -> None:
 
 def test_without_a_compiler_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     def absent() -> None:
-        raise lamc.BuildError("clang is missing")
+        raise lamc.BuildError(f"clang is missing; {INSTALL_HINT}")
 
     monkeypatch.setattr(import_module("lamc.export.live"), "find_wasm_tools", absent)
     text, data = page("--example", "pendulum", "--t-end", "0.2")
     assert data["live"] == [False]
-    assert "pip install lamc[cc]" in text
+    assert text.count("pip install lamc[cc]") == 1
 
 
 def test_a_run_that_ends_early_is_shown_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,3 +118,56 @@ def test_a_run_that_ends_early_is_shown_and_says_so(monkeypatch: pytest.MonkeyPa
     assert told.startswith("error: pendulum: ")
     assert told.endswith("what was computed until then is in early.html")
     assert "20 steps" in Path("early.html").read_text(encoding="utf-8")
+
+
+def finished(*words: str) -> None:
+    assert CliRunner().invoke(main, ["run", *words, "--no-pictures", "--out", "run"]).exit_code == 0
+
+
+def test_options_that_change_nothing_are_refused_or_told() -> None:
+    finished("--example", "pendulum", "--t-end", "0.2")
+    for words, told in (
+        (("run", "--t-end", "1"), "--t-end: run is a finished run, which this does not change"),
+        (("run", "--set", "gravity.z=0", "--fold"), "--set with --fold"),
+        (("run", "--fold"), "--fold: run is a finished run"),
+        (("--example", "strip", "--angle", "h1=1"), "--angle: strip is a plate"),
+        (("--example", "pendulum", "--fold", "--angle", "h1=0.5"), "folding begins as drawn"),
+        (("--example", "pendulum", "--t-end", "0"), "must be above zero"),
+    ):
+        refused = call(*words)
+        assert refused.exit_code == 2, words
+        assert told in refused.stderr
+    _, data = page("run", "--example", "pendulum", "--t-end", "0.1", "--no-live")
+    notes = data["notes"]
+    assert isinstance(notes, list)
+    assert notes[0] == "run is a finished run: --t-end changed nothing in it."
+    assert notes[1].startswith("run: Recorded")
+    assert notes[2].startswith("pendulum: Recorded")
+
+
+def test_a_finished_run_says_what_its_files_do_not_have(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert CliRunner().invoke(main, ["examples", "limit_stop", "--copy", "designs"]).exit_code == 0
+    finished("designs/limit_stop.yaml", "--t-end", "0.2")
+    _, data = page("run", "--no-live")
+    assert any("have no events" in note for note in data["notes"])  # type: ignore[attr-defined]
+    design = Path("designs/limit_stop.yaml")
+    design.write_text(design.read_text() + "# another line\n")
+    _, data = page("run", "--no-live")
+    assert any("was changed after this run" in note for note in data["notes"])  # type: ignore[attr-defined]
+    monkeypatch.chdir("designs")
+    refused = call("../run", "--no-live")
+    assert refused.exit_code == 2
+    assert "go to the folder where it was run" in refused.stderr
+
+
+def test_a_finished_run_goes_on_along_its_branch(monkeypatch: pytest.MonkeyPatch) -> None:
+    finished("--example", "vertex", "--angle", "c1=0", "--branch", "-2", "--t-end", "0.1")
+    scenes = []
+
+    def seen(mechanism: lamc.Mechanism, scene: lamc.Scene, *rest: object) -> lamc.Simulator:
+        scenes.append(scene)
+        return lamc.compile(mechanism, scene)
+
+    monkeypatch.setattr(import_module("lamc.commands.finished"), "compile_design", seen)
+    page("run", "--no-live")
+    assert [scene.branch for scene in scenes] == [-2]

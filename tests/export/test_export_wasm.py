@@ -414,5 +414,5 @@ def test_options_that_do_not_fit_are_refused() -> None:
 def test_without_a_compiler_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda *_: None)
     monkeypatch.setattr("shutil.which", lambda *_: None)
-    with pytest.raises(BuildError, match=r"clang and wasm-ld is missing; `pip install lamc\[cc\]`"):
+    with pytest.raises(BuildError, match=r"clang and wasm-ld are missing; `pip install lamc\[cc\]`"):
         find_wasm_tools()

@@ -53,10 +53,25 @@ def goldberg(alpha: float, first_beta: float, second_beta: float, angles: tuple[
     return chain([one[0], one[3], one[2], two[2], two[3]])
 
 
+def waldron(first: float, second: float) -> Mechanism:
+    """Two Bennett loops with one axis in common, turned and shifted along it, each link there made one with a link of
+    the other loop, and the common hinge taken out (K. J. Waldron, Hybrid overconstrained linkages, J. Mechanisms 3,
+    1968): six hinges, one freedom."""
+    one, two = bennett(1.0, 0.7, 1.4, first), bennett(0.8, 0.5, 1.9, second)
+    # The second loop's hinge A lies along z at the origin: put there the first loop's D.
+    point, axis = one[3]
+    side = np.cross(axis, [0.36, 0.48, 0.8])
+    side /= np.linalg.norm(side)
+    turned = np.column_stack([side, np.cross(axis, side), axis])
+    moved = [(point + 0.3 * axis + turned @ p, turned @ d) for p, d in two[1:]]
+    return chain([*one[:3], *moved])
+
+
 SPATIAL = {
     "Bennett": (lambda: chain(bennett(1.0, 0.7, 1.4, 1.1)), 3),
     "Goldberg's five": (lambda: goldberg(0.7, 1.4, 1.9, (1.1, 2.0)), 4),
     "Myard's five": (lambda: goldberg(0.6, 0.5 * math.pi, 0.5 * math.pi, (1.2, -1.2)), 4),
+    "Waldron's two loops on one axis": (lambda: waldron(1.1, 2.0), 5),
     "Bricard, line-symmetric": (lambda: closed_mechanism("bricard", 3).mechanism, 5),
     "Sarrus": (lambda: closed_mechanism("sarrus", 3).mechanism, 5),
     "seven hinges anywhere": (lambda: closed_mechanism("spatial", 3).mechanism, 6),

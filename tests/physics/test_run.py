@@ -410,7 +410,10 @@ def test_other_threads_run_while_the_integrator_does(sim: Simulator) -> None:
         ({"integrator": ""}, "there are auto, rk45, dop853, rodas5p"),
         ({"parameters": {"lenght": 1.0}}, "did you mean 'length'"),
         ({"parameters": {"length": math.nan}}, "'length' is nan"),
-        ({"parameters": {"length": "long"}}, "number in m"),
+        (
+            {"parameters": {"length": "long"}},
+            "parameter 'length': 'long' is not a number; write a number and a unit",
+        ),
         ({"parameters": {"length": 10**400}}, "which no float holds"),
         ({"parameters": {"rod.mass": 0.0}}, "parameter 'rod.mass' is 0 kg; a mass must be above zero"),
         ({"parameters": {"rod.mass": -1}}, "parameter 'rod.mass' is -1 kg; a mass must be above zero"),

@@ -155,7 +155,7 @@ def test_what_lies_beside_is_judged_as_every_file(tmp_path: Path) -> None:
     assert caught.value.place is not None
     assert caught.value.place.file == str(beside)
     beside.write_bytes(b"\xff\x00\xff")
-    with pytest.raises(DesignError, match="not text"):
+    with pytest.raises(DesignError, match="not UTF-8"):
         loaded(tmp_path, placing("leg.cad"))
 
 

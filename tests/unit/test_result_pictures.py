@@ -2,15 +2,20 @@
 
 import csv
 import sys
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 
 import lamc
 from lamc.examples import path as example
 from lamc.report.curves import coinciding
+from lamc.report.film import by_ffmpeg, by_pyav, write_mp4
 from lamc.report.folded import draw_folded, instants
 from lamc.report.look import CAMERAS, Look, camera_of
 from lamc.run.result import Result
@@ -141,3 +146,30 @@ def test_a_film_is_an_mp4_where_pyav_is(result: Result, tmp_path: Path) -> None:
     with av.open(str(path)) as film:
         assert film.streams.video[0].width == 96
         assert film.streams.video[0].frames == 100  # half a second, slowed to four, at 25 a second
+
+
+def test_a_film_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
+    class Still:
+        width = height = 2
+
+        def __iter__(self) -> Iterator[Image.Image]:
+            return iter([Image.new("RGB", (2, 2))])
+
+    path = tmp_path / "old.mp4"
+    path.write_bytes(b"a film of yesterday")
+    broken = partial(by_ffmpeg, program="/bin/false")
+    assert not write_mp4(Still(), path, 25, [lambda *_: False, broken])
+    assert path.read_bytes() == b"a film of yesterday"
+    assert [p.name for p in tmp_path.iterdir()] == ["old.mp4"]
+
+
+def test_a_codec_that_only_reads_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class OnlyReads:
+        codecs_available: ClassVar[set[str]] = {"h264"}  # of decoders, too
+
+        @staticmethod
+        def Codec(name: str, mode: str) -> None:  # noqa: N802
+            raise ValueError(f"no {name} to {mode}")
+
+    monkeypatch.setitem(sys.modules, "av", OnlyReads)  # type: ignore[arg-type]
+    assert not by_pyav(None, tmp_path / "a.mp4", 25)  # type: ignore[arg-type]

@@ -274,3 +274,36 @@ def test_a_plate_bends_by_the_factor_that_is_told(tab: Page, tmp_path: Path) -> 
     assert tab.value("lamcView.player.told.textContent") == "load 100 %"
     tab.value("lamcView.shows[0].colour(1)")
     assert problem._repr_html_().startswith("<iframe")
+
+
+@needs_wasm
+def test_a_copied_scene_has_what_the_run_was_given(tab: Page, tmp_path: Path) -> None:
+    name = next(each for each in simulator("pendulum").parameters if each.endswith(".stiffness"))
+    path = tmp_path / "given.html"
+    path.write_text(page([result_show(run("pendulum", 0.2, **{name: 33.5}), live=True)]), encoding="utf-8")
+    tab.open(path)
+    assert f"--set '{name}=33.5'" in tab.value("lamcView.shows[0].copy()")
+
+
+@needs_wasm
+@pytest.mark.parametrize(
+    ("name", "changes", "joint"),
+    [
+        ("four_bar", {"angles": {"arm": 0.3}}, "link"),  # not the hinge whose angle the scene gives
+        ("four_bar", {"angles": {"arm": 0.3}, "rates": {"arm": 8.0}}, "arm"),
+        ("vertex", {"angles": {"c1": 0.0}, "branch": 2}, "c1"),  # out of the position where branches part
+    ],
+)
+def test_a_copied_scene_is_the_run_of_the_page(
+    name: str, changes: dict[str, object], joint: str, tab: Page, tmp_path: Path
+) -> None:
+    mechanism = mechanism_of(name)
+    scene = replace(mechanism.scene or lamc.Scene(), **changes)  # type: ignore[arg-type]
+    tab.open(lamc.compile(mechanism, scene).run(0.3).view(tmp_path / "run.html"), fragment="#t=0")
+    t, angles = turned(tab, joint, 0.5)
+    copied = tmp_path / "scene.yaml"
+    copied.write_text(tab.value("lamcView.shows[0].copy()"), encoding="utf-8")
+    expected = lamc.compile(mechanism, lamc.load_scene(copied)).run(0.3, t_eval=t)
+    for each, found in angles.items():
+        # starts are closed to 1e-10, which a spring near its rest multiplies
+        np.testing.assert_allclose(found, expected.angle(each), rtol=0.0, atol=1e-7)

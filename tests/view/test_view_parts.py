@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc.export.pages import mechanism_show
+from lamc.export.pages import mechanism_show, result_show
 from lamc.loops.geometry import LoopGeometry
 from lamc.mechanism.plan import plan
 from lamc.readers.scene_writer import scene_data
@@ -213,3 +213,18 @@ def test_a_copied_scene_is_read_back(tmp_path: Path) -> None:
     assert found.inputs["load"].meaning == base.inputs["load"].meaning
     assert found.effects == base.effects
     assert found.duration == 2.0
+
+
+@needs_cc
+def test_the_limit_of_steps_goes_with_the_model() -> None:
+    result = simulator("pendulum").run(0.2, max_step=1e-3)
+    assert result_show(result, live=True).data["live"]["settings"]["maxStep"] == 1e-3
+    free = simulator("pendulum").run(0.2)
+    assert "maxStep" not in result_show(free, live=True).data["live"]["settings"]
+
+
+@needs_cc
+def test_a_stabilised_run_has_no_model_that_would_run_otherwise() -> None:
+    show = result_show(simulator("four_bar").run(0.2, baumgarte=50.0), live=True)
+    assert show.engine == ""
+    assert any("stabilised" in note for note in show.notes)

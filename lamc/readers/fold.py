@@ -7,7 +7,7 @@ Joints follow the spec's sign: a positive angle is a valley, seen from the side 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 import numpy as np
@@ -29,12 +29,14 @@ from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normal
 from lamc.readers.fold_groups import Crease, grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
 from lamc.readers.fold_own import Own, own_of
+from lamc.readers.fold_start import fitted
 from lamc.readers.inert import Limits
 from lamc.records.card import Card, SheetOptions
 from lamc.records.mechanism import Body, Mechanism, Slab
 from lamc.records.scene import Scene
 
 _LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
+_SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave slivers where it is laid flat
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
 
 
@@ -103,10 +105,14 @@ class _Sheet:
             angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
             if abs(angle) > _TURNED:
                 start[joint.name] = angle
-        scene = Scene(angles=start) if start else None
         name = frame.title.strip() or stem or "sheet"
         name = "".join(c for c in name if c.isprintable())[:100] or "sheet"
-        return Mechanism(tuple(bodies), tuple(joints), name, scene), self.notes
+        flat = Mechanism(tuple(bodies), tuple(joints), name)
+        if not start:
+            return flat, self.notes
+        if not own.hinges:
+            start = fitted(flat, start, self.notes)
+        return replace(flat, scene=Scene(angles=start)), self.notes
 
     def _scale(self) -> float:
         """m of the file's unit."""
@@ -124,7 +130,7 @@ class _Sheet:
         if frame.faces is None:
             if not level:
                 raise DesignError("the sheet is folded, in three dimensions, and lists no faces_vertices")
-            faces = faces_of(frame.vertices[:, :2], frame.edges, self.notes)
+            faces = faces_of(frame.vertices[:, :2], frame.edges, frame.kinds, self.notes)
             polygons = polygons_of(points[:, :2], faces)
         elif level:
             faces = tuple(counterclockwise(points[:, :2], face) for face in frame.faces)
@@ -135,7 +141,8 @@ class _Sheet:
             if pair is not None and not 0 < turned < len(faces):
                 raise DesignError(
                     f"faces {pair[0]} and {pair[1]} lie over one another; a sheet that is folded flat has faces of "
-                    "both orientations, and any other needs them side by side"
+                    "both orientations, and any other needs them side by side (an outline amid a facet: join it to the "
+                    "facet's corners by two edges F, and a hole is read)"
                 )
             if pair is None:
                 return self._flat(faces)
@@ -160,7 +167,8 @@ class _Sheet:
         angles = angles_of(self.points, normals, frame.edges, beside, joined, signs)
         roots = _roots(len(faces), [beside[k] for k in joined])
         corners = laid_flat(self.points, faces, normals, frame.edges, beside, joined, roots, self.size)
-        pair = overlap([shapely.Polygon([corners[k][v] for v in face]) for k, face in enumerate(faces)])
+        laid = [shapely.Polygon([corners[k][v] for v in face]) for k, face in enumerate(faces)]
+        pair = overlap(laid, _SLIVER)
         if pair is not None:
             raise DesignError(
                 f"laid flat, faces {pair[0]} and {pair[1]} lie over one another: the sheet was not folded from one "

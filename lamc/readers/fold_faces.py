@@ -21,7 +21,7 @@ Edge = tuple[int, int]
 Face = tuple[int, ...]
 
 
-def faces_of(points: Array, edges: Sequence[Edge], notes: list[str]) -> tuple[Face, ...]:
+def faces_of(points: Array, edges: Sequence[Edge], kinds: str, notes: list[str]) -> tuple[Face, ...]:
     """Bounded faces of a planar drawing; edges that bound none are left out, with a note. points: (n, 2).
 
     Raises DesignError where edges cross, run over one another or over a vertex, and where there is no face.
@@ -31,8 +31,8 @@ def faces_of(points: Array, edges: Sequence[Edge], notes: list[str]) -> tuple[Fa
     if len(kept) < len(edges):
         left = ", ".join(str(k) for k in sorted(set(range(len(edges))) - set(kept))[:8])
         notes.append(
-            f"{len(edges) - len(kept)} edges end within a facet or lie outside all: they part nothing and are left "
-            f"out (edges {left}{', …' if len(edges) - len(kept) > 8 else ''})"
+            f"edges {left}{', …' if len(edges) - len(kept) > 8 else ''} end within a facet or lie outside all: they "
+            "part nothing and are left out"
         )
     faces = [ring for ring in _rings(points, [edges[k] for k in kept]) if _area(points, ring) > 0.0]
     if not faces:
@@ -43,7 +43,27 @@ def faces_of(points: Array, edges: Sequence[Edge], notes: list[str]) -> tuple[Fa
             f"the facet with the vertices {', '.join(map(str, repeated[:8]))}, … meets itself at a vertex; part it by "
             "an edge, or list faces_vertices"
         )
-    return tuple(faces)
+    return _without_holes(faces, edges, kinds, notes)
+
+
+def _without_holes(
+    faces: Sequence[Face], edges: Sequence[Edge], kinds: str, notes: list[str]
+) -> tuple[Face, ...]:
+    """Faces but those whose sides are all marked B and have a facet beyond: the boundary of a hole."""
+    rim = {
+        side for (a, b), kind in zip(edges, kinds, strict=True) if kind == "B" for side in ((a, b), (b, a))
+    }
+    whole = [set(sides_of(face)) <= rim for face in faces]
+    facets = {side for face, alone in zip(faces, whole, strict=True) if not alone for side in sides_of(face)}
+    holes = [
+        face
+        for face, alone in zip(faces, whole, strict=True)
+        if alone and all((b, a) in facets for a, b in sides_of(face))
+    ]
+    if holes:
+        named = "; ".join(", ".join(map(str, hole[:6])) for hole in holes[:4])
+        notes.append(f"what edges B enclose amid facets is a hole: {len(holes)} (vertices {named})")
+    return tuple(face for face in faces if face not in holes)
 
 
 def polygons_of(points: Array, faces: Sequence[Face]) -> list[shapely.Polygon]:
@@ -59,14 +79,14 @@ def polygons_of(points: Array, faces: Sequence[Face]) -> list[shapely.Polygon]:
     return found
 
 
-def overlap(polygons: Sequence[shapely.Polygon]) -> tuple[int, int] | None:
-    """The first two facets that lie over one another."""
+def overlap(polygons: Sequence[shapely.Polygon], share: float = SHARE) -> tuple[int, int] | None:
+    """The first two facets that lie over one another by more than a share of the smaller one."""
     shapes = np.array(polygons, dtype=object)
     first, second = STRtree(shapes).query(shapes, predicate="intersects")
     once = first < second
     first, second = first[once], second[once]
     shared = shapely.area(shapely.intersection(shapes[first], shapes[second]))
-    over = shared > SHARE * np.minimum(shapely.area(shapes[first]), shapely.area(shapes[second]))
+    over = shared > share * np.minimum(shapely.area(shapes[first]), shapely.area(shapes[second]))
     pairs = sorted(zip(first[over].tolist(), second[over].tolist(), strict=True))
     return pairs[0] if pairs else None
 

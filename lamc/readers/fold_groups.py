@@ -34,7 +34,7 @@ def joined_edges(kinds: str, beside: Beside, notes: list[str]) -> list[int]:
     inner = [k for k, (a, b) in enumerate(beside) if kinds[k] == "B" and a is not None and b is not None]
     if inner:
         notes.append(f"{_edges(inner)} marked B with a facet on either side: taken for cuts (C)")
-    rim = [k for k, pair in enumerate(beside) if kinds[k] in "MV" and None in pair]
+    rim = [k for k, pair in enumerate(beside) if kinds[k] in "MV" and (pair[0] is None) != (pair[1] is None)]
     if rim:
         notes.append(f"{_edges(rim)} marked M or V with a facet on one side only: taken for the rim (B)")
     return joined

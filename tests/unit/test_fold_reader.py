@@ -154,6 +154,43 @@ def test_pieces_in_line_are_one_hinge(tmp_path: Path) -> None:
     assert made.joint(f"E{hinge}").stiffness == pytest.approx(1e-3 * 0.02)
 
 
+def windowed(spokes: int) -> Data:
+    """A square of 20 mm with a hole of 10 mm, joined by edges F from corner to corner."""
+    outer, inner = [(0, 0), (20, 0), (20, 20), (0, 20)], [(5, 5), (15, 5), (15, 15), (5, 15)]
+    ring = [[k, (k + 1) % 4] for k in range(4)]
+    edges = [*ring, *([a + 4, b + 4] for a, b in ring), *([k, k + 4] for k in range(spokes))]
+    kinds = ["B"] * 8 + ["F"] * spokes
+    points = [list(map(float, p)) for p in (*outer, *inner)]
+    return {"frame_unit": "mm", "vertices_coords": points, "edges_vertices": edges, "edges_assignment": kinds}
+
+
+def test_what_the_rim_encloses_amid_facets_is_a_hole(tmp_path: Path) -> None:
+    for spokes in (2, 4):
+        made = read(tmp_path, windowed(spokes))
+        assert counts(made) == (1, 0)
+        assert made.bodies[0].mass == pytest.approx(3e-4 * 3e-4 * 700.0, rel=1e-12)  # 300 mm²
+        assert any("is a hole" in note for note in notes(tmp_path, windowed(spokes)))
+    with pytest.raises(LamcError, match="by two edges F"):
+        read(tmp_path, windowed(0))
+
+
+def test_edges_that_part_nothing_are_told_once(tmp_path: Path) -> None:
+    data = corpus.box_net()
+    for key, value in (("vertices_coords", [3.0, 0.5]), ("edges_vertices", [0, 14])):
+        data[key].append(value)
+    data["edges_assignment"].append("M")
+    data["edges_foldAngle"].append(None)
+    data["edges_vertices"][-1] = [corner_at(data, 2.0, 0.0), 14]
+    told = notes(tmp_path, data, card=CARD, crease=1e-3)
+    assert len(told) == 1
+    assert "left out" in told[0]
+    assert counts(read(tmp_path, data)) == (6, 5)
+
+
+def corner_at(data: Data, x: float, y: float) -> int:
+    return int(data["vertices_coords"].index([x, y]))
+
+
 def test_creases_at_an_angle_between_two_facets_hold_them(tmp_path: Path) -> None:
     data = corpus.box_net()
     hinge = data["edges_assignment"].index("V")

@@ -27,6 +27,7 @@ BENDS = (
 )
 STARTS = 24  # of Newton's method, for each dimension of the null space
 ROUNDS = 40
+BESIDE = 0.2  # of a zero's size, in each direction: slopes there are far above `Fit.family`
 FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
@@ -202,8 +203,7 @@ def _spherical(forms: Array, preferred: Array, fit: Fit) -> list[tuple[Array, in
     solutions: list[tuple[Array, int]] = []
     families = 0
     for point in _distinct(list(_newton(forms, starts, fit)), fit.same):
-        slopes = np.linalg.svd(2.0 * forms @ point, compute_uv=False)
-        freedoms = size - int((slopes > fit.family).sum())
+        point, freedoms = _usual(forms, point, random, fit)
         if freedoms > 1:
             families += 1
             if families > FAMILIES:
@@ -217,6 +217,22 @@ def _spherical(forms: Array, preferred: Array, fit: Fit) -> list[tuple[Array, in
         if len(solutions) == most:
             break
     return solutions
+
+
+def _usual(forms: Array, point: Array, random: np.random.Generator, fit: Fit) -> tuple[Array, int]:
+    """A zero, or one near it where it is a corner of its family: there slopes vanish that do not beside it. And the
+    dimension of the cone that it lies on."""
+
+    def freedoms(at: Array) -> int:
+        slopes = np.linalg.svd(2.0 * forms @ at, compute_uv=False)
+        return forms.shape[1] - int((slopes > fit.family).sum())
+
+    here = freedoms(point)
+    if here > 1:
+        beside = _newton(forms, point + BESIDE * random.normal(size=(1, len(point))), fit)
+        if len(beside) and freedoms(beside[0]) < here:
+            return beside[0], freedoms(beside[0])
+    return point, here
 
 
 def _newton(forms: Array, points: Array, fit: Fit, rounds: int = ROUNDS) -> Array:

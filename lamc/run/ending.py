@@ -69,7 +69,7 @@ def gap_text(geometry: LoopGeometry, count: LoopCount, angles: Array) -> str:
     the drawing closes only nearly."""
     at, gap = widest_gap(geometry, angles)
     text = f"open by {length(gap)} there, most around {at} as drawn"
-    if count.misfit is None:
+    if count.misfit is None or count.misfit.gap < 1e-9 * geometry.size:
         return text
     return (
         f"{text}; the drawing closes only within {length(count.misfit.gap)}, which grows towards positions like this "

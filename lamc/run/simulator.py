@@ -134,7 +134,8 @@ class Simulator(Evaluations, Viewable):
         if not self._model.cuts:
             return None
         if self._loops is not None and self._loops.pushed is not None:
-            return self._loops.pushed  # equations of this branch's rank say nothing of the others
+            # Equations of this branch's rank say nothing of the others; where the start has that rank it is regular.
+            return self._loops.pushed if self._starter.is_undecided(self._rigid_scene) else None
         return self._starter.pushed_branch(
             self._rigid_scene, push_of(self._default_motion, self._arrangement)
         )

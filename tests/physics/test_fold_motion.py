@@ -12,6 +12,7 @@ import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
+from tests.support.ctools import needs_cc
 
 COLUMNS, ROWS = 3, 3
 Corner = tuple[int, int]
@@ -124,3 +125,15 @@ def test_flat_sheets_fold_the_way_that_their_creases_are_marked(tmp_path: Path, 
     result = lamc.compile(sheet, lamc.Scene(without=("gravity",))).run(t_end=3.0)
     for joint in sheet.joints:
         assert result.angle(joint.name)[-1] * joint.rest_angle > 0.0, joint.name
+
+
+@needs_cc
+def test_a_crease_of_no_loop_is_no_branch_beside_a_flat_vertex(tmp_path: Path) -> None:
+    """One inner vertex of six creases, and a crease of no loop: to move that one alone is no branch, but the edge of
+    the family on which the vertex folds too."""
+    sim = lamc.compile(load(tmp_path / "yoshimura.fold", corpus.yoshimura(2, 2)))
+    assert (sim.loops.rank, sim.loops.freedoms, len(sim.branches)) == (3, 5, 1)
+    result = sim.run(t_end=0.05)
+    assert result.success, result.message
+    assert result.constraint_error.max() <= 1e-9 * sim.mechanism.size
+    assert result.energies["kinetic"].max() > 0.0

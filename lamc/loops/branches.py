@@ -225,7 +225,7 @@ def _usual(forms: Array, point: Array, random: np.random.Generator, fit: Fit) ->
 
     def freedoms(at: Array) -> int:
         slopes = np.linalg.svd(2.0 * forms @ at, compute_uv=False)
-        return forms.shape[1] - int((slopes > fit.family).sum())
+        return int(forms.shape[1] - (slopes > fit.family).sum())
 
     here = freedoms(point)
     if here > 1:

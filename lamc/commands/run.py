@@ -26,6 +26,7 @@ from lamc.commands.inputs import (
     parameters_of,
 )
 from lamc.commands.pairs import share_of
+from lamc.commands.quick_imports import quick_imports
 from lamc.commands.run_folder import MANIFEST, own_manifest, run_folder
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
@@ -199,11 +200,9 @@ def _write_all(
 
 def _draw(result: Result, folder: Path, look: Look) -> list[str]:
     """Draws the pictures. Returns their names."""
-    from lamc.report.folded import (
-        draw_folded,  # matplotlib takes half as long to import as all the rest of a run
-    )
-    from lamc.report.plots import draw_angles_energy
-
+    with quick_imports():  # matplotlib takes half as long to import as all the rest of a run
+        from lamc.report.folded import draw_folded
+        from lamc.report.plots import draw_angles_energy
     return [
         draw_angles_energy(result, folder / f"angles_energy.{look.format}").name,
         draw_folded(result, folder / f"folded.{look.format}", look).name,
@@ -211,8 +210,8 @@ def _draw(result: Result, folder: Path, look: Look) -> list[str]:
 
 
 def _animate(result: Result, folder: Path, look: Look, progress: Progress) -> str:
-    from lamc.report.animation import draw_animation
-
+    with quick_imports():
+        from lamc.report.animation import draw_animation
     return draw_animation(result, folder, lambda k, n: progress.part(k, n), look=look).name
 
 

@@ -43,12 +43,11 @@ def main(context: click.Context) -> None:
     """Compiles laminate designs (flat layers, materials, hinge lines) into fast native simulators.
 
     FILE is a native design or mechanism (YAML), a sheet of creases (FOLD), a popupCAD design (.cad) or a popupCAD joint
-    definition (.joints);
-    its content decides, not its name.
+    definition (.joints); its content decides, not its name.
 
     \b
     Try:
-      lamc run --example pendulum      simulate, and write results, pictures and a film
+      lamc run --example pendulum      simulate, and write results and pictures
       lamc view --example pendulum     a page that shows it in 3D, with sliders
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
       lamc ledger --example four_bar   what accuracy costs, and which effects matter

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, folder, seconds, speaking, staged
+from lamc.commands.options import compiler, design, folder, speaking, staged, until
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -15,12 +15,7 @@ if TYPE_CHECKING:
 @design
 @staged()
 @compiler
-@click.option(
-    "--t-end",
-    callback=seconds,
-    metavar="SECONDS",
-    help="End of the runs.  [default: the scene's duration, else 10]",
-)
+@until("the runs")
 @click.option(
     "--accuracy",
     default="1 %",

@@ -72,6 +72,21 @@ def seconds(context: click.Context, parameter: click.Parameter, value: str | Non
         raise click.BadParameter(str(error), context, parameter) from error
 
 
+def until(what: str) -> Function:
+    """--t-end of `what`, "the run" or "the runs"."""
+    text = f"End of {what}.  [default: the scene's duration, else 10]"
+    return click.option("--t-end", callback=seconds, metavar="SECONDS", help=text)
+
+
+settings = click.option(
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Change a parameter: 0.002 (SI) or '2 N*mm/rad'.",
+)
+
+
 def together(*options: Function) -> Function:
     """Several click decorators as one; the first is shown first."""
     return lambda function: functools.reduce(lambda f, option: option(f), reversed(options), function)

@@ -11,10 +11,11 @@ from lamc.commands.options import (
     looked,
     precision,
     run_folder,
-    seconds,
+    settings,
     sheeted,
     speaking,
     staged,
+    until,
 )
 from lamc.commands.terminal import Terminal
 from lamc.run.methods import SHOWN
@@ -27,12 +28,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @design
-@click.option(
-    "--t-end",
-    callback=seconds,
-    metavar="SECONDS",
-    help="End of the run.  [default: the scene's duration, else 10]",
-)
+@until("the run")
 @click.option(
     "--points",
     type=int,
@@ -55,13 +51,7 @@ if TYPE_CHECKING:
 @click.option(
     "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
 )
-@click.option(
-    "--set",
-    "settings",
-    metavar="NAME=VALUE",
-    multiple=True,
-    help="Change a parameter: 0.002 (SI) or '2 N*mm/rad'.",
-)
+@settings
 @staged()
 @hinges
 @sheeted

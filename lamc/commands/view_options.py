@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, seconds, sheeted, speaking, staged
+from lamc.commands.options import compiler, settings, sheeted, speaking, staged, until
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -15,15 +15,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("files", nargs=-1, metavar="[FILE]...")
 @click.option("--example", "examples", metavar="NAME", multiple=True, help="An example besides the FILEs.")
-@click.option(
-    "--t-end",
-    callback=seconds,
-    metavar="SECONDS",
-    help="End of the run.  [default: the scene's duration, else 10]",
-)
-@click.option(
-    "--set", "settings", metavar="NAME=NUMBER", multiple=True, help="Change a parameter, in its own unit."
-)
+@until("the run")
+@settings
 @staged()
 @compiler
 @sheeted

@@ -19,22 +19,9 @@ from tests.support.ctools import needs_cc
 from tests.support.exported import Exported
 from tests.support.exported_folders import DURATION, KINDS, does, exported, mechanism_of, needs, put, scene_of
 from tests.support.mechanisms import Array
+from tests.support.wasm import needs_wasm
 
-
-def _has_tools() -> bool:
-    try:
-        find_wasm_tools()
-    except BuildError:
-        return False
-    return True
-
-
-pytestmark = [
-    needs_cc,
-    pytest.mark.skipif(
-        not _has_tools(), reason="no compiler for wasm32: neither ziglang nor clang with wasm-ld"
-    ),
-]
+pytestmark = [needs_cc, needs_wasm]
 
 
 @cache

@@ -1,10 +1,14 @@
 """The wheel holds all that lamc needs, and works outside the checkout."""
 
+import ast
+import importlib.metadata
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -98,3 +102,21 @@ def test_the_wheel_compiles_and_runs_a_design_outside_the_checkout(
     assert str(site / "lamc" / "__init__.py") in done.stdout
     assert str(site / "lamc" / "_data" / "templates") in done.stdout
     assert done.stdout.strip().endswith("true]")
+
+
+def test_tests_import_only_what_their_extra_installs() -> None:
+    project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
+    asked = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    declared = {re.split(r"[\[<>=~!]", requirement)[0].lower() for requirement in asked}
+    provided = importlib.metadata.packages_distributions()
+    for path in sorted((CHECKOUT / "tests").rglob("*.py")):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.Import):
+                roots = {name.name.partition(".")[0] for name in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module is not None:
+                roots = {node.module.partition(".")[0]}
+            else:
+                continue
+            roots -= {"lamc", "lamc_command", "tests", "benchmarks"} | sys.stdlib_module_names
+            unknown = {root for root in roots if not declared & {d.lower() for d in provided.get(root, [])}}
+            assert not unknown, f"{path}:{node.lineno}: neither a dependency nor in the extra `test`"

@@ -11,30 +11,16 @@ from PIL import Image
 
 import lamc
 from lamc import plate
-from lamc.basics.errors import BuildError
 from lamc.export.pages import mechanism_show, result_show
-from lamc.export.wasm_module import find_wasm_tools
 from lamc.view.document import MOST_BYTES, page
 from tests.support.browser import Page, browser, needs_browser
 from tests.support.ctools import needs_cc
 from tests.support.exported_folders import mechanism_of
 from tests.support.pages import page_of, run, simulator
+from tests.support.wasm import has_wasm_tools, needs_wasm
 
 pytestmark = [needs_cc, needs_browser]
 HOSTILE = "</script><img src=x onerror=\"document.title='broken'\">'&"
-
-
-def _has_tools() -> bool:
-    try:
-        find_wasm_tools()
-    except BuildError:
-        return False
-    return True
-
-
-needs_wasm = pytest.mark.skipif(
-    not _has_tools(), reason="no compiler for wasm32: neither ziglang nor clang with wasm-ld"
-)
 
 
 @pytest.fixture(scope="module")
@@ -196,7 +182,7 @@ def test_names_stay_text(tab: Page, tmp_path: Path) -> None:
     result = lamc.compile(hostile).run(0.2)
     path = tmp_path / "hostile.html"
     path.write_text(
-        page([result_show(result, live=_has_tools()), mechanism_show(hostile, f"label{HOSTILE}")])
+        page([result_show(result, live=has_wasm_tools()), mechanism_show(hostile, f"label{HOSTILE}")])
     )
     tab.open(path, fragment="#t=0")
     tab.value("lamcView.shows.forEach((show) => show.stage.name(true))")

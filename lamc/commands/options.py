@@ -153,24 +153,48 @@ _sheet = together(
     click.option(
         "--units",
         metavar="UNIT",
-        help="Of a FOLD file: what 1 is.  [default: what the file says, else mm]",
+        help="Of a FOLD, SVG or DXF file: what 1 is.  [default: what the file says, else mm]",
         show_default=False,
+    ),
+    click.option(
+        "--role",
+        "roles",
+        metavar="LINE=ROLE",
+        multiple=True,
+        help="Of an SVG or DXF file: what lines of a colour or layer are for, red=cut.",
+    ),
+    click.option(
+        "--heal",
+        metavar="LENGTH",
+        help="Of an SVG or DXF file: how far ends of lines may be off, '50 um'; 0 mends nothing.",
     ),
 )
 
 
 def sheeted(function: Function) -> Function:
-    """Adds --fixed, --card, --crease and --units, and hands the function SheetOptions, `sheet`."""
+    """Adds the options of sheets of creases, and hands the function SheetOptions, `sheet`."""
 
     @functools.wraps(function)
     def wrapped(
-        *, fixed: str | None, card: str | None, crease: str | None, units: str | None, **given: Any
+        *,
+        fixed: str | None,
+        card: str | None,
+        crease: str | None,
+        units: str | None,
+        roles: tuple[str, ...],
+        heal: str | None,
+        **given: Any,
     ) -> int:
-        from lamc.records.card import Card, SheetOptions, fixed_of  # `--help` does without it
+        from lamc.records.card import Card, SheetOptions, fixed_of, roles_of  # `--help` does without it
 
         try:
             sheet = SheetOptions(
-                fixed_of(fixed) if fixed else None, Card.of(card) if card else None, crease, units
+                fixed_of(fixed) if fixed else None,
+                Card.of(card) if card else None,
+                crease,
+                units,
+                roles_of(roles) or None,
+                heal,
             )
         except DesignError as error:
             raise click.UsageError(error.message) from error

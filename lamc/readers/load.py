@@ -31,6 +31,7 @@ from lamc.readers.native import read_design
 from lamc.readers.popupcad_beside import Beside
 from lamc.records.card import NO_SHEET_OPTIONS, Card, SheetOptions
 from lamc.records.design import Design, Material
+from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
 
 FORMATS = (
@@ -48,14 +49,16 @@ def load(
     card: Card | None = None,
     crease: float | str | None = None,
     units: str | None = None,
+    roles: Mapping[str, Role] | None = None,
+    heal: float | str | None = None,
 ) -> Design | Mechanism:
     """The design or mechanism in the file at `path`.
 
     materials  replace a popupCAD file's materials of the same name, whose moduli are often placeholders
     progress   called now and then with a stage's name and the fraction of it that is done
     limits     what the file may cost; a file beyond them is refused with the limit's name
-    fixed, card, crease, units  of a FOLD file: see `SheetOptions`; None: what the file says, else a default with a
-               warning
+    fixed, card, crease, units, roles, heal  of a sheet of creases: see `SheetOptions`; None: what the file says, else a
+               default with a warning
 
     Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
     or impossible, and UnsupportedError for one that is well formed and beyond this version.
@@ -65,7 +68,7 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     beside = Beside(Path(path), limits, _text)
-    text, sheet = file_text(path, limits), SheetOptions(fixed, card, crease, units)
+    text, sheet = file_text(path, limits), SheetOptions(fixed, card, crease, units, roles, heal)
     return _read(text, str(path), materials or {}, progress, limits, beside, sheet)
 
 

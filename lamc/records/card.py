@@ -3,13 +3,15 @@
 In: numbers, SI, or text with units. Out: checked records. Never: reads a file.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from typing import Any
 
 from lamc.basics import units
 from lamc.basics.checks import checked_array, checked_kind, checked_number, is_list, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.given import GivenMaybe, GivenNumber
+from lamc.records.drawing import ROLES, Role
 
 
 @dataclass(frozen=True)
@@ -46,12 +48,16 @@ class SheetOptions:
     card    of all facets
     crease  N·m/rad for each m of a crease
     units   of the drawing's numbers, "mm"
+    roles   what lines of a colour ("#ff0000", "red") or a layer are for, of an SVG or DXF drawing: see `Role`
+    heal    m, how far ends of lines may be off and are mended; 0: nothing is mended
     """
 
     fixed: str | tuple[float, float] | None = None
     card: Card | None = None
     crease: GivenMaybe = None  # type: ignore[assignment]  # N/rad
     units: str | None = None
+    roles: Mapping[str, Role] | None = None
+    heal: GivenMaybe = None  # type: ignore[assignment]  # m
 
     def __post_init__(self) -> None:
         if self.card is not None:
@@ -63,21 +69,47 @@ class SheetOptions:
             object.__setattr__(self, "crease", crease)
         if self.units is not None:
             units.length_unit(self.units)
+        if self.roles is not None:
+            object.__setattr__(self, "roles", _checked_roles(self.roles))
+        if self.heal is not None:
+            heal = checked_number(self.heal, "the tolerance of healing", minimum=0.0, quantity=units.LENGTH)
+            object.__setattr__(self, "heal", heal)
         if self.fixed is not None and not isinstance(self.fixed, str):
             object.__setattr__(self, "fixed", _point(self.fixed))
 
     @property
     def given(self) -> tuple[str, ...]:
         """Names of what is given."""
-        return tuple(name for name in ("fixed", "card", "crease", "units") if getattr(self, name) is not None)
+        names = [each.name for each in fields(self)]
+        return tuple(name for name in names if getattr(self, name) is not None)
 
 
 NO_SHEET_OPTIONS = SheetOptions()
 
 
+def _checked_roles(roles: Any) -> dict[str, Role]:
+    if not isinstance(roles, Mapping):
+        raise DesignError(f"roles is {shown(roles)}; it must map colours or layers to what they are for")
+    for name, role in roles.items():
+        if not isinstance(name, str) or role not in ROLES:
+            raise DesignError(f"the role of {shown(name)} is {shown(role)}; roles are {', '.join(ROLES)}")
+    return dict(roles)
+
+
 def fixed_of(text: str) -> str | tuple[float, float]:
     """A facet's name, or the point of "10 mm, 20 mm". Raises DesignError for a point that is none."""
     return _point([part.strip() for part in text.split(",")]) if "," in text else text
+
+
+def roles_of(texts: Iterable[str]) -> dict[str, Any]:
+    """Roles by line of "red=cut" and the like; not checked yet. Raises DesignError where there is no "="."""
+    roles = {}
+    for text in texts:
+        line, equals, role = text.rpartition("=")
+        if not equals or not line.strip():
+            raise DesignError(f"the role is {shown(text)}; write a colour or a layer and a role: red=cut")
+        roles[line.strip()] = role.strip()
+    return roles
 
 
 def _point(value: Any) -> tuple[float, float]:

@@ -19,4 +19,4 @@ def live_pages() -> dict[str, str]:
 def live_page(name: str) -> str:
     example = examples.find(name)
     simulator = lamc.compile(load_text(example.text, example.file_name))
-    return page([result_show(simulator.run(), live=True, label=name)])
+    return page([result_show(simulator.run(), live=True)])

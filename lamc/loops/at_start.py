@@ -7,6 +7,7 @@ the count then has the rank of each.
 import numpy as np
 
 from lamc.basics.errors import DesignError
+from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import NEARLY, Branch, find_branches
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import Misfit
@@ -24,6 +25,7 @@ def _nearly_closed(gap: float) -> LoopCount:
     return LoopCount(0, 0, 0, 0, misfit=Misfit(0, 0.0, ""), tolerance=gap, cutoff=NEARLY.weak / 4)
 
 
+@on_one_thread
 def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     """What the loops of `tree` come to where `scene` starts. Raises DesignError where nothing can move."""
     if not tree.cuts:
@@ -49,6 +51,7 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     return count
 
 
+@on_one_thread
 def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, tuple[Branch, ...]]:
     """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
     if not tree.cuts:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.threads import on_one_thread
 from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
@@ -121,6 +122,7 @@ def tangents(geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY) -> Tange
     return Tangents(basis, forms)
 
 
+@on_one_thread
 def _independent(rows: Array, least: float, *, exactly: bool) -> Array:
     """Orthonormal rows that span `rows` but for what is weaker than `least`, of one or of the largest. exactly: by
     singular values; else by pivots, which takes a thousand rows of 2000 in a second instead of minutes."""

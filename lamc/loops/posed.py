@@ -9,6 +9,7 @@ import numpy as np
 
 from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import DesignError
+from lamc.basics.threads import on_one_thread
 from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.starts import Starter
@@ -17,6 +18,7 @@ from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
 
 
+@on_one_thread
 def posed(mechanism: Mechanism, angles: Mapping[str, float]) -> tuple[Array, Array]:
     """Centres of mass (bodies, 3), m, and rotations (bodies, 3, 3) of all bodies, in the mechanism's order.
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.basics.errors import DesignError
+from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
@@ -89,6 +90,7 @@ class LoopCount:
 NO_LOOPS = LoopCount(0, 0, 0, 0)
 
 
+@on_one_thread
 def count_loops(tree: Tree, tolerance: float | None = None) -> LoopCount:
     """The count for `tree` as drawn. Deterministic.
 

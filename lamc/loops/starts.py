@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 
 from lamc.basics.errors import DesignError
+from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import Branch, find_branches, moved_out, tangents
 from lamc.loops.closing import CLOSED, Mask, settle
 from lamc.loops.geometry import LoopGeometry
@@ -46,6 +47,7 @@ class Starter:
         self._branches = cache(lambda packed: find_branches(geometry, np.frombuffer(packed), count.fit))
         self._found = cache(self._position)  # by angles given, sorted: each is asked for several times
 
+    @on_one_thread
     def state(self, start: Scene) -> Array:
         """The state (2 n,) of all joints, rad and rad/s.
 
@@ -66,12 +68,14 @@ class Starter:
             rates = self._at_branching(angles, moving)
         return np.concatenate([angles, rates])
 
+    @on_one_thread
     def is_undecided(self, start: Scene) -> bool:
         """Whether a start is singular and at rest, and the scene does not say which way it goes."""
         if start.branch is not None or _moving(start):
             return False
         return self.is_singular(self.position(start.angles))
 
+    @on_one_thread
     def pushed_branch(self, start: Scene, push: Push) -> int | None:
         """The number of the branch that loads choose at a singular position at rest; None where there is nothing to
         choose, or the scene does."""
@@ -80,15 +84,18 @@ class Starter:
         branches = self.branches(start)
         return pushed_branch(self.geometry, self.position(start.angles), branches, push, self.count.fit)
 
+    @on_one_thread
     def branches(self, start: Scene) -> tuple[Branch, ...]:
         """The branches at the position that `start` asks for; empty where it is regular."""
         angles = self.position(start.angles)
         return self._branches(angles.tobytes()) if self.is_singular(angles) else ()
 
+    @on_one_thread
     def is_singular(self, angles: Array) -> bool:
         """Whether the closure has a smaller rank at `angles` (n,) than it has elsewhere."""
         return self.geometry.linear(angles).rank(max(EXACT, self._weak)) < self.count.rank
 
+    @on_one_thread
     def position(self, given: Mapping[str, float]) -> Array:
         """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
         that may bend are flat, where there is such a position."""
@@ -122,6 +129,7 @@ class Starter:
             raise DesignError(self._no_position(given, best))
         return min(found, key=lambda angles: float(((angles - wanted) ** 2).sum()))
 
+    @on_one_thread
     def rates(self, angles: Array, given: Mapping[str, float]) -> Array:
         """Rates (n,), rad/s, of all joints at closed `angles` (n,): the given ones, and the smallest others."""
         rates, missed = self._completed(angles, given)

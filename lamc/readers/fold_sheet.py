@@ -35,6 +35,11 @@ from lamc.records.scene import Scene
 
 _LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
 _SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave slivers where it is laid flat
+HAND = (
+    0.02,
+    2.0,
+)  # m: sheets that hands fold; where millimetres make no such sheet, the numbers are shares of one
+USUAL = 0.1  # m, the longer side of a sheet then
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
 
 
@@ -112,9 +117,18 @@ class _Sheet:
         """m of the file's unit."""
         if self.options.units is not None:
             return to_si(f"1 {self.options.units}", LENGTH)
-        if self.frame.unit is None:
+        if self.frame.unit is not None:
+            return self.frame.unit
+        corners = self.frame.vertices[np.unique(np.array(self.frame.edges))]
+        longest = float(np.ptp(corners, axis=0).max())
+        if not longest or HAND[0] <= 1e-3 * longest <= HAND[1]:
             self.notes.append("the file says no unit: 1 is taken for 1 mm (--units says another)")
-        return self.frame.unit or 1e-3
+            return 1e-3
+        self.notes.append(
+            f"the file says no unit: its longer side, {longest:g}, is taken for {1e3 * USUAL:g} mm (--units says what "
+            "1 is)"
+        )
+        return USUAL / longest
 
     def _facets(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from lamc.basics.threads import on_one_thread
 from lamc.loops.closing import settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.mechanism.plan import plan
@@ -17,6 +18,7 @@ _CLOSED = 1e-9  # rad, and of the size: a start of all angles is held to about t
 _TOLD = 1e-2  # rad: coordinates of four digits leave less
 
 
+@on_one_thread
 def fitted(mechanism: Mechanism, angles: Mapping[str, float], notes: list[str]) -> dict[str, float]:
     """Angles by joint, rad; as they are where there is no loop, or where none is near."""
     if len(mechanism.joints) <= sum(not body.fixed for body in mechanism.bodies):

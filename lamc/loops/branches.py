@@ -9,7 +9,7 @@ solutions up to a factor are the branches. In two dimensions they are solved as 
 method on the sphere from many starts (Müller, "Local kinematic analysis of closed-loop linkages", 2018).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,9 +19,11 @@ from lamc.basics.threads import on_one_thread
 from lamc.loops.closing import CLOSED, SMALL, SOLVE, Mask, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
+from lamc.loops.local_forms import LocalForms, local_forms
 from lamc.loops.walks import walk
 from lamc.records.mechanism import Array
 
+Lead = Callable[[Array], Array]  # of closed angles (n,): rates (n,) that loads ask for
 OUT = 1e-3  # rad, of the joint that turns most: how far a start is moved out of a singular position
 BENDS = (
     50.0  # 1/rad: a branch bends by some radians per square radian; farther from the tangent is another one
@@ -85,20 +87,36 @@ class Tangents:
 
     basis: Array
     forms: Array
+    local: LocalForms | None = None
+
+    @property
+    def count(self) -> int:
+        """How many forms there are; none of a regular position, or where there are too many to know."""
+        return len(self.forms) if self.local is None else len(self.local.joints)
+
+    def values(self, x: Array) -> Array:
+        """The forms (count,) at a row (d,) of the null space."""
+        return np.asarray(self.forms @ x @ x) if self.local is None else self.local.values(self.basis @ x)
+
+    def slopes(self, x: Array) -> Array:
+        """Their derivatives (count, d)."""
+        if self.local is None:
+            return np.asarray(2.0 * self.forms @ x)
+        return np.asarray(self.local.slopes(self.basis @ x) @ self.basis)
 
     def residual(self, rates: Array) -> float:
         """How far rates (n,) of the null space miss the second order, relative to their size."""
         x = self.basis.T @ rates
         square = float(x @ x)
-        return float(np.abs(self.forms @ x @ x).max(initial=0.0)) / square if square else 0.0
+        return float(np.abs(self.values(x)).max(initial=0.0)) / square if square else 0.0
 
     def nearest(self, rates: Array, held: Mask) -> Array | None:
         """A direction of motion near `rates` (n,) with the same rates where `held` (n,) bool; None if none is near."""
         x = self.basis.T @ rates
         size = float(np.linalg.norm(x))
         for _ in range(ROUNDS):
-            slopes = np.concatenate([2.0 * self.forms @ x / size, self.basis[held]])
-            missed = np.concatenate([self.forms @ x @ x / size, (self.basis @ x - rates)[held]])
+            slopes = np.concatenate([self.slopes(x) / size, self.basis[held]])
+            missed = np.concatenate([self.values(x) / size, (self.basis @ x - rates)[held]])
             if np.abs(missed).max() <= EXACTLY.zero * size:
                 return np.asarray(self.basis @ x)
             x = x - np.linalg.lstsq(slopes, missed, rcond=EXACTLY.same)[0]
@@ -110,8 +128,13 @@ def tangents(geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY) -> Tange
     linear = geometry.linear(angles)
     basis = linear.free(fit.weak).T
     size = basis.shape[1]
+    none = np.zeros((0, size, size))
+    if size > FEW_FREE and fit is EXACTLY:
+        local = local_forms(geometry, angles)
+        if local is not None and len(local.joints) < size:
+            return Tangents(basis, none, local)
     if not 0 < size <= MOST_FREE:
-        return Tangents(basis, np.zeros((0, size, size)))
+        return Tangents(basis, none)
     bias = geometry.rings.bias(angles, basis)
     upper = np.triu_indices(size)
     obstacles = linear.outside(bias[:, upper[0], upper[1]], fit.weak)
@@ -137,29 +160,57 @@ def _independent(rows: Array, least: float, *, exactly: bool) -> Array:
 
 
 def find_branches(
-    geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY, local: Tangents | None = None
+    geometry: LoopGeometry,
+    angles: Array,
+    fit: Fit = EXACTLY,
+    local: Tangents | None = None,
+    lead: Lead | None = None,
 ) -> tuple[Branch, ...]:
     """The branches at a singular closed position, in the order of their rates; each was followed for a step.
 
-    Empty where the second order does not tell branches apart. local: `tangents` there, if they are known.
+    Empty where the second order does not tell branches apart. local: `tangents` there, if they are known. lead: of a
+    flat sheet of many free rates, which go on in one family, the rates near which its example lies; None: any.
     """
     local = local or tangents(geometry, angles, fit)
-    if not len(local.forms):
+    if not local.count:
         return ()
+    if local.local is not None:
+        return _one_of_many(geometry, angles, local, lead)
     two = local.basis.shape[1] == 2
     solutions = _binary(local.forms, fit) if two else _spherical(local.forms, local.basis, fit)
     found: list[Branch] = []
-    names = [joint.name for joint in geometry.tree.mechanism.joints]
-    order = [geometry.names.index(name) for name in names]
     for x, freedoms in solutions:
-        rates = _normalised(local.basis @ x, order, fit.same)
+        rates = _normalised(local.basis @ x, geometry.order, fit.same)
         if _leads_out(geometry, angles, rates, fit):
-            by_name = dict(zip(geometry.names, rates.tolist(), strict=True))
-            found.append(Branch(ReadOnlyDict({name: by_name[name] for name in names}), freedoms))
+            found.append(_branch(geometry, rates, freedoms))
     digits = 7 if fit is EXACTLY else 1  # numbered alike, whatever the rounding of the drawing
     return tuple(
         sorted(found, key=lambda b: (b.freedoms, [round(r, digits) + 0.0 for r in b.rates.values()]))
     )
+
+
+def _one_of_many(
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, lead: Lead | None
+) -> tuple[Branch, ...]:
+    """An example of the family on which a flat sheet of many free rates goes on."""
+    local, basis = tangents.local, tangents.basis
+    assert local is not None
+    led = None if lead is None else lead(angles)
+    for wanted in [*([] if led is None else [led]), *local.random]:
+        rates = local.nearest(basis, wanted)
+        if rates is None:
+            continue
+        freedoms = local.freedoms(basis, rates, EXACTLY.family)
+        rates = _normalised(rates, geometry.order, EXACTLY.same)
+        if _leads_out(geometry, angles, rates, EXACTLY):
+            return (_branch(geometry, rates, freedoms),)
+    return ()
+
+
+def _branch(geometry: LoopGeometry, rates: Array, freedoms: int) -> Branch:
+    names = [joint.name for joint in geometry.tree.mechanism.joints]
+    by_name = dict(zip(geometry.names, rates.tolist(), strict=True))
+    return Branch(ReadOnlyDict({name: by_name[name] for name in names}), freedoms)
 
 
 def _leads_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) -> bool:

@@ -51,6 +51,11 @@ class LoopGeometry:
         )
 
     @cached_property
+    def order(self) -> list[int]:
+        """Where the mechanism's joints, in its own order, are in Q."""
+        return [self.names.index(joint.name) for joint in self.tree.mechanism.joints]
+
+    @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
         """The short cycles along which the loops close."""
         return short_cycles(self.tree)

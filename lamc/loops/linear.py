@@ -76,7 +76,7 @@ class Linear:
             size = min(size, self.count)
             block = np.hstack([block, random.normal(size=(self.count, size - block.shape[1]))])
             for _ in range(ROUNDS):
-                pushed = self._factors.solve(np.vstack([block, np.zeros((len(self._used), size))]))
+                pushed = self._factors.solve(np.vstack([block, np.zeros((len(self.used), size))]))
                 block = np.linalg.qr(pushed[: self.count])[0]
             _, found, mixed = np.linalg.svd(self.matrix @ block, full_matrices=False)
             values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
@@ -86,7 +86,7 @@ class Linear:
             size *= 4
 
     @cached_property
-    def _used(self) -> Any:
+    def used(self) -> Any:
         """The rows that hold something."""
         largest = abs(self.matrix).max(axis=1)
         largest = largest.toarray() if hasattr(largest, "toarray") else largest
@@ -98,10 +98,10 @@ class Linear:
         from scipy.sparse.linalg import splu
 
         e = DAMPING * self.scale
-        rows = self.matrix[self._used].tocsr()
+        rows = self.matrix[self.used].tocsr()
         rows.data[np.abs(rows.data) < NOTHING] = 0.0
         rows.eliminate_zeros()
-        left, right = sparse.eye_array(self.count), sparse.eye_array(len(self._used))
+        left, right = sparse.eye_array(self.count), sparse.eye_array(len(self.used))
         system = sparse.block_array([[e * left, rows.T], [rows, -e * right]], format="csc")
         # The system is quasi-definite: any order of elimination does, without pivoting (R. Vanderbei, 1995).
         options = {"SymmetricMode": True}
@@ -131,9 +131,9 @@ class Linear:
         if self.is_small:
             inside = self.dense[0][:, : self.rank(cutoff)]
             return np.asarray(goals - inside @ (inside.T @ goals))
-        if len(self._used) == self.rank(cutoff):
+        if len(self.used) == self.rank(cutoff):
             left = goals.copy()
-            left[self._used] = 0.0
+            left[self.used] = 0.0
             return np.asarray(left[np.abs(left).max(axis=1) > 0.0])
         return np.column_stack([g - self.matrix @ self.least_change(g, cutoff) for g in goals.T])
 
@@ -153,5 +153,5 @@ class Linear:
 
     def _damped(self, goal: Array) -> Array:
         return np.asarray(
-            self._factors.solve(np.concatenate([np.zeros(self.count), goal[self._used]]))[: self.count]
+            self._factors.solve(np.concatenate([np.zeros(self.count), goal[self.used]]))[: self.count]
         )

@@ -109,15 +109,15 @@ def count_at(
     size = len(geometry.names)
     allowed = accepted_by_default(geometry.size) if tolerance is None else tolerance
     exact = survey(geometry, angles, EXACTLY, EXACT, way)
-    misfit, nearly, cutoff = _nearly(geometry, angles, exact, way, allowed)
-    accepted = misfit is not None and misfit.gap <= allowed
-    taken = nearly if accepted else exact
-    ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
-    if exact.free > MOST_FREE and not taken.places:
+    if exact.free > MOST_FREE and not exact.places:
         raise DesignError(
             f"the start is singular, and {exact.free} rates are free there to first order: of more than {MOST_FREE}, "
             "no branches are looked for; start it a little off, by angles of some hinges"
         )
+    misfit, nearly, cutoff = _nearly(geometry, angles, exact, way, allowed)
+    accepted = misfit is not None and misfit.gap <= allowed
+    taken = nearly if accepted else exact
+    ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
     rank = max(ranks) if taken.places else size - _free_at_once(geometry, angles, exact)
     best = max(taken.places, key=lambda place: place.clearness(size - rank), default=None)
     position = angles if best is None else best.angles

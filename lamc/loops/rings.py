@@ -79,18 +79,15 @@ class Rings:
         size = rates.shape[1]
         found = np.zeros((self.count, 6, size, size))
         for ring in self.rings:
-            screws = _around(ring, angles)[0]  # (c, k, 6)
-            carried = np.zeros((len(screws), size, 6))
-            for i in range(screws.shape[1]):
-                screw, rate = screws[:, i], rates[ring.joints[:, i]]  # (c, 6), (c, d)
-                turning = np.cross(carried[:, :, :3], screw[:, None, :3])
-                moving = np.cross(carried[:, :, :3], screw[:, None, 3:])
-                moving += np.cross(carried[:, :, 3:], screw[:, None, :3])
-                brackets = np.concatenate([turning, moving], axis=2)  # (c, d, 6)
-                found[ring.rows] += brackets.transpose(0, 2, 1)[..., None] * rate[:, None, None, :]
-                carried += rate[:, :, None] * screw[:, None, :]
-        flat = found.reshape(6 * self.count, size, size)
-        return 0.5 * (flat + flat.transpose(0, 2, 1))
+            found[ring.rows] = _bias(_around(ring, angles)[0], rates[ring.joints])
+        return found.reshape(6 * self.count, size, size)
+
+    def local_bias(self, angles: Array) -> list[Array]:
+        """The same of each ring by its own joints only, (c, 6, k, k)."""
+        return [
+            _bias(_around(ring, angles)[0], np.tile(np.eye(ring.joints.shape[1]), (len(ring.rows), 1, 1)))
+            for ring in self.rings
+        ]
 
 
 def _ring(numbered: Sequence[tuple[int, Cycle]], points: Array, axes: Array, size: float) -> Ring:
@@ -106,6 +103,22 @@ def _ring(numbered: Sequence[tuple[int, Cycle]], points: Array, axes: Array, siz
         arms / unit[:, None, None],
         unit,
     )
+
+
+def _bias(screws: Array, rates: Array) -> Array:
+    """(c, 6, d, d), symmetric, of screws (c, k, 6) and rates (c, k, d)."""
+    count, length, size = rates.shape
+    found = np.zeros((count, 6, size, size))
+    carried = np.zeros((count, size, 6))
+    for i in range(length):
+        screw, rate = screws[:, i], rates[:, i]  # (c, 6), (c, d)
+        turning = np.cross(carried[:, :, :3], screw[:, None, :3])
+        moving = np.cross(carried[:, :, :3], screw[:, None, 3:])
+        moving += np.cross(carried[:, :, 3:], screw[:, None, :3])
+        brackets = np.concatenate([turning, moving], axis=2)  # (c, d, 6)
+        found += brackets.transpose(0, 2, 1)[..., None] * rate[:, None, None, :]
+        carried += rate[:, :, None] * screw[:, None, :]
+    return np.asarray(0.5 * (found + found.transpose(0, 1, 3, 2)))
 
 
 def _around(ring: Ring, angles: Array) -> tuple[Array, Array, Array]:

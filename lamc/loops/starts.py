@@ -12,7 +12,7 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.branches import Branch, find_branches, moved_out, tangents
+from lamc.loops.branches import Branch, Lead, find_branches, moved_out, tangents
 from lamc.loops.closing import CLOSED, Mask, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
@@ -38,13 +38,15 @@ ZERO = 1e-12  # rad/s below which a given rate is none
 class Starter:
     """Starts of one mechanism."""
 
-    def __init__(self, geometry: LoopGeometry, count: LoopCount) -> None:
+    def __init__(self, geometry: LoopGeometry, count: LoopCount, lead: Lead | None = None) -> None:
         self.geometry = geometry
         self.count = count
         self.cutoff = count.cutoff
         self._weak = count.cutoff if count.accepted_gap > 0.0 else 0.0
         self.size = len(geometry.names)
-        self._branches = cache(lambda packed: find_branches(geometry, np.frombuffer(packed), count.fit))
+        self._branches = cache(
+            lambda packed: find_branches(geometry, np.frombuffer(packed), count.fit, lead=lead)
+        )
         self._found = cache(self._position)  # by angles given, sorted: each is asked for several times
 
     @on_one_thread

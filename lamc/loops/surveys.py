@@ -70,8 +70,8 @@ def survey(
     steps = count or (FEW if len(start) > LARGE else STEPS)
     free = local.basis.shape[1]
     if way is not None:
-        return Survey([_both(geometry, start, way, cutoff, steps)], len(local.forms) > 0, free)
-    if len(local.forms):
+        return Survey([_both(geometry, start, way, cutoff, steps)], local.count > 0, free)
+    if local.count:
         branches = find_branches(geometry, start, fit, local)
         rows = [branch.row(geometry.names) for branch in branches]
         steps = steps if len(rows) <= WALKS else max(steps // 2, FEW)
@@ -79,7 +79,7 @@ def survey(
             _both(geometry, start, row, cutoff, steps) or _near(geometry, start, row, fit) for row in rows
         ]
         # Fewer equations than unknowns have zeros whatever the rounding, and what rounding leaves is not several.
-        generic = len(local.forms) < free or sum(branch.freedoms == 1 for branch in branches) > 1
+        generic = local.count < free or sum(branch.freedoms == 1 for branch in branches) > 1
         return Survey(ways, True, free, not generic)
     random = np.random.default_rng(20260101)
     count_of_ways = min(free, 1 if len(start) > LARGE else WALKS)

@@ -5,6 +5,7 @@ In: a motion, and how the hinges' angles make a state. Out: a function for `lamc
 
 import numpy as np
 
+from lamc.loops.branches import Lead
 from lamc.loops.pushed import Push
 from lamc.mechanics.arrangement import Arrangement
 from lamc.run.model import Motion
@@ -29,3 +30,16 @@ def push_of(motion: Motion, arrangement: Arrangement) -> Push:
         return size * 0.5 * (faster - slower), 2.0 * along
 
     return push
+
+
+def lead_of(motion: Motion, arrangement: Arrangement) -> Lead:
+    """Of closed angles (n,), rad: the accelerations (n,) of the joints from rest there, which hold the loops to first
+    order."""
+    nq, nu = len(motion.model.coordinates), len(motion.model.rates)
+
+    def lead(angles: Array) -> Array:
+        y = np.zeros((1, nq + nu))
+        y[0, :nq] = arrangement.start(angles.tolist(), [0.0] * len(angles))[0]
+        return np.asarray(motion.accelerations(np.zeros(1), y)[0, : len(angles)])
+
+    return lead

@@ -44,7 +44,7 @@ from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
-from lamc.run.pushes import push_of
+from lamc.run.pushes import lead_of, push_of
 from lamc.run.remaking import Recipe, Telling, remade_simulator
 from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
@@ -344,7 +344,8 @@ class Simulator(Evaluations, Viewable):
 
     @lazy
     def _starter(self) -> Starter:
-        return Starter(LoopGeometry(self._arrangement.tree), self.loops)
+        lead = lead_of(self._default_motion, self._arrangement)
+        return Starter(LoopGeometry(self._arrangement.tree), self.loops, lead)
 
     def _bending(self) -> tuple[str, ...]:
         """Names of the bodies that bend."""

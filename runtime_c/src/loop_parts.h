@@ -56,6 +56,7 @@ typedef struct lamc_loop_parts {
   lamc_real *row;          /* (n,): one row of J, all rates; zero when it is not in use */
   lamc_real *step_of;      /* (n,): the step that eliminates a rate; -1: none */
   lamc_real *touched;      /* (n,): the rates that the row knows */
+  lamc_real *is_touched;   /* (n,): 1 for those, while they are gathered; zeros between */
   lamc_real *waiting;      /* (m,): rows that wait */
   lamc_real *free;         /* (n, n): as many rows as there are free directions */
   lamc_real *l;            /* (n, n): of N^T M N = L L^T */

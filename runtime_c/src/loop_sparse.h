@@ -68,9 +68,8 @@ static int lamc_sparse_follow(const lamc_loop_parts *p) {
 
 /* A rate that is new to the row */
 static int lamc_sparse_touch(const lamc_loop_parts *p, int known, int rate) {
-  for (int k = 0; k < known; k++) {
-    if ((int)p->touched[k] == rate) return known;
-  }
+  if (p->is_touched[rate] != 0) return known;
+  p->is_touched[rate] = 1;
   p->touched[known] = (lamc_real)rate;
   return known + 1;
 }
@@ -91,11 +90,12 @@ static int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
   const lamc_steps *s = &p->steps;
   int known = 0, update = (int)s->update_start.found[count];
   for (int e = p->pattern->row_start[row]; e < p->pattern->row_start[row + 1]; e++) {
-    p->touched[known++] = (lamc_real)p->pattern->column[e];
+    known = lamc_sparse_touch(p, known, p->pattern->column[e]);
   }
   lamc_sparse_scatter(p, row);
   for (int at = lamc_sparse_earliest(p, known); at >= 0; at = lamc_sparse_earliest(p, known)) {
     const int step = (int)p->step_of[(int)p->touched[at]];
+    p->is_touched[(int)p->touched[at]] = 0;
     p->touched[at] = p->touched[--known];
     for (int e = (int)s->left_start.found[step] + 1; e < (int)s->left_start.found[step + 1]; e++) {
       known = lamc_sparse_touch(p, known, (int)s->left.found[e]);
@@ -104,6 +104,7 @@ static int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
     s->factor[update++] = lamc_sparse_update(p, step);
   }
   s->update_start.found[count + 1] = (lamc_real)update;
+  for (int k = 0; k < known; k++) p->is_touched[(int)p->touched[k]] = 0;
   return known;
 }
 
@@ -180,6 +181,7 @@ static int lamc_sparse_find(const lamc_loop_parts *p, int rank) {
   lamc_search now = {0, p->m, 0};
   lamc_sparse_line_up(p);
   for (int i = 0; i < p->n; i++) p->step_of[i] = -1;
+  memset(p->is_touched, 0, (size_t)p->n * sizeof *p->is_touched);
   s->update_start.found[0] = s->left_start.found[0] = 0;
   lamc_sparse_round(p, rank, OF_LARGEST, &now);
   while (now.count < rank && now.most > PASSING) {

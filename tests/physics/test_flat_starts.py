@@ -1,16 +1,25 @@
 """Starts that are flat and at rest: the branch that the loads choose, against the runs along all of them."""
 
+import warnings
+from dataclasses import replace
 from importlib.resources import as_file, files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import lamc
+from lamc.basics.errors import DesignWarning
 from lamc.effects import Gravity, HingeStiffness, RestAngle, Torque
+from lamc.loops.branches import MOST_FREE, Branch, find_branches
+from lamc.loops.geometry import LoopGeometry
+from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Body, Joint, Mechanism
+from lamc.run.pushes import push_of
 from tests.physics.test_loop_analysis import compiled, vertex
 from tests.support.ctools import needs_cc
+from tests.support.fold_corpus import write, yoshimura
 from tests.support.sheets import flat_miura, sheet
 
 pytestmark = needs_cc
@@ -154,3 +163,40 @@ def test_a_large_sheet_that_lies_flat_finds_its_branch_by_itself(count: int) -> 
     assert result.success, result.message
     assert result.constraint_error.max() <= 1e-9 * mechanism.size
     assert result.energies["kinetic"][-1] > 0.0
+
+
+def test_a_flat_sheet_of_many_free_rates_goes_where_its_creases_push(tmp_path: Path) -> None:
+    """A Yoshimura sheet as FOLD files have it: three equations for each vertex within, and no branch but one family."""
+    columns, rows = 6, 6
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        sheet = lamc.load(write(tmp_path / "sheet.fold", yoshimura(columns, rows)))
+    assert isinstance(sheet, Mechanism)
+    scene = lamc.Scene(without=("gravity", "hinge_damping"))
+    sim = lamc.compile(sheet, scene)
+    count = sim.loops
+    vertices = sum(len(cycle.joints) == 6 for cycle in LoopGeometry(plan(sheet)).cycles)
+    assert vertices == count.loops
+    assert count.shakes == 0
+    assert count.rank == 3 * vertices
+    assert len(sim.joints) - 2 * vertices > MOST_FREE / 2  # rates that are free there to first order
+    (branch,) = sim.branches
+    assert branch.freedoms == count.freedoms
+    ways = {number: lamc.compile(sheet, replace(scene, branch=number)) for number in (1, -1)}
+    assert sim.pushed_branch in ways
+    result = sim.run(t_end=1e-3, rtol=1e-8)
+    assert result.success, result.message
+    kinetic, total = result.energies["kinetic"], result.energy
+    assert kinetic[-1] > 0.0
+    assert np.abs(total - total[0]).max() <= 1e-6 * kinetic[-1]  # the tolerance, over some hundred steps
+    # In a short time energy goes by the square of the force along the way: no random way has as much of it.
+    other = find_branches(sim._starter.geometry, np.zeros(len(sim.joints)))[0]
+    towards = sheet_energy(sim, branch), sheet_energy(sim, other)
+    assert towards[0] > 2.0 * towards[1]
+
+
+def sheet_energy(sim: lamc.Simulator, branch: Branch) -> float:
+    """(f·τ)² / (τ·M τ), W: how fast springs would drive a sheet along a branch, from its flat start."""
+    rows = branch.row(sim.joints)
+    power, inertia = push_of(sim._default_motion, sim._arrangement)(np.zeros(len(rows)), rows)
+    return power * power / inertia

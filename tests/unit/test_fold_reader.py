@@ -98,17 +98,20 @@ def test_folded_flat_is_told_by_the_assignment(tmp_path: Path) -> None:
         assert made.scene.angles["E1"] == pytest.approx(sign * math.pi)
 
 
-def test_units_are_those_of_the_file_the_user_or_mm(tmp_path: Path) -> None:
+def test_units_are_those_of_the_file_the_user_or_such_that_one_can_fold_it(tmp_path: Path) -> None:
     for unit, options, scale in (
         ("cm", {}, 0.01),
         ("cm", {"units": "in"}, 0.0254),
-        ("unit", {}, 1e-3),
-        (None, {}, 1e-3),
+        ("unit", {}, 0.1 / 8.0),  # eight wide: no sheet of 8 mm
+        (None, {}, 0.1 / 8.0),
+        (None, {"units": "mm"}, 1e-3),
     ):
         net = read(tmp_path, corpus.box_net(unit), **options)
         # 4 square units; six digits: areas are sums of products
         assert net.bodies[0].mass == pytest.approx(4.0 * scale**2 * 3e-4 * 700.0, rel=1e-6)
-    assert any("no unit" in note for note in notes(tmp_path, corpus.box_net(None)))
+    assert any("8, is taken for 100 mm" in note for note in notes(tmp_path, corpus.box_net(None)))
+    wide = corpus.miura(3, 3, unit=None)
+    assert any("1 is taken for 1 mm" in note for note in notes(tmp_path, wide))
     assert not any("no unit" in note for note in notes(tmp_path, corpus.box_net("cm")))
 
 

@@ -1,0 +1,107 @@
+"""The second order of a flat sheet: one quadratic form for each vertex, in the rates of its own creases only.
+
+In: a closed position at which some equations of the short cycles hold nothing to first order, and the others are
+independent. Out: `LocalForms`, and rates that fulfil them near given ones. Never: forms a matrix of all rates by all
+rates for each vertex: a sheet of a thousand creases has hundreds of free rates.
+
+A flat vertex lets its creases' rates u go on where Σ_{i<j} sin(θ_j - θ_i) u_i u_j = 0, θ their directions; the rates of
+its creases hold it in the plane to first order (T. Tachi, Simulation of rigid origami, 2009).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lamc.loops.geometry import LoopGeometry
+from lamc.records.mechanism import Array
+
+NOTHING = 1e-9  # of a form, beside those of one: round-off of the drawing's corners
+ROUNDS = 60  # of Newton's method, which needs ten
+ARRIVED = 1e-12  # of a form, of rates of length one
+RIDGE = 1e-14  # of the largest: forms that depend on one another are solved for all the same
+BACK = 30  # random directions that are tried where one leads nowhere
+
+
+@dataclass(frozen=True, eq=False)
+class LocalForms:
+    """Forms Q_c of cycles, scaled to one: joints (c, w) of each, padded by 0; matrices (c, w, w), padded by zeros.
+
+    count  n, of all joints
+    """
+
+    joints: npt.NDArray[np.int64]
+    matrices: Array
+    count: int
+
+    def values(self, rates: Array) -> Array:
+        """(c,): u Q u, of rates (n,)."""
+        local = rates[self.joints]
+        return np.asarray(np.einsum("ca,cab,cb->c", local, self.matrices, local))
+
+    def slopes(self, rates: Array) -> Any:
+        """(c, n), sparse: 2 Q u."""
+        from scipy import sparse
+
+        entries = 2.0 * np.einsum("cab,cb->ca", self.matrices, rates[self.joints])
+        rows = np.repeat(np.arange(len(self.joints)), self.joints.shape[1])
+        shape = (len(self.joints), self.count)
+        return sparse.csr_array((entries.ravel(), (rows, self.joints.ravel())), shape=shape)
+
+    def nearest(self, basis: Array, rates: Array) -> Array | None:
+        """Rates (n,) of length one in the span of `basis` (n, d), orthonormal, zeros of all forms, near `rates` (n,);
+        None where Newton's method does not arrive."""
+        x = basis.T @ rates
+        length = float(np.linalg.norm(x))
+        if not length > 0.0:
+            return None
+        x = x / length
+        for _ in range(ROUNDS):
+            u = basis @ x
+            missed = self.values(u)
+            if np.abs(missed).max() <= ARRIVED:
+                return np.asarray(u)
+            slopes = self.slopes(u) @ basis
+            squares = slopes @ slopes.T
+            squares[np.diag_indices_from(squares)] += RIDGE * np.trace(squares)
+            x = x - slopes.T @ np.linalg.solve(squares, missed)
+            x = x / np.linalg.norm(x)
+        return None
+
+    def freedoms(self, basis: Array, rates: Array, least: float) -> int:
+        """The dimension of the family of zeros around `rates` (n,)."""
+        strengths = np.linalg.svd(self.slopes(rates) @ basis, compute_uv=False)
+        return int(basis.shape[1] - (strengths > least).sum())
+
+    @cached_property
+    def random(self) -> Array:
+        """(BACK, n): directions that are the same each time."""
+        return np.random.default_rng(20260106).normal(size=(BACK, self.count))
+
+
+def local_forms(geometry: LoopGeometry, angles: Array) -> LocalForms | None:
+    """The forms at a closed position; None where its equations depend on one another otherwise than by holding
+    nothing, as flat sheets' do not."""
+    linear = geometry.linear(angles)
+    if len(linear.used) != linear.rank():
+        return None
+    held = set(linear.used.tolist())
+    joints, matrices = [], []
+    for ring, bias in zip(geometry.rings.rings, geometry.rings.local_bias(angles), strict=True):
+        for c, row in enumerate(ring.rows.tolist()):
+            for k in range(6):
+                size = float(np.abs(bias[c, k]).max())
+                if 6 * row + k not in held and size > NOTHING:
+                    joints.append(ring.joints[c])
+                    matrices.append(bias[c, k] / np.linalg.norm(bias[c, k]))
+    if not joints:
+        return None
+    width = max(len(each) for each in joints)
+    padded = np.zeros((len(joints), width), dtype=np.int64)
+    forms = np.zeros((len(joints), width, width))
+    for row, (own, form) in enumerate(zip(joints, matrices, strict=True)):
+        padded[row, : len(own)] = own
+        forms[row, : len(own), : len(own)] = form
+    return LocalForms(padded, forms, len(geometry.names))

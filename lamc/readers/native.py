@@ -172,10 +172,10 @@ class _Reader:
                     drawn_in[layer].append(index)
         cuts = [shape.cut is not None for shape in self.model.shapes]
         sheets = self._overlaid(("shapes",), drawn_in, regions, cuts)
-        drawn = any(shape.cut is None for shape in self.model.shapes)
-        if self.model.shapes and not drawn:
+        is_drawn = any(shape.cut is None for shape in self.model.shapes)
+        if self.model.shapes and not is_drawn:
             self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
-        elif drawn and self.problems.none and all(s.is_empty for s in sheets):
+        elif is_drawn and self.problems.none and all(s.is_empty for s in sheets):
             self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
         return sheets
 
@@ -219,11 +219,11 @@ class _Reader:
 
     def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
         path: Path = ("hinges", index)
-        drawn, line_paths = self._lines(path, hinge)
-        names = line_names(hinge, len(drawn))
+        ends, line_paths = self._lines(path, hinge)
+        names = line_names(hinge, len(ends))
         check_line_names(names, self.hinge_names, path, self.problems)
         lines: list[HingeLine] = []
-        for at, (start, end), name in zip(line_paths, drawn, names, strict=True):
+        for at, (start, end), name in zip(line_paths, ends, names, strict=True):
             line = self.problems.attempt(at, partial(shapes.line, start, end))
             if line is not None:
                 lines.append(HingeLine(line, name, self.problems.place(at)))

@@ -29,13 +29,15 @@ class Drawings:
         """Raises DesignError, naming the drawing and the line in it."""
         from lamc.readers.drawings.layer_shape import shape_of  # few designs need it
 
-        return self._taken(shape_of, entry, place)
+        found: MultiPolygon = self._taken(shape_of, entry, place)
+        return found
 
     def lines(self, entry: DrawnModel, place: Place) -> tuple[Line, ...]:
         """Raises as `region` does."""
         from lamc.readers.drawings.layer_shape import lines_of
 
-        return self._taken(lines_of, entry, place)
+        found: tuple[Line, ...] = self._taken(lines_of, entry, place)
+        return found
 
     def _taken(self, take: Any, entry: DrawnModel, place: Place) -> Any:
         from lamc.readers.drawings.layer_shape import told_of

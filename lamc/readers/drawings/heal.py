@@ -18,14 +18,14 @@ from lamc.basics.errors import DesignError
 from lamc.readers.drawings.geometry import Indices, Segments, crossing, gathered, meeting, near_pairs
 from lamc.readers.drawings.telling import names_of
 from lamc.readers.fold_faces import NEAR, Edge
-from lamc.records.drawing import ROLES, Mend, Stroke
+from lamc.records.drawing import ROLES, Mend, Role, Stroke
 from lamc.records.mechanism import Array
 
 DEFAULT = 1e-4  # of the drawing's size: two decimals of a pixel in a drawing of 500 leave 3e-5; a laser's kerf is more
 MOST_EDGES = 100_000  # 5 s, and far more facets than are ever run
 _ROUNDS = 50  # of parting lines where they meet; each mends what the one before it moved, three are usual
-OUTLINES = frozenset({"border", "hole"})
-CREASES = frozenset({"mountain", "valley", "hinge", "undriven"})
+OUTLINES = frozenset[Role]({"border", "hole"})
+CREASES = frozenset[Role]({"mountain", "valley", "hinge", "undriven"})
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,10 @@ def shape_of(
 
     Raises DesignError for a layer that there is not, for gaps, and where nothing is enclosed.
     """
-    strokes = [_outline(stroke) for stroke in _chosen(drawing, layer, _ROUND, "outlines")]
+    drawn = _chosen(drawing, layer, _ROUND, "outlines")
+    # A layer of holes alone is asked for as a shape: to be cut.
+    only = all(stroke.role == "hole" for stroke in drawn)
+    strokes = [s if s.role == "hole" and not only else replace(s, role="border") for s in drawn]
     tolerance = _tolerance(strokes, heal)
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
@@ -78,10 +81,6 @@ def lines_of(
 def told_of(mends: Sequence[Mend], heal: float | None, drawing: Drawing) -> list[str]:
     """Lines for a user."""
     return told(mends, DEFAULT * size_of(drawing.strokes) if heal is None else heal, "heal:")
-
-
-def _outline(stroke: Stroke) -> Stroke:
-    return stroke if stroke.role == "hole" else replace(stroke, role="border")
 
 
 def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: str) -> list[Stroke]:

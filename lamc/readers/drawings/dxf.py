@@ -21,16 +21,16 @@ from lamc.readers.drawings.dxf_tags import Tag, tags_of
 from lamc.readers.drawings.dxf_tags import is_dxf as is_dxf
 from lamc.readers.drawings.dxf_units import length_text, scale_of
 from lamc.readers.drawings.dxf_walk import Drawn, Walk
-from lamc.readers.drawings.roles import layer_angle, role_of
+from lamc.readers.drawings.roles import layer_angle, role_of, said_role
 from lamc.readers.inert import Limits
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing, Role, Stroke
 from lamc.records.mechanism import Array
 
-FLATNESS, MOST_FLATNESS = (
+_FINEST, _SHARE = (
     1e-5,
-    10e-6,
-)  # of the drawing's size, and m: how far chords are from their curve at most
+    5e-5,
+)  # m, and of the drawing's size: how far chords are from a curve at most, as in SVG
 _LARGEST = 1e12  # of a coordinate: its square and products stay finite
 _LEVEL = 1e-6  # of the drawing's size: heights that differ less are one
 _SHORT = 1e-9  # of the drawing's size: what is shorter has no direction
@@ -50,10 +50,11 @@ class _Reader:
         self.notes: list[str] = []
 
     def drawing(self, data: bytes) -> Drawing:
-        tags, self.notes = mended(tags_of(data, self.file, self.limits))
+        given = mended(tags_of(data, self.file, self.limits))
+        self.notes += given.notes
         with _quiet(), np.errstate(all="ignore"):  # what is not finite is refused below
-            document, flaws = _document(tags)
-            walk = Walk(document, self.limits)
+            document, flaws = _document(given.tags)
+            walk = Walk(document, given.kinds, self.limits)
             drawn = walk.drawn()
         self._tell_flaws(flaws)
         self.notes += walk.notes
@@ -69,7 +70,7 @@ class _Reader:
         size = float(np.linalg.norm(extent[:2])) or 1.0
         scale = scale_of(document.header, self.options.units, extent[:2], self.notes)
         self._check_level([(drawn[k], boxes[k]) for k in used], size, scale)
-        tolerance = min(FLATNESS * size, MOST_FLATNESS / scale)
+        tolerance = min(_SHARE * size, _FINEST / scale)
         strokes = self._strokes(drawn, roles, tolerance, size, scale)
         return Drawing(PurePath(self.file).stem, tuple(strokes), scale, tuple(self.notes), self.file)
 
@@ -82,6 +83,10 @@ class _Reader:
                 f"left out, neither layer nor colour says what for: {counts[layer, colour]} lines on layer "
                 f"{layer[:60]!r}, colour {colour} (--role '{layer[:60]}=cut', or another role)"
             )
+        for name, given in (self.options.roles or {}).items():
+            alone = SheetOptions(roles={name: given})
+            if not any(said_role(colour, layer, alone) for layer, colour in counts):
+                self.notes.append(f"no line is of the colour or layer {name[:40]!r} that a role is given for")
         return [roles[each.layer, each.colour] or "ignore" for each in drawn]
 
     def _strokes(

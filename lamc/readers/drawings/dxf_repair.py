@@ -3,18 +3,23 @@
 In: tags. Out: tags, and notes. Never: makes up a coordinate.
 
 Two entities of one handle are one entity to ezdxf, and the other is lost; an entity that a cut-off file leaves half
-written would get coordinates that nobody drew; and files that say R12, or no version, have entities of later versions,
-whose marks of classes (100) ezdxf takes out of R12 and then misses.
+written would get coordinates that nobody drew; files that say R12, or no version, have entities of later versions,
+whose marks of classes (100) ezdxf takes out of R12 and then misses; and a solid or picture that is not as it should be
+makes it refuse the whole file: for kinds that are no lines it gets a point, and who counts them the kind.
 """
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 
+from lamc.readers.drawings.dxf_curves import DRAWN
 from lamc.readers.drawings.dxf_tags import Tag
 
 _PARTS = (b"VERTEX", b"SEQEND", b"ATTRIB")
 _MARKS = (b"SECTION", b"ENDSEC", b"EOF", b"BLOCK", b"ENDBLK")
 _NUMBERED = 1 << 44  # handles from here on are not of the file: they number its entities
+_READ = frozenset(kind.encode() for kind in (*DRAWN, "INSERT", "VERTEX", "SEQEND", "ATTRIB", "VIEWPORT"))
+_POINT = ((10, b"0.0"), (20, b"0.0"), (30, b"0.0"))
 _LATER = {b"LWPOLYLINE": b"AcDbPolyline", b"SPLINE": b"AcDbSpline", b"HATCH": b"AcDbHatch"}  # since R13
 _COMMON = (
     5,
@@ -30,9 +35,24 @@ _COMMON = (
 _R12, _R2000 = b"AC1009", b"AC1015"
 
 
-def mended(tags: list[Tag]) -> tuple[list[Tag], list[str]]:
-    """The tags of whole entities, each with a handle of its own and ezdxf's marks; what was mended."""
+@dataclass(frozen=True)
+class Mended:
+    """What ezdxf is given.
+
+    tags   of whole entities, each with a handle of its own and its class's marks
+    kinds  of entities that are no lines, and points now, by handle as `key_of` has it
+    notes  what was mended
+    """
+
+    tags: list[Tag]
+    kinds: dict[bytes, str]
+    notes: list[str]
+
+
+def mended(tags: list[Tag]) -> Mended:
+    """The tags of a file as ezdxf can read them, with nothing lost that is drawn."""
     notes: list[str] = []
+    kinds: dict[bytes, str] = {}
     _cut_whole(tags, notes)
     entities = list(_entities(tags))
     handles = _new_handles(tags, entities, notes)
@@ -40,20 +60,27 @@ def mended(tags: list[Tag]) -> tuple[list[Tag], list[str]]:
     done = 0
     later = False
     for start, end, number in entities:
-        kind = tags[start][1].strip()
+        kind, own = tags[start][1].strip(), tags[start + 1 : end]
         later = later or kind in _LATER
-        if start not in handles and (kind not in _LATER or _marked(tags[start:end], _LATER[kind])):
+        marked = kind not in _LATER or _marked(own, _LATER[kind])
+        if start not in handles and kind in _READ and marked:
             continue
-        found += tags[done:start]
-        own = tags[start + 1 : end]
         if start in handles:
             own = [(5, f"{_NUMBERED + number:X}".encode()), *_without_handle(own)]
-        if kind in _LATER and not _marked(own, _LATER[kind]):
+        if kind not in _READ:
+            kinds[key_of(_handle(own))] = _text(kind)
+            kind, own = b"POINT", [*(tag for tag in own if tag[0] in (5, 67)), *_POINT]
+        elif not marked:
             own = _with_marks(own, _LATER[kind])
-        found += [tags[start], *own]
+        found += [*tags[done:start], (0, kind), *own]
         done = end
     found += tags[done:]
-    return (_as_r2000(found) if later else found), notes
+    return Mended(_as_r2000(found) if later else found, kinds, notes)
+
+
+def key_of(handle: bytes | None) -> bytes:
+    """One form of a handle, which may have zeros before it or small letters."""
+    return (handle or b"").strip().lstrip(b"0").upper()
 
 
 def named(kind: str, handle: str | None) -> str:
@@ -108,10 +135,10 @@ def _new_handles(tags: list[Tag], entities: list[tuple[int, int, int]], notes: l
     taken: set[bytes] = set()
     for start, end in zip(starts, [*starts[1:], len(tags)], strict=True):
         if start not in of_entities:
-            taken.add(_key(_handle(tags[start + 1 : end])))
+            taken.add(key_of(_handle(tags[start + 1 : end])))
     needed, doubled = set(), []
     for start, end, _ in entities:
-        key = _key(_handle(tags[start + 1 : end]))
+        key = key_of(_handle(tags[start + 1 : end]))
         if not key or key in taken:
             needed.add(start)
             if key:
@@ -132,10 +159,6 @@ def _handle(tags: list[Tag]) -> bytes | None:
 def _without_handle(tags: list[Tag]) -> list[Tag]:
     at = next((k for k, tag in enumerate(tags) if tag[0] == 5), len(tags))
     return tags[:at] + tags[at + 1 :]
-
-
-def _key(handle: bytes | None) -> bytes:
-    return (handle or b"").strip().lstrip(b"0").upper()
 
 
 def _marked(tags: list[Tag], name: bytes) -> bool:

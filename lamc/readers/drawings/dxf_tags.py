@@ -7,13 +7,12 @@ import re
 import struct
 from collections.abc import Iterator
 
-from lamc.basics.errors import DesignError, Place, UnsupportedError
+from lamc.basics.errors import DesignError, Place
 from lamc.readers.inert import Limits
 
 Tag = tuple[int, bytes]
 
 _BINARY = b"AutoCAD Binary DXF\r\n\x1a\x00"
-_DWG = re.compile(rb"AC1[0-9]{3}[\x00-\x09]")
 _TEXT = re.compile(
     rb"(?:\xef\xbb\xbf)?(?:\s*999[ \t]*\r?\n[^\n]*\n)*\s*0[ \t]*\r?\n[ \t]*SECTION[ \t]*\r?\n[ \t]*2[ \t]*\r?\n"
 )
@@ -23,19 +22,15 @@ _GROUPS = (
 
 
 def is_dxf(data: bytes) -> bool:
-    """True for bytes that are meant as DXF, text or binary, or as DWG, which is refused with a way out."""
-    return data.startswith(_BINARY) or _TEXT.match(data[:20_000]) is not None or _DWG.match(data) is not None
+    """True for bytes that are meant as DXF, text or binary."""
+    return data.startswith(_BINARY) or _TEXT.match(data[:20_000]) is not None
 
 
 def tags_of(data: bytes, file: str, limits: Limits) -> list[Tag]:
     """Group codes and values, up to EOF or where the file is cut off.
 
-    Raises DesignError for what is not DXF or beyond the limits, UnsupportedError for DWG.
+    Raises DesignError for what is not DXF or beyond the limits.
     """
-    if _DWG.match(data) is not None:
-        raise UnsupportedError(
-            "the file is DWG, which is AutoCAD's own; save it as DXF (any version) and read that", Place(file)
-        )
     most = _GROUPS * limits.values
     if data.startswith(_BINARY):
         return _taken(_binary(data), most, file)

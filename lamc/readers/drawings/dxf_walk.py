@@ -7,7 +7,7 @@ Blocks are counted before they are inserted: what a bomb of blocks in blocks wou
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 from lamc.basics.errors import DesignError
 from lamc.readers.drawings.courses import Course
 from lamc.readers.drawings.dxf_curves import DRAWN, courses_of, object_frame
-from lamc.readers.drawings.dxf_repair import named
+from lamc.readers.drawings.dxf_repair import key_of, named
 from lamc.readers.inert import Limits
 from lamc.records.mechanism import Array
 
@@ -59,10 +59,13 @@ class _Around:
 
 
 class Walk:
-    """One document. Raises DesignError for blocks that never end, and for what is beyond the limits."""
+    """One document. Raises DesignError for blocks that never end, and for what is beyond the limits.
 
-    def __init__(self, document: Any, limits: Limits) -> None:
-        self.document, self.limits = document, limits
+    left  kinds of entities that are not read, by handle
+    """
+
+    def __init__(self, document: Any, left: Mapping[bytes, str], limits: Limits) -> None:
+        self.document, self.left, self.limits = document, left, limits
         self.notes: list[str] = []
         self.kinds: Counter[str] = Counter()
         self.unseen: Counter[str] = Counter()
@@ -114,19 +117,22 @@ class Walk:
 
     def _layout(self, entities: Any, around: _Around) -> Iterator[Drawn]:
         for entity in entities:
+            kind = entity.dxftype()
+            if kind != "INSERT" and kind not in DRAWN:
+                kind = self.left.get(key_of(str(entity.dxf.handle).encode()), kind)
+                self.kinds["SURFACE" if kind.endswith("SURFACE") else kind] += 1
+                continue
             layer = entity.dxf.layer
             if layer == "0" and around.source:
                 layer = around.layer
             source = _called(entity) + around.source
             hidden = self._hidden(entity, layer)
-            if entity.dxftype() == "INSERT":
+            if kind == "INSERT":
                 yield from self._inserted(entity, layer, source, around, hidden)
-            elif entity.dxftype() not in DRAWN:
-                self.kinds[_kind(entity)] += 1
             elif hidden:
                 self.unseen[hidden] += 1
             else:
-                self.hatches += entity.dxftype() == "HATCH"
+                self.hatches += kind == "HATCH"
                 colour = self._colour(entity, layer, around)
                 for course in self._courses(entity, source):
                     yield Drawn(course.moved(around.matrix), layer, colour, source)
@@ -228,11 +234,6 @@ class Walk:
 
 def _called(entity: Any) -> str:
     return named(entity.dxftype()[:40], entity.dxf.handle)
-
-
-def _kind(entity: Any) -> str:
-    kind = str(entity.dxftype())
-    return "SURFACE" if kind.endswith("SURFACE") else kind
 
 
 def _grid(insert: Any) -> tuple[int, int, float, float]:

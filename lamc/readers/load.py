@@ -36,7 +36,8 @@ from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
 
 FORMATS = (
-    "a lamc design or mechanism, FOLD, SVG, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+    "a lamc design or mechanism, FOLD, SVG, DXF, a popupCAD design (.cad) or a popupCAD joint definition "
+    "(.joints)"
 )
 
 

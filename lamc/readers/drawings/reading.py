@@ -4,6 +4,7 @@ In: bytes. Out: a `Drawing`, or None for a file of another kind. The content dec
 """
 
 from lamc.basics.errors import Place, UnsupportedError
+from lamc.readers.drawings.dxf_tags import is_dxf
 from lamc.readers.inert import Limits, Progress
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing
@@ -36,7 +37,7 @@ def looks_like_xml(data: bytes) -> bool:
 
 def is_drawing(data: bytes) -> bool:
     """True for a file that is meant as SVG or DXF. Quick; reads its first bytes."""
-    return looks_like_xml(data)
+    return looks_like_xml(data) or is_dxf(data)
 
 
 def drawing_in(
@@ -54,4 +55,8 @@ def drawing_in(
         from lamc.readers.drawings.svg import read_svg  # svgelements, which files of other kinds do without
 
         return read_svg(data, file, options, limits, progress)
+    if is_dxf(data):
+        from lamc.readers.drawings.dxf import read_dxf
+
+        return read_dxf(data, file, options, limits)
     return None

@@ -4,7 +4,7 @@ In: bytes. Out: a `Drawing`, or None for a file of another kind. The content dec
 """
 
 from lamc.basics.errors import Place, UnsupportedError
-from lamc.readers.drawings.svg_tree import looks_like_xml
+from lamc.readers.drawings.dxf_tags import is_dxf
 from lamc.readers.inert import Limits, Progress
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing
@@ -26,9 +26,18 @@ _FOREIGN = (
 )
 
 
+def looks_like_xml(data: bytes) -> bool:
+    """True for bytes that begin as XML does, in UTF-8 or UTF-16."""
+    head = data[:400]
+    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        head = head[2:].replace(b"\0", b"")
+    head = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    return head[:1] == b"<" and (head[1:2].isalpha() or head[1:2] in (b"!", b"?", b"_"))
+
+
 def is_drawing(data: bytes) -> bool:
     """True for a file that is meant as SVG or DXF. Quick; reads its first bytes."""
-    return looks_like_xml(data)
+    return looks_like_xml(data) or is_dxf(data)
 
 
 def drawing_in(
@@ -46,4 +55,8 @@ def drawing_in(
         from lamc.readers.drawings.svg import read_svg  # svgelements, which files of other kinds do without
 
         return read_svg(data, file, options, limits, progress)
+    if is_dxf(data):
+        from lamc.readers.drawings.dxf import read_dxf
+
+        return read_dxf(data, file, options, limits)
     return None

@@ -46,6 +46,7 @@ class Target:
     users   who takes it, in a word or two
     uses    fields of `ExportOptions` that it reads; others are refused where they differ from their defaults
     module  of `lamc.export`, imported when it is asked for: see `Making`
+    moves   whether what is exported depends on a scene
     """
 
     name: str
@@ -53,6 +54,7 @@ class Target:
     summary: str
     uses: tuple[str, ...]
     module: str
+    moves: bool = True
 
     @property
     def making(self) -> Making:
@@ -64,8 +66,15 @@ class Target:
         check_used(options, self.name, self.uses, _uses())
         return self.making.files(mechanism, scene, options)
 
-    def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str]:
-        """Names of what acts in the export, torques from outside among them."""
+    def told(self, files: Files) -> list[str]:
+        """What the command line says of the files beside their names."""
+        tell = getattr(self.making, "told", None)
+        return tell(files) if tell else []
+
+    def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str] | None:
+        """Names of what acts in the export, torques from outside among them; None where nothing moves."""
+        if not self.moves:
+            return None
         from lamc.export.driven import driven_scene
         from lamc.pipeline import effects_of
 
@@ -125,6 +134,14 @@ _TARGETS = (
         ("lossy",),
         "fold",
     ),
+    Target(
+        "cut",
+        "laser cutters",
+        "DXF and SVG of each layer in real size, for laser cutters and CAD",
+        ("hinge_style", "hinge_width", "kerf", "pins", "stock"),
+        "cut",
+        moves=False,
+    ),
 )
 TARGETS: Mapping[str, Target] = MappingProxyType({target.name: target for target in _TARGETS})
 PLATE_USES = ("prefix", "libm", "single_header", "lossy", "edge_length")  # of a plate to c
@@ -154,6 +171,8 @@ def files_of(
                 "a scene is given with a plate, which does not move: leave scene= out, or export a design with joints"
             )
         return _plate_files(cast("PlateFile | Problem", design), to, options or ExportOptions())
+    if scene is not None and not TARGETS[to].moves:
+        raise ExportError(f"a scene is given with an export to {to!r}, where nothing moves: leave scene= out")
     mechanism = split(design) if isinstance(design, Design) else design
     return TARGETS[to].files(mechanism, scene or mechanism.scene or Scene(), options or ExportOptions())
 

@@ -1,11 +1,13 @@
 """For `make docs`: pages from the root of the repository and pages that lamc writes about itself join the site.
 
 In: what mkdocs found in docs/. Out: the same with the pages of `AT_ROOT`, README.md as the home, those of
-`make_reference.py`, and equations as MathML, which browsers draw without a script. Writes no file.
+`make_reference.py`, pages that run of the gallery, and equations as MathML, which browsers draw without a script.
+Writes no file.
 """
 
 import re
 import runpy
+from collections.abc import Mapping
 from pathlib import Path
 
 from latex2mathml.converter import convert
@@ -17,6 +19,7 @@ AT_ROOT = {
     name: name for name in ("ARCHITECTURE.md", "CHANGELOG.md", "CODE_OF_CONDUCT.md", "CONTRIBUTING.md")
 }
 AT_ROOT["README.md"] = "index.md"
+GALLERY, LIVE = "guide/gallery.md", "guide/live"
 WITH_EQUATIONS = ("guide/theory.md",)
 _EQUATION = re.compile(r"\$\$\s*(.+?)\s*\$\$|\$([^$\n]+)\$", re.DOTALL)
 _ACCENT = re.compile(r"<mover><mi>([^<]+)</mi><mo[^>]*>&#x0*(2D9|A8|AF);</mo></mover>")
@@ -29,9 +32,21 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         text = (ROOT / source).read_text(encoding="utf-8")
         text = re.sub(r'(\]\(|src=")docs/', r"\1", text).replace("](README.md", "](index.md")
         files.append(File.generated(config, page, content=text))
-    for page, content in runpy.run_path(str(ROOT / "docs" / "make_reference.py"))["pages"]().items():
+    for page, content in _made("make_reference.py", "pages").items():
         files.append(File.generated(config, page, content=content))
+    for name, content in _made("make_live.py", "live_pages").items():
+        files.append(File.generated(config, f"{LIVE}/{name}.html", content=content))
     return files
+
+
+def _made(script: str, function: str) -> Mapping[str, str]:
+    pages: Mapping[str, str] = runpy.run_path(str(ROOT / "docs" / script))[function]()
+    return pages
+
+
+def _live(match: re.Match[str]) -> str:
+    """The names of a row of the gallery's table as links."""
+    return re.sub(r"`([\w.]+)`", r"[`\1`](live/\1.html)", match[0])
 
 
 def on_page_markdown(markdown: str, page: object, config: MkDocsConfig, files: Files) -> str:
@@ -42,6 +57,9 @@ def on_page_markdown(markdown: str, page: object, config: MkDocsConfig, files: F
     text = re.sub(
         rf"\]\({'../' * (depth + 1)}({names})", lambda m: f"]({'../' * depth}{AT_ROOT[m[1]]}", markdown
     )
+    if uri == GALLERY:
+        text = re.sub(r"^\| `[^|]+\|", _live, text, flags=re.MULTILINE)
+        text = text.replace("| name |", "| name: a page that runs |")
     return _EQUATION.sub(_drawn, text) if uri in WITH_EQUATIONS else text
 
 

@@ -21,7 +21,7 @@ from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.run.request import Status
 from lamc.run.result import Result
-from lamc.run.run_record import Provenance, RunStats
+from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.simulator import Simulator
 
 
@@ -51,8 +51,6 @@ def finished_run(
     notes = []
     if manifest.get("source_sha256") != loaded.digest:
         notes.append(f"{origin} was changed after this run: what is drawn may not be what ran; {way_out}.")
-    if simulator.model.guards:
-        notes.append(f"The files of a run have no events, so none is marked; view {origin} itself for them.")
     return result, tuple(notes)
 
 
@@ -98,6 +96,8 @@ def _result(folder: Path, manifest: Mapping[str, Any], simulator: Simulator) -> 
     try:
         with np.load(folder / "results.npz", allow_pickle=False) as arrays:
             t, q, u = arrays["t"], arrays["q"], arrays["u"]
+            happened = zip(arrays["event_times"].tolist(), arrays["event_names"].tolist(), strict=True)
+            events = tuple(Event(instant, name) for instant, name in happened)
     except (OSError, ValueError, KeyError) as error:
         raise LamcError(f"{folder / 'results.npz'} cannot be read: {error}; run it again") from error
     given = {
@@ -115,6 +115,6 @@ def _result(folder: Path, manifest: Mapping[str, Any], simulator: Simulator) -> 
     )
     provenance: Provenance = like.provenance
     return replace(
-        like, t=t, q=q, u=u, stats=stats, provenance=provenance, events=(), message=str(manifest["message"]),
+        like, t=t, q=q, u=u, stats=stats, provenance=provenance, events=events, message=str(manifest["message"]),
         status=Status[str(manifest["status"]).upper()],
     )  # fmt: skip

@@ -150,12 +150,16 @@ def _context(
             "t_old": run.reals.index("t_old"),
             "method": run.integers.index("method"),
             "next_method": run.integers.index("watch.next_method"),
+            "events": run.integers.index("events"),
+            "t_event": run.reals.index("t_event"),
+            "event_guard": run.integers.index("event_guard"),
         },
         "integer_ranges": integer_ranges(
             run, len(program.coordinates) + len(program.rates), len(program.guards)
         ),
         "wide": run.wide,
         "real_time": options.real_time,
+        "events": bool(program.guards) and not options.real_time,
         "stable_step": stable_step,
         "smooth_until": f"{run_length(simulator.scene):g}" if _needs_smooth(simulator) else "",
         "is_stiff": options.is_stiff,

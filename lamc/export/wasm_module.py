@@ -121,6 +121,9 @@ def context_of(source: CSource, options: ExportOptions) -> dict[str, object]:
         "body": len(program.bodies),
         "energy": len(program.energies),
     }
+    events = bool(program.guards) and not options.real_time
+    if events:
+        counts["event"] = len(program.guards)
     return {
         "P": source.prefix,
         "fixed_method": options.fixed_method,
@@ -139,8 +142,9 @@ def context_of(source: CSource, options: ExportOptions) -> dict[str, object]:
         "parameters_md": table_rows(program, source.parameters),
         "inputs_md": table_rows(program, source.inputs),
         "jacobian": options.jacobian,
+        "events": events,
         "value_count": max(1, nq + nu),
-        "found_count": max(1, nq + nu, nu * (nq + nu + inputs), len(program.energies)),
+        "found_count": max(3, nq + nu, nu * (nq + nu + inputs), len(program.energies)),
     }
 
 

@@ -34,7 +34,7 @@ def faces_of(points: Array, edges: Sequence[Edge], kinds: str, notes: list[str])
             f"edges {left}{', …' if len(edges) - len(kept) > 8 else ''} end within a facet or lie outside all: they "
             "part nothing and are left out"
         )
-    faces = [ring for ring in _rings(points, [edges[k] for k in kept]) if _area(points, ring) > 0.0]
+    faces = [ring for ring in rings_of(points, [edges[k] for k in kept]) if area_of(points, ring) > 0.0]
     if not faces:
         raise DesignError("the edges enclose no facet; draw the sheet's outline too, as edges B")
     repeated = next((ring for ring in faces if len(set(ring)) < len(ring)), None)
@@ -144,7 +144,7 @@ def _pruned(edges: Sequence[Edge]) -> list[int]:
     return [k for k in range(len(edges)) if k not in gone]
 
 
-def _rings(points: Array, edges: Sequence[Edge]) -> list[Face]:
+def rings_of(points: Array, edges: Sequence[Edge]) -> list[Face]:
     """Every ring of directed edges with the drawing's inside to the left, in the order of their first edges."""
     around: dict[int, list[int]] = {}
     for a, b in edges:
@@ -169,7 +169,7 @@ def _rings(points: Array, edges: Sequence[Edge]) -> list[Face]:
     return rings
 
 
-def _area(points: Array, ring: Face) -> float:
+def area_of(points: Array, ring: Face) -> float:
     xy = points[list(ring)] - points[ring[0]]
     after = np.roll(xy, -1, axis=0)
     return 0.5 * float(np.sum(xy[:, 0] * after[:, 1] - after[:, 0] * xy[:, 1]))
@@ -177,7 +177,7 @@ def _area(points: Array, ring: Face) -> float:
 
 def counterclockwise(points: Array, face: Face) -> Face:
     """The same face with its inside to the left."""
-    return face if _area(points, face) > 0.0 else tuple(reversed(face))
+    return face if area_of(points, face) > 0.0 else tuple(reversed(face))
 
 
 def beside_edges(faces: Sequence[Face], edges: Sequence[Edge]) -> list[tuple[int | None, int | None]]:

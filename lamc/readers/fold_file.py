@@ -7,7 +7,7 @@ Erik D. Demaine, Jason S. Ku, Robert J. Lang, A new file standard to represent f
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from lamc.basics.errors import DesignError, Place
 from lamc.readers.inert import Limits
 from lamc.readers.json_text import parsed
 from lamc.records.mechanism import Array
+from lamc.records.network import listed_names
 
 KINDS = "MVFUBCJ"  # mountain, valley, flat, unassigned, boundary, cut, join
 UNITS = {
@@ -48,6 +49,7 @@ class FoldFrame:
     faces     vertices of each; None: the file has none
     unit      m; None: not given
     own       fields that lamc writes, "lamc:…", unchecked
+    sources   what a drawing calls the line of each edge; none: edges have numbers only
     """
 
     title: str
@@ -59,6 +61,13 @@ class FoldFrame:
     unit: float | None
     own: Data
     notes: tuple[str, ...]
+    sources: tuple[str, ...] = ()
+
+    def told(self, numbers: Sequence[int]) -> str:
+        """Edges as messages name them."""
+        if self.sources:
+            return listed_names(list(dict.fromkeys(self.sources[k] for k in numbers)))
+        return f"edge{'s' if len(numbers) > 1 else ''} {listed_names([str(k) for k in numbers])}"
 
 
 def is_fold(text: str) -> bool:

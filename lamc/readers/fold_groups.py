@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.readers.fold_faces import Edge
+from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, pair_of
 from lamc.records.mechanism import Array
 from lamc.records.network import listed_names
@@ -26,23 +27,23 @@ class Crease:
     groups: tuple[int, int]  # lowest faces of the bodies, ascending
 
 
-def joined_edges(kinds: str, beside: Beside, notes: list[str]) -> list[int]:
+def joined_edges(frame: FoldFrame, beside: Beside, notes: list[str]) -> list[int]:
     """Edges along which two facets hold together; what is marked otherwise than it lies is told."""
+    kinds = frame.kinds
     joined = [
         k for k, (a, b) in enumerate(beside) if a is not None and b is not None and kinds[k] not in "BC"
     ]
     inner = [k for k, (a, b) in enumerate(beside) if kinds[k] == "B" and a is not None and b is not None]
     if inner:
-        notes.append(f"{_edges(inner)} marked B with a facet on either side: taken for cuts (C)")
+        notes.append(f"{frame.told(inner)} marked B with a facet on either side: taken for cuts (C)")
     rim = [k for k, pair in enumerate(beside) if kinds[k] in "MV" and (pair[0] is None) != (pair[1] is None)]
     if rim:
-        notes.append(f"{_edges(rim)} marked M or V with a facet on one side only: taken for the rim (B)")
+        notes.append(f"{frame.told(rim)} marked M or V with a facet on one side only: taken for the rim (B)")
     return joined
 
 
 def grouped(
-    kinds: str,
-    edges: Sequence[Edge],
+    frame: FoldFrame,
     beside: Beside,
     joined: Sequence[int],
     corners: Corners,
@@ -55,13 +56,14 @@ def grouped(
 
     together  faces that are one body because the file says so
     """
+    kinds, edges = frame.kinds, frame.edges
     union = _Union(len(corners))
     for faces in together:
         for face in faces[1:]:
             union.join(faces[0], face)
     bent = [k for k in joined if kinds[k] in "FJ" and abs(angles.get(k, 0.0)) > _FLAT]
     if bent:
-        notes.append(f"{_edges(bent)} marked F or J, and folded: taken for hinges")
+        notes.append(f"{frame.told(bent)} marked F or J, and folded: taken for hinges")
     for k in joined:
         if kinds[k] in "FJ" and k not in bent:
             union.join(*pair_of(beside, k))
@@ -77,13 +79,13 @@ def grouped(
             break
         notes.append(
             "two facets that meet along lines at an angle cannot turn and are one body: "
-            + listed_names([f"F{a} and F{b} ({_edges(creases[(a, b)])})" for a, b in askew])
+            + listed_names([f"F{a} and F{b} ({frame.told(creases[(a, b)])})" for a, b in askew])
         )
         for a, b in askew:
             union.join(a, b)
     within = sorted(set(hinged) - {k for found in creases.values() for k in found})
     if within:
-        notes.append(f"{_edges(within)} with one body on either side: no hinges")
+        notes.append(f"{frame.told(within)} with one body on either side: no hinges")
     made = [Crease(tuple(found), pair) for pair, found in creases.items()]
     return [union.find(face) for face in range(len(corners))], sorted(made, key=lambda c: c.edges)
 
@@ -108,10 +110,6 @@ def _in_line(
     along = (end - start) / np.linalg.norm(end - start)
     places = np.array([corners[pair_of(beside, k)[0]][v] for k in found for v in edges[k]]) - start
     return bool(np.abs(places[:, 0] * along[1] - places[:, 1] * along[0]).max() <= IN_LINE * size)
-
-
-def _edges(numbers: Sequence[int]) -> str:
-    return f"edge{'s' if len(numbers) > 1 else ''} {listed_names([str(k) for k in numbers])}"
 
 
 def pieces_of(items: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[list[int]]:

@@ -7,7 +7,7 @@ x to the right, y up, seen from the side that the drawing shows; curves are flat
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from lamc.records.mechanism import Array
+from lamc.basics.checks import Array
 
 Role = Literal["border", "hole", "cut", "mountain", "valley", "hinge", "undriven", "flat", "ignore"]
 ROLES: tuple[Role, ...] = get_args(Role)

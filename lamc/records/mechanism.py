@@ -25,6 +25,7 @@ from lamc.basics.errors import DesignError, TopologyError
 from lamc.basics.given import GivenNumber
 from lamc.basics.once import lazy
 from lamc.basics.seen import Viewable
+from lamc.records.drawing import Mend
 from lamc.records.network import faults, listed_names
 from lamc.records.scene import Scene, checked_scenes
 
@@ -186,6 +187,7 @@ class Mechanism(Viewable):
     design  the drawing that it was split from, for effects that ask what bodies and hinges are made of; None: none, as
             in files of mechanisms. It takes no part in comparisons
     facet_creases  names of joints along which facets bend; a start leaves them flat where it can
+    mends  what healing changed in the drawing that it was read from
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -200,6 +202,7 @@ class Mechanism(Viewable):
     contact_points: tuple[tuple[float, float], ...] = ()  # m
     design: "Design | None" = field(default=None, compare=False, repr=False)
     facet_creases: tuple[str, ...] = ()
+    mends: tuple[Mend, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         put = _setter(self)

@@ -127,6 +127,8 @@ def write_npz(result: "Result", path: Path, *, manifest: bool = True) -> Path:
         "angles": table([result.angle(name) for name in result.hinges], len(result.t)),
         "angle_rates": table([result.rate(name) for name in result.hinges], len(result.t)),
     }
+    arrays["event_times"] = np.array([event.t for event in result.events], dtype=float)
+    arrays["event_names"] = np.array([event.name for event in result.events], dtype=np.str_)
     outputs = positions(result)
     arrays["outputs"] = table([each.values for each in outputs], len(result.t))
     arrays["output_names"] = np.array([each.name for each in outputs], dtype=np.str_)

@@ -5,6 +5,8 @@
  * order: { duration, rows, parameters, inputs, settings (rtol, atol), q, u } with q and u null for the scene's own start. Rows go to `take` in
  * blocks of numbers: t, q, u, angles, poses of moving bodies (12 each), energies, their sum.
  */
+const LOOKS = 1200; // in a run: of events that are nearer to each other, one is marked
+
 class Engine {
   constructor(model) {
     this.model = model;
@@ -28,24 +30,35 @@ class Engine {
     return [it.t, ...it.q, ...it.u, ...angle, ...pose.flatMap((each) => Array.from(each)), ...energy, totalEnergy];
   }
 
-  /** take: (block, last row's number) => whether to go on. Returns what stopped it, or null. */
-  run(order, take, block = Infinity) {
+  /** To row k of an order. Its events go to `found`, [s, kind, ...]: of those within a part of the row, the last one. */
+  step(it, { duration, rows }, k, found) {
+    const at = (row) => (row === rows - 1 ? duration : (duration * row) / (rows - 1));
+    if (this.model.events === undefined) return it.step(at(k));
+    const parts = Math.ceil(LOOKS / rows);
+    for (let i = parts - 1; i >= 0; i--) {
+      const { count } = it.events();
+      it.step(Math.max(it.t, at(k - i / parts)));
+      const last = it.events();
+      if (last.count > count) found.push(last.t, last.kind);
+    }
+    return undefined;
+  }
+
+  /** take: (rows, events) gets what there is. Returns what stopped it, or null. */
+  run(order, take) {
     let it = null;
+    const [rows, events] = [[], []];
     try {
       it = this.begin(order);
-      let rows = [];
       for (let k = 0; k < order.rows; k++) {
-        it.step(k + 1 === order.rows ? order.duration : (order.duration * k) / (order.rows - 1));
+        this.step(it, order, k, events);
         rows.push(this.row(it));
-        if (rows.length >= block || k + 1 === order.rows) {
-          if (take(Float64Array.from(rows.flat())) === false) return null;
-          rows = [];
-        }
       }
       return null;
     } catch (error) {
       return `${it === null ? "" : `stopped at t = ${Number(it.t.toPrecision(6))} s: `}${error.reason ?? error.message}`;
     } finally {
+      take(Float64Array.from(rows.flat()), events);
       it?.free();
     }
   }
@@ -64,14 +77,14 @@ function serve(simulatorOf) {
     try {
       it = engine.begin(order);
       while (from < order.rows && order.id === newest) {
-        const rows = [];
+        const [rows, events] = [[], []];
         const began = performance.now();
         while (from < order.rows && performance.now() - began < 30) {
-          it.step(from + 1 === order.rows ? order.duration : (order.duration * from) / (order.rows - 1));
+          engine.step(it, order, from, events);
           rows.push(engine.row(it));
           from += 1;
         }
-        self.postMessage({ id: order.id, rows: Float64Array.from(rows.flat()), done: from === order.rows });
+        self.postMessage({ id: order.id, rows: Float64Array.from(rows.flat()), events, done: from === order.rows });
         await pause();
       }
     } catch (error) {

@@ -104,8 +104,13 @@ class LiveDevice extends Device {
     motion.append(numbers[first], poses, values);
   }
 
-  take(motion, numbers) {
+  /** Rows, and events of them: times and kinds by turns, as `found` gets them by name */
+  take(motion, numbers, found = [], events = []) {
     for (let k = 0; k < numbers.length; k += this.engine.width) this.append(motion, numbers, k);
+    const { duration, engine: { model } } = this;
+    for (let k = 0; k < events.length; k += 2) {
+      if (events[k] <= duration) found.push([events[k], model.events[events[k + 1]].name]);
+    }
   }
 
   /** The run with the numbers as they are. done: nothing is being dragged any more */
@@ -118,20 +123,21 @@ class LiveDevice extends Device {
     }
     const order = this.order();
     const motion = new Motion(this.data.moving.length, this.data.curves.length, order.rows);
+    const found = [];
     if (isQuick) {
       this.id += 1;
       const began = performance.now();
-      const problem = this.engine.run(order, (numbers) => this.take(motion, numbers));
+      const problem = this.engine.run(order, (numbers, events) => this.take(motion, numbers, found, events));
       this.cost = 0.7 * this.cost + 0.3 * (performance.now() - began);
-      this.finish(motion, problem, slider);
+      this.finish(motion, found, problem, slider);
     } else this.behind(order, motion, slider);
   }
 
-  finish(motion, problem, slider) {
+  finish(motion, events, problem, slider) {
     if (slider) slider.refuse(problem && motion.filled < 2 ? problem : "");
     this.tell(problem ?? this.unfit);
     this.settled = problem === null;
-    if (motion.filled > 0) this.show(motion, []);
+    if (motion.filled > 0) this.show(motion, events);
   }
 
   /** In a worker, so that the page stays quick; rows appear as they come */
@@ -140,10 +146,11 @@ class LiveDevice extends Device {
     const id = this.id;
     this.settled = false;
     const began = performance.now();
+    const found = [];
     const here = () => {
-      const problem = this.engine.run(order, (numbers) => this.take(motion, numbers));
+      const problem = this.engine.run(order, (numbers, events) => this.take(motion, numbers, found, events));
       this.cost = performance.now() - began;
-      this.finish(motion, problem, slider);
+      this.finish(motion, found, problem, slider);
     };
     if (this.worker === undefined) this.worker = this.makeWorker();
     if (this.worker === null) return here();
@@ -153,11 +160,11 @@ class LiveDevice extends Device {
     };
     this.worker.onmessage = ({ data }) => {
       if (data.id !== this.id) return;
-      this.take(motion, data.rows);
+      this.take(motion, data.rows, found, data.events);
       if (data.done) {
         this.cost = performance.now() - began;
-        this.finish(motion, data.problem ?? null, slider);
-      } else this.show(motion, []);
+        this.finish(motion, found, data.problem ?? null, slider);
+      } else this.show(motion, found);
     };
     this.worker.postMessage({ ...order, id });
     return undefined;

@@ -43,6 +43,28 @@ def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp
     assert states.tobytes() == np.hstack([result.q, result.u]).tobytes()
 
 
+def test_events_are_those_of_python(tmp_path: Path) -> None:
+    result = lamc.compile(mechanism_of("limit_stop")).run(1.0)
+    exported = Exported(c_files(mechanism_of("limit_stop")), tmp_path)
+    it, count, t, kind = (
+        exported.instance(t_stop=1.0),
+        *map(exported.ffi.new, ("long long *", "double *", "int *")),
+    )
+    found: list[tuple[float, str]] = []
+    for target in np.linspace(0.0, 1.0, 2001):
+        assert exported.call("step", it, target) == exported.call("get_events", it, count, t, kind) == 0
+        assert count[0] in (len(found), len(found) + 1)
+        if count[0] > len(found):
+            found.append((t[0], exported.ffi.string(exported.call("event_name", kind[0])).decode()))
+        assert (kind[0] == -1) == (not found)
+    assert len(found) >= 4
+    assert found == [(event.t, event.name) for event in result.events]
+    assert exported.call("event_name", exported.constant("event_count")) == exported.ffi.NULL
+    assert exported.call("get_events", it, count, t, exported.ffi.NULL) == exported.status("BAD_ARGUMENT")
+    assert exported.call("start", it, 0.0, it.q, it.u) == exported.call("get_events", it, count, t, kind) == 0
+    assert (count[0], kind[0]) == (0, -1)
+
+
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5"])
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
 @pytest.mark.quick("pendulum-*", "four_bar-radau5")

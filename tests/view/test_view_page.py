@@ -102,6 +102,21 @@ def test_a_slider_gives_the_run_of_python(tab: Page, tmp_path: Path) -> None:
 
 
 @needs_wasm
+def test_a_run_of_the_page_marks_the_events_of_python(tab: Page, tmp_path: Path) -> None:
+    tab.open(page_of("limit_stop", 1.0, tmp_path), fragment="#t=0")
+    name = next(each for each in simulator("limit_stop").parameters if each.endswith(".mass"))
+    value = 1.3 * simulator("limit_stop").parameters[name]
+    for _ in range(2):  # in a worker, and once it is known to be quick, at once
+        turned(tab, name, value)
+        found = tab.value("lamcView.shows[0].events")
+        expected = simulator("limit_stop").run(1.0, parameters={name: value}).events
+        assert len(expected) >= 4
+        assert [each[1] for each in found] == [event.name for event in expected]
+        np.testing.assert_allclose([each[0] for each in found], [event.t for event in expected], atol=1e-9)
+    assert tab.value("document.querySelectorAll('.ticks i').length") >= 4
+
+
+@needs_wasm
 @pytest.mark.parametrize(("name", "joint"), [("pendulum", "h2"), ("four_bar", None)])
 def test_a_start_angle_gives_the_run_of_python(
     name: str, joint: str | None, tab: Page, tmp_path: Path

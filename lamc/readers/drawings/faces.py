@@ -1,0 +1,101 @@
+"""Facets of a healed drawing: rings of vertices, with what lies amid a facet linked to its rim.
+
+In: a planar graph of edges that part something. Out: more edges, which join facets, and faces counterclockwise.
+A facet has no hole in the records of a sheet: two level links from each island to what is left and right of it part
+the facet about it in two, which are one body.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from lamc.basics.errors import DesignError
+from lamc.readers.drawings.outlines import islands_of, nesting
+from lamc.readers.fold_faces import NEAR, Edge, Face, area_of, rings_of
+from lamc.records.mechanism import Array
+
+
+def linked(points: Array, edges: Sequence[Edge]) -> tuple[Array, list[Edge], list[int | None]]:
+    """points, edges and for each edge the one that it is of: None for a link. Edges that links meet are parted."""
+    islands = islands_of(points, edges)
+    inner = (
+        [i for i, depth in zip(islands, nesting(points, islands), strict=True) if depth] if islands else []
+    )
+    if not inner:
+        return points, list(edges), list(range(len(edges)))
+    ends = np.array(edges)
+    within = NEAR * float(np.ptp(points, axis=0).max())
+    places = [*points]
+    cuts: dict[int, dict[int, None]] = {}
+    links: dict[Edge, None] = {}
+    met: dict[tuple[int, float], int] = {}
+    for island in inner:
+        own = np.unique(np.array(island.edges))
+        order = own[np.lexsort((points[own, 1], points[own, 0]))]
+        for start, sign in ((int(order[0]), -1.0), (int(order[-1]), 1.0)):
+            edge, x = _beyond(points, ends, points[start], sign)
+            y = float(points[start, 1])
+            near = [int(v) for v in ends[edge] if np.hypot(*(points[v] - (x, y))) <= within]
+            if not near and (edge, y) not in met:
+                met[(edge, y)] = len(places)
+                places.append(np.array([x, y]))
+                cuts.setdefault(edge, {})[met[(edge, y)]] = None
+            end = near[0] if near else met[(edge, y)]
+            links[(min(start, end), max(start, end))] = None
+    found, origin = _parted(np.array(places), edges, cuts)
+    known = set(found)
+    new = [link for link in links if link not in known]
+    return np.array(places), [*found, *new], [*origin, *([None] * len(new))]
+
+
+def faces_within(points: Array, edges: Sequence[Edge], region: shapely.MultiPolygon) -> list[Face]:
+    """Bounded faces with a point inside the region. Raises DesignError for one that meets itself at a vertex."""
+    rings = [ring for ring in rings_of(points, edges) if area_of(points, ring) > 0.0]
+    shapely.prepare(region)
+    inside = shapely.contains(
+        region, shapely.point_on_surface([shapely.Polygon(points[list(r)]) for r in rings])
+    )
+    found = [ring for ring, kept in zip(rings, inside, strict=True) if kept]
+    pinched = next((ring for ring in found if len(set(ring)) < len(ring)), None)
+    if pinched is not None:
+        vertex = next(v for v in pinched if pinched.count(v) > 1)
+        raise DesignError(
+            f"a facet meets itself at ({1e3 * points[vertex, 0]:.6g}, {1e3 * points[vertex, 1]:.6g}) mm, where "
+            "outlines or cuts touch at a point; draw them apart, or overlapping"
+        )
+    return found
+
+
+def _beyond(points: Array, ends: Array, place: Array, sign: float) -> tuple[int, float]:
+    """The first edge to the left (-1) or right of a place, and where, x."""
+    y = place[1]
+    p, q = points[ends[:, 0]], points[ends[:, 1]]
+    low, high = np.minimum(p[:, 1], q[:, 1]), np.maximum(p[:, 1], q[:, 1])
+    over = np.flatnonzero((low <= y) & (high >= y))
+    p, q = p[over], q[over]
+    rise = q[:, 1] - p[:, 1]
+    level = rise == 0.0
+    share = np.where(level, 0.0, (y - p[:, 1]) / np.where(level, 1.0, rise))
+    x = p[:, 0] + share * (q[:, 0] - p[:, 0])
+    nearest = np.minimum if sign > 0.0 else np.maximum
+    x = np.where(level, nearest(p[:, 0], q[:, 0]), x)
+    ahead = np.flatnonzero(sign * (x - place[0]) > 0.0)
+    chosen = ahead[np.argmin(sign * x[ahead])]
+    return int(over[chosen]), float(x[chosen])
+
+
+def _parted(
+    places: Array, edges: Sequence[Edge], cuts: dict[int, dict[int, None]]
+) -> tuple[list[Edge], list[int | None]]:
+    found: list[Edge] = []
+    origin: list[int | None] = []
+    for k, (a, b) in enumerate(edges):
+        along = places[b] - places[a]
+        inner = sorted(cuts.get(k, ()), key=lambda v: float((places[v] - places[a]) @ along))
+        stops = [a, *inner, b]
+        for pair in pairwise(stops):
+            found.append((min(pair), max(pair)))
+            origin.append(k)
+    return found, origin

@@ -1,0 +1,304 @@
+"""Healing: strokes become a planar graph of edges that meet at vertices only, and every change is told as a `Mend`.
+
+In: strokes, m, and the distance by which they may be off. Out: vertices, edges with the stroke of each, mends. Never:
+closes a gap that is wider than the tolerance; depends on the order of strokes or on their directions, but for names.
+
+A crossing and an end that lies on a line are no defects: lines are parted there, and nothing is told. Points of one
+stroke are not joined with one another, but its ends: curves are flattened to pieces shorter than a large tolerance.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import STRtree
+
+from lamc.basics.errors import DesignError
+from lamc.readers.drawings.geometry import Indices, Segments, crossing, gathered, meeting, near_pairs
+from lamc.readers.drawings.telling import names_of
+from lamc.readers.fold_faces import NEAR, Edge
+from lamc.records.drawing import ROLES, Mend, Stroke
+from lamc.records.mechanism import Array
+
+DEFAULT = 1e-4  # of the drawing's size: two decimals of a pixel in a drawing of 500 leave 3e-5; a laser's kerf is more
+MOST_EDGES = 100_000  # 5 s, and far more facets than are ever run
+_ROUNDS = 50  # of parting lines where they meet; each mends what the one before it moved, three are usual
+OUTLINES = frozenset({"border", "hole"})
+CREASES = frozenset({"mountain", "valley", "hinge", "undriven"})
+
+
+@dataclass(frozen=True)
+class Graph:
+    """points (n, 2), m, ascending by x and y; edges ascending, the lower vertex first; `strokes`: the stroke of each
+    edge, by its index."""
+
+    points: Array
+    edges: tuple[Edge, ...]
+    strokes: tuple[int, ...]
+    mends: tuple[Mend, ...]
+
+
+def size_of(strokes: Iterable[Stroke]) -> float:
+    """The wider side of the box around all strokes, m; 1 for none."""
+    boxes = np.array([[s.points.min(axis=0), s.points.max(axis=0)] for s in strokes])
+    return float((boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)).max()) or 1.0 if len(boxes) else 1.0
+
+
+def healed(strokes: Sequence[Stroke], tolerance: float) -> Graph:
+    """The graph of the strokes. tolerance: m; 0: lines are parted and doubled ones left out, and nothing moves.
+
+    Raises DesignError for more edges than are read, and where a tolerance is so large that lines fall together.
+    """
+    if sum(len(stroke.points) for stroke in strokes) > MOST_EDGES:
+        raise _too_many()
+    return _Healer(strokes, tolerance).graph()
+
+
+class _Healer:
+    """One drawing. `at`: places of vertices; `segments`: what runs between them; `ends`: (vertex, stroke)."""
+
+    def __init__(self, strokes: Sequence[Stroke], tolerance: float) -> None:
+        self.strokes = strokes
+        self.exact = NEAR * size_of(strokes)
+        self.near = max(tolerance, self.exact)
+        self.mends: list[Mend] = []
+        self.doubled: dict[tuple[int, int], tuple[float, float]] = {}
+        self.at, self.segments, self.ends = self._drawn()
+
+    def graph(self) -> Graph:
+        self._join(self.exact)
+        if self.near > self.exact:
+            self._join(self.near)
+        self._leave_doubled()
+        for _ in range(_ROUNDS):
+            if len(self.segments) > MOST_EDGES:
+                raise _too_many()
+            if not (self._part_at_vertices() or self._part_at_crossings()):
+                return self._ordered()
+        raise DesignError(
+            f"lines that are {self.near:g} m apart fall together again and again; heal with less (--heal)"
+        )
+
+    def _drawn(self) -> tuple[Array, Segments, set[Edge]]:
+        """Points, segments, ends; closed dots are left out, and an open one is a line from end to end."""
+        points: list[Array] = []
+        starts: list[Indices] = []
+        stops: list[Indices] = []
+        owners: list[Indices] = []
+        ends: set[Edge] = set()
+        count = 0
+        for k, stroke in enumerate(self.strokes):
+            xy = np.asarray(stroke.points, dtype=float)
+            if float(np.linalg.norm(np.ptp(xy, axis=0))) <= self.near:
+                if stroke.closed:
+                    self._tell("stray mark", xy[0], float(np.ptp(xy, axis=0).max()), stroke.source)
+                    continue
+                xy = xy[[0, -1]]
+            index = count + np.arange(len(xy))
+            count += len(xy)
+            points.append(xy)
+            starts.append(index if stroke.closed else index[:-1])
+            stops.append(np.roll(index, -1) if stroke.closed else index[1:])
+            owners.append(np.full(len(starts[-1]), k))
+            if not stroke.closed:
+                ends |= {(int(index[0]), k), (int(index[-1]), k)}
+        if not points:
+            return np.zeros((0, 2)), Segments.none(), ends
+        return (
+            np.concatenate(points),
+            Segments(np.concatenate(starts), np.concatenate(stops), np.concatenate(owners)),
+            ends,
+        )
+
+    def _join(self, near: float) -> None:
+        """Points that are nearer than `near` become one, the one where most lines end."""
+        unique, inverse = np.unique(self.at, axis=0, return_inverse=True)
+        self._renumber(unique, inverse.ravel())
+        weight = self.segments.degrees(len(self.at))
+        touching = self._touching()
+        own = {k for k, _ in self.ends}
+
+        def may_join(a: int, b: int) -> bool:
+            if near == self.exact:
+                return True
+            common = touching[a] & touching[b]
+            return not common or (
+                a in own and b in own and all((v, k) in self.ends for v in (a, b) for k in common)
+            )
+
+        kept = gathered(self.at, weight, near, may_join)
+        places = self.at.copy()
+        for a, rep in _groups(kept):
+            if near == self.exact:
+                continue
+            if len(rep) == 1 and weight[a] == weight[rep[0]] == 1:
+                self._meet(places, a, rep[0])
+            for b in rep:
+                moved = max(float(np.linalg.norm(places[a] - self.at[v])) for v in (a, b))
+                what = "end points joined"
+                if all(any(self.strokes[k].role in OUTLINES for k in touching[v]) for v in (a, b)):
+                    what = "gap in an outline"
+                if touching[a] == touching[b] and all(len(self.strokes[k].points) == 2 for k in touching[a]):
+                    what = "stray mark"
+                self._tell(what, places[a], moved, self._sources(touching[a] | touching[b]))
+        self._renumber(places, kept)
+
+    def _meet(self, places: Array, a: int, b: int) -> None:
+        """Two lines that stop short of one corner are drawn on to it."""
+        lines = [self.segments.line_at(v, self.at) for v in (a, b)]
+        corner = meeting(*lines[0], *lines[1])
+        if corner is not None and max(np.linalg.norm(corner - self.at[v]) for v in (a, b)) <= self.near:
+            places[a] = corner
+
+    def _renumber(self, places: Array, kept: Indices) -> None:
+        self.at = places
+        self.segments = self.segments.renumbered(kept)
+        self.ends = {(int(kept[v]), k) for v, k in self.ends}
+
+    def _touching(self) -> list[set[int]]:
+        """Strokes at each vertex."""
+        found: list[set[int]] = [set() for _ in self.at]
+        for a, b, k in self.segments.rows():
+            found[a].add(k)
+            found[b].add(k)
+        return found
+
+    def _part_at_vertices(self) -> bool:
+        """Parts lines at vertices that are near to them, which move onto them; True where one was."""
+        vertices, lines, apart = near_pairs(self.at, self.segments, self.near, self.exact)
+        if not len(vertices):
+            return False
+        touching = self._touching()
+        owner = self.segments.owner
+        cuts: dict[int, list[int]] = {}
+        beside: dict[int, list[int]] = {}
+        for v, s, d in zip(vertices.tolist(), lines.tolist(), apart.tolist(), strict=True):
+            k = int(owner[s])
+            if d > self.exact and k in touching[v] and (v, k) not in self.ends:
+                continue
+            cuts.setdefault(s, []).append(v)
+            if d > self.exact:
+                beside.setdefault(v, []).append(s)
+        degree = self.segments.degrees(len(self.at))
+        places = self.at.copy()
+        for v in sorted(beside):
+            places[v] = self._moved(v, beside[v], int(degree[v]), touching[v])
+        self.segments = self.segments.parted(cuts, self.at)
+        self.at = places
+        self._leave_doubled()
+        return bool(cuts)
+
+    def _moved(self, v: int, lines: Sequence[int], degree: int, strokes: set[int]) -> Array:
+        """Where a vertex goes that lies beside lines: along its own line, if it is the end of one, else straight."""
+        place = self.at[v]
+        chosen = min(lines, key=lambda s: (self._rank(int(self.segments.owner[s])), -self._length(s), s))
+        a, b = self.at[self.segments.a[chosen]], self.at[self.segments.b[chosen]]
+        along = (b - a) / np.linalg.norm(b - a)
+        target: Array = a + float((place - a) @ along) * along
+        what = "T-junction"
+        kind = "hinge" if any(self.strokes[k].role in CREASES for k in strokes) else "line"
+        if degree == 1:
+            own = self.segments.line_at(v, self.at)
+            found = meeting(*own, a, b)
+            # Twice: at 30 degrees a line's end is twice as far from another, along itself, as straight across.
+            if found is not None and float(np.linalg.norm(found - place)) <= 2.0 * self.near:
+                target = found
+                outward = float((found - place) @ (own[0] - own[1])) > 0.0
+                what = f"{kind} extended" if outward else f"{kind} cut back"
+        other = self._sources([int(self.segments.owner[chosen])])
+        moved = float(np.linalg.norm(target - place))
+        self._tell(what, target, moved, f"{self._sources(strokes)} at {other}")
+        return target
+
+    def _length(self, s: int) -> float:
+        return float(np.linalg.norm(self.at[self.segments.a[s]] - self.at[self.segments.b[s]]))
+
+    def _part_at_crossings(self) -> bool:
+        """Parts lines that cross; crossings nearer to one another than the tolerance become one vertex."""
+        drawn = shapely.linestrings(self.at[self.segments.pairs()])
+        first, second = STRtree(drawn).query(drawn, predicate="crosses")
+        once = first < second
+        first, second = first[once], second[once]
+        if not len(first):
+            return False
+        if len(first) > MOST_EDGES:
+            raise _too_many()
+        found = crossing(self.at, self.segments, first, second)
+        order = np.lexsort((found[:, 1], found[:, 0]))
+        found, first, second = found[order], first[order], second[order]
+        kept = gathered(found, np.zeros(len(found), dtype=np.int64), self.near, lambda a, b: True)
+        cuts: dict[int, list[int]] = {}
+        base = len(self.at)
+        for k, rep in enumerate(kept.tolist()):
+            moved = float(np.linalg.norm(found[k] - found[rep]))
+            pair = [int(first[k]), int(second[k])]
+            if moved > self.exact:
+                self._tell(
+                    "crossings joined", found[rep], moved, self._sources(self.segments.owner[pair].tolist())
+                )
+            for s in pair:
+                cuts.setdefault(s, []).append(base + rep)
+        self.at = np.concatenate([self.at, found])
+        self.segments = self.segments.parted({s: sorted(set(v)) for s, v in cuts.items()}, self.at)
+        self._leave_doubled()
+        return True
+
+    def _leave_doubled(self) -> None:
+        """Segments without length, and all but one of those between the same vertices."""
+        best: dict[Edge, int] = {}
+        for a, b, k in self.segments.rows():
+            if a == b:
+                continue
+            edge = (min(a, b), max(a, b))
+            other = best.get(edge, k)
+            if other != k:
+                kept, left = sorted((k, other), key=self._rank)
+                where = 0.5 * (self.at[a] + self.at[b])
+                self.doubled.setdefault((kept, left), (float(where[0]), float(where[1])))
+                best[edge] = kept
+            else:
+                best[edge] = k
+        self.segments = Segments.of([(a, b, k) for (a, b), k in best.items()])
+
+    def _rank(self, k: int) -> tuple[int, bool, int]:
+        """Which of two strokes counts: by role, then the one that says its angle, then the first."""
+        stroke = self.strokes[k]
+        return ROLES.index(stroke.role), stroke.angle is None, k
+
+    def _tell(self, what: str, at: Array, moved: float, source: str) -> None:
+        if moved > self.exact:
+            self.mends.append(Mend(what, (float(at[0]), float(at[1])), moved, source))
+
+    def _sources(self, strokes: Iterable[int]) -> str:
+        return names_of(self.strokes, strokes)
+
+    def _ordered(self) -> Graph:
+        """Vertices by place and edges by vertices, so that numbers do not follow the order of the file."""
+        for (kept, left), where in self.doubled.items():
+            roles = self.strokes[kept].role, self.strokes[left].role
+            which = "" if roles[0] == roles[1] else f": {roles[0]} counts, not {roles[1]}"
+            self.mends.append(Mend("doubled line", where, 0.0, self._sources((kept, left)) + which))
+        used = np.unique(self.segments.pairs())
+        order = used[np.lexsort((self.at[used, 1], self.at[used, 0]))]
+        number = {int(v): k for k, v in enumerate(order)}
+        rows = sorted((*sorted((number[a], number[b])), k) for a, b, k in self.segments.rows())
+        mends = sorted(self.mends, key=lambda m: (m.what, m.at, m.source))
+        return Graph(
+            self.at[order], tuple((a, b) for a, b, _ in rows), tuple(k for _, _, k in rows), tuple(mends)
+        )
+
+
+def _groups(kept: Indices) -> list[tuple[int, list[int]]]:
+    """Each vertex that others join, and those."""
+    found: dict[int, list[int]] = {}
+    for v in np.flatnonzero(kept != np.arange(len(kept))).tolist():
+        found.setdefault(int(kept[v]), []).append(v)
+    return sorted(found.items())
+
+
+def _too_many() -> DesignError:
+    return DesignError(
+        f"the drawing has more than {MOST_EDGES} lines, curves flattened and lines parted where they cross; draw the "
+        "sheet alone, or with coarser curves"
+    )

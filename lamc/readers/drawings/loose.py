@@ -1,0 +1,113 @@
+"""Lines of a drawing that part nothing: gaps, which are refused, and what is left out.
+
+In: the graph and which of its edges part something. Out: mends. Never: leaves out a line that a little healing would
+join to what is near: that line was meant.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import STRtree
+
+from lamc.basics.errors import DesignError
+from lamc.readers.drawings.heal import CREASES, OUTLINES, Graph
+from lamc.readers.drawings.telling import millimetres, name_of
+from lamc.readers.fold_groups import pieces_of
+from lamc.records.drawing import Mend, Stroke
+
+_GAP = 0.5  # of the length of what dangles: an end that is nearer to another line was to meet it
+
+
+@dataclass(frozen=True, order=True)
+class _Gap:
+    apart: float  # m
+    vertex: int
+    stroke: int
+    other: int
+
+
+def left_out(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], tolerance: float) -> list[Mend]:
+    """A mend for each stroke of which something is left out.
+
+    Raises DesignError where the end of an outline or a crease has another line near to it, with the tolerance that
+    joins them.
+    """
+    gone = sorted(set(range(len(graph.edges))) - set(kept))
+    found: dict[int, Mend] = {}
+    gaps = _gaps(graph, strokes, gone, {v for k in kept for v in graph.edges[k]})
+    if gaps:
+        raise DesignError(_told(graph, strokes, gaps, tolerance))
+    for k in gone:
+        owner = graph.strokes[k]
+        x, y = graph.points[list(graph.edges[k])].mean(axis=0).tolist()
+        found.setdefault(owner, Mend("line that bounds nothing", (x, y), 0.0, name_of(strokes, owner)))
+    return list(found.values())
+
+
+def _gaps(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], held: set[int]) -> list[_Gap]:
+    """The nearest line to each end that dangles, where it is near; ascending. held: vertices of what is kept."""
+    ends = np.bincount(np.array(graph.edges).ravel(), minlength=len(graph.points))
+    tips = {
+        v: k
+        for k in gone
+        for v in graph.edges[k]
+        if ends[v] == 1 and strokes[graph.strokes[k]].role in OUTLINES | CREASES
+    }
+    if not tips:
+        return []
+    lengths = _lengths(graph, gone, held)
+    lines = shapely.linestrings(graph.points[np.array(graph.edges)])
+    tree = STRtree(lines)
+    nearest: list[_Gap] = []
+    for v, edge in sorted(tips.items()):
+        owner = graph.strokes[edge]
+        reach = _GAP * lengths[edge]
+        dot = shapely.Point(graph.points[v])
+        found = []
+        for s in tree.query(dot, predicate="dwithin", distance=reach).tolist():
+            apart = float(shapely.distance(dot, lines[s]))
+            if graph.strokes[s] == owner:  # only the other end of an open outline
+                tip = [w for w in graph.edges[s] if w != v and w in tips]
+                apart = math.dist(graph.points[v], graph.points[tip[0]]) if tip else 0.0
+            if 0.0 < apart < reach:
+                found.append(_Gap(apart, v, owner, graph.strokes[s]))
+        nearest += [min(found)] if found else []
+    return sorted(nearest)
+
+
+def _lengths(graph: Graph, gone: Sequence[int], held: set[int]) -> dict[int, float]:
+    """m, for each edge that parts nothing: of all edges of its stroke that dangle together with it."""
+    at: dict[tuple[int, int], int] = {}
+    pairs = []
+    for k in gone:
+        for v in graph.edges[k]:
+            if v not in held:
+                pairs.append((at.setdefault((v, graph.strokes[k]), k), k))
+    found: dict[int, float] = {}
+    for piece in pieces_of(gone, pairs):
+        total = sum(math.dist(*graph.points[list(graph.edges[k])]) for k in piece)
+        found |= dict.fromkeys(piece, total)
+    return found
+
+
+def _told(graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], tolerance: float) -> str:
+    shown = [
+        f"{name_of(strokes, gap.stroke)} ({strokes[gap.stroke].role}) ends at {millimetres(graph.points[gap.vertex])}, "
+        f"{1e3 * gap.apart:.3g} mm from {name_of(strokes, gap.other)}"
+        for gap in gaps[:4]
+    ]
+    others = f", and {len(gaps) - 4} more such ends" if len(gaps) > 4 else ""
+    return (
+        f"lines stop short of one another by more than the {1e3 * tolerance:.3g} mm that are healed: "
+        f"{'; '.join(shown)}{others}. Draw them to meet, or heal more: --heal '{_enough(gaps[-1].apart)} mm'"
+    )
+
+
+def _enough(apart: float) -> str:
+    """mm, rounded up to two digits, with one in a hundred to spare."""
+    length = 1.01e3 * apart
+    step = 10.0 ** (math.floor(math.log10(length)) - 1)
+    return f"{math.ceil(length / step) * step:.2g}"

@@ -1,0 +1,161 @@
+"""What a line is for: by what the user says, by the name of its layer, by its colour.
+
+In: a colour and a layer's name as the file writes them, and the user's options. Out: a `Role`, or None where nothing
+tells. The colours are those of Origami Simulator (Amanda Ghassaei): red mountain, blue valley, black border, green cut,
+yellow a crease that stays flat, magenta a hinge without a spring.
+"""
+
+import math
+import re
+
+from lamc.readers.drawings.colours import colour_of, family_of
+from lamc.records.card import SheetOptions
+from lamc.records.drawing import Role
+
+COLOURS: dict[str, Role] = {
+    "red": "mountain",
+    "blue": "valley",
+    "black": "border",
+    "green": "cut",
+    "yellow": "flat",
+    "magenta": "undriven",
+}
+_CREASES: frozenset[Role] = frozenset(("mountain", "valley", "flat", "undriven"))
+# Names of layers, singular, in lower case; words are parted by one space. "…fold" and "…crease" are added below.
+_LAYERS: dict[Role, tuple[str, ...]] = {
+    "border": (
+        "border",
+        "boundary",
+        "outline",
+        "edge",
+        "body",
+        "contour",
+        "profile",
+        "perimeter",
+        "rim",
+        "outer",
+    ),
+    "hole": ("hole", "cutout", "cut out", "window", "opening", "inner"),
+    "cut": ("cut", "cutting", "cut line", "cutline", "slit", "laser cut", "through cut", "kerf"),
+    "hinge": ("hinge", "joint", "flexure", "living hinge", "hinge line", "joint line"),
+    "mountain": ("mountain", "hinge mountain", "mountain hinge", "m"),
+    "valley": ("valley", "hinge valley", "valley hinge", "v"),
+    "undriven": (
+        "undriven",
+        "free",
+        "free hinge",
+        "hinge free",
+        "undriven hinge",
+        "hinge undriven",
+        "unassigned",
+    ),
+    "flat": ("flat", "facet", "facet crease", "triangulation", "hinge flat"),
+    "ignore": (
+        *("ignore", "text", "dimension", "dim", "annotation", "guide", "guide line", "note", "construction"),
+        *(
+            "reference",
+            "title",
+            "title block",
+            "legend",
+            "defpoint",
+            "label",
+            "comment",
+            "engrave",
+            "engraving",
+        ),
+    ),
+}
+# Their colours say which way they fold; other colours, and none, leave them sprung and flat.
+_FOLDS = ("fold", "crease", "fold line", "crease line", "score", "score line", "bend", "bend line")
+_JOINTS = _LAYERS["hinge"]  # laminates number them
+_FEWEST_DEGREES = 10.0
+_BY_NAME: dict[str, Role] = {name: role for role, names in _LAYERS.items() for name in names}
+for _role in ("mountain", "valley", "undriven", "flat"):
+    for _word in ("fold", "crease"):
+        _BY_NAME |= {f"{_role} {_word}": _role, f"{_word} {_role}": _role}
+_WITH_NUMBER = re.compile(
+    r"(.*?[^0-9.+-])[\s_(=-]*?([+-]?[0-9]+(?:\.[0-9]*)?)\s*(?:°|deg|degrees)?\)?\Z", re.DOTALL
+)
+
+
+def role_of(colour: str | None, layer: str, options: SheetOptions) -> Role | None:
+    """What a line is for; None where neither user nor layer nor colour says.
+
+    colour  in any notation of CSS, "#ff0000"; None for no colour of its own
+    layer   its layer or group; "" for none
+
+    The user's word comes first, of the layer and then of the colour; then the layer's name, then the colour. Layers of
+    folds in general leave it to the colour which way they fold.
+    """
+    said = _said(colour, layer, options)
+    if said is not None:
+        return said
+    of_colour = colour_role(colour)
+    if layer_name(layer) in _FOLDS:
+        return of_colour if of_colour in _CREASES else "hinge"
+    return layer_role(layer) or of_colour
+
+
+def layer_role(name: str) -> Role | None:
+    """What lines of a layer of this name are for, whatever their colour: "hinge_mountain_90" are mountains."""
+    word = layer_name(name)
+    return "hinge" if word in _FOLDS else _BY_NAME.get(word)
+
+
+def layer_angle(name: str) -> float | None:
+    """rad, where creases of a layer of this name rest: the degrees at its end, "mountain_90", "fold(-45)".
+
+    A small bare number, "mountain 2", counts layers and is no angle.
+    """
+    role, found = layer_role(name), _WITH_NUMBER.match(name.strip())
+    if found is None or role not in ("mountain", "valley", "hinge") or layer_name(name) in _JOINTS:
+        return None
+    degrees = float(found[2])
+    bare = name.strip()[-1].isdigit() and found[2][0] not in "+-"
+    if abs(degrees) > 180.0 or (bare and degrees < _FEWEST_DEGREES):
+        return None
+    if role == "hinge":
+        return math.radians(degrees)
+    # A hyphen before the number may part it from the name or be a sign; nothing hangs on it here.
+    return math.radians(-abs(degrees) if role == "mountain" else abs(degrees))
+
+
+def colour_role(colour: str | None) -> Role | None:
+    """What lines of a colour are for by the convention of crease patterns, nearly that colour included."""
+    found = colour_of(colour) if colour is not None else None
+    family = family_of(found[0]) if found is not None else None
+    return COLOURS[family[0]] if family is not None else None
+
+
+def layer_name(name: str) -> str:
+    """A layer's name as the table has it: in lower case, singular, without a number or sign at its end."""
+    found = _WITH_NUMBER.match(name.strip())
+    words = re.findall(r"[^\W_]+", (found[1] if found else name).lower())
+    if words and words[-1] in ("copy", "layer", "layers"):
+        words.pop()
+    joined = " ".join(words)
+    for singular in (joined, joined.removesuffix("s"), joined.removesuffix("es")):
+        if singular in _BY_NAME or singular in _FOLDS:
+            return singular
+    return "body" if joined == "bodies" else joined
+
+
+def _said(colour: str | None, layer: str, options: SheetOptions) -> Role | None:
+    """What the user says of a layer, of a colour, or of the colour that it is near."""
+    roles = options.roles
+    if not roles:
+        return None
+    for name, role in roles.items():
+        if layer and name.strip().casefold() == layer.strip().casefold():
+            return role
+    own = colour_of(colour) if colour is not None else None
+    if own is None:
+        return None
+    named = {given[0]: role for name, role in roles.items() if (given := colour_of(name)) is not None}
+    if own[0] in named:
+        return named[own[0]]
+    family = family_of(own[0])
+    for given_colour, role in named.items():
+        if family is not None and family_of(given_colour) == (family[0], True):
+            return role
+    return None

@@ -1,0 +1,132 @@
+"""A drawing of lines as a sheet of creases: healed, its facets found within its outlines, as a mechanism.
+
+In: a `Drawing`, and what a user says of the sheet. Out: a `Mechanism` with its mends; warnings for what was assumed.
+Never: changes a line without a mend.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from shapely.geometry import MultiPolygon
+
+from lamc.basics.errors import DesignError, LamcError, Place, warn
+from lamc.design.shapes import areas
+from lamc.readers.drawings.faces import faces_within, linked
+from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
+from lamc.readers.drawings.loose import left_out
+from lamc.readers.drawings.outlines import hull, material, parting
+from lamc.readers.drawings.telling import name_of, told
+from lamc.readers.fold_faces import NEAR, Edge
+from lamc.readers.fold_file import FoldFrame
+from lamc.readers.fold_sheet import sheet_mechanism
+from lamc.records.card import SheetOptions
+from lamc.records.drawing import Drawing, Mend, Role, Stroke
+from lamc.records.mechanism import Array, Mechanism
+
+# H is for drawings alone: a crease with a spring, which rests flat.
+_KINDS: dict[Role, str] = {
+    "border": "B",
+    "hole": "B",
+    "cut": "C",
+    "mountain": "M",
+    "valley": "V",
+    "hinge": "H",
+    "undriven": "U",
+    "flat": "F",
+}
+_LINK = "F"
+
+
+def sheet_of(drawing: Drawing, options: SheetOptions) -> Mechanism:
+    """The mechanism of a drawn sheet. Raises DesignError for what cannot be, with the line and its place."""
+    place = Place(drawing.file)
+    try:
+        frame, mends, tolerance = _frame(drawing, options)
+        made, notes = sheet_mechanism(frame, replace(options, units=None), drawing.name)
+    except LamcError as error:
+        raise (type(error)(error.message, place) if error.place is None else error) from error
+    for note in [*notes, *told(mends, tolerance)]:
+        warn(note, place)
+    return replace(made, mends=mends)
+
+
+def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Mend, ...], float]:
+    strokes = [stroke for stroke in drawing.strokes if stroke.role != "ignore"]
+    if not strokes:
+        raise DesignError(
+            "the drawing has no line that is for anything; say what lines are for (--role red=cut)"
+        )
+    size = size_of(strokes)
+    tolerance = DEFAULT * size if options.heal is None else options.heal
+    graph = healed(strokes, tolerance)
+    kept = parting(graph.points, graph.edges)
+    loose = left_out(graph, strokes, kept, max(tolerance, NEAR * size))
+    if not kept:
+        raise DesignError("the lines enclose no facet; draw the sheet's outline")
+    notes = list(drawing.notes)
+    region = _region(graph, strokes, kept, notes)
+    points, edges, origin = linked(graph.points, [graph.edges[k] for k in kept])
+    faces = faces_within(points, edges, region)
+    if not faces:
+        raise DesignError("the outlines enclose no facet")
+    sides = {side for face in faces for side in zip(face, (*face[1:], face[0]), strict=True)}
+    used = [k for k, (a, b) in enumerate(edges) if (a, b) in sides or (b, a) in sides]
+    owners = [None if (of := origin[k]) is None else graph.strokes[kept[of]] for k in range(len(edges))]
+    beyond = _beyond(points, edges, owners, strokes, set(used))
+    lines = [None if (owner := owners[k]) is None else strokes[owner] for k in used]
+    frame = FoldFrame(
+        drawing.name,
+        np.column_stack([points, np.zeros(len(points))]),
+        tuple(edges[k] for k in used),
+        "".join(_LINK if line is None else _KINDS[line.role] for line in lines),
+        tuple(None if line is None or line.role not in CREASES else line.angle for line in lines),
+        tuple(faces),
+        1.0,
+        {},
+        tuple(notes),
+        tuple("a link to a hole" if (k := owners[e]) is None else name_of(strokes, k) for e in used),
+    )
+    return frame, (*graph.mends, *loose, *beyond), tolerance
+
+
+def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes: list[str]) -> MultiPolygon:
+    """Where material is: within outlines, else within cuts, else wherever lines enclose something."""
+
+    def of(*roles: Role) -> list[Edge]:
+        return [graph.edges[k] for k in kept if strokes[graph.strokes[k]].role in roles]
+
+    points, holes = graph.points, of("hole")
+    drawn = of("border", "hole")
+    # More than rounding of the area, of lines that are a billionth of the size apart.
+    if hull(points, of("border", "hole", "cut")).area > (1.0 + 1e-6) * hull(points, drawn).area:
+        notes.append(
+            "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
+        )
+        drawn = of("border", "hole", "cut")
+    found = material(points, drawn, frozenset(holes))
+    if found.is_empty:
+        notes.append("no outline is drawn: the sheet ends where its lines enclose nothing more")
+        every = [graph.edges[k] for k in kept]
+        found = areas(shapely.difference(hull(points, every), hull(points, holes)))
+    return found
+
+
+def _beyond(
+    points: Array,
+    edges: Sequence[Edge],
+    owners: Sequence[int | None],
+    strokes: Sequence[Stroke],
+    used: set[int],
+) -> list[Mend]:
+    """A mend for each stroke of which something lies in a hole or beyond the outlines."""
+    found: dict[int, Mend] = {}
+    for k, (a, b) in enumerate(edges):
+        owner = owners[k]
+        if k not in used and owner is not None and owner not in found:
+            at = 0.5 * (points[a] + points[b])
+            found[owner] = Mend(
+                "line outside the material", (float(at[0]), float(at[1])), 0.0, name_of(strokes, owner)
+            )
+    return [found[owner] for owner in sorted(found)]

@@ -1,0 +1,246 @@
+"""A sheet of edges becomes a `Mechanism` that is drawn flat, facets its bodies and creases its hinges.
+
+In: a frame of vertices, edges and perhaps faces, from FOLD or from a drawing, and what a user says of the sheet. Out:
+a mechanism, and a line for each thing that was assumed. Never: reads a file.
+
+Joints follow FOLD's sign: a positive angle is a valley, seen from the side from which faces run counterclockwise.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from lamc.basics.errors import DesignError
+from lamc.basics.units import LENGTH, to_si
+from lamc.design.mass import body_properties
+from lamc.readers.fold_faces import (
+    Face,
+    beside_edges,
+    counterclockwise,
+    faces_of,
+    overlap,
+    polygons_of,
+)
+from lamc.readers.fold_file import FoldFrame
+from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normals_of
+from lamc.readers.fold_groups import Crease, grouped, joined_edges, pieces_of
+from lamc.readers.fold_hinges import Hinges
+from lamc.readers.fold_own import Own, own_of
+from lamc.readers.fold_start import fitted
+from lamc.records.card import Card, SheetOptions
+from lamc.records.mechanism import Body, Mechanism, Slab
+from lamc.records.scene import Scene
+
+_LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
+_SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave slivers where it is laid flat
+_TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
+
+
+def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple[Mechanism, list[str]]:
+    """The mechanism of one frame, named as it is or `stem`, and what was assumed.
+
+    Raises DesignError with edge, face or vertex for what cannot be.
+    """
+    return _Sheet(frame, options).mechanism(stem)
+
+
+@dataclass(frozen=True)
+class _Facets:
+    """Faces with what is beside them; corners in the plane, m; angles at the start, rad, by joined edge."""
+
+    faces: tuple[Face, ...]
+    beside: Beside
+    joined: list[int]
+    corners: Corners
+    angles: dict[int, float]
+
+
+class _Sheet:
+    """One frame, and what is told of it."""
+
+    def __init__(self, frame: FoldFrame, options: SheetOptions) -> None:
+        self.frame, self.options = frame, options
+        self.notes = list(frame.notes)
+        self.points = frame.vertices * self._scale()
+        used = self.points[np.unique(np.array(frame.edges))]
+        self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
+
+    def mechanism(self, stem: str) -> tuple[Mechanism, list[str]]:
+        frame = self.frame
+        facets = self._facets()
+        own = own_of(frame.own, len(facets.faces), len(frame.edges))
+        together: dict[str, list[int]] = {}
+        for face, name in enumerate(own.bodies or ()):
+            together.setdefault(name, []).append(face)
+        groups, creases = grouped(
+            frame,
+            facets.beside,
+            facets.joined,
+            facets.corners,
+            facets.angles,
+            list(together.values()),
+            self.size,
+            self.notes,
+        )
+        polygons = [
+            shapely.Polygon([facets.corners[k][v] for v in face]) for k, face in enumerate(facets.faces)
+        ]
+        names = {group: (own.bodies[group] if own.bodies else f"F{group}") for group in groups}
+        fixed = self._fixed(own, groups, creases, polygons, names)
+        bodies = self._bodies(groups, polygons, names, fixed, own)
+        hinges = Hinges(frame, facets.beside, facets.corners, facets.angles, groups, self.options.crease, own)
+        joints = hinges.joints(creases, fixed, names, {b.name: b for b in bodies})
+        self.notes += hinges.notes
+        start = {}
+        for crease, joint in zip(creases, joints, strict=True):
+            said = own.hinges[crease.edges[0]] if own.hinges else None
+            angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
+            if abs(angle) > _TURNED:
+                start[joint.name] = angle
+        name = frame.title.strip() or stem or "sheet"
+        name = "".join(c for c in name if c.isprintable())[:100] or "sheet"
+        flat = Mechanism(tuple(bodies), tuple(joints), name)
+        if not start:
+            return flat, self.notes
+        if not own.hinges:
+            start = fitted(flat, start, self.notes)
+        return replace(flat, scene=Scene(angles=start)), self.notes
+
+    def _scale(self) -> float:
+        """m of the file's unit."""
+        if self.options.units is not None:
+            return to_si(f"1 {self.options.units}", LENGTH)
+        if self.frame.unit is None:
+            self.notes.append("the file says no unit: 1 is taken for 1 mm (--units says another)")
+        return self.frame.unit or 1e-3
+
+    def _facets(self) -> _Facets:
+        """Faces, flat or laid flat. Raises DesignError where they cannot be."""
+        frame, points = self.frame, self.points
+        used = points[np.unique(np.array(frame.edges))]
+        level = float(np.ptp(used[:, 2])) <= _LEVEL * self.size
+        if frame.faces is None:
+            if not level:
+                raise DesignError("the sheet is folded, in three dimensions, and lists no faces_vertices")
+            faces = faces_of(frame.vertices[:, :2], frame.edges, frame.kinds, self.notes)
+            polygons = polygons_of(points[:, :2], faces)
+        elif level:
+            faces = tuple(counterclockwise(points[:, :2], face) for face in frame.faces)
+            polygons = polygons_of(points[:, :2], faces)
+        if level:
+            pair = overlap(polygons)
+            turned = sum(a != b for a, b in zip(faces, frame.faces or faces, strict=True))
+            if pair is not None and not 0 < turned < len(faces):
+                raise DesignError(
+                    f"faces {pair[0]} and {pair[1]} lie over one another; a sheet that is folded flat has faces of "
+                    "both orientations, and any other needs them side by side (an outline amid a facet: join it to the "
+                    "facet's corners by two edges F, and a hole is read)"
+                )
+            if pair is None:
+                return self._flat(faces)
+        assert frame.faces is not None
+        return self._folded(frame.faces)
+
+    def _flat(self, faces: tuple[Face, ...]) -> _Facets:
+        beside = beside_edges(faces, self.frame.edges)
+        joined = joined_edges(self.frame, beside, self.notes)
+        corners = [{v: self.points[v, :2] for v in face} for face in faces]
+        return _Facets(faces, beside, joined, corners, {})
+
+    def _folded(self, faces: tuple[Face, ...]) -> _Facets:
+        frame = self.frame
+        normals = normals_of(self.points, faces, self.size)
+        beside = beside_edges(faces, frame.edges)
+        joined = joined_edges(frame, beside, self.notes)
+        signs: dict[int, float] = {}
+        for k, (kind, angle) in enumerate(zip(frame.kinds, frame.angles, strict=True)):
+            if angle or kind in "MV":
+                signs[k] = angle or (1.0 if kind == "V" else -1.0)
+        angles = angles_of(self.points, normals, frame.edges, beside, joined, signs)
+        roots = _roots(len(faces), [beside[k] for k in joined])
+        corners = laid_flat(self.points, faces, normals, frame.edges, beside, joined, roots, self.size)
+        laid = [shapely.Polygon([corners[k][v] for v in face]) for k, face in enumerate(faces)]
+        pair = overlap(laid, _SLIVER)
+        if pair is not None:
+            raise DesignError(
+                f"laid flat, faces {pair[0]} and {pair[1]} lie over one another: the sheet was not folded from one "
+                "flat piece; cut it along an edge (assignment C)"
+            )
+        return _Facets(faces, beside, joined, corners, angles)
+
+    def _fixed(
+        self,
+        own: Own,
+        groups: Sequence[int],
+        creases: Sequence[Crease],
+        polygons: Sequence[shapely.Polygon],
+        names: Mapping[int, str],
+    ) -> list[int]:
+        """Groups that are fixed: one in each piece of the sheet."""
+        chosen: list[int] = []
+        given = self.options.fixed
+        if isinstance(given, str):
+            by_name = {f"F{face}": group for face, group in enumerate(groups)}
+            by_name |= {name: group for group, name in names.items()}
+            if given not in by_name:
+                raise DesignError(f"no facet is named {given[:40]!r}; they are F0 to F{len(groups) - 1}")
+            chosen = [by_name[given]]
+        elif given is not None:
+            within = [k for k, polygon in enumerate(polygons) if polygon.covers(shapely.Point(given))]
+            if not within:
+                raise DesignError(f"no facet is at ({given[0]:g}, {given[1]:g}) m; fixed must lie inside one")
+            chosen = [groups[within[0]]]
+        elif own.fixed is not None:
+            chosen = sorted({group for group, name in names.items() if name in own.fixed})
+        pieces = pieces_of(sorted(set(groups)), [crease.groups for crease in creases])
+        free = [piece for piece in pieces if not set(piece) & set(chosen)]
+        if len(pieces) > 1 and free:
+            self.notes.append(
+                f"the sheet falls into {len(pieces)} pieces that no crease joins; {len(free)} of them are fixed by a "
+                "facet in their middle"
+            )
+        for piece in free:
+            members = [k for k, group in enumerate(groups) if group in set(piece)]
+            middle = shapely.MultiPoint(
+                [c for k in members for c in polygons[k].exterior.coords]
+            ).envelope.centroid
+            nearest = min(members, key=lambda k: (polygons[k].distance(middle), k))
+            chosen.append(groups[nearest])
+        return chosen
+
+    def _bodies(
+        self,
+        groups: Sequence[int],
+        polygons: Sequence[shapely.Polygon],
+        names: Mapping[int, str],
+        fixed: Sequence[int],
+        own: Own,
+    ) -> list[Body]:
+        card = self._card(own)
+        members: dict[int, list[shapely.Polygon]] = {}
+        for group, polygon in zip(groups, polygons, strict=True):
+            members.setdefault(group, []).append(polygon)
+        bodies = []
+        for group in sorted(members):
+            slabs = tuple(Slab(polygon, 0.0, card.thickness) for polygon in members[group])
+            mass, com, inertia = body_properties([(slab, card.density) for slab in slabs])
+            bodies.append(Body(names[group], mass, com, inertia, group in fixed, slabs))
+        return bodies
+
+    def _card(self, own: Own) -> Card:
+        card = self.options.card or own.card
+        if card is None:
+            card = Card()
+            self.notes.append(
+                f"facets are taken for card of {1e3 * card.thickness:g} mm and {card.density:g} kg/m^3 (--card "
+                "'0.3 mm, 700 kg/m^3' says another)"
+            )
+        return card
+
+
+def _roots(count: int, pairs: Sequence[tuple[int | None, int | None]]) -> list[int]:
+    """The lowest face of each piece."""
+    joined = [(a, b) for a, b in pairs if a is not None and b is not None]
+    return [piece[0] for piece in pieces_of(range(count), joined)]

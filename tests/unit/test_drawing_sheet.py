@@ -1,0 +1,176 @@
+"""Drawings of lines as sheets: facets, holes, flaps, roles; what is told and what is refused."""
+
+import json
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lamc
+from lamc.basics.errors import DesignWarning
+from lamc.readers.drawings.sheet import sheet_of
+from lamc.records.card import SheetOptions
+from lamc.records.drawing import Stroke
+from lamc.records.mechanism import Mechanism
+from tests.support import fold_corpus as corpus
+from tests.support.drawn_corpus import drawing, line, of_fold, square
+
+CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
+SQUARE_MM = 3e-4 * 700.0 * 1e-6  # kg of a square millimetre
+HINGE = line((20, 0), (20, 40), source="path #fold")
+
+
+def read(*strokes: Stroke, **options: Any) -> tuple[Mechanism, list[str]]:
+    """The sheet, and what was told."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", DesignWarning)
+        made = sheet_of(drawing(*strokes), SheetOptions(**{"card": CARD, "crease": 1e-3, **options}))
+    return made, [str(each.message) for each in told]
+
+
+def geometry(made: Mechanism) -> list[list[tuple[float, ...]]]:
+    """What does not depend on names or on which end of an axis comes first, in m and N·m/rad."""
+    bodies = sorted((round(1e9 * b.mass, 3), *np.round(1e6 * b.com, 3)) for b in made.bodies)
+    joints = sorted(
+        (round(1e9 * j.stiffness, 3), *np.round(np.abs(j.axis), 6), round(j.rest_angle, 6))
+        for j in made.joints
+    )
+    return [bodies, joints]
+
+
+@pytest.mark.parametrize(
+    "data", [corpus.miura(4, 3), corpus.waterbomb(), corpus.yoshimura(3, 4), corpus.box_net("mm")]
+)
+def test_a_drawing_is_the_sheet_that_fold_holds(data: Any, tmp_path: Any) -> None:
+    made, told = read(*of_fold(data))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        fold = lamc.load(corpus.write(tmp_path / "a.fold", data), card=CARD, crease=1e-3)
+    assert isinstance(fold, Mechanism)
+    assert geometry(made) == geometry(fold)
+    assert made.mends == ()
+    assert not any("healed" in each for each in told)
+
+
+def test_names_do_not_follow_the_order_of_the_lines() -> None:
+    strokes = of_fold(corpus.miura(3, 3))
+    turned = [Stroke(s.points[::-1], s.closed, s.role, s.angle, s.layer, s.source) for s in strokes[::-1]]
+    assert read(*strokes)[0] == read(*turned)[0]
+
+
+def test_a_hinge_rests_flat_with_a_spring_and_undriven_has_none() -> None:
+    for role, stiffness, rest in (("hinge", 4e-5, 0.0), ("undriven", 0.0, 0.0), ("valley", 4e-5, 0.5)):
+        made, _ = read(square(0, 0, 40), line((20, 0), (20, 40), role=role, angle=rest or None))
+        joint = made.joints[0]
+        assert (joint.stiffness, joint.rest_angle) == (pytest.approx(stiffness), rest)
+
+
+@pytest.mark.parametrize("role", ["border", "hole"])
+def test_outlines_within_outlines_are_holes(role: Any) -> None:
+    made, told = read(square(0, 0, 40), square(5, 5, 5, role), HINGE)
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([775.0, 800.0])
+    assert len(made.joints) == 1
+    assert told == []
+
+
+def test_a_hinge_through_a_hole_is_one_hinge_of_two_pieces() -> None:
+    made, told = read(square(0, 0, 40), square(18, 18, 4), HINGE)
+    assert [b.mass / SQUARE_MM for b in made.bodies] == pytest.approx([792.0, 792.0])
+    assert made.joints[0].stiffness == pytest.approx(1e-3 * 0.036)
+    assert "line outside the material: 1" in told[0]
+
+
+def test_outlines_go_by_turns() -> None:
+    made, told = read(square(0, 0, 40), square(10, 10, 20), square(15, 15, 10))
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([100.0, 1200.0])
+    assert any("2 pieces" in each for each in told)
+
+
+def test_many_holes_in_a_row_and_a_grid() -> None:
+    holes = [square(4.0 * i + 1.0, 4.0 * j + 1.0, 2.0) for i in range(10) for j in range(10)]
+    made, _ = read(square(0, 0, 40), *holes, HINGE)
+    assert [b.mass / SQUARE_MM for b in made.bodies] == pytest.approx([600.0, 600.0])
+    assert len(made.joints) == 1
+
+
+def test_a_flap_amid_a_facet_turns_on_its_crease() -> None:
+    flap = line((10, 10), (10, 20), (20, 20), (20, 10), role="cut")
+    made, told = read(square(0, 0, 40), flap, line((10, 10), (20, 10)))
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([100.0, 1500.0])
+    assert made.joints[0].stiffness == pytest.approx(1e-5)
+    assert told == []
+
+
+def test_without_an_outline_cuts_are_one_and_else_the_lines_are() -> None:
+    made, told = read(square(0, 0, 40, "cut"), square(5, 5, 5, "cut"), HINGE)
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([775.0, 800.0])
+    assert any("cuts that enclose something are taken for outlines" in each for each in told)
+    made, told = read(square(0, 0, 40, "hinge"), HINGE)
+    assert len(made.joints) == 1
+    assert any("no outline is drawn" in each for each in told)
+
+
+def test_a_crease_that_dangles_is_left_out_and_told() -> None:
+    made, told = read(square(0, 0, 40), HINGE, line((20, 20), (30, 20), source="path #mark"))
+    assert len(made.bodies) == 2
+    assert [m.what for m in made.mends] == ["line that bounds nothing"]
+    assert "path #mark" in told[0]
+
+
+def test_a_gap_is_refused_with_the_tolerance_that_mends_it() -> None:
+    outline = line((0, 0), (40, 0), (40, 40), (0, 40), (0, 0.5), role="border", source="path #rim")
+    with pytest.raises(
+        lamc.DesignError, match=r"path #rim .border. ends at \(0, 0\) mm, 0.5 mm .*--heal '0.51 mm'"
+    ):
+        read(outline, HINGE)
+    made, told = read(outline, HINGE, heal="0.51 mm")
+    assert len(made.joints) == 1
+    assert "gap in an outline: 1, by up to 0.5 mm" in told[0]
+    short = line((20, 0.25), (20, 40), source="path #fold")
+    with pytest.raises(
+        lamc.DesignError, match=r"path #fold .hinge. ends at \(20, 0.25\) mm.*--heal '0.26 mm'"
+    ):
+        read(square(0, 0, 40), short)
+    made, told = read(square(0, 0, 40), short, heal="0.26 mm")
+    assert made.joints[0].stiffness == pytest.approx(4e-5)
+    assert "hinge extended: 1, by up to 0.25 mm: (20, 0) mm, path #fold" in told[0]
+
+
+def test_messages_name_lines_and_not_edges() -> None:
+    _, told = read(
+        square(0, 0, 40), square(40, 0, 40, source="rect #right"), line((40, 0), (40, 40), role="border")
+    )
+    assert any("rect #right" in each or "line 0" in each for each in told)
+    assert not any("edge" in each for each in told)
+
+
+@pytest.mark.parametrize(
+    ("strokes", "match"),
+    [
+        ((), "no line"),
+        ((line((0, 0), (1, 0), role="ignore"),), "no line"),
+        ((line((0, 0), (10, 0)),), "no facet"),
+        ((square(0, 0, 10, "hole"),), "no facet"),
+        ((square(0, 0, 40), square(0, 0, 10, "border"), line((10, 10), (40, 10))), ""),
+    ],
+)
+def test_what_encloses_nothing_is_refused(strokes: Any, match: str) -> None:
+    if match:
+        with pytest.raises(lamc.DesignError, match=match):
+            read(*strokes)
+    else:
+        read(*strokes)
+
+
+def test_a_thousand_facets_in_a_second_or_so() -> None:
+    made, _ = read(*of_fold(corpus.miura(32, 32)))
+    assert len(made.bodies) == 1024
+
+
+def test_the_sheet_runs() -> None:
+    made, _ = read(square(0, 0, 40), line((20, 0), (20, 40), role="valley", angle=1.0))
+    result = lamc.compile(made).run(t_end=0.01)
+    assert math.isfinite(float(result.q[-1, 0]))
+    assert json.dumps([m.what for m in made.mends]) == "[]"

@@ -11,11 +11,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol, TypeAlias, Union, cast
 
-from lamc.basics.errors import ExportError
+from lamc.basics.errors import ExportError, warn
+from lamc.basics.files import checked_path
 from lamc.codegen.names import identifier
 from lamc.design.split import split
 from lamc.export.folder import Origin, write_folder
 from lamc.export.options import ExportOptions, check_used, options_from
+from lamc.readers.load import load
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -231,3 +233,29 @@ def export(
     folder = Path(out) if out is not None else Path(f"{identifier(name)}_{to}")
     write_folder(folder, files, Origin(name, to), force=force)
     return folder
+
+
+def convert(
+    source: str | Path,
+    target: str | Path,
+    *,
+    force: bool = False,
+    **reading: object,
+) -> Path:
+    """Writes what the file `source` holds as the file `target`, whose suffix says how; returns its path.
+
+    force    replace a file
+    reading  keywords of `lamc.load`: card, crease, fixed, units, …
+
+    What the file does not hold is a DesignWarning each. Raises ExportError for a suffix that means nothing, a file in
+    the way, and one that is read; UnsupportedError for what the format cannot hold; and as `lamc.load` does.
+    """
+    from lamc.export.conversions import check_place, converted, write  # `import lamc` does without them
+
+    path, read = checked_path(target), checked_path(source)
+    check_place(read, path, force=force)
+    made = converted(load(read, **reading), path, read)  # type: ignore[arg-type]  # load looks at them
+    write(made, path)
+    for lost in made.lost:
+        warn(f"{path.name} does not hold {lost}")
+    return path

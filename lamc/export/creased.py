@@ -44,7 +44,8 @@ class CreasedSheet:
     edges     each once; those of two facets that are apart twice, with vertices of their own
     spots     by vertex: a number that vertices at one place share
     height    m, of the hinges' lines
-    card      that all bodies are of, and lost, in words: what keeps them from it
+    card      that all bodies are of
+    lost      what is not that of a sheet of one card, in words; faults: of it what makes the mechanism no sheet
     windows   rings of holes within facets, m
     """
 
@@ -58,14 +59,16 @@ class CreasedSheet:
         self.rings = [np.array(orient(p).exterior.coords)[:-1, :2] for _, p in outlined]
         self.windows = [np.array(ring.coords)[:-1, :2] for _, p in outlined for ring in p.interiors]
         self.card, self.lost = _card(mechanism)
+        self.faults = [] if self.card else list(self.lost)
         self.height = 0.5 * self.card.thickness if self.card else 0.0
         self._join()
         drawn = {edge.joint for edge in self.edges}
         bare = [joint.name for k, joint in enumerate(mechanism.joints) if k not in drawn]
         if bare:
-            self.lost.append(
+            self.faults.append(
                 f"hinges without a common side of their bodies, as gaps leave them: {listed_names(bare)}"
             )
+            self.lost.append(self.faults[-1])
         self.lost += [f"limits of hinge {joint.name!r}" for joint in mechanism.joints if joint.is_limited]
 
     def _join(self) -> None:

@@ -125,10 +125,10 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
             f"{named(field)} is of boards beside hinges; this is a sheet of creases: leave it out"
         )
     sheet = CreasedSheet(mechanism, "cut files hold layers, or a sheet of")
-    bare = [each for each in sheet.lost if not each.startswith(("limits", "masses", "facets"))]
-    if bare:
+    if sheet.faults:
         raise UnsupportedError(
-            f"this is no sheet of creases, and its drawing of layers is not here: {'; '.join(bare)}; export the design"
+            f"this is no sheet of creases, and its drawing of layers is not here: {'; '.join(sheet.faults)}; export "
+            "the design"
         )
     lines = lines_of_sheet(sheet)
     rims = [line for line in lines if line.pen.name in _BORDERS]

@@ -61,8 +61,18 @@ def result_files(
     rows = np.unique(np.linspace(0, len(result.t) - 1, count).round().astype(int))
     data = sheet.key_frame(start)
     data["file_frames"] = sheet.frames(result, rows.tolist())
-    text = json.dumps(data, allow_nan=False, separators=(",", ":")).replace(',"', ',\n"') + "\n"
-    return {f"{identifier(mechanism.name)}.fold": text.encode()}
+    return {f"{identifier(mechanism.name)}.fold": _bytes(data)}
+
+
+def flat_bytes(mechanism: Mechanism) -> bytes:
+    """The flat sheet alone, without a run; it starts where the mechanism's scene says."""
+    start = mechanism.scene.angles if mechanism.scene else {}
+    data = _Sheet(mechanism, lossy=True).key_frame(start)
+    return _bytes({**data, "file_classes": ["singleModel"]})
+
+
+def _bytes(data: Mapping[str, object]) -> bytes:
+    return (json.dumps(data, allow_nan=False, separators=(",", ":")).replace(',"', ',\n"') + "\n").encode()
 
 
 class _Sheet(CreasedSheet):

@@ -12,6 +12,7 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.basics.files import read_bytes
 from lamc.readers import joints_file, popupcad
+from lamc.readers.drawings.reading import drawing_in, is_drawing
 from lamc.readers.fold import read_fold
 from lamc.readers.fold_file import is_fold
 from lamc.readers.inert import (
@@ -35,7 +36,7 @@ from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
 
 FORMATS = (
-    "a lamc design or mechanism, FOLD, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+    "a lamc design or mechanism, FOLD, SVG, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
 )
 
 
@@ -68,8 +69,16 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     beside = Beside(Path(path), limits, _text)
-    text, sheet = file_text(path, limits), SheetOptions(fixed, card, crease, units, roles, heal)
-    return _read(text, str(path), materials or {}, progress, limits, beside, sheet)
+    sheet = SheetOptions(fixed, card, crease, units, roles, heal)
+    data, file = read_bytes(Path(path), limits.bytes), str(path)
+    drawing = drawing_in(data, file, sheet, limits, progress)
+    if drawing is None:
+        return _read(_text(data, file), file, materials or {}, progress, limits, beside, sheet)
+    if materials:
+        raise DesignError("materials are of popupCAD designs; a drawing takes card=", Place(file))
+    from lamc.readers.drawings.sheet import sheet_of  # other files do without healing
+
+    return sheet_of(drawing, sheet)
 
 
 def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
@@ -82,7 +91,10 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
 
     For a file that `load` has read. Raises DesignError as `load` does.
     """
-    text = file_text(path, limits)
+    data = read_bytes(Path(path), limits.bytes)
+    if is_drawing(data):
+        return None
+    text = _text(data, str(path))
     if is_fold(text):
         return None
     node = compose(text, str(path), limits=limits)
@@ -107,9 +119,16 @@ def _read(
         if is_fold(text):
             if materials:
                 raise DesignError("materials are of popupCAD designs; a FOLD file takes card=", Place(file))
+            if drawn := {"roles", "heal"} & set(sheet.given):
+                raise DesignError(
+                    f"{max(drawn)} is for drawings; a FOLD file says itself what its edges are and where they end",
+                    Place(file),
+                )
             return read_fold(text, file, sheet, limits)
         if sheet.given:
-            raise DesignError(f"{sheet.given[0]} is for sheets (FOLD); edit this file instead", Place(file))
+            raise DesignError(
+                f"{sheet.given[0]} is for sheets (FOLD, SVG, DXF); edit this file instead", Place(file)
+            )
         node = compose(text, file, limits=limits, progress=progress)
         return _record(node, materials, progress, beside)
     except LamcError:

@@ -9,23 +9,26 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
+import numpy as np
 from shapely.geometry import MultiPolygon
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import ExportError, UnsupportedError
 from lamc.basics.files import replacing
+from lamc.design.linking import millimetres
 from lamc.design.split import split_steps
 from lamc.design.steps import SplitSteps
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, lost_in_drawing, point_of
-from lamc.export.cuts.lines import CutLine
+from lamc.export.cuts.lines import CutLine, bounds_of
 from lamc.readers.joints_writer import ends, joints_text
 from lamc.readers.mechanism_file import mechanism_text
 from lamc.readers.native_writer import design_text
 from lamc.records.card import Card
 from lamc.records.design import Design, Layer, Material
-from lamc.records.mechanism import Mechanism
+from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
 
 _FORCE = "--force (in Python force=True)"
@@ -39,6 +42,9 @@ class Converted:
     content: bytes
     lost: tuple[str, ...] = ()
     again: str = ""
+
+
+Maker: TypeAlias = Callable[[Design | Mechanism, str], Converted]  # of a record, and the stem of the file
 
 
 def check_place(source: Path, target: Path, *, force: bool) -> None:
@@ -69,7 +75,7 @@ def converted(record: Design | Mechanism, path: Path, source: Path) -> Converted
     return made
 
 
-def _maker(path: Path) -> Callable[[Design | Mechanism, str], Converted]:
+def _maker(path: Path) -> Maker:
     name = path.name.lower()
     for suffix, maker in FORMATS.items():
         if name.endswith(suffix):
@@ -143,7 +149,9 @@ def _fold(record: Design | Mechanism, stem: str) -> Converted:
     return Converted(flat_bytes(made), (*lost, *_lost_points(made)))
 
 
-def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes]) -> Callable[..., Converted]:
+def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool) -> Maker:
+    """paged: places count from the upper left corner of a page, as in SVG."""
+
     def maker(record: Design | Mechanism, stem: str) -> Converted:
         made = _sheet_only(record, kind)
         sheet = CreasedSheet(made, f"{kind} holds")
@@ -151,20 +159,26 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes]) -> Callabl
         lines = lines_of_sheet(sheet)
         lost = sheet.lost + lost_in_drawing(sheet)
         lost += _lost_of_scenes(made, angles=False) + _lost_words(made, stem)
-        return Converted(write(lines, made.name), tuple(lost), _options(sheet))
+        low, high = bounds_of(lines)
+        corner = np.array([low[0], high[1]]) if paged else np.zeros(2)
+        if corner.any():
+            lost.append(
+                f"where it lies: its page begins at {millimetres((float(corner[0]), float(corner[1])))}"
+            )
+        return Converted(write(lines, made.name), tuple(lost), _options(sheet, corner))
 
     return maker
 
 
-def _options(sheet: CreasedSheet) -> str:
-    """Options that say what the drawing does not."""
+def _options(sheet: CreasedSheet, corner: Array) -> str:
+    """Options that say what the drawing does not, whose places count from a corner, m."""
     words = []
     if sheet.card is not None:
         words.append(f"--card '{sheet.card.thickness!r} m, {sheet.card.density!r} kg/m^3'")
     crease = crease_of(sheet)
     if crease is not None:
         words.append(f"--crease {crease!r}")
-    x, y = point_of(sheet)
+    x, y = point_of(sheet) - corner
     return " ".join([*words, f"--fixed '{float(x)!r}, {float(y)!r}'"])
 
 
@@ -180,7 +194,7 @@ def _dxf(lines: list[CutLine], name: str) -> bytes:
     return dxf_bytes(lines)
 
 
-FORMATS: Mapping[str, Callable[[Design | Mechanism, str], Converted]] = MappingProxyType(
+FORMATS: Mapping[str, Maker] = MappingProxyType(
     {
         ".mechanism.yaml": _mechanism,
         ".mechanism.yml": _mechanism,
@@ -188,8 +202,8 @@ FORMATS: Mapping[str, Callable[[Design | Mechanism, str], Converted]] = MappingP
         ".yml": _native,
         ".joints": _joints,
         ".fold": _fold,
-        ".svg": _drawing("SVG", _svg),
-        ".dxf": _drawing("DXF", _dxf),
+        ".svg": _drawing("SVG", _svg, paged=True),
+        ".dxf": _drawing("DXF", _dxf, paged=False),
     }
 )
 

@@ -262,7 +262,7 @@ def test_all_layers_have_the_same_frame_and_pins() -> None:
     for name in sorted(made):
         if name.endswith(".dxf"):
             lines = dxf_lines(made[name])
-            frame = [p for layer, _, p in lines if layer == "4_frame"]
+            frame = [p for layer, _, p in lines if layer == "4_reference"]
             pins = [Polygon(p) for layer, _, p in lines if layer == "1_holes" and len(p) == 128]
             assert np.ptp(frame[0], axis=0) == pytest.approx([0.3, 0.2])
             # 2.9 mm wide: the cutter takes 0.05 mm around

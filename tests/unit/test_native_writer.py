@@ -154,7 +154,9 @@ def test_numbered_lines_stay_one_entry_and_others_part() -> None:
     ]
 
     def entries(own: list[HingeLine]) -> int:
-        return len(back(Design("d", (layer,), (HingeSet(tuple(own), 1e-3, 0, (0,)),), (layer.geometry,))).hinges)
+        return len(
+            back(Design("d", (layer,), (HingeSet(tuple(own), 1e-3, 0, (0,)),), (layer.geometry,))).hinges
+        )
 
     assert entries(lines[:2]) == 1
     assert entries(lines) == 3

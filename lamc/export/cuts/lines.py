@@ -27,7 +27,7 @@ HOLES, SLITS, OUTLINE, FRAME = (
     Pen("1_holes", "#000000", 7),
     Pen("2_slits", "#00ff00", 3),
     Pen("3_outline", "#000000", 7),
-    Pen("4_frame", "#808080", 8),
+    Pen("4_reference", "#808080", 8),
 )
 # Of sheets of creases: names and colours as the readers of drawings know them.
 ROLES: Mapping[str, Pen] = MappingProxyType(

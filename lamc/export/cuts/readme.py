@@ -15,7 +15,7 @@ _ORDER = """Within a file, cut the layers in the order of their names:
 | `1_holes` | windows in parts, and holes for pins |
 | `2_slits` | lines that are cut once: perforations, slits narrower than the kerf |
 | `3_outline` | outlines of parts, which come loose |
-| `4_frame` | the edge of the sheet; not to be cut where the sheet has this size |
+| `4_reference` | the edge of the sheet; not to be cut where the sheet has this size |
 
 Drawings of sheets of creases have the layers that lamc reads: `border`, `hole`, `cut`, `mountain` (red), `valley`
 (blue), `hinge` (a spring that rests flat), `undriven` (magenta), `flat` (yellow). Of a mountain or valley, the opacity

@@ -36,7 +36,8 @@ from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
 
 FORMATS = (
-    "a lamc design or mechanism, FOLD, SVG, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+    "a lamc design or mechanism, FOLD, SVG, DXF, a popupCAD design (.cad) or a popupCAD joint definition "
+    "(.joints)"
 )
 
 
@@ -152,13 +153,13 @@ def _record(
     elif joints_file.is_joint_definition(node):
         record = joints_file.read_joints(node)
     else:
-        record = _native(node)
+        record = _native(node, beside)
     if progress is not None:
         progress("checking", 1.0)
     return record
 
 
-def _native(node: Node) -> Design | Mechanism:
+def _native(node: Node, beside: Beside) -> Design | Mechanism:
     if node.tag not in STANDARD_TAGS:
         raise UnsupportedError(f"the file holds a {node.class_name[:60]!r}; lamc reads {FORMATS}", node.place)
     if not isinstance(node, MapNode):
@@ -173,7 +174,7 @@ def _native(node: Node) -> Design | Mechanism:
                 raise _scenes_alone(node)
             raise DesignError(f"the file has neither layers nor joints; lamc reads {FORMATS}", node.place)
     if kind == "design":
-        return read_design(node)
+        return read_design(node, beside)
     if kind == "mechanism":
         return read_mechanism(node)
     assert kind_node is not None

@@ -98,7 +98,7 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
 
 
 def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tuple[Indices, Indices, Array]:
-    """Vertices, segments and distances, where a vertex lies beside a segment, between its ends."""
+    """Vertices, segments and distances, where a vertex lies on a segment, or beside it and not beside its ends too."""
     lines = shapely.linestrings(at[segments.pairs()])
     used = np.unique(segments.pairs())
     v, s = STRtree(lines).query(shapely.points(at[used]), predicate="dwithin", distance=near)
@@ -109,9 +109,11 @@ def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tupl
     along = at[segments.b[s]] - start
     length = np.linalg.norm(along, axis=1)
     share = np.einsum("ij,ij->i", at[v] - start, along) / length
-    within = (share > exact) & (share < length - exact)
-    v, s = v[within], s[within]
     apart = shapely.distance(shapely.points(at[v]), lines[s])
+    # Beside an end the next corner of a curve through that end would be taken for one that should lie on the line.
+    margin = np.where(apart > exact, near, exact)
+    within = (share > margin) & (share < length - margin)
+    v, s, apart = v[within], s[within], apart[within]
     order = np.lexsort((s, v))
     return v[order], s[order], apart[order]
 

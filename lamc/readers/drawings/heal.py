@@ -18,14 +18,14 @@ from lamc.basics.errors import DesignError
 from lamc.readers.drawings.geometry import Indices, Segments, crossing, gathered, meeting, near_pairs
 from lamc.readers.drawings.telling import names_of
 from lamc.readers.fold_faces import NEAR, Edge
-from lamc.records.drawing import ROLES, Mend, Stroke
+from lamc.records.drawing import ROLES, Mend, Role, Stroke
 from lamc.records.mechanism import Array
 
 DEFAULT = 1e-4  # of the drawing's size: two decimals of a pixel in a drawing of 500 leave 3e-5; a laser's kerf is more
 MOST_EDGES = 100_000  # 5 s, and far more facets than are ever run
 _ROUNDS = 50  # of parting lines where they meet; each mends what the one before it moved, three are usual
-OUTLINES = frozenset({"border", "hole"})
-CREASES = frozenset({"mountain", "valley", "hinge", "undriven"})
+OUTLINES = frozenset[Role]({"border", "hole"})
+CREASES = frozenset[Role]({"mountain", "valley", "hinge", "undriven"})
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,13 @@ class _Healer:
         self._join(self.exact)
         if self.near > self.exact:
             self._join(self.near)
-        self._leave_doubled()
         for _ in range(_ROUNDS):
+            self._leave_doubled()
             if len(self.segments) > MOST_EDGES:
                 raise _too_many()
             if not (self._part_at_vertices() or self._part_at_crossings()):
                 return self._ordered()
+            self._join(self.exact)
         raise DesignError(
             f"lines that are {self.near:g} m apart fall together again and again; heal with less (--heal)"
         )
@@ -141,7 +142,9 @@ class _Healer:
                     what = "gap in an outline"
                 if touching[a] == touching[b] and all(len(self.strokes[k].points) == 2 for k in touching[a]):
                     what = "stray mark"
-                self._tell(what, places[a], moved, self._sources(touching[a] | touching[b]))
+                others = touching[a] - touching[b]
+                source = self._sources(touching[b]) + (f" at {self._sources(others)}" if others else "")
+                self._tell(what, places[a], moved, source)
         self._renumber(places, kept)
 
     def _meet(self, places: Array, a: int, b: int) -> None:
@@ -186,7 +189,6 @@ class _Healer:
             places[v] = self._moved(v, beside[v], int(degree[v]), touching[v])
         self.segments = self.segments.parted(cuts, self.at)
         self.at = places
-        self._leave_doubled()
         return bool(cuts)
 
     def _moved(self, v: int, lines: Sequence[int], degree: int, strokes: set[int]) -> Array:
@@ -241,7 +243,6 @@ class _Healer:
                 cuts.setdefault(s, []).append(base + rep)
         self.at = np.concatenate([self.at, found])
         self.segments = self.segments.parted({s: sorted(set(v)) for s, v in cuts.items()}, self.at)
-        self._leave_doubled()
         return True
 
     def _leave_doubled(self) -> None:

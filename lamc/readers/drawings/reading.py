@@ -4,6 +4,7 @@ In: bytes. Out: a `Drawing`, or None for a file of another kind. The content dec
 """
 
 from lamc.basics.errors import Place, UnsupportedError
+from lamc.readers.drawings.dxf_tags import is_dxf
 from lamc.readers.drawings.svg_tree import looks_like_xml
 from lamc.readers.inert import Limits, Progress
 from lamc.records.card import SheetOptions
@@ -28,7 +29,7 @@ _FOREIGN = (
 
 def is_drawing(data: bytes) -> bool:
     """True for a file that is meant as SVG or DXF. Quick; reads its first bytes."""
-    return looks_like_xml(data)
+    return looks_like_xml(data) or is_dxf(data)
 
 
 def drawing_in(
@@ -46,4 +47,8 @@ def drawing_in(
         from lamc.readers.drawings.svg import read_svg  # svgelements, which files of other kinds do without
 
         return read_svg(data, file, options, limits, progress)
+    if is_dxf(data):
+        from lamc.readers.drawings.dxf import read_dxf
+
+        return read_dxf(data, file, options, limits)
     return None

@@ -87,6 +87,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         {},
         tuple(notes),
         tuple("a link to a hole" if (k := owners[e]) is None else name_of(strokes, k) for e in used),
+        2.0 * tolerance,  # an end may have moved by twice it
     )
     return frame, (*graph.mends, *loose, *beyond), tolerance
 

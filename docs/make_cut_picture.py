@@ -36,7 +36,7 @@ def lines(layer: str, **options: object) -> list[tuple[str, bool, np.ndarray]]:
 
 def draw(axes, found, fill: str, *, kerf: float = 0.0) -> None:
     """Parts filled, and the lines over them."""
-    for name, closed, points in found:
+    for name, _, points in found:
         if name == "3_outline":
             part = Polygon(points).buffer(-0.5 * kerf, join_style="mitre")
             axes.fill(*np.array(part.exterior.coords).T, color=fill)

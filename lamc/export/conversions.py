@@ -158,7 +158,8 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
         _check_sheet(sheet, f"{kind} holds a sheet of one card")
         lines = lines_of_sheet(sheet)
         lost = sheet.lost + lost_in_drawing(sheet)
-        lost += _lost_of_scenes(made, angles=False) + _lost_words(made, stem)
+        # An SVG's title is its name.
+        lost += _lost_of_scenes(made, angles=False) + _lost_words(made, made.name if paged else stem)
         low, high = bounds_of(lines)
         corner = np.array([low[0], high[1]]) if paged else np.zeros(2)
         if corner.any():

@@ -42,7 +42,7 @@ class CreasedSheet:
     vertices  (n, 2), m; owner: a face of each
     faces     by vertices; bodies: the body of each, an index
     edges     each once; those of two facets that are apart twice, with vertices of their own
-    spots     by vertex: a number that vertices at one place share
+    spots     by vertex: the row of `places`, (k, 2), m, that all vertices at one place share
     height    m, of the hinges' lines
     card      that all bodies are of
     lost      what is not that of a sheet of one card, in words; faults: of it what makes the mechanism no sheet
@@ -61,6 +61,9 @@ class CreasedSheet:
         self.card, self.lost = _card(mechanism)
         self.faults = [] if self.card else list(self.lost)
         self.height = 0.5 * self.card.thickness if self.card else 0.0
+        self._between: dict[frozenset[str], list[int]] = {}
+        for k, joint in enumerate(mechanism.joints):
+            self._between.setdefault(frozenset((joint.parent, joint.child)), []).append(k)
         self._join()
         drawn = {edge.joint for edge in self.edges}
         bare = [joint.name for k, joint in enumerate(mechanism.joints) if k not in drawn]
@@ -100,6 +103,7 @@ class CreasedSheet:
             number |= dict.fromkeys(found, group)
         first = {number[k]: k for k in reversed(range(len(corners)))}
         self.vertices = places[[first[v] for v in range(len(first))]]
+        self.places = places
         self.spots = [spot[first[v]] for v in range(len(first))]
         self.owner = [corners[first[v]][0] for v in range(len(first))]
         self.faces = [[number[index[f, k]] for k in range(len(ring))] for f, ring in enumerate(self.rings)]
@@ -113,16 +117,14 @@ class CreasedSheet:
         self.edges = list(edges.values())
 
     def _joint(self, one: int, two: int, start: Array, end: Array, size: float) -> int | None:
-        names = {self.mechanism.bodies[k].name for k in (one, two)}
+        names = frozenset(self.mechanism.bodies[k].name for k in (one, two))
         along = np.array([*(end - start), 0.0])
-        for k, joint in enumerate(self.mechanism.joints):
-            if {joint.parent, joint.child} == names:
-                arm = np.array([*start, joint.point[2]]) - joint.point
-                apart = np.linalg.norm(np.cross(arm, joint.axis)) + np.linalg.norm(
-                    np.cross(along, joint.axis)
-                )
-                if apart <= 1e-6 * size:
-                    return k
+        for k in self._between.get(names, ()):
+            joint = self.mechanism.joints[k]
+            arm = np.array([*start, joint.point[2]]) - joint.point
+            apart = np.linalg.norm(np.cross(arm, joint.axis)) + np.linalg.norm(np.cross(along, joint.axis))
+            if apart <= 1e-6 * size:
+                return k
         return None
 
     def sign(self, edge: Edge) -> float:

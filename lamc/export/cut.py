@@ -197,7 +197,7 @@ def _stock(lines: Sequence[CutLine], options: ExportOptions) -> Stock:
 def _drawings(stem: str, name: str, about: str, lines: Sequence[CutLine], stock: Stock) -> dict[str, bytes]:
     placed = [replace(line, points=line.points + stock.shift) for line in lines] + list(stock.lines)
     ordered = sorted(placed, key=lambda line: line.pen.name)  # by layers, holes first; else as they come
-    text = svg_text(ordered, f"{name}: {stem}", about)
+    text = svg_text(ordered, f"{name}: {stem}", about, stock.page)
     return {f"{stem}.dxf": dxf_bytes(ordered), f"{stem}.svg": text.encode()}
 
 

@@ -18,6 +18,7 @@ from lamc.cli import main
 from lamc.export.conversions import converted
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, point_of
+from lamc.export.cuts.lines import bounds_of
 from lamc.readers.drawings.sheet import sheet_of
 from lamc.readers.load import load_text
 from lamc.records.card import SheetOptions
@@ -121,15 +122,18 @@ def test_sheets_come_back_from_each_format_as_the_same_mechanism(
     assert_same(mechanism_in(tmp_path / "back.yaml"), mechanism_in(native))
 
 
-def matched(made: Mechanism, drawn: Mechanism) -> Mechanism:
-    """`made` with the names and the order of hinges' ends that `drawn` has: drawings have no names."""
+def matched(made: Mechanism, drawn: Mechanism, corner: tuple[float, float] = (0.0, 0.0)) -> Mechanism:
+    """`made` with the names and the order of hinges' ends that `drawn` has: drawings have no names. corner: m, from
+    which its places count."""
+    shift = np.array([*corner, 0.0])
     bodies = {}
     for body in made.bodies:
-        near = min(drawn.bodies, key=lambda other: float(np.linalg.norm(other.com - body.com)))
+        near = min(drawn.bodies, key=lambda other: float(np.linalg.norm(other.com - body.com - shift)))
         bodies[body.name] = near.name
     assert len(set(bodies.values())) == len(drawn.bodies)
     joints = []
-    for joint in made.joints:
+    for drawn_joint in made.joints:
+        joint = replace(drawn_joint, point=drawn_joint.point + shift)
         ends = bodies[joint.parent], bodies[joint.child]
         twin = next(
             j
@@ -144,8 +148,29 @@ def matched(made: Mechanism, drawn: Mechanism) -> Mechanism:
             )
         )
     return Mechanism(
-        tuple(replace(b, name=bodies[b.name]) for b in made.bodies), tuple(joints), drawn.name, made.scene
+        tuple(replace(b, name=bodies[b.name], com=b.com + shift) for b in made.bodies),
+        tuple(joints),
+        drawn.name,
+        made.scene,
     )
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".dxf"])
+@pytest.mark.parametrize("name", sorted(SHEETS))
+def test_sheets_come_back_from_drawings_with_the_options_that_are_told(
+    tmp_path: Path, name: str, suffix: str
+) -> None:
+    """Native, drawing, native: the same but for names and damping, and where the page begins."""
+    native = sheet(tmp_path, SHEETS[name]())
+    drawn = mechanism_in(native)
+    told = json.loads(call(native, tmp_path / f"other{suffix}", "--json").stdout)
+    words = shlex.split(told["options"])
+    result = call(tmp_path / f"other{suffix}", tmp_path / "back.yaml", *words)
+    assert result.exit_code == 0, result.stderr
+    assert not any("taken" in line for line in result.stderr.splitlines())  # nothing is assumed
+    low, high = bounds_of(lines_of_sheet(CreasedSheet(drawn, "")))
+    corner = (float(low[0]), float(high[1])) if suffix == ".svg" else (0.0, 0.0)
+    assert_same(matched(mechanism_in(tmp_path / "back.yaml"), drawn, corner), drawn)
 
 
 @pytest.mark.parametrize("name", sorted(SHEETS))

@@ -19,12 +19,14 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 
 import lamc
 from lamc import examples
+from lamc.basics import yaml_text
 from lamc.basics.errors import DesignWarning, ExportError, UnsupportedError
 from lamc.design.split import split_steps
 from lamc.export import files_of
 from lamc.export.cut import told
-from lamc.export.cuts.plan import plan_of
+from lamc.export.cuts.plan import difference, plan_of
 from lamc.export.options import options_from
+from lamc.readers.native_writer import design_text
 from lamc.records.design import Design
 from tests.support import fold_corpus as corpus
 
@@ -120,6 +122,42 @@ def test_files_read_back_with_the_areas_of_the_simulated_bodies(name: str) -> No
             assert area(lines) == pytest.approx(row["area"], rel=SAME)
         total += row["area"] * layer.thickness * layer.material.density
     assert total == pytest.approx(math.fsum(row["mass"] for row in report["layers"]), rel=SAME)
+
+
+@pytest.mark.parametrize("name", ["flaps", "four_bar", "folding_box"])
+def test_a_design_of_its_cut_files_is_the_simulated_device(tmp_path: Path, name: str) -> None:
+    """Through lamc's reader of DXF: what a cutter gets is drawn anew, and split."""
+    design = example(name)
+    folder = lamc.export(design, "cut", out=tmp_path)
+    data = yaml_text.scalar  # names and numbers
+    text = design_text(design).splitlines()
+    start, end = (next(k for k, line in enumerate(text) if line == word) for word in ("shapes:", "hinges:"))
+    shapes = [
+        f"  - {{shape: {{file: {data(path.name)}, heal: 0}}, layers: {data(layer.name)}}}"
+        for layer, path in zip(design.layers, sorted(folder.glob("*.dxf")), strict=True)
+    ]
+    (tmp_path / "again.yaml").write_text(
+        "\n".join([*text[: start + 1], *shapes, *text[end:]]), encoding="utf-8"
+    )
+    again = lamc.load(tmp_path / "again.yaml")
+    made, drawn = lamc.split(again), lamc.split(design)
+    assert [body.name for body in made.bodies] == [body.name for body in drawn.bodies]
+    for one, other in zip(made.bodies, drawn.bodies, strict=True):
+        assert difference(one, other, drawn.size) <= SAME
+    assert [(j.name, j.parent, j.child) for j in made.joints] == [
+        (j.name, j.parent, j.child) for j in drawn.joints
+    ]
+
+
+def test_drawings_of_layers_lie_over_one_another() -> None:
+    made = cut(example("four_bar"))
+    apart = [
+        np.mean([p.mean(axis=0) * (1.0, -1.0) for *_, p in svg_lines(made[name])], axis=0)
+        - np.mean([p.mean(axis=0) for *_, p in dxf_lines(made[name.replace(".svg", ".dxf")])], axis=0)
+        for name in sorted(made)
+        if name.endswith(".svg")
+    ]
+    np.testing.assert_allclose(apart, [apart[0]] * len(apart), rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", DESIGNS)

@@ -81,8 +81,8 @@ def _line(sheet: CreasedSheet, edge: Edge, pen: Pen, angle: float | None = None)
 
 def _places(sheet: CreasedSheet, edge: Edge) -> Array:
     """Ends of an edge, m; vertices at one place are one to the last digit."""
-    first = {spot: v for v, spot in reversed(list(enumerate(sheet.spots)))}
-    return sheet.vertices[[first[sheet.spots[v]] for v in edge.ends]]
+    found: Array = sheet.places[[sheet.spots[v] for v in edge.ends]]
+    return found
 
 
 def _outlines(sheet: CreasedSheet, edges: list[Edge]) -> list[CutLine]:

@@ -20,10 +20,12 @@ _STRIP = 3.0  # pin diameters along every edge, which parts keep off
 
 @dataclass(frozen=True, eq=False)
 class Stock:
-    """shift: m, of every part; lines: frame and pins, before kerf; note: how pins are placed."""
+    """shift: m, of every part; page: lowest and highest corner of all drawings, m; lines: frame and pins; note: how
+    pins are placed."""
 
     shift: Array
-    lines: tuple[CutLine, ...]
+    page: tuple[Array, Array]
+    lines: tuple[CutLine, ...] = ()
     note: str = ""
 
 
@@ -33,7 +35,7 @@ def stock_of(
     """low, high: corners of the box around all parts. Raises ExportError for sheets that are too small, and pins that
     are narrower than the kerf."""
     if size is None and pins is None:
-        return Stock(np.zeros(2), ())
+        return Stock(np.zeros(2), (low, high))
     if pins is not None and pins <= kerf:
         raise ExportError(f"--pins (pins) is {1e3 * pins:g} mm, no wider than the kerf of {1e3 * kerf:g} mm")
     strip = _STRIP * (pins or 0.0) + kerf
@@ -47,9 +49,10 @@ def stock_of(
             f"{1e3 * needed[0]:.6g} mm x {1e3 * needed[1]:.6g} mm{turned}"
         )
     shift = 0.5 * (np.array([width, height]) - extent) - low
+    page = (np.zeros(2), np.array([width, height]))
     frame = closed(box(0.0, 0.0, width, height).exterior.coords, FRAME)
     if pins is None:
-        return Stock(shift, (frame,))
+        return Stock(shift, page, (frame,))
     edge = _EDGE * pins
     # One pin stands farther in than the others: a sheet goes on the pins one way only.
     middles = [
@@ -62,6 +65,7 @@ def stock_of(
     holes = [closed(shapes.circle(x, y, radius).exterior.coords, HOLES) for x, y in middles]
     return Stock(
         shift,
+        page,
         (*holes, frame),
         f"4 holes for pins of {1e3 * pins:g} mm; the upper left one stands farther in, so that no sheet is turned over",
     )

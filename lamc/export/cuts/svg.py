@@ -1,7 +1,8 @@
 """Lines as SVG 1.1 in real size, a group for each layer.
 
-In: lines, m. Out: text. The page's corner is the lowest x and the highest y of the lines, as SVG counts y downwards;
-1 is 1 mm. A crease's angle is 180 degrees times its opacity, as readers of origami drawings take it.
+In: lines, m. Out: text. The page is the box about the lines, or a given one, so that drawings of layers lie over one
+another; y runs down it, and 1 is 1 mm. A crease's angle is 180 degrees times its opacity, as readers of origami
+drawings take it.
 """
 
 import math
@@ -15,9 +16,11 @@ _MM = 1e3
 _STROKE = 0.02  # mm: cutters take wider lines for engravings
 
 
-def svg_text(lines: Sequence[CutLine], title: str, about: str = "") -> str:
-    """The drawing; about: a description that programs show."""
-    low, high = bounds_of(lines)
+def svg_text(
+    lines: Sequence[CutLine], title: str, about: str = "", page: tuple[Array, Array] | None = None
+) -> str:
+    """The drawing. about: a description that programs show; page: its lowest and highest corner, m."""
+    low, high = page or bounds_of(lines)
     width, height = (_number(_MM * size) for size in (high - low))
     text = [
         '<?xml version="1.0" encoding="UTF-8"?>',

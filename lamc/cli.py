@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 def main(context: click.Context) -> None:
     """Compiles laminate designs (flat layers, materials, hinge lines) into fast native simulators.
 
-    FILE is a native design or mechanism (YAML), a sheet of creases (FOLD), a popupCAD design (.cad) or a popupCAD joint
-    definition (.joints); its content decides, not its name.
+    FILE is a native design or mechanism (YAML), a sheet of creases (FOLD, SVG, DXF), a popupCAD design (.cad) or a
+    popupCAD joint definition (.joints); its content decides, not its name.
 
     \b
     Try:
@@ -69,6 +69,7 @@ def main(context: click.Context) -> None:
 @main.command()
 @design
 @staged(start=False)
+@sheeted
 @click.option("--equations", is_flag=True, help="Write the equations too: equations.txt and equations.tex.")
 @click.option(
     "--out",
@@ -82,6 +83,7 @@ def build(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     equations: bool,
     out: str | None,
     force: bool,
@@ -100,7 +102,8 @@ def build(
     from lamc.commands.build import build as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example), changes, out, equations=equations, force=force, terminal=terminal)
+    source = Source(file, example, sheet=sheet)
+    return work(source, changes, out, equations=equations, force=force, terminal=terminal)
 
 
 @main.command()
@@ -181,6 +184,7 @@ def split(
 @main.command()
 @design
 @staged()
+@sheeted
 @compiler
 @precision
 @folder
@@ -189,6 +193,7 @@ def bench(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     cc: str | None,
     fast: bool,
     precision: str,
@@ -207,7 +212,7 @@ def bench(
     from lamc.commands.bench import bench as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast, precision), changes, out, terminal)
+    return work(Source(file, example, cc, fast, precision, sheet=sheet), changes, out, terminal)
 
 
 main.add_command(convert)

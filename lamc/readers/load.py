@@ -103,8 +103,14 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
 
 
 def file_text(path: Path | str, limits: Limits = DEFAULT_LIMITS) -> str:
-    """The text of a file. Raises DesignError where there is none, or what it holds is no text."""
-    return _text(read_bytes(Path(path), limits.bytes), str(path))
+    """The text of a file. Raises DesignError where there is none, or what it holds is no text, or a drawing."""
+    data = read_bytes(Path(path), limits.bytes)
+    if is_drawing(data):
+        raise DesignError(
+            "the file is a drawing, which is read as a sheet of creases (lamc run, split, …); here YAML is read",
+            Place(str(path)),
+        )
+    return _text(data, str(path))
 
 
 def _read(

@@ -1,6 +1,8 @@
 """SVG files: which lines are read as what, where and how large; what is told, what is refused; fuzz."""
 
 import math
+import subprocess
+import sys
 import time
 import warnings
 from pathlib import Path
@@ -573,3 +575,12 @@ def attempt(folder: Path, data: bytes) -> None:
             message = str(error)
     assert all(len(line) < 3000 for line in message.splitlines())
     assert time.monotonic() - began < 5.0  # s: a second is the promise, and the machine may be busy
+
+
+def test_files_of_other_kinds_are_read_without_the_libraries_of_drawings() -> None:
+    program = (
+        "import sys, lamc; from lamc.examples import path; lamc.load(path('flaps'))\n"
+        "print({'svgelements', 'ezdxf', 'xml.parsers.expat'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"

@@ -5,7 +5,6 @@ In: bytes. Out: a `Drawing`, or None for a file of another kind. The content dec
 
 from lamc.basics.errors import Place, UnsupportedError
 from lamc.readers.drawings.dxf_tags import is_dxf
-from lamc.readers.drawings.svg_tree import looks_like_xml
 from lamc.readers.inert import Limits, Progress
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing
@@ -25,6 +24,15 @@ _FOREIGN = (
     (b"\xff\xd8\xff", "is a picture", "draw its lines over it, as SVG or DXF"),
     (b"GIF8", "is a picture", "draw its lines over it, as SVG or DXF"),
 )
+
+
+def looks_like_xml(data: bytes) -> bool:
+    """True for bytes that begin as XML does, in UTF-8 or UTF-16."""
+    head = data[:400]
+    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        head = head[2:].replace(b"\0", b"")
+    head = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    return head[:1] == b"<" and (head[1:2].isalpha() or head[1:2] in (b"!", b"?", b"_"))
 
 
 def is_drawing(data: bytes) -> bool:

@@ -15,10 +15,11 @@ import numpy as np
 from lamc.basics.errors import DesignError, LamcError, Place
 from lamc.readers.drawings.curves import Outline, size_of
 from lamc.readers.drawings.notes import Notes
+from lamc.readers.drawings.reading import looks_like_xml
 from lamc.readers.drawings.svg_lengths import LARGEST, Scale, scale_of
 from lamc.readers.drawings.svg_roles import ShapeRoles
 from lamc.readers.drawings.svg_shapes import outlines
-from lamc.readers.drawings.svg_tree import Document, document, looks_like_xml
+from lamc.readers.drawings.svg_tree import Document, document
 from lamc.readers.drawings.svg_walk import Drawn, Walk
 from lamc.readers.inert import Limits, Progress
 from lamc.records.card import SheetOptions

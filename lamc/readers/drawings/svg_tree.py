@@ -16,7 +16,6 @@ from lamc.basics.errors import DesignError, Place
 from lamc.readers.inert import Limits
 
 _LONGEST_ENTITY = 1000  # characters; a namespace has some fifty
-_STARTS = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*<[!?A-Za-z_]")
 _NO_REFERENCES = re.compile(rb"<!--.*?-->|<!\[CDATA\[.*?\]\]>", re.DOTALL)
 _REFERENCE = re.compile(rb"&([A-Za-z_:][\w:.-]*);")
 _KNOWN = frozenset((b"amp", b"lt", b"gt", b"quot", b"apos"))
@@ -85,14 +84,6 @@ class Document:
     styles: tuple[Element, ...]
     comments: tuple[str, ...]
     notes: tuple[str, ...]
-
-
-def looks_like_xml(data: bytes) -> bool:
-    """True for bytes that begin as XML does, in UTF-8 or UTF-16."""
-    head = data[:400]
-    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        head = head[2:].replace(b"\0", b"")
-    return _STARTS.match(head) is not None
 
 
 def document(data: bytes, file: str, limits: Limits) -> Document:

@@ -103,6 +103,23 @@ def test_a_flap_amid_a_facet_turns_on_its_crease() -> None:
     assert told == []
 
 
+def test_outlines_that_touch_at_points_are_holes_all_the_same() -> None:
+    touching = [
+        line((10, 10), (14, 16), (6, 16), role="border", closed=True),  # one above the other
+        line((10, 10), (14, 4), (6, 4), role="border", closed=True),
+        line((0, 30), (4, 28), (4, 32), role="border", closed=True),  # the rim, from within
+        line((30, 40), (32, 36), (28, 36), role="border", closed=True),
+        line((20, 20), (24, 24), (24, 16), role="border", closed=True),  # a hinge
+    ]
+    made, told = read(square(0, 0, 40), *touching, HINGE)
+    holes = 2 * 24.0 + 8.0
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx(
+        [800.0 - holes, 800.0 - 8.0 - 16.0]
+    )
+    assert len(made.joints) == 1
+    assert told == []
+
+
 def test_without_an_outline_cuts_are_one_and_else_the_lines_are() -> None:
     made, told = read(square(0, 0, 40, "cut"), square(5, 5, 5, "cut"), HINGE)
     assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([775.0, 800.0])

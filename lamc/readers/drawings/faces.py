@@ -20,9 +20,7 @@ from lamc.records.mechanism import Array
 def linked(points: Array, edges: Sequence[Edge]) -> tuple[Array, list[Edge], list[int | None]]:
     """points, edges and for each edge the one that it is of: None for a link. Edges that links meet are parted."""
     islands = islands_of(points, edges)
-    inner = (
-        [i for i, depth in zip(islands, nesting(points, islands), strict=True) if depth] if islands else []
-    )
+    inner = [island for island, depth in zip(islands, nesting(islands), strict=True) if depth]
     if not inner:
         return points, list(edges), list(range(len(edges)))
     ends = np.array(edges)
@@ -35,7 +33,10 @@ def linked(points: Array, edges: Sequence[Edge]) -> tuple[Array, list[Edge], lis
         own = np.unique(np.array(island.edges))
         order = own[np.lexsort((points[own, 1], points[own, 0]))]
         for start, sign in ((int(order[0]), -1.0), (int(order[-1]), 1.0)):
-            edge, x = _beyond(points, ends, points[start], sign)
+            hit = _beyond(points, ends, start, sign)
+            if hit is None:  # it touches what it lies in where that ends
+                continue
+            edge, x = hit
             y = float(points[start, 1])
             near = [int(v) for v in ends[edge] if np.hypot(*(points[v] - (x, y))) <= within]
             if not near and (edge, y) not in met:
@@ -68,12 +69,13 @@ def faces_within(points: Array, edges: Sequence[Edge], region: shapely.MultiPoly
     return found
 
 
-def _beyond(points: Array, ends: Array, place: Array, sign: float) -> tuple[int, float]:
-    """The first edge to the left (-1) or right of a place, and where, x."""
+def _beyond(points: Array, ends: Array, start: int, sign: float) -> tuple[int, float] | None:
+    """The first edge to the left (-1) or right of a vertex, none of its own, and where, x."""
+    place = points[start]
     y = place[1]
     p, q = points[ends[:, 0]], points[ends[:, 1]]
     low, high = np.minimum(p[:, 1], q[:, 1]), np.maximum(p[:, 1], q[:, 1])
-    over = np.flatnonzero((low <= y) & (high >= y))
+    over = np.flatnonzero((low <= y) & (high >= y) & (ends != start).all(axis=1))
     p, q = p[over], q[over]
     rise = q[:, 1] - p[:, 1]
     level = rise == 0.0
@@ -82,6 +84,8 @@ def _beyond(points: Array, ends: Array, place: Array, sign: float) -> tuple[int,
     nearest = np.minimum if sign > 0.0 else np.maximum
     x = np.where(level, nearest(p[:, 0], q[:, 0]), x)
     ahead = np.flatnonzero(sign * (x - place[0]) > 0.0)
+    if not len(ahead):
+        return None
     chosen = ahead[np.argmin(sign * x[ahead])]
     return int(over[chosen]), float(x[chosen])
 

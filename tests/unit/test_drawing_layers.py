@@ -1,12 +1,14 @@
 """Shapes and hinge lines of native designs that come from drawings: the same device, what is told, what is refused."""
 
 import hashlib
+import io
 import json
 import re
 import warnings
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -39,8 +41,21 @@ def rim(x0: str, y0: str, x1: str, y1: str) -> str:
     return "".join(f'<path d="M{a} {b} L{c} {d}"/>' for (a, b), (c, d) in sides)
 
 
-def drawn_four_bar() -> tuple[str, str]:
-    """The example with every shape and hinge line from a drawing; the drawing."""
+def dxf(layers: dict[str, str], version: str) -> str:
+    """The same lines as DXF."""
+    document = ezdxf.new(version, units=4)  # mm
+    for name, content in layers.items():
+        document.layers.add(name)
+        for a, b, c, d in re.findall(r"M(\S+) (\S+) L(\S+) ([^\s\"]+)", content):
+            ends = (float(a), float(b)), (float(c), float(d))
+            document.modelspace().add_line(*ends, dxfattribs={"layer": name})
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue()
+
+
+def drawn_four_bar() -> tuple[str, dict[str, str]]:
+    """The example with every shape and hinge line from a drawing, bar.svg; the lines of its layers."""
     layers: dict[str, str] = {}
 
     def rect(found: re.Match[str]) -> str:
@@ -57,7 +72,7 @@ def drawn_four_bar() -> tuple[str, str]:
     text = re.sub(r"line: \[(\[.*?\], \[.*?\])\]", hinge, text)
     assert "rect" not in text
     assert "line:" not in text
-    return text, svg(layers)
+    return text, layers
 
 
 def load(folder: Path, text: str, name: str = "bar.yaml") -> Any:
@@ -66,9 +81,13 @@ def load(folder: Path, text: str, name: str = "bar.yaml") -> Any:
     return lamc.load(path)
 
 
-def test_a_laminate_from_drawings_is_the_one_drawn_in_yaml(tmp_path: Path) -> None:
-    text, bars = drawn_four_bar()
-    (tmp_path / "bar.svg").write_text(bars, encoding="utf-8")
+@pytest.mark.parametrize("version", ["SVG", "R12", "R2000", "R2010", "R2018"])
+def test_a_laminate_from_drawings_is_the_one_drawn_in_yaml(tmp_path: Path, version: str) -> None:
+    text, layers = drawn_four_bar()
+    bars = svg(layers) if version == "SVG" else dxf(layers, version)
+    (tmp_path / "bar.svg").write_text(bars, encoding="utf-8")  # what is in a file counts, not its name
+    if version == "R12":  # which has no units
+        text = text.replace("file: bar.svg", "file: bar.svg, units: mm")
     found, expected = lamc.split(load(tmp_path, text)), lamc.split(load_text(FOUR_BAR, "four_bar.yaml"))
     assert [b.name for b in found.bodies] == [b.name for b in expected.bodies]
     assert [j.name for j in found.joints] == [j.name for j in expected.joints]
@@ -83,7 +102,8 @@ def test_a_laminate_from_drawings_is_the_one_drawn_in_yaml(tmp_path: Path) -> No
 
 
 def test_a_run_names_its_drawings(tmp_path: Path) -> None:
-    text, bars = drawn_four_bar()
+    text, layers = drawn_four_bar()
+    bars = svg(layers)
     (tmp_path / "bar.svg").write_text(bars, encoding="utf-8")
     design = load(tmp_path, text)
     assert design.beside == (("bar.svg", hashlib.sha256(bars.encode()).hexdigest()),)

@@ -59,12 +59,11 @@ def material(points: Array, edges: Sequence[Edge], holes: frozenset[Edge] = froz
     holes  edges that bound what is taken away, whatever lies about them
     """
     kept = [edges[k] for k in parting(points, edges)]
-    islands = [i for i in islands_of(points, kept) if not set(i.edges) <= holes]
-    cut = [i for i in islands_of(points, kept) if set(i.edges) <= holes]
-    depths = nesting(islands + cut)
+    islands = islands_of(points, kept)
+    depths = nesting(islands)
     found: BaseGeometry = MultiPolygon()
     for depth in range(max(depths, default=-1) + 1):
-        level = [i for i, d in zip(islands + cut, depths, strict=True) if d == depth]
+        level = [i for i, d in zip(islands, depths, strict=True) if d == depth]
         filled = [_without(points, i, holes) for i in level if not set(i.edges) <= holes and depth % 2 == 0]
         emptied = [i.hull for i in level if set(i.edges) <= holes or depth % 2]
         found = shapely.difference(shapely.union_all([found, *filled]), shapely.union_all(emptied))

@@ -12,6 +12,8 @@ import ezdxf
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc.basics.errors import DesignWarning
@@ -19,7 +21,9 @@ from lamc.cli import main
 from lamc.examples import find
 from lamc.readers.drawings.layer_shape import lines_of, shape_of
 from lamc.readers.load import load_text
+from lamc.records.drawing import ROLES
 from tests.support.drawn_corpus import drawing, line, square
+from tests.support.quick import tries
 
 FOUR_BAR = find("four_bar").text
 LAYER = '<g inkscape:groupmode="layer" inkscape:label="{}" fill="none" stroke="black">{}</g>'
@@ -236,3 +240,32 @@ def test_crossing_hinge_lines_stay_whole_and_keep_their_direction() -> None:
         (pytest.approx((5e-3, 10e-3)), pytest.approx((5e-3, 0.0))),
     )
     assert mends == ()
+
+
+@settings(max_examples=tries(200), deadline=None)
+@given(
+    strokes=st.lists(
+        st.tuples(
+            st.lists(
+                st.tuples(st.integers(0, 5), st.integers(0, 5) | st.floats(0, 5)), min_size=2, max_size=5
+            ),
+            st.sampled_from(ROLES),
+            st.booleans(),
+        ),
+        min_size=1,
+        max_size=8,
+    ),
+    heal=st.sampled_from([None, 0.0, 1e-5, 2e-3]),
+)
+def test_any_lines_are_a_shape_or_refused(strokes: Any, heal: float | None) -> None:
+    drawn = drawing(*(line(*points, role=role, closed=closed) for points, role, closed in strokes))
+    for take in (shape_of, lines_of):
+        try:
+            found, _ = take(drawn, None, heal)
+        except lamc.DesignError:
+            continue
+        if take is shape_of:
+            assert found.is_valid
+            assert 0.0 < found.area <= 36e-6
+        else:
+            assert all(start != end for start, end in found)

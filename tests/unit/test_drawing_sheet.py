@@ -7,15 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.readers.drawings.sheet import sheet_of
 from lamc.records.card import SheetOptions
-from lamc.records.drawing import Stroke
+from lamc.records.drawing import ROLES, Stroke
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
 from tests.support.drawn_corpus import drawing, line, of_fold, square
+from tests.support.quick import tries
 
 CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
 SQUARE_MM = 3e-4 * 700.0 * 1e-6  # kg of a square millimetre
@@ -214,3 +217,33 @@ def test_the_sheet_runs() -> None:
     result = lamc.compile(made).run(t_end=0.01)
     assert math.isfinite(float(result.q[-1, 0]))
     assert json.dumps([m.what for m in made.mends]) == "[]"
+
+
+@settings(max_examples=tries(200), deadline=None)
+@given(
+    strokes=st.lists(
+        st.tuples(
+            st.lists(
+                st.tuples(st.integers(0, 6) | st.floats(0, 6), st.integers(0, 6) | st.floats(0, 6)),
+                min_size=2,
+                max_size=5,
+            ),
+            st.sampled_from(ROLES),
+            st.booleans(),
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+    heal=st.sampled_from([None, 0.0, 1e-5, 3e-4, 2e-3]),
+)
+def test_any_lines_are_a_sheet_or_refused(strokes: Any, heal: float | None) -> None:
+    """Masses come to no more than what lies within the box around all lines."""
+    drawn = [line(*points, role=role, closed=closed) for points, role, closed in strokes]
+    try:
+        made, _ = read(*drawn, heal=heal)
+    except lamc.DesignError:
+        return
+    places = np.concatenate([stroke.points for stroke in drawn])
+    # An end moves by twice the tolerance at most; a billionth for rounding of sums.
+    box = np.ptp(places, axis=0) + 4.0 * (heal if heal is not None else 1e-6)
+    assert 0.0 < sum(body.mass for body in made.bodies) <= 0.3 * 0.7 * box[0] * box[1] * (1.0 + 1e-9)

@@ -241,6 +241,11 @@ def test_illustrator_writes_points_and_entities() -> None:
     read = read_svg(text.encode(), "a.svg", SheetOptions(), Limits())
     assert read.scale == pytest.approx(0.0254 / 72)
     assert any("Illustrator" in note for note in read.notes)
+    for newer in (
+        f'<g data-name="Layer 1">{LINE}</g>',
+        f"<defs><style>.cls-1{{fill:none}}</style></defs>{LINE}",
+    ):
+        assert drawn(newer, 'viewBox="0 0 9 9"').scale == pytest.approx(0.0254 / 72)
 
 
 def test_layers_are_those_of_inkscape_and_illustrator() -> None:

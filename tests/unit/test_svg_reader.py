@@ -589,3 +589,9 @@ def test_files_of_other_kinds_are_read_without_the_libraries_of_drawings() -> No
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+def test_a_drawing_that_lies_within_the_tolerance_encloses_nothing(tmp_path: Path) -> None:
+    (tmp_path / "dot.svg").write_text(f'<svg {HEAD} {MM}><rect width="1" height="1" stroke="black"/></svg>')
+    with pytest.raises(LamcError, match="enclose no facet"):
+        lamc.load(tmp_path / "dot.svg", heal="10 mm")

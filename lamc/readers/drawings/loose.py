@@ -49,7 +49,7 @@ def left_out(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], toler
 
 def _gaps(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], held: set[int]) -> list[_Gap]:
     """The nearest line to each end that dangles, where it is near; ascending. held: vertices of what is kept."""
-    ends = np.bincount(np.array(graph.edges).ravel(), minlength=len(graph.points))
+    ends = np.bincount(np.array(graph.edges, dtype=int).ravel(), minlength=len(graph.points))
     tips = {
         v: k
         for k in gone

@@ -138,6 +138,29 @@ def test_a_gap_is_refused_with_the_tolerance_that_mends_it() -> None:
     assert "hinge extended: 1, by up to 0.25 mm: (20, 0) mm, path #fold" in told[0]
 
 
+def test_a_short_crease_is_left_out_where_nothing_is_to_be_healed() -> None:
+    short = line((20, 0.25), (20, 40), source="path #fold")
+    with pytest.raises(lamc.DesignError, match="with --heal 0, creases that end so are left out"):
+        read(square(0, 0, 40), short)
+    made, told = read(square(0, 0, 40), short, heal=0)
+    assert (len(made.bodies), len(made.joints)) == (1, 0)
+    assert "line that bounds nothing: 1: (20, 20.125) mm, path #fold" in told[0]
+    with pytest.raises(lamc.DesignError, match=r"--heal '0.51 mm'$"):
+        read(line((0, 0), (40, 0), (40, 40), (0, 40), (0, 0.5), role="border"), heal=0)
+
+
+def test_a_window_that_creases_hold_is_a_hole() -> None:
+    creases = [
+        line((0, 20), (18, 20)),
+        line((22, 20), (40, 20)),
+        line((18, 20), (20, 18), (22, 20), role="border"),
+    ]
+    made, _ = read(square(0, 0, 40), *creases, line((18, 20), (20, 22), (22, 20), role="border"))
+    assert [b.mass / SQUARE_MM for b in made.bodies] == pytest.approx([796.0, 796.0])
+    assert len(made.joints) == 1
+    assert made.joints[0].stiffness == pytest.approx(1e-3 * 0.036)
+
+
 def test_messages_name_lines_and_not_edges() -> None:
     _, told = read(
         square(0, 0, 40), square(40, 0, 40, source="rect #right"), line((40, 0), (40, 40), role="border")

@@ -241,6 +241,11 @@ def test_illustrator_writes_points_and_entities() -> None:
     read = read_svg(text.encode(), "a.svg", SheetOptions(), Limits())
     assert read.scale == pytest.approx(0.0254 / 72)
     assert any("Illustrator" in note for note in read.notes)
+    for newer in (
+        f'<g data-name="Layer 1">{LINE}</g>',
+        f"<defs><style>.cls-1{{fill:none}}</style></defs>{LINE}",
+    ):
+        assert drawn(newer, 'viewBox="0 0 9 9"').scale == pytest.approx(0.0254 / 72)
 
 
 def test_layers_are_those_of_inkscape_and_illustrator() -> None:
@@ -584,3 +589,9 @@ def test_files_of_other_kinds_are_read_without_the_libraries_of_drawings() -> No
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+def test_a_drawing_that_lies_within_the_tolerance_encloses_nothing(tmp_path: Path) -> None:
+    (tmp_path / "dot.svg").write_text(f'<svg {HEAD} {MM}><rect width="1" height="1" stroke="black"/></svg>')
+    with pytest.raises(LamcError, match="enclose no facet"):
+        lamc.load(tmp_path / "dot.svg", heal="10 mm")

@@ -18,7 +18,7 @@ from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.outlines import hull, material, parting
 from lamc.readers.drawings.telling import name_of, told
-from lamc.readers.fold_faces import NEAR, Edge
+from lamc.readers.fold_faces import Edge
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
 from lamc.records.card import SheetOptions
@@ -62,7 +62,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
     tolerance = DEFAULT * size if options.heal is None else options.heal
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
-    loose = left_out(graph, strokes, kept, max(tolerance, NEAR * size))
+    loose = left_out(graph, strokes, kept, tolerance)
     if not kept:
         raise DesignError("the lines enclose no facet; draw the sheet's outline")
     notes = list(drawing.notes)

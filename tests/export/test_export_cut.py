@@ -239,6 +239,18 @@ def test_slits_narrower_than_the_kerf_are_cut_once_and_part_their_boards() -> No
     assert any("2 slits of hinges are narrower than the kerf of 500 um" in line for line in told(made))
 
 
+def test_a_gap_as_wide_as_the_kerf_is_cut_once() -> None:
+    """Of such a gap the offsets leave slivers of no width, which are no holes."""
+    made = cut(example("kresling"), kerf="1 mm")
+    lines = dxf_lines(made["1_lower.dxf"])
+    assert not [name for name, *_ in lines if name == "1_holes"]
+    beam = shapely.union_all(
+        [shapely.buffer(LineString(p), 0.5e-3) for name, _, p in lines if name == "2_slits"]
+    )
+    drawn = plan_of(example("kresling")).layers[0].parts
+    assert len(shapely.get_parts(shapely.difference(parts(lines), beam))) == len(drawn.geoms)
+
+
 def test_parts_that_the_kerf_leaves_in_one_are_refused_with_the_place() -> None:
     design = example("four_bar")  # its boards lie in lanes 2 mm apart
     with pytest.raises(ExportError, match=r"two parts of layer '\w+' are .* less than the kerf of 2500 um"):

@@ -7,7 +7,7 @@ slits inward. What is narrower than the kerf is told, or cut once along its midd
 import numpy as np
 import shapely
 from shapely import STRtree
-from shapely.geometry import LineString, MultiPolygon
+from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import ExportError
@@ -45,8 +45,13 @@ def _apart(
 
 
 def offset(parts: BaseGeometry, distance: float, corners: str = "mitre") -> MultiPolygon:
-    """Grown by a distance, m; corners stay sharp, or become "round"."""
-    return as_multipolygon(shapely.buffer(parts, distance, join_style=corners, mitre_limit=_MITRE))
+    """Grown by a distance, m; corners stay sharp, or become "round". Gaps as wide as the kerf close: what is left of
+    them is round-off."""
+    grown = as_multipolygon(shapely.buffer(parts, distance, join_style=corners, mitre_limit=_MITRE))
+    least = _SHOWN * (2.0 * distance) ** 2
+    return MultiPolygon(
+        [Polygon(p.exterior, [r for r in p.interiors if Polygon(r).area > least]) for p in grown.geoms]
+    )
 
 
 def _thin_slits(layer: CutLayer, grown: MultiPolygon, kerf: float) -> list[LineString]:

@@ -7,7 +7,7 @@ slits inward. What is narrower than the kerf is told, or cut once along its midd
 import numpy as np
 import shapely
 from shapely import STRtree
-from shapely.geometry import LineString, MultiPolygon
+from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import ExportError
@@ -26,32 +26,49 @@ def lines_of(layer: CutLayer, kerf: float) -> tuple[list[CutLine], list[str]]:
     dashes = [open_line(line, SLITS) for line in layer.lines]
     if kerf == 0.0:
         return rings_of(list(layer.parts.geoms)) + dashes, []
-    grown = offset(layer.parts, 0.5 * kerf)
-    lines = _thin_slits(layer, grown, kerf)
-    _check_apart(layer, grown, lines, kerf)
+    grown, lines, clash = _apart(layer, kerf, "mitre")
+    if clash is not None:  # sharp corners of two parts may meet where the parts are a kerf apart
+        grown, lines, clash = _apart(layer, kerf, "round")
+    if clash is not None:
+        raise clash
     paths = rings_of(list(grown.geoms)) + dashes + [open_line(line, SLITS) for line in lines]
     return paths, _narrow(layer, grown, lines, kerf)
 
 
-def offset(parts: BaseGeometry, distance: float) -> MultiPolygon:
-    """Grown by a distance, m, corners kept."""
-    return as_multipolygon(shapely.buffer(parts, distance, join_style="mitre", mitre_limit=_MITRE))
+def _apart(
+    layer: CutLayer, kerf: float, corners: str
+) -> tuple[MultiPolygon, list[LineString], ExportError | None]:
+    """The parts grown by half of the kerf, lines of slits that it closes, and what is wrong where they do not part."""
+    grown = offset(layer.parts, 0.5 * kerf, corners)
+    lines = _thin_slits(layer, grown, kerf)
+    return grown, lines, _clash(layer, grown, lines, kerf)
+
+
+def offset(parts: BaseGeometry, distance: float, corners: str = "mitre") -> MultiPolygon:
+    """Grown by a distance, m; corners stay sharp, or become "round". Gaps as wide as the kerf close: what is left of
+    them is round-off."""
+    grown = as_multipolygon(shapely.buffer(parts, distance, join_style=corners, mitre_limit=_MITRE))
+    least = _SHOWN * (2.0 * distance) ** 2
+    return MultiPolygon(
+        [Polygon(p.exterior, [r for r in p.interiors if Polygon(r).area > least]) for p in grown.geoms]
+    )
 
 
 def _thin_slits(layer: CutLayer, grown: MultiPolygon, kerf: float) -> list[LineString]:
-    """Hinge lines whose slits the kerf closes, as far as it does."""
+    """Hinge lines whose slits the kerf closes, as far as it does; never into a part, where a slit ends in one."""
     lines: list[LineString] = []
+    between = shapely.difference(grown, layer.parts)
     for line, half in layer.slits:
         if 2.0 * half <= kerf:
             (start, end), beyond = np.array(line.coords), half + kerf
             along = (end - start) * (beyond / line.length)
-            closed = shapely.intersection(LineString([start - along, end + along]), grown)
+            closed = shapely.intersection(LineString([start - along, end + along]), between)
             lines += [p for p in shapely.get_parts(closed) if isinstance(p, LineString) and p.length > 0.0]
     return lines
 
 
-def _check_apart(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf: float) -> None:
-    """Raises ExportError where two parts lie in one piece that no line parts."""
+def _clash(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf: float) -> ExportError | None:
+    """What is wrong where two parts lie in one piece that no line parts; None where each has its own."""
     cut = shapely.difference(grown, shapely.buffer(shapely.union_all(lines), 1e-4 * kerf))
     pieces = list(as_multipolygon(cut).geoms)
     points = np.array([part.representative_point() for part in layer.parts.geoms], dtype=object)
@@ -61,12 +78,13 @@ def _check_apart(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], 
         if piece in by_piece:
             one, two = layer.parts.geoms[by_piece[piece]], layer.parts.geoms[point]
             at = shapely.shortest_line(one, two).interpolate(0.5, normalized=True)
-            raise ExportError(
+            return ExportError(
                 f"two parts of layer {layer.layer.name!r} are {_um(one.distance(two))} from each other at "
                 f"{millimetres((at.x, at.y))}, less than the kerf of {_um(kerf)}: they would stay one; draw the gap "
                 "wider, or give the kerf of a finer cutter"
             )
         by_piece[piece] = point
+    return None
 
 
 def _narrow(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf: float) -> list[str]:

@@ -54,9 +54,7 @@ def _gaps(graph: Graph, gone: Sequence[int], meant: Sequence[int], held: set[int
 
     held  vertices of what is kept
     """
-    if not meant:
-        return []
-    ends = np.bincount(np.array(graph.edges).ravel(), minlength=len(graph.points))
+    ends = np.bincount(np.array(graph.edges, dtype=int).ravel(), minlength=len(graph.points))
     tips = {v: k for k in meant for v in graph.edges[k] if ends[v] == 1}
     if not tips:
         return []

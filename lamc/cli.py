@@ -26,6 +26,7 @@ from lamc.commands.options import (
     staged,
 )
 from lamc.commands.plate_options import plate
+from lamc.commands.project_options import convert, new
 from lamc.commands.reference_options import effects, functions, materials, schema
 from lamc.commands.run_options import run
 from lamc.commands.terminal import Terminal
@@ -53,6 +54,8 @@ def main(context: click.Context) -> None:
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc export --example pendulum   sources for programs in C, C++ and other languages
       lamc plate --example strip       bend a laminate: deflection, moments, stress, modes
+      lamc new gripper                 start a project: a design and a scene to edit
+      lamc convert crane.fold a.svg    another format, and what it does not hold
       lamc examples                    list the designs that ship with lamc
       lamc schema hinge                what a file may say: also design, scene, effects, plate, ...
       lamc doctor                      see whether this machine has what lamc needs
@@ -212,8 +215,10 @@ def bench(
     return work(Source(file, example, cc, fast, precision, sheet=sheet), changes, out, terminal)
 
 
+main.add_command(convert)
 main.add_command(export)
 main.add_command(ledger)
+main.add_command(new)
 main.add_command(plate)
 main.add_command(run)
 main.add_command(view)

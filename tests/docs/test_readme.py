@@ -90,6 +90,9 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
 @pytest.mark.quick(
     "lamc run --example pendulum*",
     "lamc export --*",
+    "lamc export pair*",
+    "lamc convert*",
+    "lamc new*",
     "lamc examples ??*it_stop*",
     "lamc examples vertex*",
     "lamc plate --element*",

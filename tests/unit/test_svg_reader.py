@@ -241,6 +241,11 @@ def test_illustrator_writes_points_and_entities() -> None:
     read = read_svg(text.encode(), "a.svg", SheetOptions(), Limits())
     assert read.scale == pytest.approx(0.0254 / 72)
     assert any("Illustrator" in note for note in read.notes)
+    for newer in (
+        f'<g data-name="Layer 1">{LINE}</g>',
+        f"<defs><style>.cls-1{{fill:none}}</style></defs>{LINE}",
+    ):
+        assert drawn(newer, 'viewBox="0 0 9 9"').scale == pytest.approx(0.0254 / 72)
 
 
 def test_layers_are_those_of_inkscape_and_illustrator() -> None:
@@ -271,6 +276,16 @@ def test_the_user_says_what_colours_are_for_and_hears_of_those_for_nothing() -> 
     assert not any("taken for" in note for note in drawn('<line x2="3" stroke="#ff0100"/>').notes)
     with pytest.raises(LamcError, match=r"no line that is for anything.*#808080"):
         drawn('<line x2="3" stroke="#808080"/>')
+
+
+def test_layers_that_differ_from_colours_are_told() -> None:
+    body = '<g id="outline"><line x2="9" stroke="red"/></g><g id="guides"><line x2="9" stroke="red"/></g>'
+    read = drawn(f'{body}<g id="edges">{LINE}</g>')
+    assert [s.role for s in read.strokes] == ["border", "mountain"]  # edges may be any
+    assert any("on the layer 'outline': border, whatever its colour #ff0000" in note for note in read.notes)
+    assert any("its layer 'guides' is for nothing" in note for note in read.notes)
+    quiet = drawn(body, roles={"outline": "border", "guides": "ignore"})
+    assert not any("layer" in note for note in quiet.notes)
 
 
 def test_what_is_hidden_or_defined_is_not_drawn() -> None:
@@ -584,3 +599,9 @@ def test_files_of_other_kinds_are_read_without_the_libraries_of_drawings() -> No
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+def test_a_drawing_that_lies_within_the_tolerance_encloses_nothing(tmp_path: Path) -> None:
+    (tmp_path / "dot.svg").write_text(f'<svg {HEAD} {MM}><rect width="1" height="1" stroke="black"/></svg>')
+    with pytest.raises(LamcError, match="enclose no facet"):
+        lamc.load(tmp_path / "dot.svg", heal="10 mm")

@@ -12,6 +12,7 @@ import numpy.typing as npt
 import shapely
 from shapely import STRtree
 
+from lamc.readers.fold_faces import Edge
 from lamc.records.mechanism import Array
 
 Indices = npt.NDArray[np.int64]
@@ -30,10 +31,6 @@ class Segments:
     def of(rows: Sequence[tuple[int, int, int]]) -> "Segments":
         table = np.array(rows, dtype=int).reshape(-1, 3)
         return Segments(table[:, 0], table[:, 1], table[:, 2])
-
-    @staticmethod
-    def none() -> "Segments":
-        return Segments.of([])
 
     def __len__(self) -> int:
         return len(self.a)
@@ -70,6 +67,22 @@ class Segments:
             stops = [a, *inner, b]
             rows += [(p, q, owner) for p, q in pairwise(stops)]
         return Segments.of(rows)
+
+
+def drawn(courses: Iterable[tuple[int, Array, bool]]) -> tuple[Array, Segments, set[Edge]]:
+    """Points, segments and (vertex, stroke) at the ends of what is open, of strokes with their points, each (n, 2)."""
+    points, segments, ends = [np.zeros((0, 2))], [Segments.of([])], set()
+    count = 0
+    for stroke, xy, closed in courses:
+        index = count + np.arange(len(xy))
+        count += len(xy)
+        points.append(xy)
+        start, stop = (index, np.roll(index, -1)) if closed else (index[:-1], index[1:])
+        segments.append(Segments(start, stop, np.full(len(start), stroke)))
+        if not closed:
+            ends |= {(int(index[0]), stroke), (int(index[-1]), stroke)}
+    a, b, owner = (np.concatenate([getattr(each, name) for each in segments]) for name in ("a", "b", "owner"))
+    return np.concatenate(points), Segments(a, b, owner), ends
 
 
 def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[int, int], bool]) -> Indices:

@@ -16,7 +16,6 @@ from lamc.readers.drawings.heal import CREASES, DEFAULT, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.outlines import material, parting
 from lamc.readers.drawings.telling import told
-from lamc.readers.fold_faces import NEAR
 from lamc.records.design import Line
 from lamc.records.drawing import Drawing, Mend, Role, Stroke
 from lamc.records.mechanism import Array
@@ -117,8 +116,7 @@ def _corners(stroke: Stroke) -> Array:
 
 
 def _tolerance(strokes: Sequence[Stroke], heal: float | None) -> float:
-    size = size_of(strokes)
-    return max(DEFAULT * size if heal is None else heal, NEAR * size)
+    return DEFAULT * size_of(strokes) if heal is None else heal
 
 
 def _where(layer: str | None) -> str:

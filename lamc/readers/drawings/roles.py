@@ -28,7 +28,6 @@ _LAYERS: dict[Role, tuple[str, ...]] = {
         "border",
         "boundary",
         "outline",
-        "edge",
         "body",
         "contour",
         "profile",
@@ -130,9 +129,12 @@ def colour_role(colour: str | None) -> Role | None:
 
 @lru_cache(4096)
 def layer_name(name: str) -> str:
-    """A layer's name as the table has it: in lower case, singular, without a number or sign at its end."""
+    """A layer's name as the table has it: in lower case, singular, without a number or sign at its end, or a number
+    before it, by which cutters order layers: 3_outline."""
     found = _WITH_NUMBER.match(name.strip())
     words = re.findall(r"[^\W_]+", (found[1] if found else name).lower())
+    if len(words) > 1 and words[0].isdigit():
+        words.pop(0)
     if words and words[-1] in ("copy", "layer", "layers"):
         words.pop()
     joined = " ".join(words)

@@ -156,9 +156,16 @@ def _px(document: Document) -> tuple[float, str]:
     is_adobe = any("Adobe Illustrator" in comment for comment in document.comments) or any(
         value.startswith("http://ns.adobe.com/AdobeIllustrator") for value in root.attributes.values()
     )
+    is_adobe |= _is_exported_by_illustrator(document)
     if is_adobe:
         return INCH / 72.0, "the file says no unit, and is Illustrator's: 1 is taken for a point, 1/72 inch"
     found = _OLD_INKSCAPE.match(root.get("inkscape:version"))
     if found and int(found[1][:2].ljust(2, "0")) < 92:
         return INCH / 90.0, "the file says no unit, and is of Inkscape before 0.92: 1 is taken for 1/90 inch"
     return INCH / 96.0, "the file says no unit: 1 is taken for a px, 1/96 inch"
+
+
+def _is_exported_by_illustrator(document: Document) -> bool:
+    """By its marks, as newer versions leave no name: layers with data-name, classes .cls-1."""
+    named = any("data-name" in layer.attributes for layer in (document.root, *document.root.children))
+    return named or any(".cls-1" in style.text for style in document.styles)

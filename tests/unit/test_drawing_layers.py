@@ -1,15 +1,19 @@
 """Shapes and hinge lines of native designs that come from drawings: the same device, what is told, what is refused."""
 
 import hashlib
+import io
 import json
 import re
 import warnings
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc.basics.errors import DesignWarning
@@ -17,7 +21,9 @@ from lamc.cli import main
 from lamc.examples import find
 from lamc.readers.drawings.layer_shape import lines_of, shape_of
 from lamc.readers.load import load_text
+from lamc.records.drawing import ROLES
 from tests.support.drawn_corpus import drawing, line, square
+from tests.support.quick import tries
 
 FOUR_BAR = find("four_bar").text
 LAYER = '<g inkscape:groupmode="layer" inkscape:label="{}" fill="none" stroke="black">{}</g>'
@@ -39,8 +45,21 @@ def rim(x0: str, y0: str, x1: str, y1: str) -> str:
     return "".join(f'<path d="M{a} {b} L{c} {d}"/>' for (a, b), (c, d) in sides)
 
 
-def drawn_four_bar() -> tuple[str, str]:
-    """The example with every shape and hinge line from a drawing; the drawing."""
+def dxf(layers: dict[str, str], version: str) -> str:
+    """The same lines as DXF."""
+    document = ezdxf.new(version, units=4)  # mm
+    for name, content in layers.items():
+        document.layers.add(name)
+        for a, b, c, d in re.findall(r"M(\S+) (\S+) L(\S+) ([^\s\"]+)", content):
+            ends = (float(a), float(b)), (float(c), float(d))
+            document.modelspace().add_line(*ends, dxfattribs={"layer": name})
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue()
+
+
+def drawn_four_bar() -> tuple[str, dict[str, str]]:
+    """The example with every shape and hinge line from a drawing, bar.svg; the lines of its layers."""
     layers: dict[str, str] = {}
 
     def rect(found: re.Match[str]) -> str:
@@ -57,7 +76,7 @@ def drawn_four_bar() -> tuple[str, str]:
     text = re.sub(r"line: \[(\[.*?\], \[.*?\])\]", hinge, text)
     assert "rect" not in text
     assert "line:" not in text
-    return text, svg(layers)
+    return text, layers
 
 
 def load(folder: Path, text: str, name: str = "bar.yaml") -> Any:
@@ -66,9 +85,13 @@ def load(folder: Path, text: str, name: str = "bar.yaml") -> Any:
     return lamc.load(path)
 
 
-def test_a_laminate_from_drawings_is_the_one_drawn_in_yaml(tmp_path: Path) -> None:
-    text, bars = drawn_four_bar()
-    (tmp_path / "bar.svg").write_text(bars, encoding="utf-8")
+@pytest.mark.parametrize("version", ["SVG", "R12", "R2000", "R2010", "R2018"])
+def test_a_laminate_from_drawings_is_the_one_drawn_in_yaml(tmp_path: Path, version: str) -> None:
+    text, layers = drawn_four_bar()
+    bars = svg(layers) if version == "SVG" else dxf(layers, version)
+    (tmp_path / "bar.svg").write_text(bars, encoding="utf-8")  # what is in a file counts, not its name
+    if version == "R12":  # which has no units
+        text = text.replace("file: bar.svg", "file: bar.svg, units: mm")
     found, expected = lamc.split(load(tmp_path, text)), lamc.split(load_text(FOUR_BAR, "four_bar.yaml"))
     assert [b.name for b in found.bodies] == [b.name for b in expected.bodies]
     assert [j.name for j in found.joints] == [j.name for j in expected.joints]
@@ -83,7 +106,8 @@ def test_a_laminate_from_drawings_is_the_one_drawn_in_yaml(tmp_path: Path) -> No
 
 
 def test_a_run_names_its_drawings(tmp_path: Path) -> None:
-    text, bars = drawn_four_bar()
+    text, layers = drawn_four_bar()
+    bars = svg(layers)
     (tmp_path / "bar.svg").write_text(bars, encoding="utf-8")
     design = load(tmp_path, text)
     assert design.beside == (("bar.svg", hashlib.sha256(bars.encode()).hexdigest()),)
@@ -216,3 +240,32 @@ def test_crossing_hinge_lines_stay_whole_and_keep_their_direction() -> None:
         (pytest.approx((5e-3, 10e-3)), pytest.approx((5e-3, 0.0))),
     )
     assert mends == ()
+
+
+@settings(max_examples=tries(200), deadline=None)
+@given(
+    strokes=st.lists(
+        st.tuples(
+            st.lists(
+                st.tuples(st.integers(0, 5), st.integers(0, 5) | st.floats(0, 5)), min_size=2, max_size=5
+            ),
+            st.sampled_from(ROLES),
+            st.booleans(),
+        ),
+        min_size=1,
+        max_size=8,
+    ),
+    heal=st.sampled_from([None, 0.0, 1e-5, 2e-3]),
+)
+def test_any_lines_are_a_shape_or_refused(strokes: Any, heal: float | None) -> None:
+    drawn = drawing(*(line(*points, role=role, closed=closed) for points, role, closed in strokes))
+    for take in (shape_of, lines_of):
+        try:
+            found, _ = take(drawn, None, heal)
+        except lamc.DesignError:
+            continue
+        if take is shape_of:
+            assert found.is_valid
+            assert 0.0 < found.area <= 36e-6
+        else:
+            assert all(start != end for start, end in found)

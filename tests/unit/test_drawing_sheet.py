@@ -7,15 +7,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.readers.drawings.sheet import sheet_of
 from lamc.records.card import SheetOptions
-from lamc.records.drawing import Stroke
+from lamc.records.drawing import ROLES, Stroke
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
 from tests.support.drawn_corpus import drawing, line, of_fold, square
+from tests.support.quick import tries
 
 CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
 SQUARE_MM = 3e-4 * 700.0 * 1e-6  # kg of a square millimetre
@@ -100,6 +103,23 @@ def test_a_flap_amid_a_facet_turns_on_its_crease() -> None:
     made, told = read(square(0, 0, 40), flap, line((10, 10), (20, 10)))
     assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([100.0, 1500.0])
     assert made.joints[0].stiffness == pytest.approx(1e-5)
+    assert told == []
+
+
+def test_outlines_that_touch_at_points_are_holes_all_the_same() -> None:
+    touching = [
+        line((10, 10), (14, 16), (6, 16), role="border", closed=True),  # one above the other
+        line((10, 10), (14, 4), (6, 4), role="border", closed=True),
+        line((0, 30), (4, 28), (4, 32), role="border", closed=True),  # the rim, from within
+        line((30, 40), (32, 36), (28, 36), role="border", closed=True),
+        line((20, 20), (24, 24), (24, 16), role="border", closed=True),  # a hinge
+    ]
+    made, told = read(square(0, 0, 40), *touching, HINGE)
+    holes = 2 * 24.0 + 8.0
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx(
+        [800.0 - holes, 800.0 - 8.0 - 16.0]
+    )
+    assert len(made.joints) == 1
     assert told == []
 
 
@@ -197,3 +217,33 @@ def test_the_sheet_runs() -> None:
     result = lamc.compile(made).run(t_end=0.01)
     assert math.isfinite(float(result.q[-1, 0]))
     assert json.dumps([m.what for m in made.mends]) == "[]"
+
+
+@settings(max_examples=tries(200), deadline=None)
+@given(
+    strokes=st.lists(
+        st.tuples(
+            st.lists(
+                st.tuples(st.integers(0, 6) | st.floats(0, 6), st.integers(0, 6) | st.floats(0, 6)),
+                min_size=2,
+                max_size=5,
+            ),
+            st.sampled_from(ROLES),
+            st.booleans(),
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+    heal=st.sampled_from([None, 0.0, 1e-5, 3e-4, 2e-3]),
+)
+def test_any_lines_are_a_sheet_or_refused(strokes: Any, heal: float | None) -> None:
+    """Masses come to no more than what lies within the box around all lines."""
+    drawn = [line(*points, role=role, closed=closed) for points, role, closed in strokes]
+    try:
+        made, _ = read(*drawn, heal=heal)
+    except lamc.DesignError:
+        return
+    places = np.concatenate([stroke.points for stroke in drawn])
+    # An end moves by twice the tolerance at most; a billionth for rounding of sums.
+    box = np.ptp(places, axis=0) + 4.0 * (heal if heal is not None else 1e-6)
+    assert 0.0 < sum(body.mass for body in made.bodies) <= 0.3 * 0.7 * box[0] * box[1] * (1.0 + 1e-9)

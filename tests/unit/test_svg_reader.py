@@ -278,6 +278,16 @@ def test_the_user_says_what_colours_are_for_and_hears_of_those_for_nothing() -> 
         drawn('<line x2="3" stroke="#808080"/>')
 
 
+def test_layers_that_differ_from_colours_are_told() -> None:
+    body = '<g id="outline"><line x2="9" stroke="red"/></g><g id="guides"><line x2="9" stroke="red"/></g>'
+    read = drawn(f'{body}<g id="edges">{LINE}</g>')
+    assert [s.role for s in read.strokes] == ["border", "mountain"]  # edges may be any
+    assert any("on the layer 'outline': border, whatever its colour #ff0000" in note for note in read.notes)
+    assert any("its layer 'guides' is for nothing" in note for note in read.notes)
+    quiet = drawn(body, roles={"outline": "border", "guides": "ignore"})
+    assert not any("layer" in note for note in quiet.notes)
+
+
 def test_what_is_hidden_or_defined_is_not_drawn() -> None:
     body = f"""{LINE}<defs>{LINE}</defs><g display="none">{LINE}</g><g style="visibility:hidden">{LINE}</g>
       <clipPath id="c">{LINE}</clipPath><symbol>{LINE}</symbol><g clip-path="url(#c)"><line x2="3" stroke="red"/></g>

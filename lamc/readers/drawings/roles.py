@@ -28,7 +28,6 @@ _LAYERS: dict[Role, tuple[str, ...]] = {
         "border",
         "boundary",
         "outline",
-        "edge",
         "body",
         "contour",
         "profile",

@@ -99,13 +99,13 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
         return [graph.edges[k] for k in kept if strokes[graph.strokes[k]].role in roles]
 
     points, holes = graph.points, of("hole")
-    drawn = of("border", "hole")
+    drawn, cuts = of("border", "hole"), of("cut")
     # More than rounding of the area, of lines that are a billionth of the size apart.
-    if hull(points, of("border", "hole", "cut")).area > (1.0 + 1e-6) * hull(points, drawn).area:
+    if cuts and hull(points, drawn + cuts).area > (1.0 + 1e-6) * hull(points, drawn).area:
         notes.append(
             "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
         )
-        drawn = of("border", "hole", "cut")
+        drawn += cuts
     found = material(points, drawn, frozenset(holes))
     if found.is_empty:
         notes.append("no outline is drawn: the sheet ends where its lines enclose nothing more")

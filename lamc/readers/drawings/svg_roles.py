@@ -6,9 +6,9 @@ In: styles. Out: roles, layers, angles; notes of colours that are for nothing, o
 import math
 from collections.abc import Sequence
 
-from lamc.readers.drawings.colours import colour_of, family_of, shown_colour
+from lamc.readers.drawings.colours import Colour, colour_of, family_of, shown_colour
 from lamc.readers.drawings.notes import Notes
-from lamc.readers.drawings.roles import layer_angle, layer_role, role_of, said_role
+from lamc.readers.drawings.roles import colour_role, layer_angle, layer_role, role_of, said_role
 from lamc.readers.drawings.svg_style import Style
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Role
@@ -31,21 +31,35 @@ class ShapeRoles:
         colour, layer = shown_colour(style.stroke), self._layer(style.layers)
         self._seen |= {colour, layer.casefold()}
         role = role_of(colour, layer, self.options)
+        if said_role(colour, layer, self.options) is None:
+            self._tell(role, style.stroke, layer, source)
+        return (None if role == "ignore" else role), layer
+
+    def _tell(self, role: Role | None, stroke: Colour, layer: str, source: str) -> None:
+        """What nobody said of a line with a stroke."""
+        colour, family = shown_colour(stroke), family_of(stroke)
+        of_layer, of_colour = layer_role(layer), colour_role(colour)
         if role is None:
             self.notes.add(
                 f"is left out: its colour {colour} is for nothing (--role '{colour}=cut' says what for)",
                 source,
             )
         elif role == "ignore":
-            return None, layer
-        elif layer_role(layer) is None and said_role(colour, layer, self.options) is None:
-            family = family_of(style.stroke)
-            if family is not None and not family[1]:
-                self.notes.add(
-                    f"is of the colour {colour}, taken for {family[0]}: {role} (--role '{colour}=…' says another)",
-                    source,
-                )
-        return role, layer
+            self.notes.add(
+                f"is left out: its layer {layer[:40]!r} is for nothing (--role '{layer[:40]}=cut' says what for)",
+                source,
+            )
+        elif of_layer is not None and of_colour not in (None, role, "border"):
+            self.notes.add(
+                f"is on the layer {layer[:40]!r}: {role}, whatever its colour {colour} (--role '{layer[:40]}=…' says "
+                "another)",
+                source,
+            )
+        elif of_layer is None and family is not None and not family[1]:
+            self.notes.add(
+                f"is of the colour {colour}, taken for {family[0]}: {role} (--role '{colour}=…' says another)",
+                source,
+            )
 
     def of_fill(self, style: Style, source: str, *, is_silhouette: bool) -> tuple[Role | None, str]:
         """The same of a shape without a stroke: as its layer or the user says, else nothing; a drawing that has nothing
@@ -86,7 +100,8 @@ class ShapeRoles:
         if self._flat_folded:
             self.notes.say(
                 f"{self._flat_folded} creases have full opacity and rest at 180 degrees, folded flat, on the way to "
-                "which facets may pass through one another (stroke-opacity 0.5 rests at 90)"
+                "which facets may pass through one another (stroke-opacity 0.5 rests at 90; --with 'joint_limits="
+                "{flat_fold: true}' lets no crease turn further)"
             )
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}

@@ -144,7 +144,9 @@ def _fold(record: Design | Mechanism, stem: str) -> Converted:
     made = _sheet_only(record, "FOLD")
     sheet = CreasedSheet(made, "FOLD holds")
     _check_sheet(sheet, "FOLD holds a sheet of one card")
-    lost = list(sheet.lost) + ([f"{len(sheet.windows)} windows in facets"] if sheet.windows else [])
+    lost = list(sheet.lost)
+    if sheet.windows:
+        lost.append(f"windows in facets ({len(sheet.windows)}), whose card is weighed")
     lost += _lost_of_scenes(made, angles=True) + ([] if not made.story else ["its story"])
     return Converted(flat_bytes(made), (*lost, *_lost_points(made)))
 

@@ -9,12 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from click.testing import CliRunner, Result
 
 import lamc
 from lamc import examples
 from lamc.basics.errors import DesignWarning, ExportError, UnsupportedError
 from lamc.cli import main
+from lamc.design.mass import body_properties
 from lamc.export.conversions import converted
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, point_of
@@ -24,7 +26,7 @@ from lamc.readers.load import load_text
 from lamc.records.card import SheetOptions
 from lamc.records.design import Design
 from lamc.records.drawing import Drawing, Role, Stroke
-from lamc.records.mechanism import Joint, Mechanism
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from tests.support import fold_corpus as corpus
 
 pytestmark = pytest.mark.usefixtures("unpainted")
@@ -295,3 +297,31 @@ def test_limits_and_angles_at_the_start_are_kept_or_told(tmp_path: Path) -> None
     assert any("its scene" in each for each in svg.lost)
     assert any("limits of hinge" in each for each in svg.lost)
     assert math.isclose(next(iter(drawn.scene.angles.values())), 0.7, abs_tol=1e-9)
+
+
+def flat_body(name: str, polygon: shapely.Polygon, *, fixed: bool = False) -> Body:
+    slab = Slab(polygon, 0.0, 3e-4)
+    return Body(name, *body_properties([(slab, 700.0)]), fixed, (slab,))
+
+
+def test_windows_angles_and_held_bodies_are_told_where_they_are_lost() -> None:
+    window = shapely.box(0.025, 0.005, 0.03, 0.01)
+    bodies = (
+        flat_body("a", shapely.box(0.0, 0.0, 0.02, 0.02), fixed=True),
+        flat_body("b", shapely.box(0.02, 0.0, 0.04, 0.02).difference(window)),
+        flat_body("c", shapely.box(0.04, 0.0, 0.06, 0.02), fixed=True),
+    )
+    joints = (
+        Joint("h", "a", "b", (0.02, 0.0, 1.5e-4), (0.0, -1.0, 0.0), 0.0, 0.0, 1.0),
+        Joint("k", "c", "b", (0.04, 0.0, 1.5e-4), (0.0, 1.0, 0.0), 1e-4),
+    )
+    made = Mechanism(bodies, joints, "x")
+    fold = converted(made, Path("x.fold"), Path("x.yaml"))
+    assert fold.lost == ("windows in facets (1), whose card is weighed",)
+    svg = converted(made, Path("x.svg"), Path("x.yaml"))
+    assert "rest angles of hinges without springs" in svg.lost
+    assert "that all of a, c are held: --fixed holds one" in svg.lost
+    assert svg.content.count(b'id="hole"') == 1
+    wide = Mechanism(bodies, (joints[1], replace(joints[0], stiffness=1e-4, rest_angle=4.0)), "x")
+    with pytest.raises(UnsupportedError, match="drawings hold up to 180"):
+        converted(wide, Path("x.dxf"), Path("x.yaml"))

@@ -108,6 +108,9 @@ def lost_in_drawing(sheet: CreasedSheet) -> list[str]:
     """What the lines do not say, beside what keeps the mechanism from being a sheet."""
     names = [joint.name for joint in sheet.mechanism.joints]
     lost = [f"names of hinges and bodies ({listed_names(names)})"] if names else []
+    held = [body.name for body in sheet.mechanism.bodies if body.fixed]
+    if len(held) > 1:
+        lost.append(f"that all of {listed_names(held)} are held: --fixed holds one")
     sprung = [joint for joint in sheet.mechanism.joints if joint.stiffness]
     if sprung and crease_of(sheet) is None:
         lost.append("stiffnesses that differ by length")

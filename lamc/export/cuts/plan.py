@@ -74,7 +74,7 @@ def plan_of(design: Design, style_text: str = "gap", width: str | float = DRAWN,
     if style == CASTELLATED and width == DRAWN:
         width = GAP
     layers = tuple(_cut(steps, k, style, (pitch, kerf), width) for k in range(len(design.layers)))
-    left = _left(design, layers)
+    left = _left(design, layers, steps.mechanism)
     plan = Plan(layers, steps.mechanism, left, tuple(notes + _told(steps, layers, style, width)))
     if width == DRAWN and not plan.largest_difference <= SAME:
         raise ExportError(
@@ -96,6 +96,7 @@ def _cut(steps: SplitSteps, k: int, style: str, sizes: tuple[float, float], widt
     else:
         slits = shapely.union_all(_grown(through, halves))
         parts = as_multipolygon(shapely.difference(layer.geometry, shapely.union(steps.holes[k], slits)))
+    shapely.prepare(parts)
     if style == CASTELLATED:
         tabs = [tab for h, half in zip(through, halves, strict=True) for tab in _tabs(h, half, sizes, parts)]
         kept = shapely.union_all([steps.holes[k], *_grown(through, [SLIT * half for half in halves])])
@@ -116,7 +117,7 @@ def _grown(hinges: Sequence[Hinge], halves: Sequence[float]) -> list[BaseGeometr
     return [shapely.buffer(h.line, half, quad_segs=8) for h, half in zip(hinges, halves, strict=True)]
 
 
-def _left(design: Design, layers: Sequence[CutLayer]) -> Mechanism:
+def _left(design: Design, layers: Sequence[CutLayer], drawn: Mechanism) -> Mechanism:
     """The device that is released: the same hinges in what is left of each layer."""
     cut = tuple(replace(design.layers[k], geometry=each.parts) for k, each in enumerate(layers))
     try:
@@ -125,7 +126,7 @@ def _left(design: Design, layers: Sequence[CutLayer]) -> Mechanism:
         raise ExportError(
             f"cut so, the design is no device: {error.message}; narrow --hinge-width"
         ) from error
-    names = [sorted(b.name for b in m.bodies) for m in (split(design), left)]
+    names = [sorted(b.name for b in m.bodies) for m in (drawn, left)]
     if names[0] != names[1]:
         raise ExportError(
             f"cut so, the device has the bodies {listed_names(names[1])}, and the design has "
@@ -180,7 +181,14 @@ def _is_covered(hinge: Hinge, design: Design, layers: Sequence[CutLayer]) -> boo
 def _dashes(hinge: Hinge, pitch: float, parts: MultiPolygon) -> list[LineString]:
     """Cuts along the line, where there is film, bridged between them and at both ends."""
     dashes = dashes_of(hinge.line, pitch)
-    pieces = [p for dash in dashes for p in shapely.get_parts(shapely.intersection(dash, parts))]
+    return [piece for dash in dashes for piece in _within(dash, parts)]
+
+
+def _within(line: LineString, parts: MultiPolygon) -> list[LineString]:
+    """Pieces of a line that lie in the parts."""
+    if shapely.covers(parts, line):  # quick once the parts are prepared; an overlay takes all of them
+        return [line]
+    pieces = shapely.get_parts(shapely.intersection(line, parts)) if shapely.intersects(parts, line) else []
     return [piece for piece in pieces if isinstance(piece, LineString) and piece.length > 0.0]
 
 
@@ -206,8 +214,8 @@ def _tabs(hinge: Hinge, half: float, sizes: tuple[float, float], parts: MultiPol
         side = across * (1.0 if k % 2 else -1.0)
         ends = (length * k / count + clear, length * (k + 1) / count - clear)
         base = LineString([start + along * s + side * (half + overlap) for s in ends])
-        for piece in shapely.get_parts(shapely.intersection(base, parts)):
-            if isinstance(piece, LineString) and piece.length > overlap:
+        for piece in _within(base, parts):
+            if piece.length > overlap:
                 a, b = np.array(piece.coords)[[0, -1]]
                 inward = side * (half + overlap - clear)
                 tabs.append(Polygon([a, b, b - inward, a - inward]))

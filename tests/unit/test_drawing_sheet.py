@@ -3,6 +3,7 @@
 import json
 import math
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from lamc.readers.drawings.sheet import sheet_of
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import ROLES, Stroke
 from lamc.records.mechanism import Mechanism
+from lamc.report.bodies_picture import draw_bodies
+from lamc.report.plan_view import mend_entry
+from lamc.report.split_text import split_data, split_text
 from tests.support import fold_corpus as corpus
 from tests.support.drawn_corpus import drawing, line, of_fold, square
 from tests.support.quick import tries
@@ -247,3 +251,26 @@ def test_any_lines_are_a_sheet_or_refused(strokes: Any, heal: float | None) -> N
     # An end moves by twice the tolerance at most; a billionth for rounding of sums.
     box = np.ptp(places, axis=0) + 4.0 * (heal if heal is not None else 1e-6)
     assert 0.0 < sum(body.mass for body in made.bodies) <= 0.3 * 0.7 * box[0] * box[1] * (1.0 + 1e-9)
+
+
+def test_mends_are_in_tables_and_pictures(tmp_path: Any) -> None:
+    dots = [square(1.0 + i, 5, 1e-3, source=f"rect #dot{i}") for i in range(25)]
+    made, told = read(square(0, 0, 40), HINGE, *dots)
+    assert sum("stray mark: 25" in each for each in told) == 1
+    text = split_text(made)
+    assert "stray mark" in text
+    assert "rect #dot0\n" in text
+    assert "… and 5 more (--json has all)" in text
+    found = split_data(made)["mends"]
+    assert isinstance(found, list)
+    assert len(found) == 25
+    assert found[0] == {
+        "what": "stray mark",
+        "at": pytest.approx([1e-3, 5e-3]),
+        "moved": pytest.approx(1.414e-6, rel=1e-3),
+        "source": "rect #dot0",
+    }
+    assert [entry.get_label() for entry in mend_entry(made.mends)] == ["drawing healed here (25)"]
+    assert mend_entry(()) == []
+    ringed = draw_bodies(made, {}, tmp_path / "ringed.png").read_bytes()
+    assert ringed != draw_bodies(replace(made, mends=()), {}, tmp_path / "plain.png").read_bytes()

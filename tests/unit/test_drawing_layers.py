@@ -159,7 +159,9 @@ def test_cuts_and_fixed_regions_come_from_drawings_too(tmp_path: Path) -> None:
 
 def test_mends_are_kept_told_and_drawn(tmp_path: Path) -> None:
     body = BODY.replace("M0 0 L40 0", "M0.03 0 L40 0")
-    with pytest.raises(lamc.DesignError, match=r"small.yaml:5:12: .*top.svg: .* 0.03 mm .*heal"):
+    with pytest.raises(
+        lamc.DesignError, match=r"small.yaml:5:12: .*top.svg: .* 0.03 mm .*heal more: heal: '0.031 mm'"
+    ):
         small(tmp_path, body)
     healing = SMALL.replace("layer: body}", "layer: body, heal: 50 um}")
     made, told = small(tmp_path, body, JOINT + '<path d="M20 20 V5"/>', healing)
@@ -269,3 +271,14 @@ def test_any_lines_are_a_shape_or_refused(strokes: Any, heal: float | None) -> N
             assert 0.0 < found.area <= 36e-6
         else:
             assert all(start != end for start, end in found)
+
+
+def test_the_tolerance_is_of_the_whole_drawing_whatever_the_layer() -> None:
+    """1e-4 of 100 mm bridges 8 um in a layer that is 10 mm wide."""
+    open_ring = line((0, 0), (10, 0), (10, 10), (0, 10), (0, 0.008), role="border", layer="small")
+    large = line((-45, -45), (55, -45), (55, 55), role="border", layer="large")
+    region, mends = shape_of(drawing(open_ring, large), "small", None)
+    assert region.area == pytest.approx(100e-6)
+    assert [mend.what for mend in mends] == ["gap in an outline"]
+    with pytest.raises(lamc.DesignError, match=r"0.008 mm from"):
+        shape_of(drawing(open_ring), None, None)

@@ -533,6 +533,40 @@ def test_entities_that_lack_something_are_told(kind: str, taken: str, words: str
     assert words in "\n".join(drawn.notes)
 
 
+@pytest.mark.parametrize("version", ["", "AC1009", "AC1015"])
+@pytest.mark.parametrize("behind", ["", line(0, 0, 5, 5, "30"), "0\nTEXT\n5\n30\n8\n0\n1\nx\n"])
+def test_polylines_end_where_the_file_forgets_to_say_so(version: str, behind: str) -> None:
+    corners = "".join(f"0\nVERTEX\n5\nA{k}\n8\nbody\n10\n{k}\n20\n{k * k}\n30\n0\n" for k in range(4))
+    polyline = f"0\nPOLYLINE\n5\n2F\n8\nbody\n66\n1\n70\n1\n{corners}"
+    attributed = insert("A").replace("8\n0\n", "5\n40\n8\n0\n66\n1\n")
+    data = text(attributed + polyline + behind, blocks=block("A", line(0, 0, 1, 0, "77")), version=version)
+    drawn = read(data)
+    assert [s.source for s in drawn.strokes][:2] == ["LINE 77 of block 'A' (INSERT 40)", "POLYLINE 2F"]
+    assert np.abs(mm(drawn.strokes[1]) - [k + 1j * k * k for k in range(4)]).max() < 1e-12
+    assert len(drawn.strokes) == 2 + ("LINE" in behind)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    ["9\n$ODD\n40\nfoo\n", "9\nNAME\n70\n1\n", "9\n$EXTMIN\n10\n1e999\n9\n$LIMMIN\n", "5\n5\n"],
+)
+def test_a_header_in_no_order_loses_no_line(wrong: str) -> None:
+    """Nor the unit that it says, nor colours and states of layers."""
+    tables = (
+        "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n2\n0\nLAYER\n2\nred\n70\n0\n62\n1\n6\nCONTINUOUS\n"
+        "0\nLAYER\n2\nfar\n70\n1\n62\n7\n6\nCONTINUOUS\n0\nENDTAB\n0\nENDSEC\n"
+    )
+    data = text(
+        line(0, 0, 3, 0, layer="red") + line(0, 0, 300, 0, "30", "far"),
+        header=wrong + claims(1),
+        version="AC1009",
+    ).replace(b"0\nSECTION\n2\nENTITIES", tables.encode() + b"0\nSECTION\n2\nENTITIES")
+    drawn = read(data, units=None)
+    assert [(s.source, s.role) for s in drawn.strokes] == [("LINE 2F", "mountain")]
+    assert drawn.scale == 0.0254
+    assert any("layers, blocks and entities alone are read" in note for note in drawn.notes)
+
+
 def test_what_is_not_dxf_is_refused_at_its_line() -> None:
     assert "sheet.dxf:5: there is 'foo' where a group code should be" in refused(
         b"0\nSECTION\n2\nENTITIES\nfoo\nbar\n"

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from lamc.basics.errors import DesignError, LamcError, Place
-from lamc.readers.drawings.dxf_repair import mended, renamed
+from lamc.readers.drawings.dxf_repair import bare, mended, renamed
 from lamc.readers.drawings.dxf_tags import Tag, tags_of
 from lamc.readers.drawings.dxf_tags import is_dxf as is_dxf
 from lamc.readers.drawings.dxf_units import length_text, scale_of
@@ -157,20 +157,28 @@ def _document(tags: list[Tag]) -> tuple[Any, list[str]]:
         def check_block_reference_cycles(self) -> None:
             pass
 
-    try:
-        tool = Recover.run(io.BytesIO(), loader=lambda _: (DXFTag(code, value) for code, value in tags))
+    def read(given: list[Tag]) -> tuple[Any, list[str]]:
+        tool = Recover.run(io.BytesIO(), loader=lambda _: (DXFTag(code, value) for code, value in given))
         document = Document()
         document._load_section_dict(tool.section_dict)
         auditor = Patient(document)
         auditor.run()
-    except Exception as error:  # ezdxf meets what no rule of DXF allows with whatever error comes
+        entries = [message for _, message in (*tool.errors, *tool.fixes)]
+        entries += [entry.message for entry in (*auditor.errors, *auditor.fixes)]
+        return document, [renamed(message) for message in entries]
+
+    # ezdxf meets what no rule of DXF allows with whatever error comes.
+    try:
+        return read(tags)
+    except Exception as first:
+        why = f"{renamed(str(first))[:200] or 'it has no order'} ({type(first).__name__})"
+    try:
+        document, flaws = read(bare(tags))
+    except Exception as error:
         raise DesignError(
-            f"this is not DXF that can be read: {renamed(str(error))[:200] or 'it has no order'} "
-            f"({type(error).__name__}); save it again with the program that made it, as R2000 or later"
+            f"this is not DXF that can be read: {why}; save it again with the program that made it, as R2000 or later"
         ) from error
-    entries = [message for _, message in (*tool.errors, *tool.fixes)]
-    entries += [entry.message for entry in (*auditor.errors, *auditor.fixes)]
-    return document, [renamed(message) for message in entries]
+    return document, [f"{why}: layers, blocks and entities alone are read", *flaws]
 
 
 @contextmanager

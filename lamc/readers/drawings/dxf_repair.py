@@ -5,7 +5,8 @@ In: tags. Out: tags, and notes. Never: makes up a coordinate.
 Two entities of one handle are one entity to ezdxf, and the other is lost; an entity that a cut-off file leaves half
 written would get coordinates that nobody drew; files that say R12, or no version, have entities of later versions,
 whose marks of classes (100) ezdxf takes out of R12 and then misses; and a solid or picture that is not as it should be
-makes it refuse the whole file: for kinds that are no lines it gets a point, and who counts them the kind.
+makes it refuse the whole file: for kinds that are no lines it gets a point, and who counts them the kind. So do a
+polyline without its end, and a header, tables or objects in no order, which are done without.
 """
 
 import re
@@ -32,6 +33,9 @@ _COMMON = (
     370,
     420,
 )  # codes that belong to any entity: they stand before its own class
+_SECTIONS = (b"HEADER", b"TABLES", b"BLOCKS", b"ENTITIES")
+_TABLES = (b"LAYER", b"BLOCK_RECORD")
+_VARIABLES = {b"$ACADVER": 1, b"$DWGCODEPAGE": 3, b"$INSUNITS": 70, b"$MEASUREMENT": 70}  # and their codes
 _R12, _R2000 = b"AC1009", b"AC1015"
 
 
@@ -75,7 +79,36 @@ def mended(tags: list[Tag]) -> Mended:
         found += [*tags[done:start], (0, kind), *own]
         done = end
     found += tags[done:]
-    return Mended(_as_r2000(found) if later else found, kinds, notes)
+    return Mended(_with_ends(_as_r2000(found) if later else found), kinds, notes)
+
+
+def bare(tags: list[Tag]) -> list[Tag]:
+    """Of a file whose other parts are in no order: layers, blocks and entities, and what the header says of them.
+
+    A broken variable of the header or a lost layout makes ezdxf refuse the whole file.
+    """
+    starts = [k for k, tag in enumerate(tags) if tag[0] == 0]
+    found: list[Tag] = []
+    section, inside = b"", False
+    for start, end in zip(starts, [*starts[1:], len(tags)], strict=True):
+        kind, own = tags[start][1].strip(), tags[start:end]
+        if kind == b"SECTION":
+            section = own[1][1].strip() if end > start + 1 else b""
+            if section == b"HEADER":
+                own = own[:2] + [pair for k in range(2, len(own) - 1) for pair in _variable(own[k : k + 2])]
+        elif kind in (b"TABLE", b"ENDTAB") and section == b"TABLES":
+            inside = kind == b"TABLE" and end > start + 1 and own[1][1].strip() in _TABLES
+            if not inside and kind == b"TABLE":
+                continue
+        elif section == b"TABLES" and kind != b"ENDSEC" and not inside:
+            continue
+        if section in _SECTIONS or kind == b"EOF":
+            found += own
+    return found
+
+
+def _variable(pair: list[Tag]) -> list[Tag]:
+    return pair if pair[0][0] == 9 and _VARIABLES.get(pair[0][1].strip()) == pair[1][0] else []
 
 
 def key_of(handle: bytes | None) -> bytes:
@@ -181,6 +214,23 @@ def _as_r2000(tags: list[Tag]) -> list[Tag]:
     if tags[at + 1][1].strip() <= _R12:
         tags[at + 1] = (1, _R2000)
     return tags
+
+
+def _with_ends(tags: list[Tag]) -> list[Tag]:
+    """Ends what has parts, corners or attributes, where the file forgets to (SEQEND)."""
+    found: list[Tag] = []
+    done, opened, found_kind = 0, False, b""
+    for k, (code, value) in enumerate(tags):
+        if code == 66 and value.strip() == b"1" and found_kind == b"INSERT":
+            opened = True
+        if code != 0:
+            continue
+        found_kind = value.strip()
+        if opened and found_kind not in _PARTS:
+            found += [*tags[done:k], (0, b"SEQEND"), (5, f"{2 * _NUMBERED + k:X}".encode()), (8, b"0")]
+            done = k
+        opened = found_kind == b"POLYLINE" or (opened and found_kind in (b"VERTEX", b"ATTRIB"))
+    return found + tags[done:]
 
 
 def _text(value: bytes) -> str:

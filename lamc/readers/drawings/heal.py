@@ -78,7 +78,7 @@ class _Healer:
                 return self._ordered()
             self._join(self.exact)
         raise DesignError(
-            f"lines that are {self.near:g} m apart fall together again and again; heal with less (--heal)"
+            f"lines that are {self.near:g} m apart fall together again and again; heal with less"
         )
 
     def _courses(self) -> Iterator[tuple[int, Array, bool]]:

@@ -22,6 +22,7 @@ from lamc.records.mechanism import Array
 from lamc.records.network import listed_names
 
 _ROUND = frozenset[Role]({"border", "hole", "cut"})
+_HEAL = "heal:"  # as a design says it
 _STRAIGHT = 1e-6  # of a line's length: corners that lie so near to it are none
 
 
@@ -39,10 +40,10 @@ def shape_of(
     # A layer of holes alone is asked for as a shape: to be cut.
     only = all(stroke.role == "hole" for stroke in drawn)
     strokes = [s if s.role == "hole" and not only else replace(s, role="border") for s in drawn]
-    tolerance = _tolerance(strokes, heal)
+    tolerance = _tolerance(drawing, heal)
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
-    loose = left_out(graph, strokes, kept, tolerance)
+    loose = left_out(graph, strokes, kept, tolerance, _HEAL)
     holes = frozenset(e for e, k in zip(graph.edges, graph.strokes, strict=True) if strokes[k].role == "hole")
     region = material(graph.points, [graph.edges[k] for k in kept], holes)
     if region.is_empty:
@@ -63,7 +64,7 @@ def lines_of(
         for stroke in strokes
         for a, b in pairwise(_corners(stroke))
     ]
-    graph = healed(pieces, _tolerance(pieces, heal))
+    graph = healed(pieces, _tolerance(drawing, heal))
     found: list[Line] = []
     by_piece: dict[int, list[Array]] = {}
     for (a, b), k in zip(graph.edges, graph.strokes, strict=True):
@@ -79,7 +80,7 @@ def lines_of(
 
 def told_of(mends: Sequence[Mend], heal: float | None, drawing: Drawing) -> list[str]:
     """Lines for a user."""
-    return told(mends, DEFAULT * size_of(drawing.strokes) if heal is None else heal, "heal:")
+    return told(mends, _tolerance(drawing, heal), _HEAL)
 
 
 def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: str) -> list[Stroke]:
@@ -115,8 +116,8 @@ def _corners(stroke: Stroke) -> Array:
     return np.array([*kept, points[-1]])
 
 
-def _tolerance(strokes: Sequence[Stroke], heal: float | None) -> float:
-    return DEFAULT * size_of(strokes) if heal is None else heal
+def _tolerance(drawing: Drawing, heal: float | None) -> float:
+    return DEFAULT * size_of(drawing.strokes) if heal is None else heal
 
 
 def _where(layer: str | None) -> str:

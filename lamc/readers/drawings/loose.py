@@ -29,8 +29,10 @@ class _Gap:
     other: int
 
 
-def left_out(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], tolerance: float) -> list[Mend]:
-    """A mend for each stroke of which something is left out.
+def left_out(
+    graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], tolerance: float, option: str = "--heal"
+) -> list[Mend]:
+    """A mend for each stroke of which something is left out. option: what sets the tolerance.
 
     Raises DesignError where the end of an outline or a crease has another line near to it, with the tolerance that
     joins them; with a tolerance of 0 of an outline alone.
@@ -41,7 +43,7 @@ def left_out(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], toler
     tips = [k for k in gone if strokes[graph.strokes[k]].role in meant]
     gaps = _gaps(graph, gone, tips, {v for k in kept for v in graph.edges[k]})
     if gaps:
-        raise DesignError(_told(graph, strokes, gaps, tolerance))
+        raise DesignError(_told(graph, strokes, gaps, tolerance, option))
     for k in gone:
         owner = graph.strokes[k]
         x, y = graph.points[list(graph.edges[k])].mean(axis=0).tolist()
@@ -93,7 +95,9 @@ def _lengths(graph: Graph, gone: Sequence[int], held: set[int]) -> dict[int, flo
     return found
 
 
-def _told(graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], tolerance: float) -> str:
+def _told(
+    graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], tolerance: float, option: str
+) -> str:
     shown = [
         f"{name_of(strokes, gap.stroke)} ({strokes[gap.stroke].role}) ends at {millimetres(graph.points[gap.vertex])}, "
         f"{1e3 * gap.apart:.3g} mm from {name_of(strokes, gap.other)}"
@@ -101,10 +105,10 @@ def _told(graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], toleran
     ]
     others = f", and {len(gaps) - 4} more such ends" if len(gaps) > 4 else ""
     creases = any(strokes[gap.stroke].role in CREASES for gap in gaps)
-    leave = "; with --heal 0, creases that end so are left out" if creases else ""
+    leave = f"; with {option} 0, creases that end so are left out" if creases else ""
     return (
         f"lines stop short of one another by more than the {1e3 * tolerance:.3g} mm that are healed: "
-        f"{'; '.join(shown)}{others}. Draw them to meet, or heal more: --heal '{_enough(gaps[-1].apart)} mm'{leave}"
+        f"{'; '.join(shown)}{others}. Draw them to meet, or heal more: {option} '{_enough(gaps[-1].apart)} mm'{leave}"
     )
 
 

@@ -100,8 +100,7 @@ class ShapeRoles:
         if self._flat_folded:
             self.notes.say(
                 f"{self._flat_folded} creases have full opacity and rest at 180 degrees, folded flat, on the way to "
-                "which facets may pass through one another (stroke-opacity 0.5 rests at 90; --with 'joint_limits="
-                "{flat_fold: true}' lets no crease turn further)"
+                "which facets may pass through one another (stroke-opacity 0.5 rests at 90)"
             )
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}

@@ -51,7 +51,7 @@ from lamc.effects import (
     Torque,
     TwistCompliance,
 )
-from lamc.export import export
+from lamc.export import convert, export
 from lamc.export.options import ExportOptions
 from lamc.pipeline import (
     Times,
@@ -116,6 +116,7 @@ __all__ = [
     "UnsupportedError",
     "__version__",
     "compile",
+    "convert",
     "export",
     "load",
     "load_scene",

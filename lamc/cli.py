@@ -26,6 +26,7 @@ from lamc.commands.options import (
     staged,
 )
 from lamc.commands.plate_options import plate
+from lamc.commands.project_options import convert, new
 from lamc.commands.reference_options import effects, functions, materials, schema
 from lamc.commands.run_options import run
 from lamc.commands.terminal import Terminal
@@ -42,8 +43,8 @@ if TYPE_CHECKING:
 def main(context: click.Context) -> None:
     """Compiles laminate designs (flat layers, materials, hinge lines) into fast native simulators.
 
-    FILE is a native design or mechanism (YAML), a sheet of creases (FOLD), a popupCAD design (.cad) or a popupCAD joint
-    definition (.joints); its content decides, not its name.
+    FILE is a native design or mechanism (YAML), a sheet of creases (FOLD, SVG, DXF), a popupCAD design (.cad) or a
+    popupCAD joint definition (.joints); its content decides, not its name.
 
     \b
     Try:
@@ -53,6 +54,8 @@ def main(context: click.Context) -> None:
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc export --example pendulum   sources for programs in C, C++ and other languages
       lamc plate --example strip       bend a laminate: deflection, moments, stress, modes
+      lamc new gripper                 start a project: a design and a scene to edit
+      lamc convert crane.fold a.svg    another format, and what it does not hold
       lamc examples                    list the designs that ship with lamc
       lamc schema hinge                what a file may say: also design, scene, effects, plate, ...
       lamc doctor                      see whether this machine has what lamc needs
@@ -66,6 +69,7 @@ def main(context: click.Context) -> None:
 @main.command()
 @design
 @staged(start=False)
+@sheeted
 @click.option("--equations", is_flag=True, help="Write the equations too: equations.txt and equations.tex.")
 @click.option(
     "--out",
@@ -79,6 +83,7 @@ def build(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     equations: bool,
     out: str | None,
     force: bool,
@@ -97,7 +102,8 @@ def build(
     from lamc.commands.build import build as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example), changes, out, equations=equations, force=force, terminal=terminal)
+    source = Source(file, example, sheet=sheet)
+    return work(source, changes, out, equations=equations, force=force, terminal=terminal)
 
 
 @main.command()
@@ -178,6 +184,7 @@ def split(
 @main.command()
 @design
 @staged()
+@sheeted
 @compiler
 @precision
 @folder
@@ -186,6 +193,7 @@ def bench(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     cc: str | None,
     fast: bool,
     precision: str,
@@ -204,11 +212,13 @@ def bench(
     from lamc.commands.bench import bench as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast, precision), changes, out, terminal)
+    return work(Source(file, example, cc, fast, precision, sheet=sheet), changes, out, terminal)
 
 
+main.add_command(convert)
 main.add_command(export)
 main.add_command(ledger)
+main.add_command(new)
 main.add_command(plate)
 main.add_command(run)
 main.add_command(view)

@@ -115,7 +115,14 @@ def unit_in(schema: Any) -> str:
         if UNIT in schema:
             return str(schema[UNIT])
         inner = [schema.get("items"), schema.get("additionalProperties"), schema.get("prefixItems")]
-        return next((unit for unit in map(unit_in, [*inner, *schema.get("anyOf", ())]) if unit), "")
+        return next(
+            (
+                unit
+                for unit in map(unit_in, [*inner, *schema.get("anyOf", ()), *schema.get("oneOf", ())])
+                if unit
+            ),
+            "",
+        )
     if isinstance(schema, list):
         return next((unit for unit in map(unit_in, schema) if unit), "")
     return ""

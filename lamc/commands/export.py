@@ -57,6 +57,7 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     lines += [
         f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
     ]
+    lines += TARGETS[order.target].told(files)
     if effects is not None:
         left_out = "; README.md lists what of them is left out" if order.options.lossy else ""
         lines += [f"effects   {', '.join(effects) or 'none'}{left_out}"]
@@ -88,6 +89,10 @@ def _mechanism(order: ExportOrder, times: Times, progress: Progress) -> _Made:
     check_example(order.source)
     loaded = load_source(order.source, times, progress)
     mechanism = mechanism_of(loaded, times, progress)
+    if order.changes != SceneChanges() and not TARGETS[order.target].moves:
+        raise ExportError(
+            f"nothing moves in an export to {order.target!r}: leave out the scene, and changes of it"
+        )
     scene, _ = changed_scene(mechanism, order.changes)
     with located_at(scene.places), times.stage("export"):
         target = TARGETS[order.target]

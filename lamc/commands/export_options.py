@@ -29,6 +29,7 @@ Examples:
   lamc export flaps.yaml --scene driven --real-time --prefix flaps_rt
   lamc export flaps.yaml --to fmu --fmi 3
   lamc export four_bar.yaml --to mjcf --step 5e-4
+  lamc export flaps.yaml --to cut --kerf '0.1 mm' --sheet '300 mm x 200 mm' --pins '3 mm'
   lamc export strip.yaml --size '1 mm'
 """
 
@@ -85,6 +86,25 @@ Examples:
     help="Of a plate: length of the mesh's edges, such as '2 mm'; bare numbers are m.",
 )
 @click.option(
+    "--hinge-style",
+    default="gap",
+    metavar="STYLE",
+    help="Of --to cut: how hinges are cut, gap, castellated or perforated; with a pitch, 'perforated, 1 mm'.",
+)
+@click.option(
+    "--hinge-width",
+    default="drawn",
+    metavar="WIDTH",
+    help="Of --to cut: what boards leave free at hinges: drawn (as simulated), gap, or a length.",
+)
+@click.option(
+    "--kerf", default="0", metavar="LENGTH", help="Of --to cut: what the cutter takes away, '0.1 mm'."
+)
+@click.option(
+    "--pins", metavar="LENGTH", help="Of --to cut: diameter of pins that layers are put on, '3 mm'."
+)
+@click.option("--sheet", "stock", metavar="SIZE", help="Of --to cut: size of the sheets, '300 mm x 200 mm'.")
+@click.option(
     "--lossy", is_flag=True, help="Leave out what the target's format cannot tell, instead of refusing it."
 )
 @click.option(
@@ -117,6 +137,11 @@ def export(
     fmi: str | None,
     step: float | None,
     size: str | None,
+    hinge_style: str,
+    hinge_width: str,
+    kerf: str,
+    pins: str | None,
+    stock: str | None,
     lossy: bool,
     inputs: str,
     force: bool,
@@ -141,6 +166,11 @@ def export(
         lossy=lossy,
         step=step,
         edge_length=edge_length(size),
+        hinge_style=hinge_style,
+        hinge_width=hinge_width,
+        kerf=kerf,
+        pins=pins,
+        stock=stock,
     )
     return work(
         ExportOrder(Source(file, example, sheet=sheet), changes, target, options, force, out), terminal

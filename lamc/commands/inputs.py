@@ -95,7 +95,8 @@ def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
     with times.stage("load"):
         example = examples.find(source.example) if source.example is not None else None
         if example is not None and source.sheet.given:
-            raise LamcError(f"--{source.sheet.given[0]} is of FOLD files; examples are none")
+            option = source.sheet.given[0].replace("roles", "role")
+            raise LamcError(f"--{option} is of FOLD, SVG and DXF files; examples are none")
         if example is not None and example.path is None:
             digest = hashlib.sha256(example.text.encode("utf-8")).hexdigest()
             record = stiffened(load_text(example.text, example.name), source.hinges, example.name)
@@ -110,6 +111,8 @@ def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
             card=sheet.card,
             crease=sheet.crease,
             units=sheet.units,
+            roles=sheet.roles,
+            heal=sheet.heal,
         )
         record = stiffened(record, source.hinges, str(path))
     return Loaded(record, str(path), path, hashlib.sha256(path.read_bytes()).hexdigest())

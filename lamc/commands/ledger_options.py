@@ -4,16 +4,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, folder, speaking, staged, until
+from lamc.commands.options import compiler, design, folder, sheeted, speaking, staged, until
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges
+    from lamc.records.card import SheetOptions
 
 
 @click.command()
 @design
 @staged()
+@sheeted
 @compiler
 @until("the runs")
 @click.option(
@@ -47,6 +49,7 @@ def ledger(
     file: str | None,
     example: str | None,
     changes: "SceneChanges",
+    sheet: "SheetOptions",
     cc: str | None,
     fast: bool,
     t_end: float | None,
@@ -77,7 +80,7 @@ def ledger(
     if only_schema:
         return schema()
     order = LedgerOrder(
-        source=Source(file, example, cc, fast),
+        source=Source(file, example, cc, fast, sheet=sheet),
         changes=changes,
         t_end=t_end,
         accuracy=accuracy,

@@ -135,25 +135,25 @@ _sheet = together(
     click.option(
         "--fixed",
         metavar="FACET",
-        help="Of a FOLD file: the facet that is held, F12, or a point in it, '10 mm, 20 mm'.  [default: in the middle]",
+        help="Of a sheet: the facet that is held, F12, or a point in it, '10 mm, 20 mm'.  [default: in the middle]",
         show_default=False,
     ),
     click.option(
         "--card",
         metavar="CARD",
-        help="Of a FOLD file: thickness and density.  [default: '0.3 mm, 700 kg/m^3']",
+        help="Of a sheet: thickness and density.  [default: '0.3 mm, 700 kg/m^3']",
         show_default=False,
     ),
     click.option(
         "--crease",
         metavar="STIFFNESS",
-        help="Of a FOLD file: of creases by length.  [default: '1e-3 N*mm/rad/mm']",
+        help="Of a sheet: of creases by length.  [default: '1e-3 N*mm/rad/mm']",
         show_default=False,
     ),
     click.option(
         "--units",
         metavar="UNIT",
-        help="Of a FOLD, SVG or DXF file: what 1 is.  [default: what the file says, else mm]",
+        help="Of a sheet: what 1 is.  [default: what the file says, else mm]",
         show_default=False,
     ),
     click.option(
@@ -162,6 +162,12 @@ _sheet = together(
         metavar="LINE=ROLE",
         multiple=True,
         help="Of an SVG or DXF file: what lines of a colour or layer are for, red=cut.",
+    ),
+    click.option(
+        "--roles",
+        "roles_file",
+        metavar="FILE",
+        help="Of an SVG or DXF file: the same for many lines, YAML: {'#ff0000': cut, engraving: ignore}.",
     ),
     click.option(
         "--heal",
@@ -182,22 +188,28 @@ def sheeted(function: Function) -> Function:
         crease: str | None,
         units: str | None,
         roles: tuple[str, ...],
+        roles_file: str | None,
         heal: str | None,
         **given: Any,
     ) -> int:
         from lamc.records.card import Card, SheetOptions, fixed_of, roles_of  # `--help` does without it
 
         try:
+            every = roles_of(roles)
+            if roles_file is not None:
+                from lamc.readers.drawings.roles_file import read_roles
+
+                every = {**read_roles(roles_file), **every}
             sheet = SheetOptions(
                 fixed_of(fixed) if fixed else None,
                 Card.of(card) if card else None,
                 crease,
                 units,
-                roles_of(roles) or None,
+                every or None,
                 heal,
             )
         except DesignError as error:
-            raise click.UsageError(error.message) from error
+            raise click.UsageError(str(error)) from error
         return int(function(sheet=sheet, **given))
 
     decorated: Function = _sheet(wrapped)

@@ -104,6 +104,7 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
         design.contact_points,
         design=design,
         facet_creases=tuple(joint.name for joint in joints[len(hinges) :]),
+        mends=design.mends,
     )
     tell("done", 1.0)
     return SplitSteps(design, holes, slits, cut, parts, connections, scraps, mechanism, notes)

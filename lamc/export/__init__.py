@@ -11,11 +11,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol, TypeAlias, Union, cast
 
-from lamc.basics.errors import ExportError
+from lamc.basics.errors import ExportError, warn
+from lamc.basics.files import checked_path
 from lamc.codegen.names import identifier
 from lamc.design.split import split
 from lamc.export.folder import Origin, write_folder
 from lamc.export.options import ExportOptions, check_used, options_from
+from lamc.readers.load import load
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -46,6 +48,7 @@ class Target:
     users   who takes it, in a word or two
     uses    fields of `ExportOptions` that it reads; others are refused where they differ from their defaults
     module  of `lamc.export`, imported when it is asked for: see `Making`
+    moves   whether what is exported depends on a scene
     """
 
     name: str
@@ -53,6 +56,7 @@ class Target:
     summary: str
     uses: tuple[str, ...]
     module: str
+    moves: bool = True
 
     @property
     def making(self) -> Making:
@@ -64,8 +68,15 @@ class Target:
         check_used(options, self.name, self.uses, _uses())
         return self.making.files(mechanism, scene, options)
 
-    def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str]:
-        """Names of what acts in the export, torques from outside among them."""
+    def told(self, files: Files) -> list[str]:
+        """What the command line says of the files beside their names."""
+        tell = getattr(self.making, "told", None)
+        return tell(files) if tell else []
+
+    def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str] | None:
+        """Names of what acts in the export, torques from outside among them; None where nothing moves."""
+        if not self.moves:
+            return None
         from lamc.export.driven import driven_scene
         from lamc.pipeline import effects_of
 
@@ -125,6 +136,14 @@ _TARGETS = (
         ("lossy",),
         "fold",
     ),
+    Target(
+        "cut",
+        "laser cutters",
+        "DXF and SVG of each layer in real size, for laser cutters and CAD",
+        ("hinge_style", "hinge_width", "kerf", "pins", "stock"),
+        "cut",
+        moves=False,
+    ),
 )
 TARGETS: Mapping[str, Target] = MappingProxyType({target.name: target for target in _TARGETS})
 PLATE_USES = ("prefix", "libm", "single_header", "lossy", "edge_length")  # of a plate to c
@@ -154,6 +173,8 @@ def files_of(
                 "a scene is given with a plate, which does not move: leave scene= out, or export a design with joints"
             )
         return _plate_files(cast("PlateFile | Problem", design), to, options or ExportOptions())
+    if scene is not None and not TARGETS[to].moves:
+        raise ExportError(f"a scene is given with an export to {to!r}, where nothing moves: leave scene= out")
     mechanism = split(design) if isinstance(design, Design) else design
     return TARGETS[to].files(mechanism, scene or mechanism.scene or Scene(), options or ExportOptions())
 
@@ -212,3 +233,29 @@ def export(
     folder = Path(out) if out is not None else Path(f"{identifier(name)}_{to}")
     write_folder(folder, files, Origin(name, to), force=force)
     return folder
+
+
+def convert(
+    source: str | Path,
+    target: str | Path,
+    *,
+    force: bool = False,
+    **reading: object,
+) -> Path:
+    """Writes what the file `source` holds as the file `target`, whose suffix says how; returns its path.
+
+    force    replace a file
+    reading  keywords of `lamc.load`: card, crease, fixed, units, …
+
+    What the file does not hold is a DesignWarning each. Raises ExportError for a suffix that means nothing, a file in
+    the way, and one that is read; UnsupportedError for what the format cannot hold; and as `lamc.load` does.
+    """
+    from lamc.export.conversions import check_place, converted, write  # `import lamc` does without them
+
+    path, read = checked_path(target), checked_path(source)
+    check_place(read, path, force=force)
+    made = converted(load(read, **reading), path, read)  # type: ignore[arg-type]  # load looks at them
+    write(made, path)
+    for lost in made.lost:
+        warn(f"{path.name} does not hold {lost}")
+    return path

@@ -11,6 +11,16 @@ from typing import Any, cast
 
 from lamc.basics.checks import checked_number, shown
 from lamc.basics.errors import DesignError, ExportError
+from lamc.basics.given import GivenMaybe, GivenNumber
+from lamc.export.cuts.options import (
+    DRAWN,
+    STRAIGHT,
+    checked_kerf,
+    checked_pins,
+    checked_stock,
+    checked_style,
+    checked_width,
+)
 from lamc.export.prefixes import check_prefix
 from lamc.run.methods import AUTO, METHODS, NUMBERS
 
@@ -32,8 +42,20 @@ FLAGS: Mapping[str, str] = MappingProxyType(
         "lossy": "--lossy",
         "step": "--step",
         "edge_length": "--size",
+        "hinge_style": "--hinge-style",
+        "hinge_width": "--hinge-width",
+        "kerf": "--kerf",
+        "pins": "--pins",
+        "stock": "--sheet",
     }
 )
+_CUT = {
+    "hinge_style": checked_style,
+    "hinge_width": checked_width,
+    "kerf": checked_kerf,
+    "pins": checked_pins,
+    "stock": checked_stock,
+}
 
 
 def named(field: str) -> str:
@@ -62,6 +84,14 @@ class ExportOptions:
     edge_length  m, of the mesh of a plate; None: as its file says
     step        s, time step of a model for MuJoCo; None: one that suits the mechanism
 
+    Of cut files, lengths in m or as text with a unit:
+    hinge_style  how boards are cut at hinges: "gap", straight; "castellated", with tabs by turns; "perforated", the
+                flexible layer too, along the line. With a pitch: "castellated, 2 mm"
+    hinge_width  of what is cut of boards along a hinge: "drawn", as it is simulated; "gap", the hinge's gap; a length
+    kerf        width of what the cutter takes away
+    pins        diameter of holes for pins, by which layers are put over one another; None: no holes
+    stock       width and height of the sheets that are cut, "300 mm x 200 mm"; None: no sheet is drawn
+
     Raises ExportError for values of other kinds.
     """
 
@@ -77,6 +107,11 @@ class ExportOptions:
     lossy: bool = False
     step: float | None = None  # s
     edge_length: float | None = None  # m
+    hinge_style: str = STRAIGHT
+    hinge_width: str | float = DRAWN  # m
+    kerf: GivenNumber = 0.0  # type: ignore[assignment]  # m
+    pins: GivenMaybe = None  # type: ignore[assignment]  # m
+    stock: str | tuple[float, float] | None = None  # m
 
     def __post_init__(self) -> None:
         if self.prefix is not None:
@@ -89,6 +124,11 @@ class ExportOptions:
                 )
         self._check_positive("step", "seconds")
         self._check_positive("edge_length", "metres")
+        for name, check in _CUT.items():
+            try:
+                object.__setattr__(self, name, check(getattr(self, name), named(name)))
+            except DesignError as error:
+                raise ExportError(error.message) from error
         if self.fmi not in (None, 2, 3) or not isinstance(self.fmi, int | None):
             raise ExportError(
                 f"{named('fmi')} is {shown(self.fmi)}; it must be 2 or 3, the version of the standard"

@@ -16,6 +16,9 @@ from lamc.basics.fields import problem_text
 from lamc.readers.inert import STANDARD_TAGS, ListNode, MapNode, Node, ScalarNode, plain
 
 Path = tuple[str | int, ...]
+CHOICE = (
+    "one of: "  # begins the name of a part of a union, which pydantic puts into places and a file has not
+)
 T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
@@ -101,7 +104,7 @@ def validate(model: type[M], node: Node, context: Mapping[str, Any] | None = Non
         return model.model_validate(plain(node), context=dict(context or {}))
     except ValidationError as error:
         for item in error.errors(include_url=False):
-            path: Path = tuple(item["loc"])
+            path: Path = tuple(step for step in item["loc"] if not str(step).startswith(CHOICE))
             problems.add(path, _message(model, path, item), _place_of(node, path, item["type"]))
     problems.raise_if_any()
     raise LamcError("a validation failed without a problem")

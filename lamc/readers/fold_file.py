@@ -50,6 +50,7 @@ class FoldFrame:
     unit      m; None: not given
     own       fields that lamc writes, "lamc:…", unchecked
     sources   what a drawing calls the line of each edge; none: edges have numbers only
+    off       m, by which pieces of one hinge may lie off its line, beside rounding
     """
 
     title: str
@@ -62,6 +63,7 @@ class FoldFrame:
     own: Data
     notes: tuple[str, ...]
     sources: tuple[str, ...] = ()
+    off: float = 0.0
 
     def told(self, numbers: Sequence[int]) -> str:
         """Edges as messages name them."""

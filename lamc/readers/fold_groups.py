@@ -74,7 +74,8 @@ def grouped(
             a, b = (union.find(face) for face in pair_of(beside, k))
             if a != b:
                 creases.setdefault((min(a, b), max(a, b)), []).append(k)
-        askew = [pair for pair, found in creases.items() if not _in_line(found, edges, beside, corners, size)]
+        off = max(IN_LINE * size, frame.off)
+        askew = [pair for pair, found in creases.items() if not _in_line(found, edges, beside, corners, off)]
         if not askew:
             break
         notes.append(
@@ -95,21 +96,22 @@ def ends_of(
 ) -> tuple[Array, Array, float]:
     """The outermost ends of a hinge's pieces, (2,) each, m, and the length of all, m."""
     places = np.array([corners[pair_of(beside, k)[0]][vertex] for k in crease.edges for vertex in edges[k]])
-    along = places[1] - places[0]
-    order = (places - places[0]) @ along
     lengths = np.linalg.norm(places[1::2] - places[::2], axis=1)
+    longest = 2 * int(lengths.argmax())
+    along = places[longest + 1] - places[longest]
+    order = (places - places[0]) @ along
     return places[int(order.argmin())], places[int(order.argmax())], float(lengths.sum())
 
 
 def _in_line(
-    found: Sequence[int], edges: Sequence[Edge], beside: Beside, corners: Corners, size: float
+    found: Sequence[int], edges: Sequence[Edge], beside: Beside, corners: Corners, off: float
 ) -> bool:
     if len(found) == 1:
         return True
     start, end, _ = ends_of(Crease(tuple(found), (0, 0)), edges, beside, corners)
     along = (end - start) / np.linalg.norm(end - start)
     places = np.array([corners[pair_of(beside, k)[0]][v] for k in found for v in edges[k]]) - start
-    return bool(np.abs(places[:, 0] * along[1] - places[:, 1] * along[0]).max() <= IN_LINE * size)
+    return bool(np.abs(places[:, 0] * along[1] - places[:, 1] * along[0]).max() <= off)
 
 
 def pieces_of(items: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[list[int]]:

@@ -28,7 +28,7 @@ _SAME = 1e-9
 
 def write_split(steps: SplitSteps, path: Path | str) -> None:
     """Writes the joint definition of a split design. Raises LamcError where the file cannot be written."""
-    lines = {c.hinge.name: _ends(c.hinge.line.coords) for c in steps.connections}
+    lines = {c.hinge.name: ends(c.hinge.line.coords) for c in steps.connections}
     write_joints(steps.mechanism, steps.design.layers, path, lines=lines)
 
 
@@ -170,6 +170,7 @@ def _material_lines(layer: Layer) -> list[str]:
     return [f"- {_PACKAGE}.MaterialProperty", *lines]
 
 
-def _ends(coords: Sequence[Sequence[float]]) -> Line:
+def ends(coords: Sequence[Sequence[float]]) -> Line:
+    """The two ends of a line."""
     (x0, y0), (x1, y1) = coords
     return (float(x0), float(y0)), (float(x1), float(y1))

@@ -12,6 +12,7 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError
 from lamc.basics.files import read_bytes
 from lamc.readers import joints_file, popupcad
+from lamc.readers.drawings.reading import drawing_in, is_drawing
 from lamc.readers.fold import read_fold
 from lamc.readers.fold_file import is_fold
 from lamc.readers.inert import (
@@ -35,7 +36,8 @@ from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
 
 FORMATS = (
-    "a lamc design or mechanism, FOLD, a popupCAD design (.cad) or a popupCAD joint definition (.joints)"
+    "a lamc design or mechanism, FOLD, SVG, DXF, a popupCAD design (.cad) or a popupCAD joint definition "
+    "(.joints)"
 )
 
 
@@ -68,8 +70,16 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     beside = Beside(Path(path), limits, _text)
-    text, sheet = file_text(path, limits), SheetOptions(fixed, card, crease, units, roles, heal)
-    return _read(text, str(path), materials or {}, progress, limits, beside, sheet)
+    sheet = SheetOptions(fixed, card, crease, units, roles, heal)
+    data, file = read_bytes(Path(path), limits.bytes), str(path)
+    drawing = drawing_in(data, file, sheet, limits, progress)
+    if drawing is None:
+        return _read(_text(data, file), file, materials or {}, progress, limits, beside, sheet)
+    if materials:
+        raise DesignError("materials are of popupCAD designs; a drawing takes card=", Place(file))
+    from lamc.readers.drawings.sheet import sheet_of  # other files do without healing
+
+    return sheet_of(drawing, sheet)
 
 
 def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
@@ -82,7 +92,10 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
 
     For a file that `load` has read. Raises DesignError as `load` does.
     """
-    text = file_text(path, limits)
+    data = read_bytes(Path(path), limits.bytes)
+    if is_drawing(data):
+        return None
+    text = _text(data, str(path))
     if is_fold(text):
         return None
     node = compose(text, str(path), limits=limits)
@@ -90,8 +103,14 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
 
 
 def file_text(path: Path | str, limits: Limits = DEFAULT_LIMITS) -> str:
-    """The text of a file. Raises DesignError where there is none, or what it holds is no text."""
-    return _text(read_bytes(Path(path), limits.bytes), str(path))
+    """The text of a file. Raises DesignError where there is none, or what it holds is no text, or a drawing."""
+    data = read_bytes(Path(path), limits.bytes)
+    if is_drawing(data):
+        raise DesignError(
+            "the file is a drawing, which is read as a sheet of creases (lamc run, split, …); here YAML is read",
+            Place(str(path)),
+        )
+    return _text(data, str(path))
 
 
 def _read(
@@ -107,9 +126,16 @@ def _read(
         if is_fold(text):
             if materials:
                 raise DesignError("materials are of popupCAD designs; a FOLD file takes card=", Place(file))
+            if drawn := {"roles", "heal"} & set(sheet.given):
+                raise DesignError(
+                    f"{max(drawn)} is for drawings; a FOLD file says itself what its edges are and where they end",
+                    Place(file),
+                )
             return read_fold(text, file, sheet, limits)
         if sheet.given:
-            raise DesignError(f"{sheet.given[0]} is for sheets (FOLD); edit this file instead", Place(file))
+            raise DesignError(
+                f"{sheet.given[0]} is for sheets (FOLD, SVG, DXF); edit this file instead", Place(file)
+            )
         node = compose(text, file, limits=limits, progress=progress)
         return _record(node, materials, progress, beside)
     except LamcError:
@@ -133,13 +159,13 @@ def _record(
     elif joints_file.is_joint_definition(node):
         record = joints_file.read_joints(node)
     else:
-        record = _native(node)
+        record = _native(node, beside)
     if progress is not None:
         progress("checking", 1.0)
     return record
 
 
-def _native(node: Node) -> Design | Mechanism:
+def _native(node: Node, beside: Beside) -> Design | Mechanism:
     if node.tag not in STANDARD_TAGS:
         raise UnsupportedError(f"the file holds a {node.class_name[:60]!r}; lamc reads {FORMATS}", node.place)
     if not isinstance(node, MapNode):
@@ -154,7 +180,7 @@ def _native(node: Node) -> Design | Mechanism:
                 raise _scenes_alone(node)
             raise DesignError(f"the file has neither layers nor joints; lamc reads {FORMATS}", node.place)
     if kind == "design":
-        return read_design(node)
+        return read_design(node, beside)
     if kind == "mechanism":
         return read_mechanism(node)
     assert kind_node is not None

@@ -7,11 +7,9 @@ Checks here are those that need more than one entry (a layer's material exists) 
 import math
 from collections.abc import Sequence
 from functools import partial
-from itertools import groupby
 from pathlib import PurePath
 
-import shapely
-from shapely.geometry import MultiPolygon, Point, Polygon
+from shapely.geometry import MultiPolygon, Point
 
 from lamc.basics.errors import DesignError
 from lamc.basics.units import length_unit
@@ -20,25 +18,36 @@ from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode
-from lamc.readers.native_hinges import check_angles, check_size, line_names, stiffened, tell_old_names
+from lamc.readers.native_drawings import Drawings
+from lamc.readers.native_hinges import (
+    check_angles,
+    check_line_names,
+    check_size,
+    line_names,
+    stiffened,
+    tell_old_names,
+)
+from lamc.readers.native_shapes import Region, drawn, sheet_of_regions
+from lamc.readers.popupcad_beside import Beside
 from lamc.readers.scene_file import read_scenes
 from lamc.readers.schema import (
     DesignModel,
+    DrawnModel,
     HingeModel,
     LayerModel,
     NamedBodyModel,
     OutlineModel,
     ShapeModel,
 )
-from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Material, Places
+from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Line, Material, Places
 from lamc.records.mechanism import checked_name
 
 
-def read_design(node: Node) -> Design:
-    """The design in `node`. Raises DesignErrors with every problem."""
+def read_design(node: Node, beside: Beside | None = None) -> Design:
+    """The design in `node`; beside: the folder of its drawings. Raises DesignErrors with every problem."""
     unit = length_unit_of(node)
     model = validate(DesignModel, node, {LENGTH_UNIT: unit})
-    return _Reader(model, Problems(node), node.place.file, unit).design()
+    return _Reader(model, Problems(node), node.place.file, unit, beside or Beside()).design()
 
 
 def length_unit_of(node: Node) -> str | None:
@@ -55,13 +64,17 @@ def length_unit_of(node: Node) -> str | None:
 class _Reader:
     """One design file on its way to a record; every step adds to `problems` and goes on."""
 
-    def __init__(self, model: DesignModel, problems: Problems, file: str, length_unit: str | None) -> None:
+    def __init__(
+        self, model: DesignModel, problems: Problems, file: str, length_unit: str | None, beside: Beside
+    ) -> None:
         self.model = model
         self.problems = problems
         self.file = file
         self.length_unit = length_unit
         self.layer_names = [layer.name for layer in model.layers]
         self.account = Account()
+        self.drawings = Drawings(beside)
+        self.hinge_names: set[str] = set()
 
     def design(self) -> Design:
         model, problems = self.model, self.problems
@@ -101,6 +114,8 @@ class _Reader:
             scenes,
             tuple(model.contact_points),
             facet_creases=model.facet_creases.record() if model.facet_creases else None,
+            beside=tuple(sorted(self.drawings.beside.digests.items())),
+            mends=tuple(self.drawings.mends),
         )
         check_size(design, self.length_unit)
         return stiffened(design, model.hinges, problems)
@@ -131,15 +146,6 @@ class _Reader:
         for section, entries in (("materials", model.materials), ("bodies", model.bodies)):
             for name in entries:
                 problems.attempt((section, name), partial(checked_name, name, f"an entry of {section}"))
-        seen: set[str] = set()
-        for index, hinge in enumerate(model.hinges):
-            for line_name in line_names(hinge):
-                if line_name is not None:
-                    path: Path = ("hinges", index, "name")
-                    problems.attempt(path, partial(checked_name, line_name, "a hinge"))
-                    if line_name in seen:
-                        problems.add(path, f"two hinges are named {line_name!r}; names must differ")
-                    seen.add(line_name)
 
     def _check_layer(self, index: int, layer: LayerModel) -> None:
         path: Path = ("layers", index)
@@ -157,7 +163,7 @@ class _Reader:
     def _draw(self) -> list[MultiPolygon]:
         """The sheets: shapes in order, each added to or cut from the layers it names."""
         drawn_in: list[list[int]] = [[] for _ in self.layer_names]
-        regions: list[Polygon | None] = []
+        regions: list[Region | None] = []
         for index, shape in enumerate(self.model.shapes):
             path: Path = ("shapes", index)
             regions.append(self._region(path, shape))
@@ -166,17 +172,20 @@ class _Reader:
                     drawn_in[layer].append(index)
         cuts = [shape.cut is not None for shape in self.model.shapes]
         sheets = self._overlaid(("shapes",), drawn_in, regions, cuts)
-        drawn = any(shape.cut is None for shape in self.model.shapes)
-        if self.model.shapes and not drawn:
+        is_drawn = any(shape.cut is None for shape in self.model.shapes)
+        if self.model.shapes and not is_drawn:
             self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
-        elif drawn and self.problems.none and all(s.is_empty for s in sheets):
+        elif is_drawn and self.problems.none and all(s.is_empty for s in sheets):
             self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
         return sheets
 
-    def _region(self, path: Path, shape: OutlineModel) -> Polygon | None:
+    def _region(self, path: Path, shape: OutlineModel) -> Region | None:
         if isinstance(shape, ShapeModel) and shape.cut is not None:
-            return self.problems.attempt((*path, "cut"), partial(_draw, shape.cut))
-        return self.problems.attempt(path, partial(_draw, shape))
+            return self._region((*path, "cut"), shape.cut)
+        if shape.shape is None:
+            return self.problems.attempt(path, partial(drawn, shape))
+        at: Path = (*path, "shape")
+        return self.problems.attempt(at, partial(self.drawings.region, shape.shape, self.problems.place(at)))
 
     def _fixed(self) -> list[MultiPolygon]:
         drawn_in: list[list[int]] = [[] for _ in self.layer_names]
@@ -192,7 +201,7 @@ class _Reader:
         self,
         path: Path,
         drawn_in: Sequence[Sequence[int]],
-        regions: Sequence[Polygon | None],
+        regions: Sequence[Region | None],
         cuts: Sequence[bool],
     ) -> list[MultiPolygon]:
         """For each layer the regions drawn in it, or cut from it, by index; layers are mostly drawn alike."""
@@ -200,7 +209,7 @@ class _Reader:
         for name, indices in zip(self.layer_names, map(tuple, drawn_in), strict=True):
             if indices not in made:
                 entries = [(region, cuts[k]) for k in indices if (region := regions[k])]
-                sheet = self.problems.attempt(path, partial(_sheet, entries, name, self.account))
+                sheet = self.problems.attempt(path, partial(sheet_of_regions, entries, name, self.account))
                 made[indices] = MultiPolygon() if sheet is None else sheet
         return [made[tuple(indices)] for indices in drawn_in]
 
@@ -210,12 +219,11 @@ class _Reader:
 
     def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
         path: Path = ("hinges", index)
-        drawn = [hinge.line] if hinge.line is not None else list(hinge.lines or [])
-        line_paths: list[Path] = (
-            [(*path, "line")] if hinge.line is not None else [(*path, "lines", i) for i in range(len(drawn))]
-        )
+        ends, line_paths = self._lines(path, hinge)
+        names = line_names(hinge, len(ends))
+        check_line_names(names, self.hinge_names, path, self.problems)
         lines: list[HingeLine] = []
-        for at, (start, end), name in zip(line_paths, drawn, line_names(hinge), strict=True):
+        for at, (start, end), name in zip(line_paths, ends, names, strict=True):
             line = self.problems.attempt(at, partial(shapes.line, start, end))
             if line is not None:
                 lines.append(HingeLine(line, name, self.problems.place(at)))
@@ -235,6 +243,17 @@ class _Reader:
             limits,
             from_material=isinstance(hinge.stiffness, str),
         )
+
+    def _lines(self, path: Path, hinge: HingeModel) -> tuple[Sequence[Line], list[Path]]:
+        """Its lines as drawn, and where each stands in the file."""
+        if hinge.line is not None:
+            return [hinge.line], [(*path, "line")]
+        at: Path = (*path, "lines")
+        if not isinstance(hinge.lines, DrawnModel):
+            return hinge.lines or [], [(*at, i) for i in range(len(hinge.lines or []))]
+        take = partial(self.drawings.lines, hinge.lines, self.problems.place(at))
+        found = self.problems.attempt(at, take) or ()
+        return found, [at] * len(found)
 
     def _hinge_layer(self, path: Path, name: str | None) -> int | None:
         """Index of the layer that bends: the named one, or the only flexible one."""
@@ -269,24 +288,3 @@ class _Reader:
                 hint = did_you_mean(name, self.layer_names)
                 self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
         return sorted(indices)
-
-
-def _sheet(entries: Sequence[tuple[Polygon, bool]], layer: str, account: Account) -> MultiPolygon:
-    """Shapes in order, True for those that are cut from what was drawn before them. Raises DesignError where they are
-    too much work to overlay."""
-    account.overlay([region for region, _ in entries], f"the outlines in layer {layer!r}")
-    sheet = MultiPolygon()
-    for cut, run in groupby(entries, key=lambda entry: entry[1]):
-        joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square
-        sheet = shapes.areas(sheet.difference(joined) if cut else shapely.union_all([sheet, joined]))
-    return sheet
-
-
-def _draw(shape: OutlineModel) -> Polygon:
-    if shape.rect is not None:
-        return shapes.rectangle(*shape.rect)
-    if shape.circle is not None:
-        return shapes.circle(*shape.circle.center, shape.circle.radius)
-    if shape.polygon is None:
-        raise DesignError("the shape has no outline")
-    return shapes.polygon(shape.polygon, shape.holes)

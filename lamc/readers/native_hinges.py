@@ -4,23 +4,33 @@ In: the schema's models, a design. Out: names, warnings, the design with every s
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 from lamc.basics.errors import warn
 from lamc.design.cutting import material_size
 from lamc.readers.checking import Path, Problems, shown
 from lamc.readers.schema import HingeModel
 from lamc.records.design import Design
+from lamc.records.mechanism import checked_name
 from lamc.records.scene import is_bare, warn_of_degrees
 
 _LARGE = 5.0  # m: no laminate is drawn as wide, but one in millimetres without its unit
 
 
-def line_names(hinge: HingeModel) -> list[str | None]:
+def line_names(hinge: HingeModel, count: int) -> list[str | None]:
     """One name per line: the hinge's own, numbered where it has several lines."""
-    count = 1 if hinge.line is not None else len(hinge.lines or [])
     if hinge.name is None or count == 1:
         return [hinge.name] * count
     return [f"{hinge.name}_{i}" for i in range(1, count + 1)]
+
+
+def check_line_names(names: Sequence[str | None], seen: set[str], path: Path, problems: Problems) -> None:
+    """Adds a problem for each name that is none, or was seen before."""
+    for name in [name for name in names if name is not None]:
+        problems.attempt((*path, "name"), partial(checked_name, name, "a hinge"))
+        if name in seen:
+            problems.add((*path, "name"), f"two hinges are named {name!r}; names must differ")
+        seen.add(name)
 
 
 def stiffened(design: Design, hinges: Sequence[HingeModel], problems: Problems) -> Design:

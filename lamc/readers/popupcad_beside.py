@@ -1,9 +1,9 @@
-"""Designs in files beside a popupCAD design: read from the same folder, and from nowhere else.
+"""Files beside a design: read from the same folder, and from nowhere else.
 
 popupCAD stores designs inside designs; a file may also only name one, by its file. In: nodes that name a design, and
 the folder of the file that they stand in. Out: the design's nodes. Of a name only the last part counts, whatever
 folders it had where it was written; a link that leads out of the folder is refused, and so are files that need each
-other. Texts are read as data, as every file is.
+other. Texts are read as data, as every file is. A native design names drawings, plainly: see `Beside.data_of`.
 """
 
 import hashlib
@@ -92,6 +92,43 @@ class Beside:
         finally:
             self._open.pop()
 
+    def data_of(self, name: str) -> bytes:
+        """The bytes of a file of that name in the design's folder.
+
+        Raises DesignError where there is none, where the name has folders, and where all files together are too large.
+        """
+        if not name or name in (".", "..") or not name.isprintable() or re.search(r"[\\/:]", name):
+            raise DesignError("name a file that lies beside this one, without folders")
+        if self.file is None:
+            raise DesignError(
+                "this text is in no file that a drawing could lie beside; load the file by its path"
+            )
+        path = self._path(name, "put that file beside this one")
+        data = self._data(path)
+        self.digests[name] = hashlib.sha256(data).hexdigest()
+        return data
+
+    def _path(self, name: str, way_out: str) -> Path:
+        assert self.file is not None
+        folder = self.file.parent
+        try:
+            path = (folder / name).resolve()
+            is_outside = not path.is_relative_to(folder.resolve())
+        except (OSError, RuntimeError, ValueError) as error:  # a link to itself
+            raise DesignError(f"the file {name[:80]!r} beside this one cannot be found; {way_out}") from error
+        if is_outside:
+            raise DesignError(
+                f"the file {name[:80]!r} beside this one is a link that leads out of its folder; {way_out}"
+            )
+        return path
+
+    def _data(self, path: Path) -> bytes:
+        if len(self.digests) >= MOST_FILES:
+            raise DesignError(f"more than {MOST_FILES} files beside this design")
+        data = read_bytes(path, max(0, self.limits.bytes - self._bytes))
+        self._bytes += len(data)
+        return data
+
     def _read(self, named: ScalarNode) -> Node:
         name = re.split(r"[\\/]", named.text)[-1].strip()
         way_out = "put that file beside this one, or save this one in popupCAD again with the design inside"
@@ -102,18 +139,12 @@ class Beside:
                 f"the design {name[:80]!r} is not stored inside this one, and this text is in no file that it could "
                 "lie beside; load the file by its path"
             )
-        folder = self.file.parent
         try:
-            path = (folder / name).resolve()
-            is_outside = not path.is_relative_to(folder.resolve())
-        except (OSError, RuntimeError, ValueError) as error:  # a link to itself
-            raise named.error(f"the file {name[:80]!r} beside this one cannot be found; {way_out}") from error
-        if is_outside:
-            raise named.error(
-                f"the file {name[:80]!r} beside this one is a link that leads out of its folder; {way_out}"
-            )
+            path = self._path(name, way_out)
+        except DesignError as error:
+            raise named.error(error.message) from error
         if path not in self._designs:
-            self._designs[path] = self._loaded(folder / name, path, named, way_out)
+            self._designs[path] = self._loaded(self.file.parent / name, path, named, way_out)
         return self._designs[path]
 
     def _loaded(self, shown: Path, path: Path, named: ScalarNode, way_out: str) -> Node:
@@ -122,13 +153,12 @@ class Beside:
                 f"more than {MOST_FILES} files beside this design; store designs inside designs"
             )
         try:
-            data = read_bytes(path, max(0, self.limits.bytes - self._bytes))
+            data = self._data(path)
         except DesignError as error:
             raise named.error(
                 f"the design {shown.name[:80]!r} is not stored inside this one, and of the file beside it: "
                 f"{error.message}; {way_out}"
             ) from error
-        self._bytes += len(data)
         node = compose(self.decode(data, str(shown)), str(shown), limits=self.limits)
         if not (node.tag.startswith("python/") and node.class_name == "Design"):
             raise named.error(

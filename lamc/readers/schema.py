@@ -8,11 +8,12 @@ material, a hinge's layer) and geometry are checked where models become records 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from lamc.basics.errors import DesignError
 from lamc.basics.fields import with_unit
 from lamc.readers import fields
+from lamc.readers.checking import CHOICE
 from lamc.readers.effects_schema import with_effects
 from lamc.readers.fields import (
     ALL_LAYERS,
@@ -20,6 +21,7 @@ from lamc.readers.fields import (
     Coordinate,
     Damping,
     Density,
+    Gap,
     LayerNames,
     Length,
     LengthUnit,
@@ -32,6 +34,7 @@ from lamc.readers.fields import (
 from lamc.readers.mechanism_schema import MechanismModel
 from lamc.readers.scene_schema import LoneSceneModel, SceneFileModel, SceneModel, ScenesModel
 from lamc.records.design import FacetCreases
+from lamc.records.drawing import Role
 
 
 class MaterialModel(StrictModel):
@@ -67,8 +70,22 @@ class CircleModel(StrictModel):
     radius: Length = Field(description="its radius")
 
 
+class DrawnModel(StrictModel):
+    """What is drawn in an SVG or DXF file that lies beside the design's own."""
+
+    file: str = Field(description="its name, without folders")
+    layer: str | None = Field(None, description="the layer or group to take; the whole drawing if not said")
+    units: LengthUnit | None = Field(None, description="of the drawing's numbers, where its own are not true")
+    roles: dict[str, Role] | None = Field(
+        None, description="what lines of a colour or layer are for, as in {red: cut}"
+    )
+    heal: Gap | None = Field(
+        None, description="how far ends of lines may be off and are mended; 0 mends nothing"
+    )
+
+
 class OutlineModel(StrictModel):
-    """A region: exactly one of rect, polygon (with holes) and circle."""
+    """A region: exactly one of rect, polygon (with holes), circle and shape."""
 
     rect: tuple[Coordinate, Coordinate, Coordinate, Coordinate] | None = Field(
         None, description="two opposite corners: [x0, y0, x1, y1]"
@@ -76,12 +93,19 @@ class OutlineModel(StrictModel):
     polygon: list[Point] | None = Field(None, description="corners in order; the last joins the first")
     holes: list[list[Point]] = Field(default=[], description="holes of the polygon")
     circle: CircleModel | None = Field(None, description="a disc: {center: [x, y], radius: r}")
+    shape: DrawnModel | None = Field(
+        None, description="what outlines of a drawing enclose: {file: top.dxf, layer: body}"
+    )
 
     @model_validator(mode="after")
     def _one_region(self) -> "OutlineModel":
-        given = [n for n in ("rect", "polygon", "circle", "cut") if getattr(self, n, None) is not None]
+        given = [
+            n for n in ("rect", "polygon", "circle", "shape", "cut") if getattr(self, n, None) is not None
+        ]
         choices = (
-            "rect, polygon, circle or cut" if "cut" in type(self).model_fields else "rect, polygon or circle"
+            "rect, polygon, circle, shape or cut"
+            if "cut" in type(self).model_fields
+            else "rect, polygon, circle or shape"
         )
         if len(given) != 1:
             said = " and ".join(given) if given else "none of them"
@@ -105,6 +129,15 @@ class ShapeModel(RegionModel):
     )
 
 
+DrawnLines = Annotated[
+    Annotated[DrawnModel, Tag(f"{CHOICE}drawing")]
+    | Annotated[list[tuple[Point, Point]], Tag(f"{CHOICE}list")],
+    Discriminator(
+        lambda value: f"{CHOICE}{'drawing' if isinstance(value, Mapping | DrawnModel) else 'list'}"
+    ),
+]
+
+
 class HingeModel(StrictModel):
     """One hinge line, or several that share their properties.
 
@@ -115,8 +148,9 @@ class HingeModel(StrictModel):
     line: tuple[Point, Point] | None = Field(
         None, description="the hinge line from start to end, [[x, y], [x, y]]"
     )
-    lines: list[tuple[Point, Point]] | None = Field(
-        None, description="several such lines, each a hinge of its own"
+    lines: DrawnLines | None = Field(
+        None,
+        description="several such lines, each a hinge of its own; or those of a drawing: {file: top.dxf}",
     )
     layer: str | None = Field(None, description="the layer that bends; by default the only flexible one")
     gap: Length | None = Field(
@@ -153,7 +187,9 @@ class HingeModel(StrictModel):
     def _one_kind_of_line(self) -> "HingeModel":
         if (self.line is None) == (self.lines is None) or self.lines == []:
             raise fields.custom(
-                DesignError("a hinge has either line: [[x, y], [x, y]] or lines: a list of such")
+                DesignError(
+                    "a hinge has either line: [[x, y], [x, y]] or lines: a list of such, or {file: …}"
+                )
             )
         if self.limits is not None and not self.limits[0] < self.limits[1]:
             raise fields.custom(

@@ -18,6 +18,7 @@ from lamc.basics.drawing import drawer
 from lamc.basics.errors import Place
 from lamc.basics.places import Places as Places
 from lamc.basics.seen import Viewable
+from lamc.records.drawing import Mend
 from lamc.records.scene import Scene, checked_scenes
 
 if TYPE_CHECKING:
@@ -139,6 +140,7 @@ class Design(Viewable):
     notes         one line for each thing in the file that the design is without
     beside        files beside its own that it was read from too: name and SHA-256
     facet_creases  how facets bend along their diagonals; None: they are rigid
+    mends         what healing changed in drawings that shapes and hinge lines were taken from
     """
 
     name: str
@@ -155,6 +157,7 @@ class Design(Viewable):
     notes: tuple[str, ...] = field(default=(), compare=False)
     beside: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     facet_creases: FacetCreases | None = None
+    mends: tuple[Mend, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))

@@ -15,7 +15,7 @@ from shapely.geometry import Polygon
 from lamc.basics.numbers import shortened
 from lamc.records.design import Line
 from lamc.records.mechanism import Body, Mechanism
-from lamc.report.plan_view import fill, frame, label, thinned, view_of
+from lamc.report.plan_view import fill, frame, label, mend_entry, ring_mends, thinned, view_of
 from lamc.report.style import body_colours, save
 
 _WIDTH = 7.0  # inches
@@ -41,6 +41,11 @@ def draw_bodies(mechanism: Mechanism, lines: Mapping[str, Line], path: Path) -> 
     for line in lines.values():
         x, y = np.array(line).T * view.per_metre
         axis.plot(x, y, color="#000000", linewidth=0.9, dashes=(5, 2), zorder=3)
+    ring_mends(axis, mechanism.mends, view)
+    if mechanism.mends:
+        figure.legend(
+            handles=mend_entry(mechanism.mends), loc="outside lower center", fontsize=8, frameon=False
+        )
     points = np.array([_middle(body) for body in bodies])
     note = label(axis, points, [body.name for body in bodies], view, "body", bold=True)
     axis.set_title(note or " ", fontsize=7.5, color="#444444", parse_math=False)

@@ -6,10 +6,12 @@ the axes. It opens no figures and writes no files.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
@@ -18,8 +20,18 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
 from lamc.basics.numbers import shortened
+from lamc.records.drawing import Mend
 from lamc.records.mechanism import Array
 
+_RING: dict[str, Any] = {
+    "marker": "o",
+    "linestyle": "none",
+    "markersize": 9,
+    "markerfacecolor": "none",
+    "markeredgecolor": "#D6006C",  # no body and no other mark has it
+    "markeredgewidth": 1.4,
+    "zorder": 6,
+}
 _LARGEST_FONT, _SMALLEST_FONT = 9.0, 4.5  # pt; labels that would be smaller are left out
 _FINEST = 1 / 3000  # of the drawing's size: detail below it is not drawn
 
@@ -90,6 +102,18 @@ def fill(
                         zorder=order,
                     )
                 )
+
+
+def ring_mends(axis: Axes, mends: Sequence[Mend], view: View) -> None:
+    """Rings where a drawing was healed."""
+    for mend in mends:
+        x, y = mend.at
+        axis.plot(x * view.per_metre, y * view.per_metre, **_RING)
+
+
+def mend_entry(mends: Sequence[Mend]) -> list[Line2D]:
+    """Their entry in a legend; none where nothing was healed."""
+    return [Line2D([], [], label=f"drawing healed here ({len(mends)})", **_RING)] if mends else []
 
 
 def _path(polygon: Polygon, scale: float) -> Path:

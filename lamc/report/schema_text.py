@@ -75,8 +75,9 @@ def type_of(field: Any, naming: Naming) -> str:
         return str(field["const"])
     if "enum" in field:
         return " | ".join(map(str, field["enum"]))
-    if "anyOf" in field:
-        kinds = [type_of(each, naming) for each in field["anyOf"] if each.get("type") != "null"]
+    if "anyOf" in field or "oneOf" in field:
+        parts = field.get("anyOf", []) + field.get("oneOf", [])
+        kinds = [type_of(each, naming) for each in parts if each.get("type") != "null"]
         return " or ".join(dict.fromkeys(kinds))
     return _plain_type(field, naming)
 

@@ -17,7 +17,7 @@ from lamc.basics.numbers import length_text, shortened
 from lamc.design.steps import SplitSteps
 from lamc.records.mechanism import Array
 from lamc.report.leaders import ROOM, label_beside, raise_limits
-from lamc.report.plan_view import View, fill, frame, thinned
+from lamc.report.plan_view import View, fill, frame, mend_entry, ring_mends, thinned
 from lamc.report.style import body_colours
 
 _ROW = 0.24  # inches of a layer from the side
@@ -57,6 +57,9 @@ def sheets_figure(steps: SplitSteps, view: View, sheets: list[tuple[int, ...]], 
     bodies = steps.bodies[:_NAMED] if len(steps.bodies) <= _NAMED else []
     handles: list[Patch | Line2D] = [Line2D([], [], color="black", linewidth=0.9, dashes=(5, 2))]
     labels = ["hinge line, its name in orange"]
+    for entry in mend_entry(steps.design.mends):
+        handles.append(entry)
+        labels.append(str(entry.get_label()))
     for body in bodies:
         handles.append(Patch(facecolor=colours[body.name], hatch="///" if body.fixed else None))
         labels.append(shortened(body.name, 20) + (" (fixed)" if body.fixed else ""))
@@ -103,6 +106,7 @@ def _draw_sheet(axis: Axes, steps: SplitSteps, view: View, sheet: tuple[int, ...
         points.append((end[0], end[1]))
         names.append(hinge.name)
         inks.append(_HINGE)
+    ring_mends(axis, steps.design.mends, view)
     note = label_beside(axis, np.array(points), names, view, inks)
     if note:
         axis.set_xlabel(note, fontsize=7)

@@ -27,7 +27,18 @@ from lamc.design.cutting import SLIT, material_size
 from lamc.design.steps import SplitBody, SplitSteps
 from lamc.records.mechanism import Array
 from lamc.report.leaders import ROOM, label_beside, raise_limits
-from lamc.report.plan_view import View, fill, fits, frame, is_hidden, label, thinned, view_of
+from lamc.report.plan_view import (
+    View,
+    fill,
+    fits,
+    frame,
+    is_hidden,
+    label,
+    mend_entry,
+    ring_mends,
+    thinned,
+    view_of,
+)
 from lamc.report.sheets_picture import sheets_figure, sheets_of
 from lamc.report.style import WORLD, body_colours, save
 
@@ -101,6 +112,7 @@ def _draw_device(axis: Axes, steps: SplitSteps, view: View) -> str:
         inside = shapely.intersection(region, shapely.box(*view.low, *view.high))
         polygons = [p for p in shapely.get_parts(inside) if isinstance(p, Polygon)]
         fill(axis, polygons, view, face="none", edge=WORLD, hatch="///", line=0.6)
+    ring_mends(axis, steps.design.mends, view)
     return _hinge_lines(axis, steps, view, labels=True)
 
 
@@ -214,4 +226,4 @@ def _legend(steps: SplitSteps) -> list[Patch | Line2D]:
     ]
     if any(not hole.is_empty for hole in steps.holes):
         entries.append(Patch(facecolor=HOLE, label="hole"))
-    return entries
+    return entries + mend_entry(steps.design.mends)

@@ -11,11 +11,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lamc.basics.numbers import shortened
 from lamc.records.mechanism import Body, Joint, Mechanism
 
 _MASSES = ((1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "µg"))
 _LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
 _LONGEST_NAME = 32
+_MENDS = 20  # told as text
 _NAMES = 6  # in a list before it is cut
 _RIGHT = frozenset("0123456789.-+")
 
@@ -27,6 +29,7 @@ def split_text(mechanism: Mechanism, notes: Sequence[str] = ()) -> str:
         f"{short_name(mechanism.name)}: {bodies}, {joints}",
         body_table(mechanism),
         joint_table(mechanism),
+        mend_table(mechanism),
         f"scenes: {', '.join(mechanism.scenes)}" if mechanism.scenes else "",
         *(f"note: {note}" for note in notes),
     ]
@@ -74,6 +77,25 @@ def joint_table(mechanism: Mechanism) -> str:
     return table(heads, rows)
 
 
+def mend_table(mechanism: Mechanism) -> str:
+    """One line per mend of the drawing: what, where, how far, which lines; the rest is in the data."""
+    if not mechanism.mends:
+        return ""
+    scale, unit = _length_unit(mechanism)
+    heads = ["healed", f"x [{unit}]", f"y [{unit}]", f"moved [{unit}]", "line"]
+    rows = [
+        [
+            mend.what,
+            *(_number(c / scale) for c in mend.at),
+            f"{mend.moved / scale:.3g}",
+            shortened(mend.source, 60),
+        ]
+        for mend in mechanism.mends[:_MENDS]
+    ]
+    more = len(mechanism.mends) - len(rows)
+    return table(heads, rows) + (f"\n… and {more} more (--json has all)" if more else "")
+
+
 def split_data(mechanism: Mechanism, notes: Sequence[str] = ()) -> dict[str, object]:
     """The same as plain data for JSON: SI units, angles in radians, full precision."""
     return {
@@ -103,6 +125,10 @@ def split_data(mechanism: Mechanism, notes: Sequence[str] = ()) -> dict[str, obj
                 "limits": list(joint.limits),
             }
             for joint in mechanism.joints
+        ],
+        "mends": [
+            {"what": mend.what, "at": list(mend.at), "moved": mend.moved, "source": mend.source}
+            for mend in mechanism.mends
         ],
         "notes": list(notes),
     }

@@ -151,9 +151,23 @@ IDLE = {
         "--size",
     ],
     "wheel": ["--single-header", "--float", "--lossy", "--step", "--fmi", "--size"],
-    "a plate": ["--real-time", "--float", "--integrator", "--inputs", "--fmi", "--step"],
+    "cut": ["--real-time", "--prefix", "--integrator", "--inputs", "--fmi", "--step", "--lossy"],
+    "fold": ["--hinge-style", "--hinge-width", "--kerf", "--pins", "--sheet"],
+    "a plate": ["--real-time", "--float", "--integrator", "--inputs", "--fmi", "--step", "--kerf"],
 }
-VALUES = {"--fmi": "2", "--step": "1e-3", "--size": "2 mm", "--integrator": "rk45", "--inputs": "none"}
+VALUES = {
+    "--fmi": "2",
+    "--step": "1e-3",
+    "--size": "2 mm",
+    "--integrator": "rk45",
+    "--inputs": "none",
+    "--prefix": "other",
+    "--hinge-style": "perforated",
+    "--hinge-width": "gap",
+    "--kerf": "0.1 mm",
+    "--pins": "3 mm",
+    "--sheet": "300 mm x 200 mm",
+}
 
 
 @pytest.mark.parametrize(("target", "option"), [(t, o) for t, options in IDLE.items() for o in options])
@@ -201,10 +215,11 @@ def test_it_ends_with_what_acts_and_what_comes_next(tmp_path: Path) -> None:
         (("pendulum", "--to", "urdf", "--lossy"), "colcon build --paths here"),
         (("pendulum", "--to", "fmu"), "fmpy simulate here/pendulum.fmu --show-plot"),
         (("pendulum", "--to", "wheel"), "pip install here/pendulum-"),
+        (("flaps", "--to", "cut"), "open here/README.md"),
         (("strip", "--size", "5 mm"), "cd here && cc -O2 -std=c99 example_main.c strip.c -lm"),
     ],
 )
-@pytest.mark.quick("words0*", "words1*", "words3*")
+@pytest.mark.quick("words0*", "words1*", "words3*", "words4*")
 def test_each_target_tells_its_next_step(words: tuple[str, ...], reported: str) -> None:
     result = call("--example", *words, "--out", "here")
     assert result.exit_code == 0, result.stderr
@@ -221,3 +236,26 @@ def test_targets_are_listed() -> None:
     result = call("--to", "list")
     assert result.exit_code == 0
     assert [line.split()[0] for line in result.stdout.splitlines()] == list(TARGETS)
+
+
+def test_cut_files_are_told_with_their_areas_masses_and_notes(tmp_path: Path) -> None:
+    result = call(
+        *("--example", "flaps", "--to", "cut", "--out", "here", "--kerf", "0.1 mm"),
+        *("--sheet", "300mm x 200mm", "--pins", "3 mm"),
+    )
+    assert result.exit_code == 0, result.stderr
+    lines = result.stdout.splitlines()
+    assert "layers    lower: 3 parts, 1310.4 mm2, 1.17936 g of plate" in lines
+    assert any(line.startswith("bodies    3 bodies that the cuts leave are those") for line in lines)
+    assert (
+        "note      no supports are drawn: bridges that hold parts in their sheets are added in CAD" in lines
+    )
+    options = {"kerf": 1e-4, "stock": (0.3, 0.2), "pins": 3e-3}
+    made = lamc.export(mechanism_of("flaps"), "cut", out=tmp_path / "python", **options)
+    assert content(made) == content(tmp_path / "here")
+
+
+def test_a_scene_has_no_part_in_cut_files() -> None:
+    result = call("--example", "flaps", "--to", "cut", "--scene", "flexible")
+    assert result.exit_code == 2
+    assert "nothing moves in an export to 'cut'" in result.stderr

@@ -48,9 +48,11 @@ def folder(tmp_path: Path) -> Path:
         named = re.match(r"# (\S+\.yaml)\n", text)
         if named:
             (tmp_path / named[1]).write_text(text, encoding="utf-8")
-    drawn = re.findall(r"`(\w+\.fold)`:\n\n```\n(.*?)^```$", WHOLE, re.DOTALL | re.MULTILINE)
+    drawn = re.findall(r"`(\w+\.(?:fold|svg|yaml))`:\n\n```\n(.*?)^```$", WHOLE, re.DOTALL | re.MULTILINE)
     for name, text in drawn:
         (tmp_path / name).write_text(text, encoding="utf-8")
+    for linked in re.findall(r"\]\(\.\./(\w+\.dxf)\)", WHOLE):
+        shutil.copy(ROOT / "docs" / linked, tmp_path)
     for name, copies in re.findall(r"lamc plate --example (\S+) --copy ([^\s`]+)", WHOLE):
         (tmp_path / copies).mkdir(exist_ok=True)
         for design in plates.designs(plates.find(name)):
@@ -88,6 +90,9 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
 @pytest.mark.quick(
     "lamc run --example pendulum*",
     "lamc export --*",
+    "lamc export pair*",
+    "lamc convert*",
+    "lamc new*",
     "lamc examples ??*it_stop*",
     "lamc examples vertex*",
     "lamc plate --element*",

@@ -4,6 +4,7 @@ import json
 import math
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import pytest
 import lamc
 from lamc import examples
 from lamc.basics.errors import DesignWarning, ExportError, UnsupportedError
+from lamc.export.fold import flat_bytes
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
 
@@ -148,3 +150,21 @@ def test_a_folded_frame_of_six_digits_runs_from_where_it_is(
     for edge, name in names.items():
         # A micrometre on facets of 20 mm and more is some 1e-4 rad, twice that at nearly flat creases.
         assert run.angle(edge)[0] == pytest.approx(float(result.angle(name)[-1]), abs=1e-3)
+
+
+def test_a_child_to_the_right_of_its_axis_keeps_its_fold(tmp_path: Path) -> None:
+    """A positive angle lowers such a child: a mountain, which the reader turns about the reversed axis."""
+    made = load(corpus.write(tmp_path / "sheet.fold", corpus.folded_pair(0.7)))
+    joint = made.joints[0]
+    turned = replace(joint, axis=-joint.axis, rest_angle=0.4, stiffness=1e-4)
+    scene = lamc.Scene(angles={joint.name: 0.3})
+    (tmp_path / "out.fold").write_bytes(flat_bytes(replace(made, joints=(turned,), scene=scene)))
+    data = json.loads((tmp_path / "out.fold").read_text(encoding="utf-8"))
+    assert data["edges_assignment"].count("M") == 1
+    assert "V" not in data["edges_assignment"]
+    back = load(tmp_path / "out.fold")
+    (same,) = back.joints
+    assert float(same.axis @ turned.axis) == pytest.approx(-1.0)
+    assert same.rest_angle == pytest.approx(-turned.rest_angle)
+    assert back.scene is not None
+    assert back.scene.angles == {joint.name: pytest.approx(-0.3)}

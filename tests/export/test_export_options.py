@@ -8,12 +8,13 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from shapely.geometry import box
+from shapely.geometry import MultiPolygon, box
 
-from lamc import Body, ExportError, ExternalTorque, Joint, Mechanism, Scene, Slab
+from lamc import Body, Design, ExportError, ExternalTorque, Joint, Material, Mechanism, Scene, Slab
 from lamc.design.mass import body_properties
 from lamc.export import TARGETS, Files, files_of
 from lamc.export.options import ExportOptions, options_from
+from lamc.records.design import HingeLine, HingeSet, Layer
 from tests.support.ctools import needs_cc
 
 pytestmark = pytest.mark.usefixtures("unpainted")
@@ -31,6 +32,11 @@ CHOSEN: Mapping[str, object] = {
     "inputs": "none",
     "step": 1e-4,
     "edge_length": 1e-3,
+    "hinge_style": "castellated",
+    "hinge_width": "gap",
+    "kerf": 1e-5,
+    "pins": 3e-3,
+    "stock": (0.3, 0.2),
 }
 has_zig = importlib.util.find_spec("ziglang") is not None
 BUILT = [
@@ -43,6 +49,15 @@ BUILT = [
 def flap() -> Mechanism:
     wall, body = Body("wall", fixed=True), Body("flap", 0.01, (0.02, 0.0, 0.0), np.diag([2e-5] * 3))
     return Mechanism((wall, body), (Joint("h", "wall", "flap", axis=(0.0, 0.0, 1.0)),), name="flap")
+
+
+def laminate() -> Design:
+    """Two boards on a film; the boards are drawn over the gap of their hinge."""
+    board, film = Material("board", 1000.0, is_rigid=True), Material("film", 1000.0, is_flexible=True)
+    whole = MultiPolygon([box(0.0, 0.0, 0.04, 0.02)])
+    layers = (Layer("board", board, 3e-4, whole), Layer("film", film, 25e-6, whole))
+    hinge = HingeSet((HingeLine(((0.02, 0.0), (0.02, 0.02)), "h"),), 5e-4, 1, (0, 1))
+    return Design("flap", layers, (hinge,), (MultiPolygon([box(0.0, 0.0, 0.01, 0.02)]), MultiPolygon()))
 
 
 def sheet() -> Mechanism:
@@ -59,7 +74,7 @@ def sheet() -> Mechanism:
 def made(target: str, names: frozenset[str]) -> Files | None:
     """The export with these chosen; None where it is refused, with one line that names one of them."""
     try:
-        design = sheet() if target == "fold" else flap()
+        design = {"fold": sheet, "cut": laminate}.get(target, flap)()
         return files_of(design, target, options=options_from(**{name: CHOSEN[name] for name in names}))
     except ExportError as error:
         reported = str(error)
@@ -74,8 +89,8 @@ def test_every_option_is_tried() -> None:
 
 
 @pytest.mark.parametrize("target", BUILT)
-@pytest.mark.quick("mjcf", "urdf")
-@pytest.mark.ci("mjcf", "urdf", "c", "fmu")
+@pytest.mark.quick("mjcf", "urdf", "cut")
+@pytest.mark.ci("mjcf", "urdf", "cut", "c", "fmu")
 def test_an_option_that_changes_no_byte_is_refused(target: str) -> None:
     plain = made(target, frozenset())
     assert plain is not None

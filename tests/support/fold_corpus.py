@@ -116,3 +116,17 @@ def _started(points: list[Any], unit: str | None) -> Data:
 def _edge(data: Data, a: int, b: int, kind: str) -> None:
     data["edges_vertices"].append([a, b])
     data["edges_assignment"].append(kind)
+
+
+def kresling(columns: int, rows: int) -> Data:
+    """A tower laid flat: rows of parallelograms, 20 mm by 15 mm, each with its short diagonal."""
+    index = {(i, j): j * (columns + 1) + i for j in range(rows + 1) for i in range(columns + 1)}
+    data = _started([(20.0 * i + 8.0 * j, 15.0 * j) for i, j in index], "mm")
+    for i, j in index:
+        if i < columns:
+            _edge(data, index[i, j], index[i + 1, j], "B" if j in (0, rows) else "M")
+        if j < rows:
+            _edge(data, index[i, j], index[i, j + 1], "B" if i in (0, columns) else "M")
+        if i and j < rows:
+            _edge(data, index[i, j], index[i - 1, j + 1], "V")
+    return data

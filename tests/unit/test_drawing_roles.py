@@ -65,6 +65,12 @@ def test_what_is_no_colour_is_none_and_never_black() -> None:
         ("TITLE BLOCK", "ignore", None),
         ("0", None, None),
         ("Layer 1", None, None),
+        ("1_holes", "hole", None),  # cutters run layers by their numbers
+        ("2_slits", "cut", None),
+        ("3_outline", "border", None),
+        ("4_reference", "ignore", None),
+        ("valley_+5", "valley", 5.0),
+        ("2", None, None),
         ("", None, None),
     ],
 )

@@ -3,19 +3,26 @@
 import json
 import math
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.readers.drawings.sheet import sheet_of
 from lamc.records.card import SheetOptions
-from lamc.records.drawing import Stroke
+from lamc.records.drawing import ROLES, Stroke
 from lamc.records.mechanism import Mechanism
+from lamc.report.bodies_picture import draw_bodies
+from lamc.report.plan_view import mend_entry
+from lamc.report.split_text import split_data, split_text
 from tests.support import fold_corpus as corpus
 from tests.support.drawn_corpus import drawing, line, of_fold, square
+from tests.support.quick import tries
 
 CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
 SQUARE_MM = 3e-4 * 700.0 * 1e-6  # kg of a square millimetre
@@ -103,6 +110,23 @@ def test_a_flap_amid_a_facet_turns_on_its_crease() -> None:
     assert told == []
 
 
+def test_outlines_that_touch_at_points_are_holes_all_the_same() -> None:
+    touching = [
+        line((10, 10), (14, 16), (6, 16), role="border", closed=True),  # one above the other
+        line((10, 10), (14, 4), (6, 4), role="border", closed=True),
+        line((0, 30), (4, 28), (4, 32), role="border", closed=True),  # the rim, from within
+        line((30, 40), (32, 36), (28, 36), role="border", closed=True),
+        line((20, 20), (24, 24), (24, 16), role="border", closed=True),  # a hinge
+    ]
+    made, told = read(square(0, 0, 40), *touching, HINGE)
+    holes = 2 * 24.0 + 8.0
+    assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx(
+        [800.0 - holes, 800.0 - 8.0 - 16.0]
+    )
+    assert len(made.joints) == 1
+    assert told == []
+
+
 def test_without_an_outline_cuts_are_one_and_else_the_lines_are() -> None:
     made, told = read(square(0, 0, 40, "cut"), square(5, 5, 5, "cut"), HINGE)
     assert sorted(b.mass / SQUARE_MM for b in made.bodies) == pytest.approx([775.0, 800.0])
@@ -136,6 +160,29 @@ def test_a_gap_is_refused_with_the_tolerance_that_mends_it() -> None:
     made, told = read(square(0, 0, 40), short, heal="0.26 mm")
     assert made.joints[0].stiffness == pytest.approx(4e-5)
     assert "hinge extended: 1, by up to 0.25 mm: (20, 0) mm, path #fold" in told[0]
+
+
+def test_a_short_crease_is_left_out_where_nothing_is_to_be_healed() -> None:
+    short = line((20, 0.25), (20, 40), source="path #fold")
+    with pytest.raises(lamc.DesignError, match="with --heal 0, creases that end so are left out"):
+        read(square(0, 0, 40), short)
+    made, told = read(square(0, 0, 40), short, heal=0)
+    assert (len(made.bodies), len(made.joints)) == (1, 0)
+    assert "line that bounds nothing: 1: (20, 20.125) mm, path #fold" in told[0]
+    with pytest.raises(lamc.DesignError, match=r"--heal '0.51 mm'$"):
+        read(line((0, 0), (40, 0), (40, 40), (0, 40), (0, 0.5), role="border"), heal=0)
+
+
+def test_a_window_that_creases_hold_is_a_hole() -> None:
+    creases = [
+        line((0, 20), (18, 20)),
+        line((22, 20), (40, 20)),
+        line((18, 20), (20, 18), (22, 20), role="border"),
+    ]
+    made, _ = read(square(0, 0, 40), *creases, line((18, 20), (20, 22), (22, 20), role="border"))
+    assert [b.mass / SQUARE_MM for b in made.bodies] == pytest.approx([796.0, 796.0])
+    assert len(made.joints) == 1
+    assert made.joints[0].stiffness == pytest.approx(1e-3 * 0.036)
 
 
 def test_messages_name_lines_and_not_edges() -> None:
@@ -174,3 +221,56 @@ def test_the_sheet_runs() -> None:
     result = lamc.compile(made).run(t_end=0.01)
     assert math.isfinite(float(result.q[-1, 0]))
     assert json.dumps([m.what for m in made.mends]) == "[]"
+
+
+@settings(max_examples=tries(200), deadline=None)
+@given(
+    strokes=st.lists(
+        st.tuples(
+            st.lists(
+                st.tuples(st.integers(0, 6) | st.floats(0, 6), st.integers(0, 6) | st.floats(0, 6)),
+                min_size=2,
+                max_size=5,
+            ),
+            st.sampled_from(ROLES),
+            st.booleans(),
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+    heal=st.sampled_from([None, 0.0, 1e-5, 3e-4, 2e-3]),
+)
+def test_any_lines_are_a_sheet_or_refused(strokes: Any, heal: float | None) -> None:
+    """Masses come to no more than what lies within the box around all lines."""
+    drawn = [line(*points, role=role, closed=closed) for points, role, closed in strokes]
+    try:
+        made, _ = read(*drawn, heal=heal)
+    except lamc.DesignError:
+        return
+    places = np.concatenate([stroke.points for stroke in drawn])
+    # An end moves by twice the tolerance at most; a billionth for rounding of sums.
+    box = np.ptp(places, axis=0) + 4.0 * (heal if heal is not None else 1e-6)
+    assert 0.0 < sum(body.mass for body in made.bodies) <= 0.3 * 0.7 * box[0] * box[1] * (1.0 + 1e-9)
+
+
+def test_mends_are_in_tables_and_pictures(tmp_path: Any) -> None:
+    dots = [square(1.0 + i, 5, 1e-3, source=f"rect #dot{i}") for i in range(25)]
+    made, told = read(square(0, 0, 40), HINGE, *dots)
+    assert sum("stray mark: 25" in each for each in told) == 1
+    text = split_text(made)
+    assert "stray mark" in text
+    assert "rect #dot0\n" in text
+    assert "… and 5 more (--json has all)" in text
+    found = split_data(made)["mends"]
+    assert isinstance(found, list)
+    assert len(found) == 25
+    assert found[0] == {
+        "what": "stray mark",
+        "at": pytest.approx([1e-3, 5e-3]),
+        "moved": pytest.approx(1.414e-6, rel=1e-3),
+        "source": "rect #dot0",
+    }
+    assert [entry.get_label() for entry in mend_entry(made.mends)] == ["drawing healed here (25)"]
+    assert mend_entry(()) == []
+    ringed = draw_bodies(made, {}, tmp_path / "ringed.png").read_bytes()
+    assert ringed != draw_bodies(replace(made, mends=()), {}, tmp_path / "plain.png").read_bytes()

@@ -6,6 +6,7 @@ In: text. Out: red, green and blue, 0 to 255, and opacity. Never: takes what it 
 import colorsys
 import math
 import re
+from functools import lru_cache
 
 Colour = tuple[int, int, int]
 
@@ -37,6 +38,7 @@ _PART = re.compile(rf"({_NUMBER})(%|deg|rad|turn|grad)?\Z")
 _TURN = {"deg": 1 / 360, "": 1 / 360, "rad": 0.5 / math.pi, "turn": 1.0, "grad": 1 / 400}
 
 
+@lru_cache(4096)
 def colour_of(text: str) -> tuple[Colour, float] | None:
     """A colour and its opacity, 0 to 1; None for what is no colour, such as "none" or "url(#a)"."""
     word = text.strip().lower()
@@ -59,11 +61,13 @@ def colour_of(text: str) -> tuple[Colour, float] | None:
     return colour_of(named) if isinstance(named, str) else None
 
 
+@lru_cache(4096)
 def shown_colour(colour: Colour) -> str:
     """ "#ff0000"."""
     return "#" + "".join(f"{channel:02x}" for channel in colour)
 
 
+@lru_cache(4096)
 def family_of(colour: Colour) -> tuple[str, bool] | None:
     """Which of the six colours it is or is near, and whether it is that colour itself."""
     for name, pure in FAMILIES.items():

@@ -5,11 +5,13 @@ A facet has no hole in the records of a sheet: two level links from each island 
 the facet about it in two, which are one body.
 """
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 import shapely
+from shapely import STRtree
 
 from lamc.basics.errors import DesignError
 from lamc.readers.drawings.outlines import islands_of, nesting
@@ -20,12 +22,11 @@ from lamc.records.mechanism import Array
 def linked(points: Array, edges: Sequence[Edge]) -> tuple[Array, list[Edge], list[int | None]]:
     """points, edges and for each edge the one that it is of: None for a link. Edges that links meet are parted."""
     islands = islands_of(points, edges)
-    inner = (
-        [i for i, depth in zip(islands, nesting(points, islands), strict=True) if depth] if islands else []
-    )
+    inner = [island for island, depth in zip(islands, nesting(islands), strict=True) if depth]
     if not inner:
         return points, list(edges), list(range(len(edges)))
     ends = np.array(edges)
+    tree = STRtree(shapely.linestrings(points[ends]))
     within = NEAR * float(np.ptp(points, axis=0).max())
     places = [*points]
     cuts: dict[int, dict[int, None]] = {}
@@ -35,7 +36,10 @@ def linked(points: Array, edges: Sequence[Edge]) -> tuple[Array, list[Edge], lis
         own = np.unique(np.array(island.edges))
         order = own[np.lexsort((points[own, 1], points[own, 0]))]
         for start, sign in ((int(order[0]), -1.0), (int(order[-1]), 1.0)):
-            edge, x = _beyond(points, ends, points[start], sign)
+            hit = _beyond(points, ends, tree, start, sign)
+            if hit is None:  # it touches what it lies in where that ends
+                continue
+            edge, x = hit
             y = float(points[start, 1])
             near = [int(v) for v in ends[edge] if np.hypot(*(points[v] - (x, y))) <= within]
             if not near and (edge, y) not in met:
@@ -68,22 +72,34 @@ def faces_within(points: Array, edges: Sequence[Edge], region: shapely.MultiPoly
     return found
 
 
-def _beyond(points: Array, ends: Array, place: Array, sign: float) -> tuple[int, float]:
-    """The first edge to the left (-1) or right of a place, and where, x."""
-    y = place[1]
-    p, q = points[ends[:, 0]], points[ends[:, 1]]
-    low, high = np.minimum(p[:, 1], q[:, 1]), np.maximum(p[:, 1], q[:, 1])
-    over = np.flatnonzero((low <= y) & (high >= y))
-    p, q = p[over], q[over]
+def _beyond(points: Array, ends: Array, tree: STRtree, start: int, sign: float) -> tuple[int, float] | None:
+    """The first edge to the left (-1) or right of a vertex, none of its own, and where, x; None for none."""
+    place = points[start]
+    width = float(np.ptp(points[:, 0]))
+    reach = width / math.sqrt(len(ends))
+    while True:
+        near = np.sort(tree.query(shapely.LineString([place, (place[0] + sign * reach, place[1])])))
+        near = near[(ends[near] != start).all(axis=1)]
+        x = _level_at(points[ends[near, 0]], points[ends[near, 1]], place[1], sign)
+        far = sign * (x - place[0])
+        ahead = np.flatnonzero((far > 0.0) & (far <= reach))
+        if len(ahead):
+            chosen = ahead[np.argmin(far[ahead])]
+            return int(near[chosen]), float(x[chosen])
+        if reach > width:
+            return None
+        reach *= 4.0
+
+
+def _level_at(p: Array, q: Array, y: float, sign: float) -> Array:
+    """x where lines from p to q, (n, 2), are at y: the first place of a level one; nan for those that are not."""
     rise = q[:, 1] - p[:, 1]
     level = rise == 0.0
-    share = np.where(level, 0.0, (y - p[:, 1]) / np.where(level, 1.0, rise))
-    x = p[:, 0] + share * (q[:, 0] - p[:, 0])
+    share = (y - p[:, 1]) / np.where(level, 1.0, rise)
     nearest = np.minimum if sign > 0.0 else np.maximum
-    x = np.where(level, nearest(p[:, 0], q[:, 0]), x)
-    ahead = np.flatnonzero(sign * (x - place[0]) > 0.0)
-    chosen = ahead[np.argmin(sign * x[ahead])]
-    return int(over[chosen]), float(x[chosen])
+    x = np.where(level, nearest(p[:, 0], q[:, 0]), p[:, 0] + share * (q[:, 0] - p[:, 0]))
+    reached = (np.minimum(p[:, 1], q[:, 1]) <= y) & (y <= np.maximum(p[:, 1], q[:, 1]))
+    return np.where(reached, x, np.nan)
 
 
 def _parted(

@@ -12,6 +12,7 @@ import numpy.typing as npt
 import shapely
 from shapely import STRtree
 
+from lamc.readers.fold_faces import Edge
 from lamc.records.mechanism import Array
 
 Indices = npt.NDArray[np.int64]
@@ -30,10 +31,6 @@ class Segments:
     def of(rows: Sequence[tuple[int, int, int]]) -> "Segments":
         table = np.array(rows, dtype=int).reshape(-1, 3)
         return Segments(table[:, 0], table[:, 1], table[:, 2])
-
-    @staticmethod
-    def none() -> "Segments":
-        return Segments.of([])
 
     def __len__(self) -> int:
         return len(self.a)
@@ -72,6 +69,22 @@ class Segments:
         return Segments.of(rows)
 
 
+def drawn(courses: Iterable[tuple[int, Array, bool]]) -> tuple[Array, Segments, set[Edge]]:
+    """Points, segments and (vertex, stroke) at the ends of what is open, of strokes with their points, each (n, 2)."""
+    points, segments, ends = [np.zeros((0, 2))], [Segments.of([])], set()
+    count = 0
+    for stroke, xy, closed in courses:
+        index = count + np.arange(len(xy))
+        count += len(xy)
+        points.append(xy)
+        start, stop = (index, np.roll(index, -1)) if closed else (index[:-1], index[1:])
+        segments.append(Segments(start, stop, np.full(len(start), stroke)))
+        if not closed:
+            ends |= {(int(index[0]), stroke), (int(index[-1]), stroke)}
+    a, b, owner = (np.concatenate([getattr(each, name) for each in segments]) for name in ("a", "b", "owner"))
+    return np.concatenate(points), Segments(a, b, owner), ends
+
+
 def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[int, int], bool]) -> Indices:
     """For each point the one that it becomes: the heaviest within reach, else itself. points: (n, 2).
 
@@ -98,7 +111,7 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
 
 
 def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tuple[Indices, Indices, Array]:
-    """Vertices, segments and distances, where a vertex lies beside a segment, between its ends."""
+    """Vertices, segments and distances, where a vertex lies on a segment, or beside it and not beside its ends too."""
     lines = shapely.linestrings(at[segments.pairs()])
     used = np.unique(segments.pairs())
     v, s = STRtree(lines).query(shapely.points(at[used]), predicate="dwithin", distance=near)
@@ -109,9 +122,11 @@ def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tupl
     along = at[segments.b[s]] - start
     length = np.linalg.norm(along, axis=1)
     share = np.einsum("ij,ij->i", at[v] - start, along) / length
-    within = (share > exact) & (share < length - exact)
-    v, s = v[within], s[within]
     apart = shapely.distance(shapely.points(at[v]), lines[s])
+    # Beside an end the next corner of a curve through that end would be taken for one that should lie on the line.
+    margin = np.where(apart > exact, near, exact)
+    within = (share > margin) & (share < length - margin)
+    v, s, apart = v[within], s[within], apart[within]
     order = np.lexsort((s, v))
     return v[order], s[order], apart[order]
 

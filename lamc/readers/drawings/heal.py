@@ -7,7 +7,7 @@ A crossing and an end that lies on a line are no defects: lines are parted there
 stroke are not joined with one another, but its ends: curves are flattened to pieces shorter than a large tolerance.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,17 +15,17 @@ import shapely
 from shapely import STRtree
 
 from lamc.basics.errors import DesignError
-from lamc.readers.drawings.geometry import Indices, Segments, crossing, gathered, meeting, near_pairs
+from lamc.readers.drawings.geometry import Indices, Segments, crossing, drawn, gathered, meeting, near_pairs
 from lamc.readers.drawings.telling import names_of
 from lamc.readers.fold_faces import NEAR, Edge
-from lamc.records.drawing import ROLES, Mend, Stroke
+from lamc.records.drawing import ROLES, Mend, Role, Stroke
 from lamc.records.mechanism import Array
 
 DEFAULT = 1e-4  # of the drawing's size: two decimals of a pixel in a drawing of 500 leave 3e-5; a laser's kerf is more
 MOST_EDGES = 100_000  # 5 s, and far more facets than are ever run
 _ROUNDS = 50  # of parting lines where they meet; each mends what the one before it moved, three are usual
-OUTLINES = frozenset({"border", "hole"})
-CREASES = frozenset({"mountain", "valley", "hinge", "undriven"})
+OUTLINES = frozenset[Role]({"border", "hole"})
+CREASES = frozenset[Role]({"mountain", "valley", "hinge", "undriven"})
 
 
 @dataclass(frozen=True)
@@ -64,85 +64,70 @@ class _Healer:
         self.near = max(tolerance, self.exact)
         self.mends: list[Mend] = []
         self.doubled: dict[tuple[int, int], tuple[float, float]] = {}
-        self.at, self.segments, self.ends = self._drawn()
+        self.at, self.segments, self.ends = drawn(self._courses())
 
     def graph(self) -> Graph:
         self._join(self.exact)
         if self.near > self.exact:
             self._join(self.near)
-        self._leave_doubled()
         for _ in range(_ROUNDS):
+            self._leave_doubled()
             if len(self.segments) > MOST_EDGES:
                 raise _too_many()
             if not (self._part_at_vertices() or self._part_at_crossings()):
                 return self._ordered()
+            self._join(self.exact)
         raise DesignError(
-            f"lines that are {self.near:g} m apart fall together again and again; heal with less (--heal)"
+            f"lines that are {self.near:g} m apart fall together again and again; heal with less"
         )
 
-    def _drawn(self) -> tuple[Array, Segments, set[Edge]]:
-        """Points, segments, ends; closed dots are left out, and an open one is a line from end to end."""
-        points: list[Array] = []
-        starts: list[Indices] = []
-        stops: list[Indices] = []
-        owners: list[Indices] = []
-        ends: set[Edge] = set()
-        count = 0
+    def _courses(self) -> Iterator[tuple[int, Array, bool]]:
+        """Points of each stroke, and whether they close: closed dots are left out, an open one runs from end to end."""
         for k, stroke in enumerate(self.strokes):
-            xy = np.asarray(stroke.points, dtype=float)
-            if float(np.linalg.norm(np.ptp(xy, axis=0))) <= self.near:
-                if stroke.closed:
-                    self._tell("stray mark", xy[0], float(np.ptp(xy, axis=0).max()), stroke.source)
-                    continue
-                xy = xy[[0, -1]]
-            index = count + np.arange(len(xy))
-            count += len(xy)
-            points.append(xy)
-            starts.append(index if stroke.closed else index[:-1])
-            stops.append(np.roll(index, -1) if stroke.closed else index[1:])
-            owners.append(np.full(len(starts[-1]), k))
-            if not stroke.closed:
-                ends |= {(int(index[0]), k), (int(index[-1]), k)}
-        if not points:
-            return np.zeros((0, 2)), Segments.none(), ends
-        return (
-            np.concatenate(points),
-            Segments(np.concatenate(starts), np.concatenate(stops), np.concatenate(owners)),
-            ends,
-        )
+            points = np.asarray(stroke.points, dtype=float)
+            wide = float(np.linalg.norm(np.ptp(points, axis=0)))
+            if wide > self.near:
+                yield k, points, stroke.closed
+            elif stroke.closed:
+                self._tell("stray mark", points[0], wide, stroke.source)
+            else:
+                yield k, points[[0, -1]], False
 
     def _join(self, near: float) -> None:
         """Points that are nearer than `near` become one, the one where most lines end."""
-        unique, inverse = np.unique(self.at, axis=0, return_inverse=True)
-        self._renumber(unique, inverse.ravel())
+        used = np.unique(self.segments.pairs())
+        unique, inverse = np.unique(self.at[used], axis=0, return_inverse=True)
+        number = np.full(len(self.at), -1)
+        number[used] = inverse.ravel()
+        self._renumber(unique, number)
         weight = self.segments.degrees(len(self.at))
+        if near == self.exact:  # rounding, of which nothing is told
+            self._renumber(self.at, gathered(self.at, weight, near, lambda a, b: True))
+            return
         touching = self._touching()
-        own = {k for k, _ in self.ends}
 
         def may_join(a: int, b: int) -> bool:
-            if near == self.exact:
-                return True
-            common = touching[a] & touching[b]
-            return not common or (
-                a in own and b in own and all((v, k) in self.ends for v in (a, b) for k in common)
-            )
+            return all((v, k) in self.ends for k in touching[a] & touching[b] for v in (a, b))
 
         kept = gathered(self.at, weight, near, may_join)
         places = self.at.copy()
-        for a, rep in _groups(kept):
-            if near == self.exact:
-                continue
-            if len(rep) == 1 and weight[a] == weight[rep[0]] == 1:
-                self._meet(places, a, rep[0])
-            for b in rep:
+        for a, others in _groups(kept):
+            if len(others) == 1 and weight[a] == weight[others[0]] == 1:
+                self._meet(places, a, others[0])
+            for b in others:
                 moved = max(float(np.linalg.norm(places[a] - self.at[v])) for v in (a, b))
-                what = "end points joined"
-                if all(any(self.strokes[k].role in OUTLINES for k in touching[v]) for v in (a, b)):
-                    what = "gap in an outline"
-                if touching[a] == touching[b] and all(len(self.strokes[k].points) == 2 for k in touching[a]):
-                    what = "stray mark"
-                self._tell(what, places[a], moved, self._sources(touching[a] | touching[b]))
+                beyond = touching[a] - touching[b]
+                source = self._sources(touching[b]) + (f" at {self._sources(beyond)}" if beyond else "")
+                self._tell(self._joint(touching[a], touching[b]), places[a], moved, source)
         self._renumber(places, kept)
+
+    def _joint(self, first: set[int], second: set[int]) -> str:
+        """What joins two places, by the strokes that they are of."""
+        if first == second and all(len(self.strokes[k].points) == 2 for k in first):
+            return "stray mark"
+        if all(any(self.strokes[k].role in OUTLINES for k in each) for each in (first, second)):
+            return "gap in an outline"
+        return "end points joined"
 
     def _meet(self, places: Array, a: int, b: int) -> None:
         """Two lines that stop short of one corner are drawn on to it."""
@@ -154,7 +139,7 @@ class _Healer:
     def _renumber(self, places: Array, kept: Indices) -> None:
         self.at = places
         self.segments = self.segments.renumbered(kept)
-        self.ends = {(int(kept[v]), k) for v, k in self.ends}
+        self.ends = {(int(kept[v]), k) for v, k in self.ends if kept[v] >= 0}
 
     def _touching(self) -> list[set[int]]:
         """Strokes at each vertex."""
@@ -186,7 +171,6 @@ class _Healer:
             places[v] = self._moved(v, beside[v], int(degree[v]), touching[v])
         self.segments = self.segments.parted(cuts, self.at)
         self.at = places
-        self._leave_doubled()
         return bool(cuts)
 
     def _moved(self, v: int, lines: Sequence[int], degree: int, strokes: set[int]) -> Array:
@@ -216,8 +200,8 @@ class _Healer:
 
     def _part_at_crossings(self) -> bool:
         """Parts lines that cross; crossings nearer to one another than the tolerance become one vertex."""
-        drawn = shapely.linestrings(self.at[self.segments.pairs()])
-        first, second = STRtree(drawn).query(drawn, predicate="crosses")
+        lines = shapely.linestrings(self.at[self.segments.pairs()])
+        first, second = STRtree(lines).query(lines, predicate="crosses")
         once = first < second
         first, second = first[once], second[once]
         if not len(first):
@@ -241,7 +225,6 @@ class _Healer:
                 cuts.setdefault(s, []).append(base + rep)
         self.at = np.concatenate([self.at, found])
         self.segments = self.segments.parted({s: sorted(set(v)) for s, v in cuts.items()}, self.at)
-        self._leave_doubled()
         return True
 
     def _leave_doubled(self) -> None:

@@ -29,17 +29,21 @@ class _Gap:
     other: int
 
 
-def left_out(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], tolerance: float) -> list[Mend]:
-    """A mend for each stroke of which something is left out.
+def left_out(
+    graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], tolerance: float, option: str = "--heal"
+) -> list[Mend]:
+    """A mend for each stroke of which something is left out. option: what sets the tolerance.
 
     Raises DesignError where the end of an outline or a crease has another line near to it, with the tolerance that
-    joins them.
+    joins them; with a tolerance of 0 of an outline alone.
     """
     gone = sorted(set(range(len(graph.edges))) - set(kept))
     found: dict[int, Mend] = {}
-    gaps = _gaps(graph, strokes, gone, {v for k in kept for v in graph.edges[k]})
+    meant = OUTLINES | CREASES if tolerance else OUTLINES
+    tips = [k for k in gone if strokes[graph.strokes[k]].role in meant]
+    gaps = _gaps(graph, gone, tips, {v for k in kept for v in graph.edges[k]})
     if gaps:
-        raise DesignError(_told(graph, strokes, gaps, tolerance))
+        raise DesignError(_told(graph, strokes, gaps, tolerance, option))
     for k in gone:
         owner = graph.strokes[k]
         x, y = graph.points[list(graph.edges[k])].mean(axis=0).tolist()
@@ -47,15 +51,13 @@ def left_out(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], toler
     return list(found.values())
 
 
-def _gaps(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], held: set[int]) -> list[_Gap]:
-    """The nearest line to each end that dangles, where it is near; ascending. held: vertices of what is kept."""
-    ends = np.bincount(np.array(graph.edges).ravel(), minlength=len(graph.points))
-    tips = {
-        v: k
-        for k in gone
-        for v in graph.edges[k]
-        if ends[v] == 1 and strokes[graph.strokes[k]].role in OUTLINES | CREASES
-    }
+def _gaps(graph: Graph, gone: Sequence[int], meant: Sequence[int], held: set[int]) -> list[_Gap]:
+    """The nearest line to each end of `meant` that dangles, where it is near; ascending.
+
+    held  vertices of what is kept
+    """
+    ends = np.bincount(np.array(graph.edges, dtype=int).ravel(), minlength=len(graph.points))
+    tips = {v: k for k in meant for v in graph.edges[k] if ends[v] == 1}
     if not tips:
         return []
     lengths = _lengths(graph, gone, held)
@@ -93,16 +95,20 @@ def _lengths(graph: Graph, gone: Sequence[int], held: set[int]) -> dict[int, flo
     return found
 
 
-def _told(graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], tolerance: float) -> str:
+def _told(
+    graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], tolerance: float, option: str
+) -> str:
     shown = [
         f"{name_of(strokes, gap.stroke)} ({strokes[gap.stroke].role}) ends at {millimetres(graph.points[gap.vertex])}, "
         f"{1e3 * gap.apart:.3g} mm from {name_of(strokes, gap.other)}"
         for gap in gaps[:4]
     ]
     others = f", and {len(gaps) - 4} more such ends" if len(gaps) > 4 else ""
+    creases = any(strokes[gap.stroke].role in CREASES for gap in gaps)
+    leave = f"; with {option} 0, creases that end so are left out" if creases else ""
     return (
         f"lines stop short of one another by more than the {1e3 * tolerance:.3g} mm that are healed: "
-        f"{'; '.join(shown)}{others}. Draw them to meet, or heal more: --heal '{_enough(gaps[-1].apart)} mm'"
+        f"{'; '.join(shown)}{others}. Draw them to meet, or heal more: {option} '{_enough(gaps[-1].apart)} mm'{leave}"
     )
 
 

@@ -14,13 +14,12 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.design.shapes import areas
 from lamc.readers.fold_faces import Edge, rings_of
-from lamc.readers.fold_groups import pieces_of
 from lamc.records.mechanism import Array
 
 
 @dataclass(frozen=True)
 class Island:
-    """Edges that hang together, none of them a bridge, and all that they enclose."""
+    """Edges of which no vertex holds two parts together, and all that they enclose."""
 
     edges: tuple[Edge, ...]
     hull: BaseGeometry
@@ -36,24 +35,21 @@ def parting(points: Array, edges: Sequence[Edge]) -> list[int]:
 
 
 def islands_of(points: Array, edges: Sequence[Edge]) -> list[Island]:
-    """Of edges that part something, in the order of their lowest vertices."""
-    if not edges:
-        return []
-    pieces = pieces_of({v for edge in edges for v in edge}, edges)
-    number = {v: k for k, piece in enumerate(pieces) for v in piece}
-    found: list[list[Edge]] = [[] for _ in pieces]
-    for edge in edges:
-        found[number[edge[0]]].append(edge)
-    return [Island(tuple(each), _hull(points, each)) for each in found]
+    """Of edges that part something, in the order of their lowest edges. Outlines that touch at a point are two."""
+    blocks = [tuple(edges[k] for k in block) for block in sorted(_blocks(edges))]
+    return [Island(block, _hull(points, block)) for block in blocks]
 
 
-def nesting(points: Array, islands: Sequence[Island]) -> list[int]:
+def nesting(islands: Sequence[Island]) -> list[int]:
     """How many other islands each lies within."""
+    if not islands:
+        return []
     shapes = np.array([each.hull for each in islands], dtype=object)
     shapely.prepare(shapes)
-    dots = shapely.points(np.array([points[each.edges[0][0]] for each in islands]))
-    inner, outer = STRtree(shapes).query(dots, predicate="within")
-    counts: list[int] = np.bincount(inner[inner != outer], minlength=len(islands)).tolist()
+    inner, outer = STRtree(shapes).query(shapely.point_on_surface(shapes), predicate="within")
+    # The point of a larger island may lie in a smaller one that is amid it.
+    larger = shapely.area(shapes)[outer] > shapely.area(shapes)[inner]
+    counts: list[int] = np.bincount(inner[larger], minlength=len(islands)).tolist()
     return counts
 
 
@@ -63,12 +59,11 @@ def material(points: Array, edges: Sequence[Edge], holes: frozenset[Edge] = froz
     holes  edges that bound what is taken away, whatever lies about them
     """
     kept = [edges[k] for k in parting(points, edges)]
-    islands = [i for i in islands_of(points, kept) if not set(i.edges) <= holes]
-    cut = [i for i in islands_of(points, kept) if set(i.edges) <= holes]
-    depths = nesting(points, islands + cut) if islands or cut else []
+    islands = islands_of(points, kept)
+    depths = nesting(islands)
     found: BaseGeometry = MultiPolygon()
     for depth in range(max(depths, default=-1) + 1):
-        level = [i for i, d in zip(islands + cut, depths, strict=True) if d == depth]
+        level = [i for i, d in zip(islands, depths, strict=True) if d == depth]
         filled = [_without(points, i, holes) for i in level if not set(i.edges) <= holes and depth % 2 == 0]
         emptied = [i.hull for i in level if set(i.edges) <= holes or depth % 2]
         found = shapely.difference(shapely.union_all([found, *filled]), shapely.union_all(emptied))
@@ -92,3 +87,43 @@ def _without(points: Array, island: Island, holes: frozenset[Edge]) -> BaseGeome
     own = [edge for edge in island.edges if edge in holes]
     ring = [own[k] for k in parting(points, own)] if own else []
     return shapely.difference(island.hull, _hull(points, ring)) if ring else island.hull
+
+
+def _blocks(edges: Sequence[Edge]) -> list[list[int]]:
+    """Edges by number, ascending, in parts that hold together without any one vertex.
+
+    J. Hopcroft, R. Tarjan, Algorithm 447: efficient algorithms for graph manipulation, 1973.
+    """
+    around: dict[int, list[tuple[int, int]]] = {}
+    for k, (a, b) in enumerate(edges):
+        around.setdefault(a, []).append((b, k))
+        around.setdefault(b, []).append((a, k))
+    found: list[list[int]] = []
+    depth: dict[int, int] = {}
+    low: dict[int, int] = {}
+    waiting: list[int] = []
+    for root in sorted(around):
+        if root in depth:
+            continue
+        depth[root] = low[root] = 0
+        path = [(root, -1, iter(around[root]), 0)]
+        while path:
+            vertex, via, others, start = path[-1]
+            for other, k in others:
+                if other not in depth:
+                    depth[other] = low[other] = len(path)
+                    path.append((other, k, iter(around[other]), len(waiting)))
+                    waiting.append(k)
+                    break
+                if k != via and depth[other] < depth[vertex]:
+                    waiting.append(k)
+                    low[vertex] = min(low[vertex], depth[other])
+            else:
+                path.pop()
+                if path:
+                    above = path[-1][0]
+                    low[above] = min(low[above], low[vertex])
+                    if low[vertex] >= depth[above]:
+                        found.append(sorted(waiting[start:]))
+                        del waiting[start:]
+    return found

@@ -7,6 +7,7 @@ yellow a crease that stays flat, magenta a hinge without a spring.
 
 import math
 import re
+from functools import lru_cache
 
 from lamc.readers.drawings.colours import colour_of, family_of
 from lamc.records.card import SheetOptions
@@ -27,7 +28,6 @@ _LAYERS: dict[Role, tuple[str, ...]] = {
         "border",
         "boundary",
         "outline",
-        "edge",
         "body",
         "contour",
         "profile",
@@ -87,7 +87,7 @@ def role_of(colour: str | None, layer: str, options: SheetOptions) -> Role | Non
     The user's word comes first, of the layer and then of the colour; then the layer's name, then the colour. Layers of
     folds in general leave it to the colour which way they fold.
     """
-    said = _said(colour, layer, options)
+    said = said_role(colour, layer, options)
     if said is not None:
         return said
     of_colour = colour_role(colour)
@@ -127,10 +127,14 @@ def colour_role(colour: str | None) -> Role | None:
     return COLOURS[family[0]] if family is not None else None
 
 
+@lru_cache(4096)
 def layer_name(name: str) -> str:
-    """A layer's name as the table has it: in lower case, singular, without a number or sign at its end."""
+    """A layer's name as the table has it: in lower case, singular, without a number or sign at its end, or a number
+    before it, by which cutters order layers: 3_outline."""
     found = _WITH_NUMBER.match(name.strip())
     words = re.findall(r"[^\W_]+", (found[1] if found else name).lower())
+    if len(words) > 1 and words[0].isdigit():
+        words.pop(0)
     if words and words[-1] in ("copy", "layer", "layers"):
         words.pop()
     joined = " ".join(words)
@@ -140,7 +144,7 @@ def layer_name(name: str) -> str:
     return "body" if joined == "bodies" else joined
 
 
-def _said(colour: str | None, layer: str, options: SheetOptions) -> Role | None:
+def said_role(colour: str | None, layer: str, options: SheetOptions) -> Role | None:
     """What the user says of a layer, of a colour, or of the colour that it is near."""
     roles = options.roles
     if not roles:

@@ -18,7 +18,7 @@ from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.outlines import hull, material, parting
 from lamc.readers.drawings.telling import name_of, told
-from lamc.readers.fold_faces import NEAR, Edge
+from lamc.readers.fold_faces import Edge
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
 from lamc.records.card import SheetOptions
@@ -62,7 +62,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
     tolerance = DEFAULT * size if options.heal is None else options.heal
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
-    loose = left_out(graph, strokes, kept, max(tolerance, NEAR * size))
+    loose = left_out(graph, strokes, kept, tolerance)
     if not kept:
         raise DesignError("the lines enclose no facet; draw the sheet's outline")
     notes = list(drawing.notes)
@@ -87,6 +87,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         {},
         tuple(notes),
         tuple("a link to a hole" if (k := owners[e]) is None else name_of(strokes, k) for e in used),
+        2.0 * tolerance,  # an end may have moved by twice it
     )
     return frame, (*graph.mends, *loose, *beyond), tolerance
 
@@ -98,13 +99,13 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
         return [graph.edges[k] for k in kept if strokes[graph.strokes[k]].role in roles]
 
     points, holes = graph.points, of("hole")
-    drawn = of("border", "hole")
+    drawn, cuts = of("border", "hole"), of("cut")
     # More than rounding of the area, of lines that are a billionth of the size apart.
-    if hull(points, of("border", "hole", "cut")).area > (1.0 + 1e-6) * hull(points, drawn).area:
+    if cuts and hull(points, drawn + cuts).area > (1.0 + 1e-6) * hull(points, drawn).area:
         notes.append(
             "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
         )
-        drawn = of("border", "hole", "cut")
+        drawn += cuts
     found = material(points, drawn, frozenset(holes))
     if found.is_empty:
         notes.append("no outline is drawn: the sheet ends where its lines enclose nothing more")

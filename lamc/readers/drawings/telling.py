@@ -26,8 +26,8 @@ def millimetres(at: Iterable[float]) -> str:
     return f"({x:.7g}, {y:.7g}) mm"
 
 
-def told(mends: Sequence[Mend], tolerance: float) -> list[str]:
-    """A line for each kind of mend: how many, how far, where the first ones are."""
+def told(mends: Sequence[Mend], tolerance: float, option: str = "--heal") -> list[str]:
+    """A line for each kind of mend: how many, how far, where the first ones are. option: what sets the tolerance."""
     lines = []
     for what, count in sorted(Counter(mend.what for mend in mends).items()):
         found = [mend for mend in mends if mend.what == what]
@@ -36,5 +36,5 @@ def told(mends: Sequence[Mend], tolerance: float) -> list[str]:
         shown = "; ".join(f"{millimetres(m.at)}, {m.source}" for m in found[:3])
         lines.append(f"healed: {what}: {count}{by}: {shown}{'; …' if count > 3 else ''}")
     if lines:
-        lines[0] += f" (healed within {1e3 * tolerance:.3g} mm; --heal says another)"
+        lines[0] += f" (healed within {1e3 * tolerance:.3g} mm; {option} says another)"
     return lines

@@ -1,0 +1,32 @@
+"""`lamc convert`: what a file holds, as another format.
+
+In: a file and what a user says of its sheet, a file to write. Out: that file, and lines of what it does not hold.
+"""
+
+from pathlib import Path
+
+from lamc.commands.inputs import Source, load_source
+from lamc.commands.terminal import Terminal
+from lamc.export.conversions import check_place, converted, write
+from lamc.pipeline import Times
+
+
+def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> int:
+    """Writes the file, and says what is lost."""
+    path, read = Path(target), Path(source.file or "")
+    check_place(read, path, force=force)
+    times = Times()
+    with terminal.progress() as progress:
+        times.observer = progress.stage
+        loaded = load_source(source, times, progress)
+        with times.stage("convert"):
+            made = converted(loaded.record, path, read)
+            write(made, path)
+    lines = [f"file      {path}  {len(made.content) / 1000:.1f} kB"]
+    lines += [f"{'lost' if k == 0 else '':<10}{what}" for k, what in enumerate(made.lost)]
+    if made.again:
+        lines.append(f"options   {made.again}: with these lamc reads the same device")
+    terminal.say("\n".join(lines))
+    data = {"ok": True, "file": str(path), "bytes": len(made.content), "lost": list(made.lost)}
+    terminal.result({**data, "options": made.again})
+    return 0

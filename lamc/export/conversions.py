@@ -1,0 +1,246 @@
+"""`lamc.convert`: what one file holds as another format, by the suffix of the file to write.
+
+In: a path to read, a path to write. Out: that file, and a line for each thing that it does not hold. Never: writes over
+a file unasked, or leaves something out unsaid. What a format cannot hold at all, such as layers in FOLD, is refused.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeAlias
+
+import numpy as np
+from shapely.geometry import MultiPolygon
+
+from lamc.basics.checks import shown
+from lamc.basics.errors import ExportError, UnsupportedError
+from lamc.basics.files import replacing
+from lamc.design.linking import millimetres
+from lamc.design.split import split_steps
+from lamc.design.steps import SplitSteps
+from lamc.export.creased import CreasedSheet
+from lamc.export.cuts.creases import crease_of, lines_of_sheet, lost_in_drawing, point_of
+from lamc.export.cuts.lines import CutLine, bounds_of
+from lamc.readers.joints_writer import ends, joints_text
+from lamc.readers.mechanism_file import mechanism_text
+from lamc.readers.native_writer import design_text
+from lamc.records.card import Card
+from lamc.records.design import Design, Layer, Material
+from lamc.records.mechanism import Array, Mechanism
+from lamc.records.scene import Scene
+
+_FORCE = "--force (in Python force=True)"
+_LAYERS = "`lamc export FILE --to cut` draws each layer in a file of its own"
+
+
+@dataclass(frozen=True)
+class Converted:
+    """content: of the file; lost: what it does not hold, in words; again: options that read the same back."""
+
+    content: bytes
+    lost: tuple[str, ...] = ()
+    again: str = ""
+
+
+Maker: TypeAlias = Callable[[Design | Mechanism, str], Converted]  # of a record, and the stem of the file
+
+
+def check_place(source: Path, target: Path, *, force: bool) -> None:
+    """Raises ExportError for a suffix that means nothing, for the file that is read, and for one that is there, unless
+    forced."""
+    _maker(target)
+    if target.exists() and source.exists() and os.path.samefile(source, target):
+        raise ExportError(f"{str(target)!r} is the file that is read; name another")
+    if target.is_dir():
+        raise ExportError(f"{str(target)!r} is a folder; name a file in it")
+    if (target.exists() or target.is_symlink()) and not force:
+        raise ExportError(f"{str(target)!r} is there; name another file, or replace it with {_FORCE}")
+
+
+def write(made: Converted, path: Path) -> None:
+    """In one step. Raises LamcError where it cannot be written."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(made.content)
+
+
+def converted(record: Design | Mechanism, path: Path, source: Path) -> Converted:
+    """The content of the file. Raises ExportError for its suffix, UnsupportedError for what it cannot hold.
+
+    source  the file that the record was read from"""
+    made = _maker(path)(record, path.name.partition(".")[0])
+    if source.suffix.lower() == ".joints":  # the record is a mechanism
+        return replace(made, lost=("layers and materials, and where hinge lines end", *made.lost))
+    return made
+
+
+def _maker(path: Path) -> Maker:
+    name = path.name.lower()
+    for suffix, maker in FORMATS.items():
+        if name.endswith(suffix):
+            return maker
+    raise ExportError(
+        f"the file to write is {shown(path.name)}; its suffix must be one of {', '.join(FORMATS)}"
+    )
+
+
+# --- formats ------------------------------------------------------------------------------------------------------
+
+
+def _native(record: Design | Mechanism, stem: str) -> Converted:
+    if isinstance(record, Mechanism):
+        return _mechanism(record, stem)
+    lost = [f"what the file was without: {note}" for note in record.notes]
+    return Converted(design_text(record).encode(), tuple(lost))
+
+
+def _mechanism(record: Design | Mechanism, stem: str) -> Converted:
+    lost = []
+    if isinstance(record, Design):
+        lost = ["layers and materials, and lines and gaps of hinges, for effects that bend what is drawn"]
+        record = split_steps(record).mechanism
+    if record.facet_creases:
+        lost.append("which hinges are creases of facets")
+    return Converted(mechanism_text(record).encode(), tuple(lost))
+
+
+def _joints(record: Design | Mechanism, stem: str) -> Converted:
+    lost = []
+    if isinstance(record, Design):
+        steps = split_steps(record)
+        made, layers = steps.mechanism, record.layers
+        lines = {c.hinge.name: ends(c.hinge.line.coords) for c in steps.connections}
+        lost = _lost_of_design(steps)
+    else:
+        sheet = CreasedSheet(record, "a joint definition holds layers, or a sheet of")
+        _check_sheet(sheet, "a joint definition holds layers, or a sheet of one card")
+        assert sheet.card is not None
+        made, layers, lines = record, (_card_layer(sheet.card),), {}
+        if record.facet_creases:
+            lost.append("which hinges are creases of facets")
+    lost += _lost_of_scenes(made, angles=False) + _lost_words(made, stem)
+    return Converted(joints_text(made, layers, lines).encode(), tuple(lost))
+
+
+def _lost_of_design(steps: SplitSteps) -> list[str]:
+    lost = ["hinges' gaps, and material that no body has"]
+    if any(layer.angle for layer in steps.design.layers):
+        lost.append("ply angles")
+    if any(layer.material.G12 is not None for layer in steps.design.layers):
+        lost.append("shear moduli")
+    if steps.mechanism.facet_creases:
+        lost.append("which hinges are creases of facets")
+    return lost
+
+
+def _card_layer(card: Card) -> Layer:
+    return Layer("card", Material("card", card.density, is_rigid=True), card.thickness, MultiPolygon())
+
+
+def _fold(record: Design | Mechanism, stem: str) -> Converted:
+    from lamc.export.fold import flat_bytes
+
+    made = _sheet_only(record, "FOLD")
+    sheet = CreasedSheet(made, "FOLD holds")
+    _check_sheet(sheet, "FOLD holds a sheet of one card")
+    lost = list(sheet.lost)
+    if sheet.windows:
+        lost.append(f"windows in facets ({len(sheet.windows)}), whose card is weighed")
+    lost += _lost_of_scenes(made, angles=True) + ([] if not made.story else ["its story"])
+    return Converted(flat_bytes(made), (*lost, *_lost_points(made)))
+
+
+def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool) -> Maker:
+    """paged: places count from the upper left corner of a page, as in SVG."""
+
+    def maker(record: Design | Mechanism, stem: str) -> Converted:
+        made = _sheet_only(record, kind)
+        sheet = CreasedSheet(made, f"{kind} holds")
+        _check_sheet(sheet, f"{kind} holds a sheet of one card")
+        lines = lines_of_sheet(sheet)
+        lost = sheet.lost + lost_in_drawing(sheet)
+        # An SVG's title is its name.
+        lost += _lost_of_scenes(made, angles=False) + _lost_words(made, made.name if paged else stem)
+        low, high = bounds_of(lines)
+        corner = np.array([low[0], high[1]]) if paged else np.zeros(2)
+        if corner.any():
+            lost.append(
+                f"where it lies: its page begins at {millimetres((float(corner[0]), float(corner[1])))}"
+            )
+        return Converted(write(lines, made.name), tuple(lost), _options(sheet, corner))
+
+    return maker
+
+
+def _options(sheet: CreasedSheet, corner: Array) -> str:
+    """Options that say what the drawing does not, whose places count from a corner, m."""
+    words = []
+    if sheet.card is not None:
+        words.append(f"--card '{sheet.card.thickness!r} m, {sheet.card.density!r} kg/m^3'")
+    crease = crease_of(sheet)
+    if crease is not None:
+        words.append(f"--crease {crease!r}")
+    x, y = point_of(sheet) - corner
+    return " ".join([*words, f"--fixed '{float(x)!r}, {float(y)!r}'"])
+
+
+def _svg(lines: list[CutLine], name: str) -> bytes:
+    from lamc.export.cuts.svg import svg_text
+
+    return svg_text(lines, name).encode()
+
+
+def _dxf(lines: list[CutLine], name: str) -> bytes:
+    from lamc.export.cuts.dxf import dxf_bytes
+
+    return dxf_bytes(lines)
+
+
+FORMATS: Mapping[str, Maker] = MappingProxyType(
+    {
+        ".mechanism.yaml": _mechanism,
+        ".mechanism.yml": _mechanism,
+        ".yaml": _native,
+        ".yml": _native,
+        ".joints": _joints,
+        ".fold": _fold,
+        ".svg": _drawing("SVG", _svg, paged=True),
+        ".dxf": _drawing("DXF", _dxf, paged=False),
+    }
+)
+
+
+# --- what is lost -------------------------------------------------------------------------------------------------
+
+
+def _sheet_only(record: Design | Mechanism, kind: str) -> Mechanism:
+    if isinstance(record, Design):
+        raise UnsupportedError(f"{kind} holds a sheet of creases, and {record.name!r} has layers; {_LAYERS}")
+    return record
+
+
+def _check_sheet(sheet: CreasedSheet, what: str) -> None:
+    """Raises UnsupportedError for a mechanism that is no sheet."""
+    if sheet.faults:
+        raise UnsupportedError(f"{what}; {sheet.mechanism.name!r} has {'; '.join(sheet.faults)}")
+
+
+def _lost_of_scenes(mechanism: Mechanism, *, angles: bool) -> list[str]:
+    """angles: whether the format holds where a sheet starts."""
+    lost = []
+    scene = mechanism.scene
+    if scene is not None and scene != (Scene(angles=scene.angles) if angles else Scene()):
+        lost.append("its scene" if not angles else "its scene but for the angles at which it starts")
+    if mechanism.scenes:
+        lost.append(f"its scenes ({', '.join(mechanism.scenes)})")
+    return lost
+
+
+def _lost_words(mechanism: Mechanism, stem: str) -> list[str]:
+    lost = [] if mechanism.name == stem else [f"its name, {mechanism.name!r}"]
+    return lost + (["its story"] if mechanism.story else []) + _lost_points(mechanism)
+
+
+def _lost_points(mechanism: Mechanism) -> list[str]:
+    return ["contact points"] if mechanism.contact_points else []

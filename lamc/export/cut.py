@@ -1,0 +1,226 @@
+"""Cut files: each layer of a laminate, or a sheet of creases, in real size, as DXF and SVG.
+
+In: a mechanism with the design that it was split from, or one whose bodies are facets of a sheet. Out: two drawings of
+each layer, README.md, and cut.json with areas and masses. Bodies that the cuts leave are found by splitting what is
+cut, and compared with those that are simulated. Never: draws supports, which take a CAD program.
+"""
+
+import json
+import math
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import shapely
+from shapely.geometry import Polygon
+
+from lamc.basics.errors import ExportError, UnsupportedError
+from lamc.codegen.names import identifier
+from lamc.export.creased import CreasedSheet
+from lamc.export.cuts.creases import lines_of_sheet
+from lamc.export.cuts.dxf import dxf_bytes
+from lamc.export.cuts.kerf import lines_of, offset
+from lamc.export.cuts.lines import ROLES, CutLine, bounds_of, open_line, rings_of
+from lamc.export.cuts.options import CASTELLATED, DRAWN, PERFORATED, style_of
+from lamc.export.cuts.perforated import dashes_of
+from lamc.export.cuts.plan import SAME, Plan, mass_of, plan_of
+from lamc.export.cuts.readme import readme
+from lamc.export.cuts.sheet import Stock, stock_of
+from lamc.export.cuts.svg import svg_text
+from lamc.export.options import ExportOptions, named
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
+
+REPORT = "cut.json"
+SUPPORTS = "no supports are drawn: bridges that hold parts in their sheets are added in CAD"
+_BORDERS = ("border", "hole")
+
+
+def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
+    """Where to look first."""
+    return f"open {shlex.quote(f'{folder}/README.md')}: layers, colours, what to cut in which order"
+
+
+def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
+    """Drawings of every layer. Raises ExportError and UnsupportedError for what cannot be cut so."""
+    if mechanism.design is not None:
+        return _laminate(mechanism.design, options)
+    return _sheet(mechanism, options)
+
+
+def told(files: Mapping[str, bytes]) -> list[str]:
+    """What the command line prints of an export: areas, masses, how they compare, notes."""
+    data = json.loads(files[REPORT])
+    lines = [
+        f"{'layers' if k == 0 else '':<10}{each['layer']}: {each['parts']} parts, {1e6 * each['area']:.6g} mm2, "
+        f"{1e3 * each['mass']:.6g} g of {each['material']}"
+        for k, each in enumerate(data["layers"])
+    ]
+    return [*lines, f"bodies    {data['comparison']}", *(f"note      {note}" for note in data["notes"])]
+
+
+def _laminate(design: Design, options: ExportOptions) -> dict[str, bytes]:
+    plan = plan_of(design, options.hinge_style, options.hinge_width, options.kerf)
+    notes = list(plan.notes)
+    drawn: list[list[CutLine]] = []
+    for layer in plan.layers:
+        lines, told_of = lines_of(layer, options.kerf) if layer.parts.geoms else ([], [])
+        drawn.append(lines)
+        notes += told_of if lines else [f"layer {layer.layer.name!r} has no parts, and no file"]
+    stock = _stock([line for lines in drawn for line in lines], options)
+    width = len(str(len(plan.layers)))
+    made: dict[str, bytes] = {}
+    rows = []
+    for k, (layer, lines) in enumerate(zip(plan.layers, drawn, strict=True)):
+        stem = f"{k + 1:0{width}d}_{identifier(layer.layer.name)}"
+        if lines:
+            about = f"layer {k + 1} of {len(plan.layers)} from below: {layer.layer.name}"
+            made |= _drawings(stem, design.name, about, lines, stock)
+        rows.append(
+            {
+                "layer": layer.layer.name,
+                "file": stem if lines else None,
+                "material": layer.layer.material.name,
+                "thickness": layer.layer.thickness,
+                "parts": len(layer.parts.geoms),
+                "area": math.fsum(part.area for part in layer.parts.geoms),
+                "mass": mass_of(layer),
+            }
+        )
+    return made | _report(design.name, rows, _bodies(plan), _comparison(plan), notes, stock, options)
+
+
+def _bodies(plan: Plan) -> list[dict[str, Any]]:
+    return [
+        {"name": b.name, "mass": plan.left.body(b.name).mass, "simulated": b.mass} for b in plan.drawn.bodies
+    ]
+
+
+def _comparison(plan: Plan) -> str:
+    worst = plan.largest_difference
+    if worst <= SAME:
+        return (
+            f"{len(plan.drawn.bodies)} bodies that the cuts leave are those that are simulated: masses, centres and "
+            f"inertias differ by {worst:.1g} at most, relative"
+        )
+    shares = [
+        (plan.left.body(b.name).mass / b.mass - 1.0, b.name)
+        for b in plan.drawn.bodies
+        if b.mass and not b.fixed
+    ]
+    share, name = max(shares, key=lambda item: abs(item[0]), default=(0.0, ""))
+    return (
+        f"not those that are simulated, by {100 * worst:.3g} % at most; of masses {name!r} differs most, by "
+        f"{100 * share:+.3g} %: --hinge-style gap --hinge-width drawn cuts what is simulated"
+    )
+
+
+def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
+    style, pitch = style_of(options.hinge_style, named("hinge_style"))
+    if style == CASTELLATED or options.hinge_width != DRAWN:
+        field = "hinge_style" if style == CASTELLATED else "hinge_width"
+        raise ExportError(
+            f"{named(field)} is of boards beside hinges; this is a sheet of creases: leave it out"
+        )
+    sheet = CreasedSheet(mechanism, "cut files hold layers, or a sheet of")
+    if sheet.faults:
+        raise UnsupportedError(
+            f"this is no sheet of creases, and its drawing of layers is not here: {'; '.join(sheet.faults)}; export "
+            "the design"
+        )
+    lines = lines_of_sheet(sheet)
+    rims = [line for line in lines if line.pen.name in _BORDERS]
+    area = _area(rims)
+    notes = []
+    if options.kerf:
+        lines = [line for line in lines if line.pen.name not in _BORDERS] + _compensated(rims, options.kerf)
+    if style == PERFORATED:
+        lines = _perforated(lines, pitch)
+        notes.append("creases are cut as dashes: the drawing does not read back as a device")
+    stock = _stock(lines, options)
+    stem = identifier(mechanism.name)
+    made = _drawings(stem, mechanism.name, "a sheet of creases", lines, stock)
+    card = sheet.card
+    rows = [
+        {
+            "layer": mechanism.name,
+            "file": stem,
+            "material": "card" if card is None else f"card of {card.density:g} kg/m3",
+            "thickness": None if card is None else card.thickness,
+            "parts": sum(line.closed and line.pen.name == "border" for line in lines),
+            "area": area,
+            "mass": math.fsum(body.mass for body in mechanism.bodies),
+        }
+    ]
+    facets = math.fsum(s.polygon.area for b in mechanism.bodies for s in b.outline)
+    gap = abs(area / facets - 1.0)
+    if not gap <= SAME:
+        raise UnsupportedError(f"outlines enclose {area:g} m2, and facets have {facets:g} m2: facets overlap")
+    comparison = f"the outline encloses the area of all facets, to {gap:.1g}, relative"
+    bodies = [{"name": b.name, "mass": b.mass, "simulated": b.mass} for b in mechanism.bodies]
+    return made | _report(mechanism.name, rows, bodies, comparison, notes, stock, options)
+
+
+def _area(rims: Sequence[CutLine]) -> float:
+    """m² within outlines, less holes. Raises UnsupportedError where a rim does not close."""
+    if not all(line.closed for line in rims):
+        raise UnsupportedError("two rims of the sheet meet in a corner, so that its outline is not one line")
+    return math.fsum((-1.0 if line.pen.name == "hole" else 1.0) * Polygon(line.points).area for line in rims)
+
+
+def _compensated(rims: Sequence[CutLine], kerf: float) -> list[CutLine]:
+    """Outlines outward by half of the kerf, holes inward."""
+    whole = shapely.union_all([Polygon(line.points) for line in rims if line.pen.name == "border"])
+    holes = shapely.union_all([Polygon(line.points) for line in rims if line.pen.name == "hole"])
+    grown = offset(shapely.difference(whole, holes), 0.5 * kerf)
+    return rings_of(list(grown.geoms), ROLES["border"], ROLES["hole"])
+
+
+def _perforated(lines: Sequence[CutLine], pitch: float) -> list[CutLine]:
+    found: list[CutLine] = []
+    for line in lines:
+        if line.closed or line.pen.name in ("border", "cut", "flat"):
+            found.append(line)
+        else:
+            found += [open_line(dash, line.pen) for dash in dashes_of(shapely.LineString(line.points), pitch)]
+    return found
+
+
+def _stock(lines: Sequence[CutLine], options: ExportOptions) -> Stock:
+    low, high = bounds_of(lines)
+    assert not isinstance(options.stock, str)
+    return stock_of(low, high, options.stock, options.pins, options.kerf)
+
+
+def _drawings(stem: str, name: str, about: str, lines: Sequence[CutLine], stock: Stock) -> dict[str, bytes]:
+    placed = [replace(line, points=line.points + stock.shift) for line in lines] + list(stock.lines)
+    ordered = sorted(placed, key=lambda line: line.pen.name)  # by layers, holes first; else as they come
+    text = svg_text(ordered, f"{name}: {stem}", about, stock.page)
+    return {f"{stem}.dxf": dxf_bytes(ordered), f"{stem}.svg": text.encode()}
+
+
+def _report(
+    name: str,
+    layers: list[dict[str, Any]],
+    bodies: list[dict[str, Any]],
+    comparison: str,
+    notes: list[str],
+    stock: Stock,
+    options: ExportOptions,
+) -> dict[str, bytes]:
+    """README.md and cut.json: SI."""
+    data = {
+        "design": name,
+        "layers": layers,
+        "bodies": bodies,
+        "comparison": comparison,
+        "kerf": options.kerf,
+        "hinge_style": options.hinge_style,
+        "hinge_width": options.hinge_width,
+        "shift": stock.shift.tolist(),
+        "notes": [*notes, *([stock.note] if stock.note else []), SUPPORTS],
+    }
+    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return {REPORT: text.encode(), "README.md": readme(data).encode()}

@@ -1,0 +1,1 @@
+"""What leaves lamc for a cutter: lines of each layer in real size, as SVG and DXF."""

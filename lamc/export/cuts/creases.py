@@ -1,0 +1,121 @@
+"""Lines of a sheet of creases: outline, windows, cuts, creases by which way they fold.
+
+In: a `CreasedSheet`. Out: lines with pens that lamc's readers of drawings know, so that a drawing of them is the same
+sheet. What a drawing has no words for (names, stiffness, card, what is held) is told.
+"""
+
+import math
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, Polygon
+
+from lamc.basics.errors import UnsupportedError
+from lamc.export.creased import CreasedSheet, Edge
+from lamc.export.cuts.lines import ROLES, CutLine, Pen, closed, open_line
+from lamc.records.mechanism import Array, Joint
+from lamc.records.network import listed_names
+
+_SAME = 1e-9  # relative: stiffness by length that is one
+
+
+def lines_of_sheet(sheet: CreasedSheet) -> list[CutLine]:
+    """Windows first, creases, cuts, and the outline at last. Raises UnsupportedError for an angle that is no fold."""
+    lines = [CutLine(ring, True, ROLES["hole"]) for ring in sheet.windows]
+    folds = [_fold(sheet, edge) for edge in sheet.edges if edge.joint is not None]
+    flats = [_line(sheet, e, ROLES["flat"]) for e in sheet.edges if e.joint is None and e.inner]
+    lines += sorted(folds, key=lambda line: line.pen.name) + flats
+    rim: dict[tuple[int, ...], list[Edge]] = {}
+    for edge in sheet.edges:
+        if edge.joint is None and not edge.inner:
+            rim.setdefault(tuple(sorted(sheet.spots[v] for v in edge.ends)), []).append(edge)
+    lines += [_line(sheet, pair[0], ROLES["cut"]) for pair in rim.values() if len(pair) > 1]
+    return lines + _outlines(sheet, [pair[0] for pair in rim.values() if len(pair) == 1])
+
+
+def crease_of(sheet: CreasedSheet) -> float | None:
+    """N/rad, the stiffness by length that all sprung creases have; None where they differ, or there are none."""
+    lengths: dict[int, float] = {}
+    for edge in sheet.edges:
+        if edge.joint is not None:
+            start, end = sheet.vertices[list(edge.ends)]
+            lengths[edge.joint] = lengths.get(edge.joint, 0.0) + math.dist(start, end)
+    joints = sheet.mechanism.joints
+    found = [joints[k].stiffness / length for k, length in lengths.items() if joints[k].stiffness]
+    if not found or max(found) - min(found) > _SAME * max(found):
+        return None
+    return found[0]
+
+
+def point_of(sheet: CreasedSheet) -> Array:
+    """A point inside a facet that the world holds, m."""
+    held = [k for k, body in enumerate(sheet.mechanism.bodies) if body.fixed]
+    ring = next(r for r, body in zip(sheet.rings, sheet.bodies, strict=True) if body in held)
+    return np.array(Polygon(ring).representative_point().coords[0])
+
+
+def role_of(joint: Joint, sign: float) -> str:
+    """What a drawing calls a hinge. sign: 1 where its positive angles are valleys."""
+    if not joint.stiffness:
+        return "undriven"
+    if not joint.rest_angle:
+        return "hinge"
+    return "valley" if sign * joint.rest_angle > 0.0 else "mountain"
+
+
+def _fold(sheet: CreasedSheet, edge: Edge) -> CutLine:
+    assert edge.joint is not None
+    joint = sheet.mechanism.joints[edge.joint]
+    role = role_of(joint, sheet.sign(edge))
+    if abs(joint.rest_angle) > math.pi:
+        raise UnsupportedError(
+            f"hinge {joint.name!r} rests at {math.degrees(joint.rest_angle):g} degrees; drawings hold up to 180"
+        )
+    angle = abs(joint.rest_angle) if role in ("mountain", "valley") else None
+    return _line(sheet, edge, ROLES[role], angle)
+
+
+def _line(sheet: CreasedSheet, edge: Edge, pen: Pen, angle: float | None = None) -> CutLine:
+    return CutLine(_places(sheet, edge), False, pen, angle)
+
+
+def _places(sheet: CreasedSheet, edge: Edge) -> Array:
+    """Ends of an edge, m; vertices at one place are one to the last digit."""
+    found: Array = sheet.places[[sheet.spots[v] for v in edge.ends]]
+    return found
+
+
+def _outlines(sheet: CreasedSheet, edges: list[Edge]) -> list[CutLine]:
+    """Rims as closed lines, holes first; what stays open at corners that two rims share is left as it is."""
+    merged = shapely.line_merge(shapely.multilinestrings([LineString(_places(sheet, e)) for e in edges]))
+    parts = [part for part in shapely.get_parts(merged) if isinstance(part, LineString)]
+    rings = [part for part in parts if part.is_ring]
+    areas = [Polygon(ring) for ring in rings]
+    inner = [
+        any(k != j and areas[j].contains(areas[k].representative_point()) for j in range(len(areas)))
+        for k in range(len(areas))
+    ]
+    loose = [open_line(part, ROLES["border"]) for part in parts if not part.is_ring]
+    holes = [closed(r.coords, ROLES["hole"]) for r, within in zip(rings, inner, strict=True) if within]
+    return (
+        holes
+        + [closed(r.coords, ROLES["border"]) for r, w in zip(rings, inner, strict=True) if not w]
+        + loose
+    )
+
+
+def lost_in_drawing(sheet: CreasedSheet) -> list[str]:
+    """What the lines do not say, beside what keeps the mechanism from being a sheet."""
+    names = [joint.name for joint in sheet.mechanism.joints]
+    lost = [f"names of hinges and bodies ({listed_names(names)})"] if names else []
+    held = [body.name for body in sheet.mechanism.bodies if body.fixed]
+    if len(held) > 1:
+        lost.append(f"that all of {listed_names(held)} are held: --fixed holds one")
+    sprung = [joint for joint in sheet.mechanism.joints if joint.stiffness]
+    if sprung and crease_of(sheet) is None:
+        lost.append("stiffnesses that differ by length")
+    if any(joint.rest_angle and not joint.stiffness for joint in sheet.mechanism.joints):
+        lost.append("rest angles of hinges without springs")
+    if any(joint.damping for joint in sheet.mechanism.joints):
+        lost.append("damping of hinges")
+    return lost

@@ -1,0 +1,124 @@
+"""A layer of a drawing as a shape of material, or as hinge lines: for designs that take them from files.
+
+In: a drawing, the name of one of its layers, how far lines may be off. Out: a region, or lines, and mends. Never: makes
+a sheet of creases.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from shapely.geometry import MultiPolygon
+
+from lamc.basics.errors import DesignError
+from lamc.readers.drawings.heal import CREASES, DEFAULT, healed, size_of
+from lamc.readers.drawings.loose import left_out
+from lamc.readers.drawings.outlines import material, parting
+from lamc.readers.drawings.telling import told
+from lamc.records.design import Line
+from lamc.records.drawing import Drawing, Mend, Role, Stroke
+from lamc.records.mechanism import Array
+from lamc.records.network import listed_names
+
+_ROUND = frozenset[Role]({"border", "hole", "cut"})
+_HEAL = "heal:"  # as a design says it
+_STRAIGHT = 1e-6  # of a line's length: corners that lie so near to it are none
+
+
+def shape_of(
+    drawing: Drawing, layer: str | None, heal: float | None
+) -> tuple[MultiPolygon, tuple[Mend, ...]]:
+    """What the outlines of a layer enclose, those within others by turns left out, m; and what was mended.
+
+    layer  None: the whole drawing
+    heal   m; None: `DEFAULT` of the drawing's size
+
+    Raises DesignError for a layer that there is not, for gaps, and where nothing is enclosed.
+    """
+    drawn = _chosen(drawing, layer, _ROUND, "outlines")
+    # A layer of holes alone is asked for as a shape: to be cut.
+    only = all(stroke.role == "hole" for stroke in drawn)
+    strokes = [s if s.role == "hole" and not only else replace(s, role="border") for s in drawn]
+    tolerance = _tolerance(drawing, heal)
+    graph = healed(strokes, tolerance)
+    kept = parting(graph.points, graph.edges)
+    loose = left_out(graph, strokes, kept, tolerance, _HEAL)
+    holes = frozenset(e for e, k in zip(graph.edges, graph.strokes, strict=True) if strokes[k].role == "hole")
+    region = material(graph.points, [graph.edges[k] for k in kept], holes)
+    if region.is_empty:
+        raise DesignError(f"the lines of {_where(layer)} enclose nothing; draw closed outlines")
+    return region, (*graph.mends, *loose)
+
+
+def lines_of(
+    drawing: Drawing, layer: str | None, heal: float | None
+) -> tuple[tuple[Line, ...], tuple[Mend, ...]]:
+    """The straight hinge lines of a layer, m, from start to end as drawn, in the order of their lower left ends.
+
+    Doubled ones count once, and pieces in a row are one line. Raises DesignError for a layer that there is not.
+    """
+    strokes = _chosen(drawing, layer, CREASES, "hinge lines")
+    pieces = [
+        Stroke(np.array([a, b]), False, "hinge", source=stroke.source)
+        for stroke in strokes
+        for a, b in pairwise(_corners(stroke))
+    ]
+    graph = healed(pieces, _tolerance(drawing, heal))
+    found: list[Line] = []
+    by_piece: dict[int, list[Array]] = {}
+    for (a, b), k in zip(graph.edges, graph.strokes, strict=True):
+        by_piece.setdefault(k, []).append(graph.points[[a, b]])
+    for k, edges in by_piece.items():
+        start, end = pieces[k].points
+        along = end - start
+        places = sorted(np.concatenate(edges).tolist(), key=lambda p: float(np.subtract(p, start) @ along))
+        (x0, y0), (x1, y1) = places[0], places[-1]
+        found.append(((x0, y0), (x1, y1)))
+    return tuple(sorted(found, key=lambda line: (min(line), max(line)))), graph.mends
+
+
+def told_of(mends: Sequence[Mend], heal: float | None, drawing: Drawing) -> list[str]:
+    """Lines for a user."""
+    return told(mends, _tolerance(drawing, heal), _HEAL)
+
+
+def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: str) -> list[Stroke]:
+    """Strokes of those roles; on a layer without any, which was named for this, all but those to ignore."""
+    drawn = [stroke for stroke in drawing.strokes if stroke.role != "ignore"]
+    if layer is not None:
+        layers = sorted({stroke.layer for stroke in drawing.strokes if stroke.layer})
+        if layer not in layers:
+            named = f"its layers are {listed_names(layers)}" if layers else "it has none"
+            raise DesignError(f"the drawing has no layer {layer[:60]!r}; {named}")
+        drawn = [stroke for stroke in drawn if stroke.layer == layer]
+    found = [stroke for stroke in drawn if stroke.role in roles]
+    if not found and layer is not None:
+        found = drawn
+    if not found:
+        raise DesignError(f"{_where(layer)} has no {what}; say what its lines are for (roles: {{red: cut}})")
+    return found
+
+
+def _corners(stroke: Stroke) -> Array:
+    """Its corners, closed, without those in line with their neighbours."""
+    points = np.vstack([stroke.points, stroke.points[:1]]) if stroke.closed else stroke.points
+    kept = [points[0]]
+    for here, after in pairwise(points[1:]):
+        before = here - kept[-1]
+        onward = after - here
+        turn = before[0] * onward[1] - before[1] * onward[0]
+        if (
+            abs(turn) > _STRAIGHT * float(np.linalg.norm(before) * np.linalg.norm(onward))
+            or before @ onward < 0
+        ):
+            kept.append(here)
+    return np.array([*kept, points[-1]])
+
+
+def _tolerance(drawing: Drawing, heal: float | None) -> float:
+    return DEFAULT * size_of(drawing.strokes) if heal is None else heal
+
+
+def _where(layer: str | None) -> str:
+    return "the drawing" if layer is None else f"layer {layer[:60]!r}"

@@ -1,0 +1,62 @@
+"""Which files are drawings, and their reading; what cannot be read is told apart by its first bytes.
+
+In: bytes. Out: a `Drawing`, or None for a file of another kind. The content decides, not the name.
+"""
+
+from lamc.basics.errors import Place, UnsupportedError
+from lamc.readers.drawings.dxf_tags import is_dxf
+from lamc.readers.inert import Limits, Progress
+from lamc.records.card import SheetOptions
+from lamc.records.drawing import Drawing
+
+_FOREIGN = (
+    (
+        b"\x1f\x8b",
+        "is packed by gzip (.svgz)",
+        "unpack it, gunzip -c A.svgz > A.svg, or save it as plain SVG",
+    ),
+    (b"%PDF", "is PDF, or of Illustrator (.ai)", "save it as SVG or DXF in the program that made it"),
+    (b"%!PS", "is PostScript", "save it as SVG or DXF in the program that made it"),
+    (b"\xc5\xd0\xd3\xc6", "is PostScript", "save it as SVG or DXF in the program that made it"),
+    (b"AC10", "is DWG", "save it as DXF in the program that made it"),
+    (b"PK\x03\x04", "is an archive (zip)", "unpack it and name the drawing in it"),
+    (b"\x89PNG", "is a picture", "draw its lines over it, as SVG or DXF"),
+    (b"\xff\xd8\xff", "is a picture", "draw its lines over it, as SVG or DXF"),
+    (b"GIF8", "is a picture", "draw its lines over it, as SVG or DXF"),
+)
+
+
+def looks_like_xml(data: bytes) -> bool:
+    """True for bytes that begin as XML does, in UTF-8 or UTF-16."""
+    head = data[:400]
+    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        head = head[2:].replace(b"\0", b"")
+    head = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    return head[:1] == b"<" and (head[1:2].isalpha() or head[1:2] in (b"!", b"?", b"_"))
+
+
+def is_drawing(data: bytes) -> bool:
+    """True for a file that is meant as SVG or DXF. Quick; reads its first bytes."""
+    return looks_like_xml(data) or is_dxf(data)
+
+
+def drawing_in(
+    data: bytes, file: str, options: SheetOptions, limits: Limits, progress: Progress | None = None
+) -> Drawing | None:
+    """The drawing in a file; None for a file of another kind.
+
+    Raises DesignError with element or entity and place for what cannot be read, UnsupportedError for pictures, PDF,
+    DWG and packed files.
+    """
+    for mark, what, way_out in _FOREIGN:
+        if data.startswith(mark):
+            raise UnsupportedError(f"the file {what}, which lamc does not read: {way_out}", Place(file))
+    if looks_like_xml(data):
+        from lamc.readers.drawings.svg import read_svg  # svgelements, which files of other kinds do without
+
+        return read_svg(data, file, options, limits, progress)
+    if is_dxf(data):
+        from lamc.readers.drawings.dxf import read_dxf
+
+        return read_dxf(data, file, options, limits)
+    return None

@@ -1,0 +1,89 @@
+"""How a shape of an SVG is drawn: what it says itself, what style sheets say, what groups hand down.
+
+In: an element's declarations, and the style of what it lies in. Out: a `Style`.
+"""
+
+from dataclasses import dataclass, replace
+
+from lamc.readers.drawings.colours import Colour, colour_of
+from lamc.readers.drawings.notes import Notes
+from lamc.readers.drawings.svg_css import Declarations
+from lamc.readers.drawings.svg_tree import Element
+
+
+@dataclass(frozen=True)
+class Style:
+    """What a shape has of its own and of the groups that it lies in.
+
+    stroke, fill  colours; None for none
+    opacity       of the stroke, all groups' multiplied
+    layers        names of the groups, outermost first; True for those that a program calls layers
+    """
+
+    stroke: Colour | None = None
+    stroke_alpha: float = 1.0
+    stroke_opacity: float = 1.0
+    fill: Colour | None = (0, 0, 0)
+    color: tuple[Colour, float] = ((0, 0, 0), 1.0)
+    opacity: float = 1.0
+    is_visible: bool = True
+    layers: tuple[tuple[str, bool], ...] = ()
+
+    @property
+    def strength(self) -> float:
+        return self.opacity * self.stroke_opacity * self.stroke_alpha
+
+
+def styled(element: Element, above: Style, declared: Declarations, notes: Notes) -> Style | None:
+    """The style of an element; None where it is not drawn at all."""
+    said = {name: value.strip() for name, value in declared.items()}
+    if said.get("display", "").lower() == "none":
+        notes.add("is hidden (display: none)", element.source)
+        return None
+    for name in ("clip-path", "mask"):
+        if said.get(name, "none").lower() != "none":
+            notes.add(f"is drawn whole, its {name} is not applied", element.source)
+    said = {name: value for name, value in said.items() if value.lower() != "inherit"}
+    style = replace(above, opacity=above.opacity * _share(said.get("opacity", "1"), 1.0))
+    color = _paint(said.get("color", ""), above.color)
+    if color is not None:
+        style = replace(style, color=color)
+    if "stroke" in said:
+        stroke = _paint(said["stroke"], style.color)
+        if stroke is None and said["stroke"].lower().startswith("url("):
+            notes.add("is stroked with a gradient or pattern, which has no colour", element.source)
+        paint, alpha = stroke if stroke is not None else (None, 1.0)
+        style = replace(style, stroke=paint, stroke_alpha=alpha)
+    if "fill" in said:
+        fill = _paint(said["fill"], style.color)
+        style = replace(style, fill=fill[0] if fill is not None else None)
+    if "stroke-opacity" in said:
+        style = replace(style, stroke_opacity=_share(said["stroke-opacity"], style.stroke_opacity))
+    if "visibility" in said:
+        style = replace(style, is_visible=said["visibility"].lower() == "visible")
+    if element.tag in _NAMED and element.label and element.parent is not None:
+        is_layer = element.get("inkscape:groupmode") == "layer"
+        style = replace(style, layers=(*style.layers, (element.label, is_layer)))
+    return style
+
+
+_NAMED = frozenset(("g", "svg", "a", "use", "symbol"))
+
+
+def _paint(text: str, current: tuple[Colour, float]) -> tuple[Colour, float] | None:
+    """A colour and its opacity; None for none."""
+    if text.lower() == "currentcolor":
+        return current
+    if text.lower().startswith("url("):  # what stands behind it is drawn where there is no such gradient
+        return None
+    return colour_of(text) if text else None
+
+
+def _share(text: str, inherited: float) -> float:
+    """An opacity, 0 to 1; what cannot be read changes nothing, as in CSS."""
+    word = text.strip()
+    try:
+        value = float(word[:-1]) / 100.0 if word.endswith("%") else float(word)
+    except ValueError:
+        return inherited
+    return min(max(value, 0.0), 1.0) if value == value else inherited

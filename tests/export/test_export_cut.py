@@ -1,0 +1,491 @@
+"""Cut files: what they leave is the design that was simulated, in real size, closed, and the same bytes each time."""
+
+import io
+import json
+import math
+import warnings
+from collections.abc import Mapping
+from itertools import combinations
+from pathlib import Path
+from xml.etree import ElementTree
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+import svgelements
+from ezdxf.entities import LWPolyline
+from shapely.geometry import LineString, MultiPolygon, Polygon
+
+import lamc
+from lamc import examples
+from lamc.basics import yaml_text
+from lamc.basics.errors import DesignWarning, ExportError, UnsupportedError
+from lamc.design.split import split_steps
+from lamc.export import files_of
+from lamc.export.cut import told
+from lamc.export.cuts.plan import difference, plan_of
+from lamc.export.options import options_from
+from lamc.readers.load import load_text
+from lamc.readers.native_writer import design_text
+from lamc.records.design import Design
+from tests.support import fold_corpus as corpus
+
+DESIGNS = [
+    name for name in examples.names() if name not in ("bricard", "stiff_triple", "n_four_bar")
+]  # mechanisms
+# Coordinates in mm of m are a rounding or two off: of areas some 1e-16 of the box about them, relative.
+SAME = 1e-9
+Line = tuple[str, bool, np.ndarray]
+
+
+def example(name: str) -> Design:
+    found = examples.find(name)
+    design = lamc.load(found.path) if found.path is not None else load_text(found.text, name)
+    assert isinstance(design, Design)
+    return design
+
+
+def cut(design: lamc.Design | lamc.Mechanism, **options: object) -> Mapping[str, bytes]:
+    return files_of(design, "cut", options=options_from(**options))
+
+
+def dxf_lines(data: bytes) -> list[Line]:
+    """Layer, whether it is closed, points in m."""
+    document = ezdxf.read(io.StringIO(data.decode("cp1252")))
+    assert document.header["$INSUNITS"] == 4
+    assert not document.audit().has_errors
+    found = []
+    for entity in document.modelspace():
+        assert isinstance(entity, LWPolyline)
+        found.append((entity.dxf.layer, entity.closed, 1e-3 * np.array(entity.get_points("xy"))))
+    return found
+
+
+def svg_lines(data: bytes) -> list[Line]:
+    """The same of SVG; y runs down the page.
+
+    Paths are read one by one: of a page in mm svgelements takes an inch for 25.39999 mm."""
+    root = ElementTree.fromstring(data.decode())
+    _, _, width, height = root.attrib["viewBox"].split()
+    assert (root.attrib["width"], root.attrib["height"]) == (f"{width}mm", f"{height}mm")  # 1 is 1 mm
+    found = []
+    for group in root.iterfind("{*}g"):
+        name = group.attrib["{http://www.inkscape.org/namespaces/inkscape}label"]
+        for element in group:
+            path = svgelements.Path(element.attrib["d"])
+            points = [(s.end.x, s.end.y) for s in path if not isinstance(s, svgelements.Close)]
+            found.append((name, isinstance(path[-1], svgelements.Close), 1e-3 * np.array(points)))
+    return found
+
+
+def area(lines: list[Line]) -> float:
+    """m² within outlines, less holes; every one closed."""
+    rings = [
+        (name, is_closed, points) for name, is_closed, points in lines if name in ("1_holes", "3_outline")
+    ]
+    assert all(is_closed for _, is_closed, _ in rings)
+    return math.fsum((-1.0 if name == "1_holes" else 1.0) * Polygon(points).area for name, _, points in rings)
+
+
+def parts(lines: list[Line]) -> MultiPolygon:
+    outlines = shapely.union_all([Polygon(p) for name, _, p in lines if name == "3_outline"])
+    holes = shapely.union_all([Polygon(p) for name, _, p in lines if name == "1_holes"])
+    found = shapely.difference(outlines, holes)
+    return MultiPolygon(list(shapely.get_parts(found)))
+
+
+@pytest.mark.parametrize("name", ["flaps", "four_bar", "waterbomb", "folding_box", "pendulum"])
+def test_files_read_back_with_the_areas_of_the_simulated_bodies(name: str) -> None:
+    design = example(name)
+    made = cut(design)
+    steps = split_steps(design)
+    report = json.loads(made["cut.json"])
+    total = 0.0
+    for k, (layer, row) in enumerate(zip(design.layers, report["layers"], strict=True)):
+        drawings = dxf_lines(made[f"{row['file']}.dxf"]), svg_lines(made[f"{row['file']}.svg"])
+        assert len(drawings[0]) == len(drawings[1])
+        z = design.z[k]
+        # Bodies as simulated: film at hinges is none of theirs, since it is taken to weigh on neither side.
+        bodies = math.fsum(
+            s.polygon.area for b in steps.mechanism.bodies for s in b.outline if s.z_bottom == z
+        )
+        slits = 0.0
+        if layer.material.is_flexible:
+            bent = [h for h in steps.hinges if h.properties.layer == k]
+            grown = shapely.union_all([shapely.buffer(h.line, 0.1 * h.properties.width) for h in bent])
+            slits = float(shapely.intersection(grown, plan_of(design).layers[k].parts).area)
+        for lines in drawings:
+            assert area(lines) == pytest.approx(bodies + slits, rel=SAME)
+            assert area(lines) == pytest.approx(row["area"], rel=SAME)
+        total += row["area"] * layer.thickness * layer.material.density
+    assert total == pytest.approx(math.fsum(row["mass"] for row in report["layers"]), rel=SAME)
+
+
+@pytest.mark.parametrize("name", ["flaps", "four_bar", "folding_box"])
+def test_a_design_of_its_cut_files_is_the_simulated_device(tmp_path: Path, name: str) -> None:
+    """Through lamc's reader of DXF: what a cutter gets is drawn anew, and split."""
+    design = example(name)
+    folder = lamc.export(design, "cut", out=tmp_path)
+    data = yaml_text.scalar  # names and numbers
+    text = design_text(design).splitlines()
+    start, end = (next(k for k, line in enumerate(text) if line == word) for word in ("shapes:", "hinges:"))
+    shapes = [
+        f"  - {{shape: {{file: {data(path.name)}, heal: 0}}, layers: {data(layer.name)}}}"
+        for layer, path in zip(design.layers, sorted(folder.glob("*.dxf")), strict=True)
+    ]
+    (tmp_path / "again.yaml").write_text(
+        "\n".join([*text[: start + 1], *shapes, *text[end:]]), encoding="utf-8"
+    )
+    again = lamc.load(tmp_path / "again.yaml")
+    made, drawn = lamc.split(again), lamc.split(design)
+    assert [body.name for body in made.bodies] == [body.name for body in drawn.bodies]
+    for one, other in zip(made.bodies, drawn.bodies, strict=True):
+        assert difference(one, other, drawn.size) <= SAME
+    assert [(j.name, j.parent, j.child) for j in made.joints] == [
+        (j.name, j.parent, j.child) for j in drawn.joints
+    ]
+
+
+def test_drawings_of_layers_lie_over_one_another() -> None:
+    made = cut(example("four_bar"))
+    apart = [
+        np.mean([p.mean(axis=0) * (1.0, -1.0) for *_, p in svg_lines(made[name])], axis=0)
+        - np.mean([p.mean(axis=0) for *_, p in dxf_lines(made[name.replace(".svg", ".dxf")])], axis=0)
+        for name in sorted(made)
+        if name.endswith(".svg")
+    ]
+    np.testing.assert_allclose(apart, [apart[0]] * len(apart), rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_what_is_left_is_the_simulated_device(name: str) -> None:
+    design = example(name)
+    plan = plan_of(design)
+    assert plan.largest_difference <= SAME
+    for body in plan.drawn.bodies:
+        assert plan.left.body(body.name).mass == pytest.approx(body.mass, rel=SAME)
+    assert "bodies that the cuts leave are those that are simulated" in "\n".join(told(cut(design)))
+
+
+def test_the_film_stays_whole_and_boards_are_cut() -> None:
+    made = cut(example("waterbomb"))
+    assert len(parts(dxf_lines(made["2_film.dxf"])).geoms) == 1
+    assert len(parts(dxf_lines(made["1_lower_board.dxf"])).geoms) == 6
+
+
+def test_boards_over_a_gap_are_told_and_cut_by_it_when_asked() -> None:
+    design = example("waterbomb")
+    as_drawn, by_gap = cut(design), cut(design, hinge_width="gap")
+    assert any("boards reach into the gap of" in line for line in told(as_drawn))
+    assert not any("boards reach" in line for line in told(by_gap))
+    assert any("not those that are simulated" in line for line in told(by_gap))
+    wide = parts(dxf_lines(by_gap["1_lower_board.dxf"]))
+    for hinge_set in design.hinges:
+        for hinge in hinge_set.lines:
+            strip = shapely.buffer(LineString(hinge.line), hinge_set.width, cap_style="flat")
+            assert wide.intersection(strip).area <= 1e-9 * strip.area
+
+
+def test_a_length_is_the_width_of_slits() -> None:
+    made = cut(example("waterbomb"), hinge_width="3 mm")
+    board = parts(dxf_lines(made["1_lower_board.dxf"]))
+    near = [board.distance(LineString(line.line)) for h in example("waterbomb").hinges for line in h.lines]
+    assert near == pytest.approx(
+        [1.5e-3] * len(near), rel=0.01
+    )  # caps of 32 corners stand half a per cent in
+
+
+def test_kerf_moves_outlines_out_and_holes_in() -> None:
+    kerf = 0.1e-3
+    design = example("four_bar")
+    plain, made = cut(design), cut(design, kerf="0.1 mm")
+    for name in plain:
+        if name.endswith(".dxf"):
+            drawn, moved = parts(dxf_lines(plain[name])), parts(dxf_lines(made[name]))
+            assert moved.area > drawn.area
+            eaten = shapely.buffer(moved, -kerf / 2, join_style="mitre", mitre_limit=10.0)
+            # 1e-6: offsets of the round caps, of some um at gaps' ends, are of their corners.
+            assert shapely.symmetric_difference(eaten, drawn).area <= 1e-6 * drawn.area
+    assert told(plain)[:5] == told(made)[:5]  # areas and masses are those before the kerf
+
+
+@pytest.mark.parametrize("name", ["flaps", "waterbomb", "folding_box", "five_bar", "kresling"])
+def test_a_beam_as_wide_as_the_kerf_leaves_the_parts(name: str) -> None:
+    """All lines are run along by a disc; what it does not touch within the outlines is what was to be cut."""
+    kerf = 0.1e-3
+    design = example(name)
+    made = cut(design, kerf=kerf)
+    for layer, row in zip(plan_of(design).layers, json.loads(made["cut.json"])["layers"], strict=True):
+        lines = dxf_lines(made[f"{row['file']}.dxf"])
+        assert not any(each == "2_slits" for each, *_ in lines)  # none of these is as narrow
+        runs = [LineString(np.vstack([p, p[:1]]) if is_closed else p) for _, is_closed, p in lines]
+        left = shapely.difference(
+            parts(lines), shapely.buffer(shapely.union_all(runs), kerf / 2, quad_segs=32)
+        )
+        wrong = shapely.symmetric_difference(left, layer.parts).area
+        # In each inward corner the disc leaves a fillet of at most (1 - pi/4) r^2, more where the corner is sharp.
+        assert wrong <= len(shapely.get_coordinates(layer.parts)) * (kerf / 2) ** 2
+
+
+def test_slits_narrower_than_the_kerf_are_cut_once_and_part_their_boards() -> None:
+    kerf = 0.5e-3  # the drawn gap is 0.4 mm wide
+    made = cut(example("flaps"), kerf=kerf)
+    lines = dxf_lines(made["1_lower.dxf"])
+    slits = [LineString(p) for name, _, p in lines if name == "2_slits"]
+    assert len(slits) == 2
+    beam = shapely.union_all([shapely.buffer(line, kerf / 2) for line in slits])
+    assert len(shapely.get_parts(shapely.difference(parts(lines), beam))) == 3
+    assert any("2 slits of hinges are narrower than the kerf of 500 um" in line for line in told(made))
+
+
+def test_a_gap_as_wide_as_the_kerf_is_cut_once() -> None:
+    """Of such a gap the offsets leave slivers of no width, which are no holes."""
+    made = cut(example("kresling"), kerf="1 mm")
+    lines = dxf_lines(made["1_lower.dxf"])
+    assert not [name for name, *_ in lines if name == "1_holes"]
+    beam = shapely.union_all(
+        [shapely.buffer(LineString(p), 0.5e-3) for name, _, p in lines if name == "2_slits"]
+    )
+    drawn = plan_of(example("kresling")).layers[0].parts
+    assert len(shapely.get_parts(shapely.difference(parts(lines), beam))) == len(drawn.geoms)
+
+
+def test_parts_that_the_kerf_leaves_in_one_are_refused_with_the_place() -> None:
+    design = example("four_bar")  # its boards lie in lanes 2 mm apart
+    with pytest.raises(ExportError, match=r"two parts of layer '\w+' are .* less than the kerf of 2500 um"):
+        cut(design, kerf="2.5 mm")
+
+
+def test_corners_that_meet_where_parts_are_a_kerf_apart_become_round() -> None:
+    """Boards of the four-bar have corners 1.005 mm from each other, and sharp offsets of them cross."""
+    lines = dxf_lines(cut(example("four_bar"), kerf="1 mm")["2_lower_board.dxf"])
+    slits = [LineString(p) for name, _, p in lines if name == "2_slits"]
+    beam = shapely.union_all([shapely.buffer(line, 0.5e-3) for line in slits])
+    assert len(shapely.get_parts(shapely.difference(parts(lines), beam))) == 3
+
+
+def test_a_slit_that_ends_in_a_part_is_not_lengthened_by_the_kerf() -> None:
+    """The stroke's line ends where the wing's holder goes on: it is cut no farther than simulated."""
+    design = example("flapping_wing")
+    made = cut(design, kerf="25 um")  # slits are 20 and 14 um wide
+    slits = [LineString(p) for name, _, p in dxf_lines(made["1_frame.dxf"]) if name == "2_slits"]
+    assert len(slits) >= 1
+    inside = shapely.buffer(split_steps(design).cut[0], -1e-9)
+    assert not any(shapely.intersects(slit, inside) for slit in slits)
+
+
+def square_with_hole(width: float) -> Design:
+    board = lamc.Material("board", 1000.0, is_rigid=True)
+    film = lamc.Material("film", 1000.0, is_flexible=True)
+    from lamc.records.design import HingeLine, HingeSet, Layer
+
+    window = shapely.box(2e-3, 2e-3, 2e-3 + width, 5e-3)
+    sheet = shapely.difference(shapely.box(0, 0, 20e-3, 10e-3), window)
+    layers = tuple(
+        Layer(n, m, 1e-4, MultiPolygon([sheet])) for n, m in (("board", board), ("film <&>", film))
+    )
+    hinge = HingeSet((HingeLine(((10e-3, 0.0), (10e-3, 10e-3)), "h"),), 2e-4, 1, (0, 1))
+    fixed = MultiPolygon([shapely.box(0, 0, 1e-3, 1e-3)])
+    return Design("a/b <&>", layers, (hinge,), (fixed, MultiPolygon()))
+
+
+def test_holes_that_the_kerf_closes_are_told_with_their_place() -> None:
+    notes = told(cut(square_with_hole(0.05e-3), kerf="0.1 mm"))
+    assert any("'board': narrower than the kerf, and not cut: (2.025, 3.5) mm" in line for line in notes)
+    assert not any("not cut" in line for line in told(cut(square_with_hole(0.5e-3), kerf="0.1 mm")))
+
+
+def test_names_are_text_in_every_file() -> None:
+    made = cut(square_with_hole(0.5e-3))
+    assert sorted(made) == sorted(
+        ["1_board.dxf", "1_board.svg", "2_film.dxf", "2_film.svg", "README.md", "cut.json"]
+    )
+    for name, data in made.items():
+        if name.endswith(".svg"):
+            slit = 0.4e-6 if "board" in name else 0.0
+            assert area(svg_lines(data)) == pytest.approx(200e-6 - 1.5e-6 - slit, rel=SAME)
+
+
+def test_castellated_boards_have_tabs_to_the_line_by_turns() -> None:
+    design = example("flaps")
+    board = parts(dxf_lines(cut(design, hinge_style="castellated, 2 mm")["1_lower.dxf"]))
+    assert len(board.geoms) == 3
+    along = np.arange(6) * 2e-3 + 1e-3  # the middle of each of six tabs on 12 mm
+    sides = [shapely.contains_xy(board, -20e-3 + s * 0.1e-3, y) for y in along for s in (-1.0, 1.0)]
+    assert sum(sides) == 6
+    assert all(left != right for left, right in zip(sides[::2], sides[1::2], strict=True))
+    assert [sides[2 * k] for k in range(6)] in ([True, False] * 3, [False, True] * 3)
+    gaps = [a.distance(b) for a, b in combinations(board.geoms, 2)]
+    assert min(gaps) >= 0.04e-3 * (1.0 - 1e-6)  # a tenth of half the gap to either side of the line
+
+
+def test_tabs_leave_room_for_the_kerf_or_are_refused() -> None:
+    made = cut(example("flaps"), hinge_style="castellated", kerf="0.1 mm")
+    assert len(parts(dxf_lines(made["1_lower.dxf"])).geoms) == 3
+    with pytest.raises(ExportError, match=r"between tabs of hinge 'left' there is no room for the kerf"):
+        cut(example("flaps"), hinge_style="castellated", kerf="0.3 mm")
+
+
+def test_perforations_are_half_of_the_line_with_film_at_both_ends() -> None:
+    made = cut(example("flaps"), hinge_style="perforated, 1 mm")
+    dashes = [p for name, _, p in dxf_lines(made["2_film.dxf"]) if name == "2_slits"]
+    assert len(dashes) == 24  # two hinges of 12 mm
+    assert sum(math.dist(*dash) for dash in dashes) == pytest.approx(12e-3, rel=SAME)
+    assert min(dash[:, 1].min() for dash in dashes) == pytest.approx(0.25e-3, rel=SAME)
+    assert area(dxf_lines(made["2_film.dxf"])) == pytest.approx(1320e-6, rel=SAME)
+
+
+def test_all_layers_have_the_same_frame_and_pins() -> None:
+    options = {"stock": "300mm x 200mm", "pins": "3 mm", "kerf": "0.1 mm"}
+    made = cut(example("four_bar"), **options)
+    shared = []
+    for name in sorted(made):
+        if name.endswith(".dxf"):
+            lines = dxf_lines(made[name])
+            frame = [p for layer, _, p in lines if layer == "4_reference"]
+            pins = [Polygon(p) for layer, _, p in lines if layer == "1_holes" and len(p) == 128]
+            assert np.ptp(frame[0], axis=0) == pytest.approx([0.3, 0.2])
+            # 2.9 mm wide: the cutter takes 0.05 mm around
+            assert [pin.area for pin in pins] == pytest.approx([math.pi * 1.45e-3**2] * 4, rel=SAME)
+            middles = np.array([pin.centroid.coords[0] for pin in pins])
+            turned = 2.0 * middles.mean(axis=0) - middles
+            assert not all(min(math.dist(a, b) for b in middles) < 1e-3 for a in turned)
+            shared.append(middles)
+            whole = parts(lines).bounds
+            assert min(whole[0], whole[1]) > 0.0
+            assert whole[2] < 0.3
+    assert all(np.array_equal(each, shared[0]) for each in shared)
+    svg = made["1_lower_film.svg"].decode()
+    assert 'width="300mm" height="200mm" viewBox="0 0 300 200"' in svg
+    plain = json.loads(cut(example("four_bar"))["cut.json"])
+    assert plain["layers"] == json.loads(made["cut.json"])["layers"]
+
+
+def test_a_sheet_that_is_too_small_is_refused_with_what_it_needs() -> None:
+    with pytest.raises(ExportError, match=r"--sheet \(stock\) is 100 mm x 20 mm; .* need 110 mm x 12 mm"):
+        cut(example("flaps"), stock=(0.1, 0.02))
+    with pytest.raises(ExportError, match=r"turned by 90 degrees"):
+        cut(example("flaps"), stock=(0.02, 0.12))
+    with pytest.raises(ExportError, match=r"--pins \(pins\) is 0.05 mm, no wider than the kerf"):
+        cut(example("flaps"), pins="50 um", kerf="0.1 mm")
+
+
+@pytest.mark.parametrize(
+    ("options", "reported"),
+    [
+        ({"hinge_style": "wavy"}, "must be gap, castellated or perforated"),
+        ({"hinge_style": "gap, 2 mm"}, "must be gap"),
+        ({"hinge_width": "0 mm"}, "must be above 0"),
+        ({"kerf": -1e-4}, "at least 0"),
+        ({"kerf": math.nan}, "finite"),
+        ({"kerf": 0.1}, r"is 0\.1 m, .* write '0\.1 mm'"),
+        ({"stock": "300 x 200"}, "write '300 mm'"),
+        ({"pins": 3}, "write '3 mm'"),
+        ({"hinge_width": "1"}, "write '1 mm'"),
+        ({"pins": 0}, "must be above 0"),
+        ({"stock": "300 mm"}, "must be width and height"),
+        ({"stock": "300 kg x 2 mm"}, "width of --sheet"),
+        ({"lossy": True}, "cut has no use for it"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(options: dict[str, object], reported: str) -> None:
+    with pytest.raises(ExportError, match=reported):
+        cut(example("flaps"), **options)
+
+
+def test_a_scene_makes_no_cut() -> None:
+    with pytest.raises(ExportError, match="nothing moves"):
+        files_of(example("flaps"), "cut", lamc.Scene())
+
+
+def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    options = {"kerf": "0.1 mm", "stock": "300mm x 200mm", "pins": 3e-3}
+    first, second = cut(example("flaps"), **options), cut(example("flaps"), **options)
+    assert first == second
+    assert ezdxf.options.write_fixed_meta_data_for_testing is before
+    text = first["1_lower.dxf"].decode("cp1252")
+    assert "{00000000-0000-0000-0000-000000000000}" in text  # no random identifier
+    lamc.export(example("flaps"), "cut", out=tmp_path / "out", **options)
+    assert (tmp_path / "out" / "1_lower.dxf").read_bytes() == first["1_lower.dxf"]
+
+
+def sheet(data: corpus.Data, folder: Path) -> lamc.Mechanism:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        made = lamc.load(corpus.write(folder / "sheet.fold", data))
+    assert isinstance(made, lamc.Mechanism)
+    return made
+
+
+def test_a_sheet_of_creases_is_outline_and_creases(tmp_path: Path) -> None:
+    made = cut(sheet(corpus.miura(3, 3), tmp_path))
+    for lines in (dxf_lines(made["sheet.dxf"]), svg_lines(made["sheet.svg"])):
+        (border,) = [(closed, p) for name, closed, p in lines if name == "border"]
+        assert border[0]
+        assert Polygon(border[1]).area == pytest.approx(
+            9 * corpus.ALONG * corpus.ACROSS * math.sin(corpus.ACUTE) * 1e-6, rel=SAME
+        )
+        kinds = [name.split("_")[0] for name, *_ in lines]
+        assert (kinds.count("mountain"), kinds.count("valley")) == (6, 6)
+    assert any(name == "mountain_-60" for name, *_ in dxf_lines(made["sheet.dxf"]))
+    assert 'stroke-opacity="0.3333333333333333"' in made["sheet.svg"].decode()
+
+
+def test_a_slit_in_a_sheet_is_a_cut(tmp_path: Path) -> None:
+    data = corpus.box_net()
+    hinge = data["edges_assignment"].index("V")
+    data["edges_assignment"][hinge], data["edges_foldAngle"][hinge] = "C", None
+    lines = dxf_lines(cut(sheet(data, tmp_path))["sheet.dxf"])
+    names = [name for name, *_ in lines]
+    assert names.count("cut") == 1
+    assert sum(name.startswith("valley") for name in names) == 4
+
+
+def test_kerf_and_dashes_of_a_sheet(tmp_path: Path) -> None:
+    made = sheet(corpus.waterbomb(), tmp_path)
+    lines = dxf_lines(cut(made, kerf="0.2 mm", hinge_style="perforated, 2 mm")["sheet.dxf"])
+    (border,) = [Polygon(p) for name, _, p in lines if name == "border"]
+    assert border.area == pytest.approx((80.2e-3) ** 2, rel=SAME)
+    dashes = [p for name, _, p in lines if name.startswith(("mountain", "valley"))]
+    length = 4 * math.hypot(40e-3, 40e-3) + 80e-3
+    assert sum(math.dist(*dash) for dash in dashes) == pytest.approx(0.5 * length, rel=SAME)
+
+
+def test_what_is_no_sheet_is_told(tmp_path: Path) -> None:
+    flaps = lamc.split(example("flaps"))
+    bare = lamc.Mechanism(flaps.bodies, flaps.joints, "bare")  # without its drawing
+    with pytest.raises(UnsupportedError, match=r"no sheet of creases.*layers of several heights"):
+        cut(bare)
+    with pytest.raises(ExportError, match="boards beside hinges"):
+        cut(sheet(corpus.waterbomb(), tmp_path), hinge_style="castellated")
+
+
+def test_a_child_to_the_right_of_its_axis_folds_the_other_way(tmp_path: Path) -> None:
+    made = sheet(corpus.folded_pair(0.7), tmp_path)
+    joint = made.joints[0]
+    turned = lamc.Joint(
+        joint.name,
+        joint.child,
+        joint.parent,
+        joint.point,
+        joint.axis,
+        joint.stiffness,
+        joint.damping,
+        joint.rest_angle,
+    )
+    same = lamc.Joint(
+        joint.name,
+        joint.parent,
+        joint.child,
+        joint.point,
+        -joint.axis,
+        joint.stiffness,
+        joint.damping,
+        -joint.rest_angle,
+    )
+    for other, is_mountain in ((joint, False), (same, False), (turned, True)):
+        lines = dxf_lines(cut(lamc.Mechanism(made.bodies, (other,), "pair"))["pair.dxf"])
+        assert any(name.startswith("mountain") for name, *_ in lines) == is_mountain
+        assert any(name.startswith("valley") for name, *_ in lines) != is_mountain

@@ -174,6 +174,12 @@ _sheet = together(
         metavar="LENGTH",
         help="Of an SVG or DXF file: how far ends of lines may be off, '50 um'; 0 mends nothing.",
     ),
+    click.option(
+        "--facets",
+        type=click.Choice(["rigid", "bend"]),
+        help="Of a sheet of creases: whether facets bend.  [default: where nothing moves otherwise]",
+        show_default=False,
+    ),
 )
 
 
@@ -190,6 +196,7 @@ def sheeted(function: Function) -> Function:
         roles: tuple[str, ...],
         roles_file: str | None,
         heal: str | None,
+        facets: Any,
         **given: Any,
     ) -> int:
         from lamc.records.card import Card, SheetOptions, fixed_of, roles_of  # `--help` does without it
@@ -207,6 +214,7 @@ def sheeted(function: Function) -> Function:
                 units,
                 every or None,
                 heal,
+                facets,
             )
         except DesignError as error:
             raise click.UsageError(str(error)) from error

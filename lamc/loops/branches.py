@@ -214,20 +214,25 @@ def _branch(geometry: LoopGeometry, rates: Array, freedoms: int) -> Branch:
 
 
 def _leads_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) -> bool:
-    if fit is EXACTLY:
-        return moved_out(geometry, angles, rates) is not None
-    return any(walk(geometry, angles, way * rates, fit.weak, 1) for way in (1.0, -1.0))
+    ways = (1.0,) if fit is EXACTLY else (1.0, -1.0)
+    return any(moved_out(geometry, angles, way * rates, fit) is not None for way in ways)
 
 
 def moved_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit = EXACTLY) -> Array | None:
-    """The closed position (n,) that is OUT from a singular one along a branch; None where none is near."""
+    """The closed position (n,) that is OUT from a singular one along a branch, or farther where loops fit badly; None
+    where none is near."""
     held = int(np.argmax(np.abs(rates)))
     guess = angles + OUT / abs(rates[held]) * rates
     # Nearly, fading equations are as weak as a misfit is: the place stays open by the second order.
     cutoff = SOLVE if fit is EXACTLY else OUT * fit.weak
     place, error = settle(geometry, guess, np.arange(len(rates)) != held, cutoff)
     near = np.abs(place - guess).max() < BENDS * OUT**2
-    return place if error <= max(CLOSED, fit.zero * OUT**2 if fit is not EXACTLY else 0.0) and near else None
+    if error <= max(CLOSED, fit.zero * OUT**2 if fit is not EXACTLY else 0.0) and near:
+        return place
+    if fit is EXACTLY:
+        return None
+    places = walk(geometry, angles, rates, fit.weak, 1)  # farther out, where less is left of a misfit
+    return places[0].angles if places else None
 
 
 def _binary(forms: Array, fit: Fit) -> list[tuple[Array, int]]:

@@ -49,7 +49,10 @@ def _orders(
     """What loads do a little along a branch: the first order, and the second there and along its opposite, minus
     infinity where it has no opposite."""
     forth, back = moved_out(geometry, angles, way, fit), moved_out(geometry, angles, -way, fit)
-    assert forth is not None, "a branch was followed when it was found"
+    if forth is None:  # loops that fit badly may close on one side only
+        assert back is not None, "a branch was followed when it was found"
+        behind, inertia = push(back, -way)
+        return (0.0, (0.0, 0.0)) if not inertia > 0.0 else (0.0, (-math.inf, behind / inertia))
     ahead, inertia = push(forth, way)
     if not inertia > 0.0:
         return 0.0, (0.0, 0.0)

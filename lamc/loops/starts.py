@@ -210,7 +210,11 @@ class Starter:
         way = float(np.sign(number)) * branches[abs(number) - 1].row(self.geometry.names)
         if not given:
             place = moved_out(self.geometry, angles, way, self.count.fit)
-            assert place is not None, "a branch was followed when it was found"
+            if place is None:  # of loops that fit badly; exact ones have both ways
+                raise DesignError(
+                    f"branch {number} leads nowhere: the loops fit badly, and close on its other side only; choose "
+                    f"{-number}"
+                )
             return place, np.zeros(self.size)
         rates = self._scaled(way, given)
         if rates is None:

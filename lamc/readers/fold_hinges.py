@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from lamc.readers.fold_bending import FACET, STIFFER
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, pair_of
 from lamc.readers.fold_groups import Crease, ends_of
@@ -91,6 +92,8 @@ class Hinges:
         own = self.own.hinges[crease.edges[0]] if self.own.hinges else None
         name = own.name if own else f"E{crease.edges[0]}"
         per_length = self.crease if self.crease is not None else CREASE
+        if self.frame.kinds[crease.edges[0]] == FACET:
+            per_length *= STIFFER
         drives, rest = self._rest(crease, name)
         stiffness = per_length * length if drives else 0.0
         damping = 2.0 * _DAMPED * math.sqrt(per_length * length * lever)

@@ -15,6 +15,7 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.basics.units import LENGTH, to_si
 from lamc.design.mass import body_properties
+from lamc.readers.fold_bending import CREASED, STIFFER, bending, moves
 from lamc.readers.fold_faces import (
     Face,
     beside_edges,
@@ -40,6 +41,7 @@ HAND = (
     2.0,
 )  # m: sheets that hands fold; where millimetres make no such sheet, the numbers are shares of one
 USUAL = 0.1  # m, the longer side of a sheet then
+OFF = 1e-3  # of the sheet's size: loops of a drawn sheet that close so far are meant to close, and paper yields more
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
 
 
@@ -48,7 +50,22 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
 
     Raises DesignError with edge, face or vertex for what cannot be.
     """
-    return _Sheet(frame, options).mechanism(stem)
+    sheet = _Sheet(frame, options)
+    made, notes = sheet.mechanism(stem)
+    chosen = options.facets
+    creased = any(kind in CREASED for kind in frame.kinds)
+    if frame.own or chosen == "rigid" or (chosen is None and (moves(made) or not creased)):
+        return made, notes
+    facets = sheet.facets()
+    bent, told = _Sheet(bending(frame, facets.faces, facets.corners), options).mechanism(stem)
+    if chosen is None:
+        if not moves(bent):
+            return made, notes
+        told.append(
+            "nothing moves while facets are rigid: they bend along diagonals and flat lines, "
+            f"{STIFFER:g} times as stiff as creases of the same length (--facets rigid leaves them rigid)"
+        )
+    return bent, told
 
 
 @dataclass(frozen=True)
@@ -74,7 +91,7 @@ class _Sheet:
 
     def mechanism(self, stem: str) -> tuple[Mechanism, list[str]]:
         frame = self.frame
-        facets = self._facets()
+        facets = self.facets()
         own = own_of(frame.own, len(facets.faces), len(frame.edges))
         together: dict[str, list[int]] = {}
         for face, name in enumerate(own.bodies or ()):
@@ -107,11 +124,10 @@ class _Sheet:
         name = frame.title.strip() or stem or "sheet"
         name = "".join(c for c in name if c.isprintable())[:100] or "sheet"
         flat = Mechanism(tuple(bodies), tuple(joints), name)
-        if not start:
-            return flat, self.notes
-        if not own.hinges:
+        if start and not own.hinges:
             start = fitted(flat, start, self.notes)
-        return replace(flat, scene=Scene(angles=start)), self.notes
+        scene = Scene(angles=start, closure_tolerance=OFF * self.size)
+        return replace(flat, scene=scene), self.notes
 
     def _scale(self) -> float:
         """m of the file's unit."""
@@ -130,7 +146,7 @@ class _Sheet:
         )
         return USUAL / longest
 
-    def _facets(self) -> _Facets:
+    def facets(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""
         frame, points = self.frame, self.points
         used = points[np.unique(np.array(frame.edges))]

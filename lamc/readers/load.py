@@ -30,7 +30,7 @@ from lamc.readers.joint_definition import JointDefinition
 from lamc.readers.mechanism_file import read_mechanism
 from lamc.readers.native import read_design
 from lamc.readers.popupcad_beside import Beside
-from lamc.records.card import NO_SHEET_OPTIONS, Card, SheetOptions
+from lamc.records.card import NO_SHEET_OPTIONS, Card, Facets, SheetOptions
 from lamc.records.design import Design, Material
 from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
@@ -53,14 +53,15 @@ def load(
     units: str | None = None,
     roles: Mapping[str, Role] | None = None,
     heal: float | str | None = None,
+    facets: Facets | None = None,
 ) -> Design | Mechanism:
     """The design or mechanism in the file at `path`.
 
     materials  replace a popupCAD file's materials of the same name, whose moduli are often placeholders
     progress   called now and then with a stage's name and the fraction of it that is done
     limits     what the file may cost; a file beyond them is refused with the limit's name
-    fixed, card, crease, units, roles, heal  of a sheet of creases: see `SheetOptions`; None: what the file says, else a
-               default with a warning
+    fixed, card, crease, units, roles, heal, facets  of a sheet of creases: see `SheetOptions`; None: what the file
+               says, else a default with a warning
 
     Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
     or impossible, and UnsupportedError for one that is well formed and beyond this version.
@@ -70,7 +71,7 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     beside = Beside(Path(path), limits, _text)
-    sheet = SheetOptions(fixed, card, crease, units, roles, heal)
+    sheet = SheetOptions(fixed, card, crease, units, roles, heal, facets)
     data, file = read_bytes(Path(path), limits.bytes), str(path)
     drawing = drawing_in(data, file, sheet, limits, progress)
     if drawing is None:

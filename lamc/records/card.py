@@ -5,7 +5,7 @@ In: numbers, SI, or text with units. Out: checked records. Never: reads a file.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Literal, get_args
 
 from lamc.basics import units
 from lamc.basics.checks import checked_array, checked_kind, checked_number, is_list, shown
@@ -40,6 +40,9 @@ class Card:
         return Card(*parts)
 
 
+Facets = Literal["rigid", "bend"]
+
+
 @dataclass(frozen=True)
 class SheetOptions:
     """What a user says of a drawn sheet beside its file; None: what the file says, else a default that is told.
@@ -50,6 +53,7 @@ class SheetOptions:
     units   of the drawing's numbers, "mm"
     roles   what lines of a colour ("#ff0000", "red") or a layer are for, of an SVG or DXF drawing: see `Role`
     heal    m, how far ends of lines may be off and are mended; 0: nothing is mended
+    facets  "rigid", or "bend" along diagonals and flat lines; None: they bend where nothing moves otherwise
     """
 
     fixed: str | tuple[float, float] | None = None
@@ -58,6 +62,7 @@ class SheetOptions:
     units: str | None = None
     roles: Mapping[str, Role] | None = None
     heal: GivenMaybe = None  # type: ignore[assignment]  # m
+    facets: Facets | None = None
 
     def __post_init__(self) -> None:
         if self.card is not None:
@@ -71,6 +76,8 @@ class SheetOptions:
             units.length_unit(self.units)
         if self.roles is not None:
             object.__setattr__(self, "roles", _checked_roles(self.roles))
+        if self.facets is not None and self.facets not in get_args(Facets):
+            raise DesignError(f"facets is {shown(self.facets)}; it must be 'rigid' or 'bend'")
         if self.heal is not None:
             heal = checked_number(self.heal, "the tolerance of healing", minimum=0.0, quantity=units.LENGTH)
             object.__setattr__(self, "heal", heal)

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from PIL import ImageColor
 
 from lamc.readers.drawings.colours import colour_of, family_of
 from lamc.readers.drawings.roles import layer_angle, layer_role, role_of
@@ -91,3 +92,10 @@ def test_the_user_says_more_than_the_layer_and_the_layer_more_than_the_colour() 
     assert role_of("#ed1c24", "", SheetOptions(roles={"red": "cut"})) == "cut"
     assert role_of("#ed1c24", "", SheetOptions(roles={"red": "cut", "#ed1c24": "hole"})) == "hole"
     assert role_of("#808080", "", SheetOptions(roles={"gray": "hinge"})) == "hinge"
+
+
+def test_names_of_colours_are_read_after_pillow_has_read_them() -> None:
+    for name in ("black", "red", "rebeccapurple"):
+        ImageColor.getrgb(name)  # which changes Pillow's table of names
+        colour_of.cache_clear()
+        assert colour_of(name) == (ImageColor.getrgb(name), 1.0)

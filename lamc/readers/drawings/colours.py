@@ -58,7 +58,11 @@ def colour_of(text: str) -> tuple[Colour, float] | None:
     from PIL.ImageColor import colormap  # CSS's names; files of other formats do without it
 
     named = colormap.get(word)
-    return colour_of(named) if isinstance(named, str) else None
+    if isinstance(
+        named, tuple
+    ):  # Pillow puts numbers in the place of the text of a name that it has looked up
+        return (named[0], named[1], named[2]), 1.0
+    return colour_of(named) if named is not None else None
 
 
 @lru_cache(4096)

@@ -37,6 +37,11 @@ _KINDS: dict[Role, str] = {
     "flat": "F",
 }
 _LINK = "F"
+WIDER = (
+    1.0,
+    3.0,
+    10.0,
+)  # times the usual tolerance: drawings of few digits; the last is a thousandth of the size
 
 
 def sheet_of(drawing: Drawing, options: SheetOptions) -> Mechanism:
@@ -58,11 +63,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         raise DesignError(
             "the drawing has no line that is for anything; say what lines are for (--role red=cut)"
         )
-    size = size_of(strokes)
-    tolerance = DEFAULT * size if options.heal is None else options.heal
-    graph = healed(strokes, tolerance)
-    kept = parting(graph.points, graph.edges)
-    loose = left_out(graph, strokes, kept, tolerance)
+    graph, kept, loose, tolerance = _healed(strokes, options.heal)
     if not kept:
         raise DesignError("the lines enclose no facet; draw the sheet's outline")
     notes = list(drawing.notes)
@@ -90,6 +91,21 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         2.0 * tolerance,  # an end may have moved by twice it
     )
     return frame, (*graph.mends, *loose, *beyond), tolerance
+
+
+def _healed(strokes: Sequence[Stroke], asked: float | None) -> tuple[Graph, list[int], list[Mend], float]:
+    """The graph, its edges that part something, mends of those left out, and the tolerance: the one that is asked for,
+    else the least of the usual ones with which no line stops short of another."""
+    usual = [factor * DEFAULT * size_of(strokes) for factor in WIDER]
+    for tolerance in usual if asked is None else [asked]:
+        graph = healed(strokes, tolerance)
+        kept = parting(graph.points, graph.edges)
+        try:
+            return graph, kept, left_out(graph, strokes, kept, tolerance), tolerance
+        except DesignError:
+            if asked is not None or tolerance == usual[-1]:
+                raise
+    raise AssertionError("the last tolerance returns or raises")
 
 
 def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes: list[str]) -> MultiPolygon:

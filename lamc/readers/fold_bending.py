@@ -1,0 +1,87 @@
+"""Facets that bend: every facet of four corners or more in triangles, with creases along its diagonals.
+
+In: a frame, its facets as they lie flat. Out: the frame with more edges and faces, of the kind `FACET`. Never: moves a
+vertex; parts a facet that has three corners.
+
+Facets bend along the diagonals of a constrained Delaunay triangulation, and along edges that are marked flat, as in
+bar-and-hinge models (E. T. Filipov, K. Liu, T. Tachi, M. Schenk, G. H. Paulino, 2017).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import shapely
+
+from lamc.basics.errors import DesignError
+from lamc.loops.at_start import loops_of
+from lamc.mechanism.plan import plan
+from lamc.readers.fold_faces import Edge, Face
+from lamc.readers.fold_file import FoldFrame
+from lamc.readers.fold_flat import Corners
+from lamc.records.mechanism import Array, Mechanism
+from lamc.records.scene import Scene
+
+CREASED = "MVUH"  # kinds of creases
+FACET = "f"  # the kind of a crease along which a facet bends
+STIFFER = 10.0  # than a crease of its length: paper bends along its creases first
+MOST = 1000  # hinges: of more, it takes too long to find out whether rigid facets move
+
+
+def moves(sheet: Mechanism) -> bool:
+    """Whether a sheet of rigid facets has hinges and goes on from where it starts; True where that would take long to
+    find out."""
+    if not sheet.joints:
+        return False
+    tree = plan(sheet)
+    # A vertex takes three freedoms at most: with fewer vertices than that, some are left.
+    if len(sheet.joints) > 3 * len(tree.cuts) or len(sheet.joints) > MOST:
+        return True
+    try:
+        loops_of(tree, sheet.scene or Scene())
+    except DesignError:
+        return False
+    return True
+
+
+def bending(frame: FoldFrame, faces: Sequence[Face], corners: Corners) -> FoldFrame:
+    """The frame with triangles for faces; the first of each face has its number. corners: m, as they lie flat."""
+    known = {frozenset(edge) for edge in frame.edges}
+    edges: list[Edge] = list(frame.edges)
+    first: list[Face] = []
+    others: list[Face] = []
+    sources = list(frame.sources)
+    for number, (face, places) in enumerate(zip(faces, corners, strict=True)):
+        triangles = _triangles(face, places)
+        first.append(triangles[0])
+        others += triangles[1:]
+        for triangle in triangles:
+            for side in zip(triangle, (*triangle[1:], triangle[0]), strict=True):
+                if frozenset(side) not in known:
+                    known.add(frozenset(side))
+                    edges.append((min(side), max(side)))
+                    sources += [f"a diagonal of facet {number}"] if frame.sources else []
+    added = len(edges) - len(frame.edges)
+    return replace(
+        frame,
+        edges=tuple(edges),
+        kinds=frame.kinds.replace("F", FACET) + FACET * added,
+        angles=(*frame.angles, *(None,) * added),
+        faces=(*first, *others),
+        sources=tuple(sources),
+    )
+
+
+def _triangles(face: Face, places: Mapping[int, Array]) -> list[Face]:
+    """Triangles of a face, by vertices, that run around as it does."""
+    if len(face) == 3:
+        return [face]
+    points = [(float(places[v][0]), float(places[v][1])) for v in face]
+    vertex = dict(zip(points, face, strict=True))
+    polygon = shapely.Polygon(points)
+    found: list[Face] = []
+    for part in shapely.get_parts(shapely.constrained_delaunay_triangles(polygon)):
+        ring = [vertex[(float(x), float(y))] for x, y in shapely.get_coordinates(part)[:3]]
+        if part.exterior.is_ccw != polygon.exterior.is_ccw:
+            ring.reverse()
+        found.append(tuple(ring))
+    return sorted(found, key=lambda triangle: min(face.index(v) for v in triangle)) or [face]

@@ -1,0 +1,115 @@
+"""Sheets whose rigid facets do not move: they bend along diagonals, and it is told."""
+
+import json
+import math
+import random
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lamc
+from lamc.basics.errors import DesignError, DesignWarning
+from lamc.records.mechanism import Mechanism
+from tests.support.ctools import needs_cc
+
+pytestmark = needs_cc
+
+
+def quads(folder: Path, off: float, count: int = 3) -> Path:
+    """A sheet of parallelograms, mm, whose corners are off by random shares: no vertex of it fits the next."""
+    chance = random.Random(20260301)
+    places = [
+        [
+            10.0 * j + (5.0 if i % 2 else 0.0) + chance.uniform(-off, off),
+            9.0 * i + chance.uniform(-off, off),
+        ]
+        for i in range(count + 1)
+        for j in range(count + 1)
+    ]
+    edges: list[tuple[int, int, str]] = []
+    for i in range(count + 1):
+        for j in range(count):
+            a = i * (count + 1) + j
+            edges.append((a, a + 1, "B" if i in (0, count) else "MV"[(i + j) % 2]))
+            b = j * (count + 1) + i
+            edges.append((b, b + count + 1, "B" if i in (0, count) else "MV"[i % 2]))
+    path = folder / "quads.fold"
+    data = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": places,
+        "edges_vertices": [edge[:2] for edge in edges],
+        "edges_assignment": [edge[2] for edge in edges],
+        "edges_foldAngle": [
+            None if edge[2] == "B" else math.copysign(30.0, ord(edge[2]) - 80) for edge in edges
+        ],
+    }
+    path.write_text(json.dumps(data))
+    return path
+
+
+def read(path: Path, **options: Any) -> tuple[Mechanism, list[str]]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sheet = lamc.load(path, card=lamc.Card(), crease=1e-3, **options)
+    assert isinstance(sheet, Mechanism)
+    return sheet, [str(each.message) for each in caught if issubclass(each.category, DesignWarning)]
+
+
+def test_facets_bend_where_rigid_ones_do_not_move(tmp_path: Path) -> None:
+    path = quads(tmp_path, 1.5)
+    rigid, _ = read(path, facets="rigid")
+    with pytest.raises(DesignError, match=r"no degree of freedom|nothing moves"):
+        lamc.compile(rigid)
+    bent, notes = read(path)
+    assert any("they bend along diagonals" in note for note in notes)
+    assert len(bent.bodies) == 2 * len(rigid.bodies)
+    masses = [sum(body.mass for body in sheet.bodies) for sheet in (rigid, bent)]
+    assert masses[1] == pytest.approx(masses[0], rel=1e-12)  # the same area in parts
+    flat = {joint.name: joint for joint in bent.joints}
+    for joint in rigid.joints:
+        assert flat[joint.name].stiffness == pytest.approx(joint.stiffness, rel=1e-12)
+    result = lamc.compile(bent, lamc.Scene(without=("gravity", "hinge_damping"))).run(0.02, rtol=1e-9)
+    assert result.success, result.message
+    total, kinetic = result.energy, result.energies["kinetic"]
+    assert kinetic.max() > 0.0
+    assert np.abs(total - total[0]).max() <= 1e-6 * kinetic.max()  # the tolerance, over some hundred steps
+
+
+def test_facets_that_move_stay_rigid(tmp_path: Path) -> None:
+    sheet, notes = read(quads(tmp_path, 0.0))
+    assert not any("bend" in note for note in notes)
+    assert len(sheet.bodies) == 9
+    asked, _ = read(quads(tmp_path, 0.0), facets="bend")
+    assert len(asked.bodies) == 18
+
+
+def test_a_curved_crease_folds_where_its_facets_bend(tmp_path: Path) -> None:
+    path = tmp_path / "curve.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="60mm" viewBox="0 0 100 60">'
+        '<rect width="100" height="60" fill="none" stroke="#000"/>'
+        '<polyline points="0,40 25,25 50,20 75,25 100,40" fill="none" stroke="#f00" opacity="0.3"/></svg>'
+    )
+    sheet, notes = read(path)
+    assert any("they bend along diagonals" in note for note in notes)
+    resting = [joint.rest_angle for joint in sheet.joints if joint.rest_angle]
+    assert resting == pytest.approx([-0.3 * math.pi] * 4, rel=1e-12)
+    assert lamc.compile(sheet).run(0.01).success
+
+
+def test_loops_of_a_sheet_may_be_off_by_a_thousandth_of_its_size(tmp_path: Path) -> None:
+    sheet, _ = read(quads(tmp_path, 1e-3), facets="rigid")
+    sim = lamc.compile(sheet)
+    assert sim.loops.misfit is not None
+    assert (
+        0.0 < sim.loops.misfit.gap <= sim.scene.closure_tolerance == pytest.approx(1e-3 * sheet.size, rel=0.2)
+    )
+
+
+def test_other_words_for_facets_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match="'rigid' or 'bend'"):
+        lamc.load(quads(tmp_path, 0.0), facets="soft")  # type: ignore[arg-type]

@@ -15,7 +15,7 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.basics.units import LENGTH, to_si
 from lamc.design.mass import body_properties
-from lamc.readers.fold_bending import CREASED, STIFFER, bending, moves
+from lamc.readers.fold_bending import CREASED, FACET, STIFFER, bending, moves
 from lamc.readers.fold_faces import (
     Face,
     beside_edges,
@@ -28,6 +28,7 @@ from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normals_of
 from lamc.readers.fold_groups import Crease, grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
+from lamc.readers.fold_locked import locked_creases
 from lamc.readers.fold_own import Own, own_of
 from lamc.readers.fold_start import fitted
 from lamc.records.card import Card, SheetOptions
@@ -90,8 +91,8 @@ class _Sheet:
         self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
 
     def mechanism(self, stem: str) -> tuple[Mechanism, list[str]]:
-        frame = self.frame
         facets = self.facets()
+        frame = self.frame
         own = own_of(frame.own, len(facets.faces), len(frame.edges))
         together: dict[str, list[int]] = {}
         for face, name in enumerate(own.bodies or ()):
@@ -176,8 +177,22 @@ class _Sheet:
     def _flat(self, faces: tuple[Face, ...]) -> _Facets:
         beside = beside_edges(faces, self.frame.edges)
         joined = joined_edges(self.frame, beside, self.notes)
+        if not self.frame.own:
+            self._lock(joined)
         corners = [{v: self.points[v, :2] for v in face} for face in faces]
         return _Facets(faces, beside, joined, corners, {})
+
+    def _lock(self, joined: list[int]) -> None:
+        """Facets stay one body along creases that cannot fold."""
+        locked = locked_creases(self.frame, joined, self.points[:, :2])
+        told = [k for k in locked if self.frame.kinds[k] != FACET]
+        if told:
+            self.notes.append(
+                f"{self.frame.told(told)}: no hinge, as at one end all creases lie to one side of a line, and rigid "
+                "facets stay flat there"
+            )
+        kinds = "".join("F" if k in locked else kind for k, kind in enumerate(self.frame.kinds))
+        self.frame = replace(self.frame, kinds=kinds)
 
     def _folded(self, faces: tuple[Face, ...]) -> _Facets:
         frame = self.frame

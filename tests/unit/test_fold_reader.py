@@ -206,7 +206,19 @@ def test_creases_at_an_angle_between_two_facets_hold_them(tmp_path: Path) -> Non
     data["edges_assignment"].append("V")
     data["edges_foldAngle"].append(90)
     assert counts(read(tmp_path, data)) == (5, 4)
-    assert any("one body" in note for note in notes(tmp_path, data))
+    assert any("to one side of a line" in note for note in notes(tmp_path, data))
+
+
+def test_creases_at_an_angle_on_two_sides_of_a_window_hold_their_facets(tmp_path: Path) -> None:
+    path = tmp_path / "window.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20" fill="none">'
+        '<rect width="40" height="20" stroke="#000"/><rect x="18" y="8" width="6" height="4" stroke="#000"/>'
+        '<path d="M20 0V8M23 12L26 20" stroke="#f00" opacity="0.5"/></svg>'
+    )
+    with pytest.warns(DesignWarning, match="lines at an angle cannot turn and are one body"):
+        sheet = lamc.load(path, facets="rigid")
+    assert counts(sheet) == (1, 0)
 
 
 def test_the_fixed_facet_is_in_the_middle_named_or_pointed_at(tmp_path: Path) -> None:
@@ -400,3 +412,44 @@ def attempt(folder: Path, text: str) -> None:
             message = str(error)
     assert all(len(line) < 2000 for line in message.splitlines())
     assert time.monotonic() - began < 5.0  # s: a second is the promise, and the machine may be busy
+
+
+def fan(folder: Path, *directions: float) -> tuple[Mechanism, list[str]]:
+    """A disc of card, mm, with creases from its centre, at degrees."""
+    turns = sorted({*directions, *range(0, 360, 30)})
+    places = [
+        [0.0, 0.0],
+        *([50.0 * math.cos(math.radians(a)), 50.0 * math.sin(math.radians(a))] for a in turns),
+    ]
+    rim = [(k, k % len(turns) + 1, "B") for k in range(1, len(turns) + 1)]
+    edges = [*rim, *((0, turns.index(a) + 1, "V") for a in directions)]
+    data: corpus.Data = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": places,
+        "edges_vertices": [list(edge[:2]) for edge in edges],
+        "edges_assignment": [edge[2] for edge in edges],
+        "edges_foldAngle": [None if edge[2] == "B" else 60 for edge in edges],
+    }
+    options = {"card": CARD, "crease": 1e-3, "facets": "rigid"}
+    return read(folder, data, **options), notes(folder, data, **options)
+
+
+@pytest.mark.parametrize(
+    ("directions", "hinges"),
+    [
+        ((0, 180), 1),  # a line, of two pieces
+        ((0, 90, 180), 1),  # a T: the line folds, the crease that meets it does not
+        ((0, 40, 90, 130, 180), 1),  # several that meet it from one side
+        ((10, 60, 150), 0),  # all to one side
+        ((0, 90, 180, 270), 4),  # a cross folds along either line
+        ((0, 75, 180, 270), 4),
+        ((0, 120, 240), 3),  # rigid, but not to one side
+    ],
+)
+def test_creases_to_one_side_of_a_line_do_not_fold(
+    tmp_path: Path, directions: tuple[float, ...], hinges: int
+) -> None:
+    sheet, told = fan(tmp_path, *directions)
+    assert len(sheet.joints) == hinges
+    assert any("to one side of a line" in note for note in told) == (hinges < len(directions) > 2)

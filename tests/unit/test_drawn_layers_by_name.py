@@ -1,0 +1,131 @@
+"""Lines of which nothing says what they are for: a design that names their layer says it; a refusal tells them."""
+
+import warnings
+from pathlib import Path
+
+import pytest
+
+import lamc
+from lamc.basics.errors import DesignWarning
+from lamc.readers.drawings.roles import layer_role
+from lamc.readers.native_drawings import in_keys
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
+
+GREY = """<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20">
+  <g id="Teil" fill="none" stroke="#808080"><rect width="40" height="20"/></g>
+  <g id="Knick" stroke="#808080"><line x1="15" y1="20" x2="15" y2="0"/></g>
+</svg>"""
+DESIGN = """units: mm
+materials:
+  card: {density: 700, rigid: true}
+  film: {density: 1390, flexible: true}
+layers:
+  - {name: low, material: card, thickness: 0.3}
+  - {name: hinge, material: film, thickness: 25 um}
+  - {name: high, material: card, thickness: 0.3}
+shapes:
+  - shape: {file: grey.FORMAT, layer: Teil}
+hinges:
+  - {name: fold, lines: {file: grey.FORMAT, layer: Knick}, gap: 0.4, stiffness: 0.5 N*mm/rad, damping: 1e-6}
+fixed:
+  - {rect: [0, -20, 5, 20]}
+"""
+
+
+def grey_dxf(path: Path) -> None:
+    import ezdxf
+
+    document = ezdxf.new("R2010", units=4)
+    for name in ("Teil", "Knick"):
+        document.layers.add(name, color=8)
+    space = document.modelspace()
+    rim = [(0, -20), (40, -20), (40, 0), (0, 0)]
+    space.add_lwpolyline(rim, close=True, dxfattribs={"layer": "Teil"})
+    space.add_line((15, -20), (15, 0), dxfattribs={"layer": "Knick"})
+    document.saveas(path)
+
+
+@pytest.fixture(params=["svg", "dxf"])
+def grey(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    """A drawing of grey lines alone, on layers whose names say nothing; beside it a design that names them."""
+    path = tmp_path / f"grey.{request.param}"
+    if request.param == "svg":
+        path.write_text(GREY)
+    else:
+        grey_dxf(path)
+    (tmp_path / "lid.yaml").write_text(DESIGN.replace("FORMAT", request.param))
+    return path
+
+
+def test_a_design_takes_grey_lines_of_the_layer_that_it_names(grey: Path) -> None:
+    design = lamc.load(grey.with_name("lid.yaml"))
+    assert isinstance(design, Design)
+    mechanism = lamc.split(design)
+    assert len(mechanism.bodies) == 2
+    assert len(mechanism.joints) == 1
+
+
+def test_the_notes_of_such_a_design_do_not_say_that_its_lines_are_left_out(grey: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DesignWarning)
+        lamc.load(grey.with_name("lid.yaml"))
+
+
+def test_other_notes_of_such_a_drawing_are_told(tmp_path: Path) -> None:
+    (tmp_path / "grey.svg").write_text(GREY.replace("</svg>", "<text id='t'>a</text></svg>"))
+    path = tmp_path / "lid.yaml"
+    path.write_text(DESIGN.replace("FORMAT", "svg"))
+    with pytest.warns(DesignWarning, match="text #t: is text"):
+        lamc.load(path)
+
+
+def test_a_layer_that_there_is_not_is_refused_with_what_there_is(grey: Path) -> None:
+    path = grey.with_name("lid.yaml")
+    path.write_text(path.read_text().replace("layer: Teil", "layer: teile"))
+    with pytest.raises(lamc.DesignError) as caught:
+        lamc.load(path)
+    assert f"{grey.name}: " in str(caught.value)
+    found = "its layers are Knick, Teil" if grey.suffix == ".dxf" else "each is left out: its colour #808080"
+    assert found in str(caught.value)
+
+
+def test_a_sheet_that_is_refused_tells_what_was_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "grey.dxf"
+    grey_dxf(path)
+    with pytest.warns(DesignWarning, match="1 lines on layer 'Knick'"), pytest.raises(lamc.DesignError):
+        lamc.load(path)
+
+
+def test_a_near_colour_on_a_layer_of_folds_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "folds.svg"
+    path.write_text(
+        GREY.replace("Teil", "outline")
+        .replace("Knick", "score")
+        .replace('score" stroke="#808080"', 'score" stroke="#ed1c24" stroke-opacity="0.5"')
+    )
+    with pytest.warns(DesignWarning, match="colour #ed1c24, taken for red: mountain"):
+        sheet = lamc.load(path)
+    assert isinstance(sheet, Mechanism)
+    assert len(sheet.joints) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [("Folds mountain", "mountain"), ("Valleys", "valley"), ("Cuts lines", "cut"), ("glass", None)],
+)
+def test_each_word_of_a_layers_name_may_be_plural(name: str, role: str | None) -> None:
+    assert layer_role(name) == role
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        ("wide: --units mm (60 mm wide) or --units in", "wide: units: mm (60 mm wide) or units: in"),
+        ("(--units says another)", "(units: says another)"),
+        ("(--role '#ed1c24=…' says another)", "(roles: {'#ed1c24': …} says another)"),
+        ("(--role 'Teil=cut', or another role)", "(roles: {'Teil': cut}, or another role)"),
+    ],
+)
+def test_designs_are_told_keys_and_not_options(message: str, said: str) -> None:
+    assert in_keys(message) == said

@@ -129,3 +129,36 @@ def test_each_word_of_a_layers_name_may_be_plural(name: str, role: str | None) -
 )
 def test_designs_are_told_keys_and_not_options(message: str, said: str) -> None:
     assert in_keys(message) == said
+
+
+def test_a_crease_of_no_opacity_rests_flat(tmp_path: Path) -> None:
+    path = tmp_path / "open.svg"
+    path.write_text(
+        GREY.replace('Teil" fill="none" stroke="#808080"', 'border" fill="none" stroke="black"').replace(
+            'Knick" stroke="#808080"', 'valley" stroke="blue" stroke-opacity="0"'
+        )
+    )
+    assert rests(path) == [0.0]
+
+
+def test_a_mountain_of_0_degrees_rests_flat(tmp_path: Path) -> None:
+    import ezdxf
+
+    path = tmp_path / "grey.dxf"
+    grey_dxf(path)
+    document = ezdxf.readfile(path)
+    for entity, layer in zip(document.modelspace(), ("body", "mountain(0)"), strict=True):
+        entity.dxf.layer = layer
+    document.saveas(path)
+    assert rests(path) == [0.0]
+
+
+def rests(path: Path) -> list[float]:
+    """Where its hinges rest, rad; no warning may say that an angle is missing."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        sheet = lamc.load(path)
+    assert isinstance(sheet, Mechanism)
+    assert not any("no fold angle" in str(each.message) for each in told)
+    assert all(joint.stiffness for joint in sheet.joints)
+    return [joint.rest_angle for joint in sheet.joints]

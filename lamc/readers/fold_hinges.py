@@ -19,7 +19,7 @@ from lamc.records.network import listed_names
 
 CREASE = 1e-3  # N·m/rad for each m of crease: thin card, creased
 REST = math.radians(60.0)  # of creases M and V whose angle no one says
-_DAMPED = 0.1  # of the critical damping of a facet on its crease
+_DAMPED = 0.5  # of the critical damping of a facet on its crease; a sheet moves many facets by one crease, with less
 _SMALL = 1e-9  # rad
 
 

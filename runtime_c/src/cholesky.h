@@ -1,5 +1,7 @@
-/* cholesky.h, of lamc: M = L L^T for small dense M. L (n, n) row-major, lower; its diagonal holds 1 / L_ii, since solving
- * with it then takes no division, which would be a fifth of the time of a small loop. */
+/* cholesky.h, of lamc: M = L L^T for small dense M, and sums over rows.
+ *
+ * L (n, n) row-major, lower; its diagonal holds 1 / L_ii, since solving with it then takes no division, which would be a
+ * fifth of the time of a small loop. */
 #ifndef LAMC_CHOLESKY_H
 #define LAMC_CHOLESKY_H
 
@@ -26,6 +28,45 @@ static inline void lamc_cholesky(int n, const lamc_real *lower_triangle, lamc_re
     }
     row += i + 1;
   }
+}
+
+/* Four rows of a (4, n), one below the other, times b: as lamc_dot to the last digit, without waiting for each sum */
+static inline void lamc_four_dots(int n, const lamc_real *a, ptrdiff_t stride, const lamc_real *b,
+                                  lamc_real *sums) {
+  lamc_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+  const lamc_real *a1 = a + stride, *a2 = a1 + stride, *a3 = a2 + stride;
+  for (int i = 0; i < n; i++) {
+    s0 += a[i] * b[i];
+    s1 += a1[i] * b[i];
+    s2 += a2[i] * b[i];
+    s3 += a3[i] * b[i];
+  }
+  sums[0] = s0;
+  sums[1] = s1;
+  sums[2] = s2;
+  sums[3] = s3;
+}
+
+/* a (count, n) times b */
+static inline void lamc_dots(int count, int n, const lamc_real *a, ptrdiff_t stride, const lamc_real *b,
+                             lamc_real *sums) {
+  int k = 0;
+  for (; k + 4 <= count; k += 4) lamc_four_dots(n, a + k * stride, stride, b, sums + k);
+  for (; k < count; k++) sums[k] = lamc_dot(n, a + k * stride, b);
+}
+
+/* rest (n,) less `value` times known: four at once, read before they are written */
+static inline void lamc_less(int n, lamc_real value, const lamc_real *known, lamc_real *rest) {
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const lamc_real r0 = rest[i] - value * known[i], r1 = rest[i + 1] - value * known[i + 1];
+    const lamc_real r2 = rest[i + 2] - value * known[i + 2], r3 = rest[i + 3] - value * known[i + 3];
+    rest[i] = r0;
+    rest[i + 1] = r1;
+    rest[i + 2] = r2;
+    rest[i + 3] = r3;
+  }
+  for (; i < n; i++) rest[i] -= value * known[i];
 }
 
 /* x = L^-1 x */

@@ -59,9 +59,13 @@ static void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const la
   for (int i = 0; i < p->n; i++) z[i] -= p->f[i];
 }
 
-/* v . z, where z has nothing for hinges that close loops: momenta */
-static lamc_real lamc_loop_paired(const lamc_loop_parts *p, const lamc_real *v, const lamc_real *z) {
-  return lamc_dot(p->cut, v, z) + lamc_dot(p->n - p->beyond, v + p->beyond, z + p->beyond);
+/* The first `count` free directions times z, which has nothing for hinges that close loops: momenta */
+static void lamc_loop_pair(const lamc_loop_parts *p, int count, const lamc_real *z, lamc_real *sums) {
+  const int beyond = p->n - p->beyond;
+  lamc_dots(count, p->cut, p->free, p->n, z, sums);
+  for (int k = 0; k < count && beyond > 0; k++) {
+    sums[k] += lamc_dot(beyond, p->free + (ptrdiff_t)k * p->n + p->beyond, z + p->beyond);
+  }
 }
 
 /* N and L of N^T M N */
@@ -75,22 +79,44 @@ static void lamc_loop_reduce(const lamc_loop_parts *p, int count) {
   }
   for (int a = 0; a < free; a++) {
     lamc_loop_momenta(p, p->free + (ptrdiff_t)a * p->n, p->z);
-    for (int b = 0; b <= a; b++) *entries++ = lamc_loop_paired(p, p->free + (ptrdiff_t)b * p->n, p->z);
+    lamc_loop_pair(p, a + 1, p->z, entries);
+    entries += a + 1;
   }
   lamc_cholesky(free, p->raw, p->l);
 }
 
-/* Which equations hold at a state, and what they leave free */
+static int lamc_loop_same(ptrdiff_t n, const lamc_real *a, const lamc_real *b) {
+  for (ptrdiff_t i = 0; i < n; i++) {
+    if (!(a[i] == b[i])) return 0;
+  }
+  return 1;
+}
+
+/* 1 if these J and place, to the last digit, were eliminated last. Else they are kept, as those that will be. */
+static int lamc_loop_is_taken(const lamc_loop_parts *p) {
+  const int rows = p->pattern->row_start[p->m];
+  lamc_real *place = p->taken + rows;
+  if (p->count >= 0 && lamc_loop_same(rows, p->taken, p->j) && lamc_loop_same(p->nq, place, p->place))
+    return 1;
+  memcpy(p->taken, p->j, (size_t)rows * sizeof *p->j);
+  memcpy(place, p->place, (size_t)p->nq * sizeof *place);
+  return 0;
+}
+
+/* Which equations hold at a state, and what they leave free. Near singular positions states are settled before use, and
+ * often were closed already: the same is not eliminated twice. A model that writes M down does so by more than one
+ * function, which may differ in the last digit, and its loops are small. */
 static int lamc_loop_take(lamc_loop_parts *p) {
-  const int count = lamc_loop_order(p);
-  lamc_loop_reduce(p, count);
-  return count;
+  if (!p->has_mass && lamc_loop_is_taken(p)) return p->count;
+  p->count = lamc_loop_order(p);
+  lamc_loop_reduce(p, p->count);
+  return p->count;
 }
 
 /* The part of `force` that moves what is free: the first n - count numbers of `found`, by L^-1 */
 static void lamc_loop_along(const lamc_loop_parts *p, int count, const lamc_real *force, lamc_real *found) {
   const int free = p->n - count;
-  for (int a = 0; a < free; a++) found[a] = lamc_dot(p->n, p->free + (ptrdiff_t)a * p->n, force);
+  lamc_dots(free, p->n, p->free, p->n, force, found);
   lamc_solve_lower(free, p->l, found);
 }
 

@@ -46,6 +46,8 @@ typedef struct lamc_loop_parts {
   lamc_real *j;                /* (entries,): rows that were short or long with entries up to one */
   lamc_real *extra;            /* (m,): phi or gamma, by what was asked last; divided as the rows */
   lamc_real *place;            /* (nq,): the position that was prepared */
+  lamc_real *taken; /* (entries + nq,): J and the place that were eliminated last, by this record */
+  int count;        /* equations that were taken then; -1: none yet */
   lamc_real *a; /* (m, n): J with rows and columns in order: the multipliers of elimination below U and V */
   lamc_real *rows;    /* (m,): the equation that row k of `a` is, a whole number */
   lamc_real *columns; /* (n,): the rate that column k of `a` is, likewise */

@@ -11,6 +11,7 @@
 #ifndef LAMC_LOOP_SPARSE_H
 #define LAMC_LOOP_SPARSE_H
 
+#include "cholesky.h"
 #include "loop_parts.h"
 
 static const lamc_real OF_LARGEST = LAMC_R(0.1); /* what a row has left of one at least, or it waits */
@@ -232,12 +233,12 @@ static lamc_real lamc_sparse_least(const lamc_loop_parts *p, int count) {
   return least;
 }
 
-/* x, whose free rates are given, such that the taken equations have the values y (count,), by step; NULL: zero */
+/* x, whose free rates are given, such that the taken equations have the values y (count,), by step */
 static void lamc_sparse_back(const lamc_loop_parts *p, int count, const lamc_real *y, lamc_real *x) {
   const lamc_steps *s = &p->steps;
   for (int k = count - 1; k >= 0; k--) {
     const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
-    lamc_real rest = y != NULL ? y[k] : 0;
+    lamc_real rest = y[k];
     for (int e = first + 1; e < beyond; e++) rest -= s->value[e] * x[lamc_at(s->left, e)];
     x[lamc_at(s->left, first)] = rest * s->inverse[k];
   }
@@ -257,15 +258,25 @@ static void lamc_sparse_impose(const lamc_loop_parts *p, int count, const lamc_r
   lamc_sparse_back(p, count, y, x);
 }
 
-/* N: the rows of `free` */
+/* N, of all directions at once: the rows of `free`; by rates first, where L will lie */
 static void lamc_sparse_find_free(const lamc_loop_parts *p, int count) {
-  lamc_real *direction = p->free;
-  for (int rate = 0; rate < p->n; rate++) {
-    if (p->step_of[rate] >= 0) continue;
-    memset(direction, 0, (size_t)p->n * sizeof *direction);
-    direction[rate] = 1;
-    lamc_sparse_back(p, count, NULL, direction);
-    direction += p->n;
+  const lamc_steps *s = &p->steps;
+  const int free = p->n - count;
+  lamc_real *by_rate = p->l;
+  memset(by_rate, 0, (size_t)p->n * (size_t)free * sizeof *by_rate);
+  for (int rate = 0, a = 0; rate < p->n; rate++) {
+    if (p->step_of[rate] < 0) by_rate[(ptrdiff_t)rate * free + a++] = 1;
+  }
+  for (int k = count - 1; k >= 0; k--) {
+    const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
+    lamc_real *rest = by_rate + (ptrdiff_t)lamc_at(s->left, first) * free;
+    for (int e = first + 1; e < beyond; e++) {
+      lamc_less(free, s->value[e], by_rate + (ptrdiff_t)lamc_at(s->left, e) * free, rest);
+    }
+    for (int a = 0; a < free; a++) rest[a] *= s->inverse[k];
+  }
+  for (int a = 0; a < free; a++) {
+    for (int i = 0; i < p->n; i++) p->free[(ptrdiff_t)a * p->n + i] = by_rate[(ptrdiff_t)i * free + a];
   }
 }
 

@@ -20,6 +20,12 @@ static long long lamc_loop_raw_size(const lamc_model *model) {
   return closure > reduced ? closure : reduced;
 }
 
+/* J and its place as they were eliminated last: where M is not written down */
+static long long lamc_loop_taken_size(const lamc_model *model) {
+  if (model->residual == NULL) return 0;
+  return model->pattern->row_start[model->closure_count] + model->coordinate_count;
+}
+
 /* Numbers of the elimination */
 static long long lamc_loop_elimination_size(const lamc_model *model) {
   const long long n = model->rate_count, m = model->closure_count;
@@ -33,7 +39,7 @@ static long long lamc_loop_work_size(const lamc_model *model) {
   const long long m = model->closure_count;
   const long long system = model->residual == NULL ? n * (n + 1) / 2 + n : 0;
   const long long state = nq + n, around = n + m;
-  return system + lamc_loop_closure_size(model) + lamc_loop_raw_size(model) +
+  return system + lamc_loop_taken_size(model) + lamc_loop_closure_size(model) + lamc_loop_raw_size(model) +
          lamc_loop_elimination_size(model) + 2 * n * n + 3 * n + 3 * m + 2 * nq + state + LAMC_LOOPS_KEPT +
          around;
 }
@@ -95,6 +101,8 @@ static void lamc_loop_parts_of(const lamc_motion *motion, lamc_loop_parts *p) {
   p->raw = lamc_loop_part(&next, (size_t)lamc_loop_raw_size(model));
   lamc_loop_place_elimination(p, &next);
   p->place = lamc_loop_part(&next, nq);
+  p->taken = lamc_loop_part(&next, (size_t)lamc_loop_taken_size(model));
+  p->count = -1;
   p->free = lamc_loop_part(&next, n * n);
   p->l = lamc_loop_part(&next, n * n);
   p->x = lamc_loop_part(&next, n);

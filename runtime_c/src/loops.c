@@ -106,6 +106,52 @@ static int something_yields(const lamc_loop_parts *p) {
   return 0;
 }
 
+/* phi and J at q, rows of J normalised; returns the largest of phi before that, rad or parts of the size */
+static lamc_real evaluate_closure(const lamc_motion *motion, const lamc_loop_parts *p, const lamc_real *q) {
+  motion->model->closure(motion->constants, q, p->raw);
+  memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
+  memcpy(p->j, p->raw + p->m, (size_t)p->pattern->row_start[p->m] * sizeof *p->j);
+  memcpy(p->place, q, (size_t)p->nq * sizeof *q);
+  const lamc_real gap = largest(p->m, p->extra);
+  lamc_loop_normalise(p, q);
+  return gap;
+}
+
+/* As lamc_motion_settle, with the work of a caller */
+static lamc_status settle(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, lamc_real *y,
+                          lamc_real *moved) {
+  const lamc_model *model = motion->model;
+  *moved = 0;
+  lamc_real *q = y;
+  lamc_real *u = y + p->nq;
+  lamc_real open = evaluate_closure(motion, p, q);
+  if (p->has_mass) model->system(motion->constants, t, q, u, p->mass); /* and f */
+  int count = lamc_loop_take(p);
+  lamc_real gap = openness(p, count);
+  for (int round = 0; round < MAX_ITERATIONS; round++) {
+    if (gap <= 1) break;
+    lamc_loop_solve(p, count, p->extra, NULL, p->step);
+    lamc_motion_rates(motion, q, p->step, p->qdot);
+    for (int i = 0; i < p->nq; i++) q[i] += p->qdot[i];
+    *moved += largest(p->n, p->step);
+    open = evaluate_closure(motion, p, q);
+    count = lamc_loop_take(p);
+    const lamc_real before = gap;
+    gap = openness(p, count);
+    if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
+  }
+  const lamc_real tolerance = model->tolerance / model->size;
+  if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
+  /* Rates, by what of them opens the loops: the rest keeps its last digit */
+  for (int i = 0; i < p->m; i++) p->goal[i] = lamc_loop_row(p, i, u);
+  lamc_loop_solve(p, count, p->goal, NULL, p->step);
+  const lamc_real change = largest(p->n, p->step);
+  if (change > *moved) *moved = change;
+  for (int i = 0; i < p->n; i++) u[i] += p->step[i];
+  p->state[0] = (lamc_real)count;
+  return LAMC_OK;
+}
+
 /* As solve_around, from places that are `apart`, rad, from one to the next. Returns 0 where one of them is singular itself,
  * or nearly so. */
 static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
@@ -120,7 +166,7 @@ static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real 
     memcpy(p->y, q, (size_t)p->nq * sizeof *q);
     for (int i = 0; i < p->beyond; i++) p->y[i] += way * u[i];
     memcpy(p->y + p->nq, u, (size_t)p->n * sizeof *u);
-    if (lamc_motion_settle(motion, t, p->y, &moved) != LAMC_OK) return 0;
+    if (settle(motion, p, t, p->y, &moved) != LAMC_OK) return 0;
     const int count = prepare(motion, p, t, p->y, p->y + p->nq);
     if (count < motion->model->rank || lamc_loop_is_faint(p, count, LAMC_R(0.5) * FADING)) return 0;
     solve(p, count, t, p->y + p->nq, udot, lambda);
@@ -165,7 +211,7 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
     lamc_real moved = 0;
     memcpy(p.y, q, (size_t)p.nq * sizeof *q);
     memcpy(p.y + p.nq, u, (size_t)p.n * sizeof *u);
-    if (lamc_motion_settle(motion, t, p.y, &moved) == LAMC_OK) {
+    if (settle(motion, &p, t, p.y, &moved) == LAMC_OK) {
       rates = p.y + p.nq;
       count = prepare(motion, &p, t, p.y, rates);
     } else {
@@ -207,51 +253,12 @@ void lamc_loops_rates(const lamc_motion *motion, int count, lamc_real *x) {
   lamc_loop_add(&p, count, p.x, x);
 }
 
-/* phi and J at q, rows of J normalised; returns the largest of phi before that, rad or parts of the size */
-static lamc_real evaluate_closure(const lamc_motion *motion, const lamc_loop_parts *p, const lamc_real *q) {
-  motion->model->closure(motion->constants, q, p->raw);
-  memcpy(p->extra, p->raw, (size_t)p->m * sizeof *p->extra);
-  memcpy(p->j, p->raw + p->m, (size_t)p->pattern->row_start[p->m] * sizeof *p->j);
-  memcpy(p->place, q, (size_t)p->nq * sizeof *q);
-  const lamc_real gap = largest(p->m, p->extra);
-  lamc_loop_normalise(p, q);
-  return gap;
-}
-
 lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real *y, lamc_real *moved) {
-  const lamc_model *model = motion->model;
   *moved = 0;
-  if (model->cut_count == 0) return LAMC_OK;
+  if (motion->model->cut_count == 0) return LAMC_OK;
   lamc_loop_parts p;
   lamc_loop_parts_of(motion, &p);
-  lamc_real *q = y;
-  lamc_real *u = y + p.nq;
-  lamc_real open = evaluate_closure(motion, &p, q);
-  if (p.has_mass) model->system(motion->constants, t, q, u, p.mass); /* and f */
-  int count = lamc_loop_take(&p);
-  lamc_real gap = openness(&p, count);
-  for (int round = 0; round < MAX_ITERATIONS; round++) {
-    if (gap <= 1) break;
-    lamc_loop_solve(&p, count, p.extra, NULL, p.step);
-    lamc_motion_rates(motion, q, p.step, p.qdot);
-    for (int i = 0; i < p.nq; i++) q[i] += p.qdot[i];
-    *moved += largest(p.n, p.step);
-    open = evaluate_closure(motion, &p, q);
-    count = lamc_loop_take(&p);
-    const lamc_real before = gap;
-    gap = openness(&p, count);
-    if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
-  }
-  const lamc_real tolerance = model->tolerance / model->size;
-  if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
-  /* Rates, by what of them opens the loops: the rest keeps its last digit */
-  for (int i = 0; i < p.m; i++) p.goal[i] = lamc_loop_row(&p, i, u);
-  lamc_loop_solve(&p, count, p.goal, NULL, p.step);
-  const lamc_real change = largest(p.n, p.step);
-  if (change > *moved) *moved = change;
-  for (int i = 0; i < p.n; i++) u[i] += p.step[i];
-  p.state[0] = (lamc_real)count;
-  return LAMC_OK;
+  return settle(motion, &p, t, y, moved);
 }
 
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept) {

@@ -370,6 +370,17 @@ KEYS += [
 KEYS += ["lamc:faces_body", "lamc:fixed", "lamc:edges_hinge"]
 
 
+def test_creases_are_damped_by_half_of_what_is_critical_for_the_lighter_facet(tmp_path: Path) -> None:
+    """Two squares of 20 mm, each m w^2 / 3 about the crease, and its thickness: m t^2 / 12."""
+    joint = read(tmp_path, corpus.folded_pair(0.5)).joints[0]
+    mass, stiffness = 700.0 * 0.3e-3 * 0.02**2, 1e-3 * 0.02  # kg, N m/rad
+    about = mass * (0.02**2 / 3.0 + 0.3e-3**2 / 12.0)
+    assert joint.stiffness == pytest.approx(stiffness, rel=1e-12)
+    assert joint.damping == pytest.approx(
+        0.5 * 2.0 * math.sqrt(stiffness * about), rel=1e-9
+    )  # areas of polygons
+
+
 @FEW
 @given(key=st.sampled_from(KEYS), value=VALUES)
 def test_any_value_of_a_field_is_a_record_or_an_error(tmp_path: Path, key: str, value: Any) -> None:

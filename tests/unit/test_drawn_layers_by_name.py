@@ -153,6 +153,15 @@ def test_a_mountain_of_0_degrees_rests_flat(tmp_path: Path) -> None:
     assert rests(path) == [0.0]
 
 
+def test_an_outline_amid_a_sheet_is_told_in_words_of_drawings(tmp_path: Path) -> None:
+    path = tmp_path / "black.svg"
+    path.write_text(GREY.replace("#808080", "black"))
+    with pytest.warns(
+        DesignWarning, match=r"line 1 \(line 3\) drawn as outlines with a facet on either side"
+    ):
+        lamc.load(path)
+
+
 def rests(path: Path) -> list[float]:
     """Where its hinges rest, rad; no warning may say that an angle is missing."""
     with warnings.catch_warnings(record=True) as told:

@@ -162,6 +162,24 @@ def test_an_outline_amid_a_sheet_is_told_in_words_of_drawings(tmp_path: Path) ->
         lamc.load(path)
 
 
+def test_a_cut_file_has_no_line_from_a_window_to_the_rim(tmp_path: Path) -> None:
+    path, again = tmp_path / "window.svg", tmp_path / "again.svg"
+    path.write_text(
+        GREY.replace('Knick" stroke="#808080"', 'valley" stroke="blue" stroke-opacity="0.5"')
+        .replace("#808080", "black")
+        .replace("</svg>", '<circle stroke="black" fill="none" cx="30" cy="10" r="4"/></svg>')
+    )
+    lamc.convert(path, again)
+    assert "yellow" not in again.read_text()
+    assert "#ffff00" not in again.read_text()
+    before, after = lamc.load(path), lamc.load(again)
+    assert isinstance(before, Mechanism)
+    assert isinstance(after, Mechanism)
+    masses = [sorted(body.mass for body in each.bodies) for each in (before, after)]
+    assert masses[0] == pytest.approx(masses[1], rel=1e-12)
+    assert rests(again) == rests(path)
+
+
 def rests(path: Path) -> list[float]:
     """Where its hinges rest, rad; no warning may say that an angle is missing."""
     with warnings.catch_warnings(record=True) as told:

@@ -21,7 +21,7 @@ _SAME = 1e-9  # relative: stiffness by length that is one
 
 
 def lines_of_sheet(sheet: CreasedSheet) -> list[CutLine]:
-    """Windows first, creases, cuts, flats, the outline at last. Raises UnsupportedError for an angle that is no fold."""
+    """Windows first, creases, cuts, flats, the outline last. Raises UnsupportedError for an angle that is no fold."""
     lines = [CutLine(ring, True, ROLES["hole"]) for ring in sheet.windows]
     folds = [_fold(sheet, edge) for edge in sheet.edges if edge.joint is not None]
     lines += sorted(folds, key=lambda line: line.pen.name)

@@ -35,10 +35,12 @@ def joined_edges(frame: FoldFrame, beside: Beside, notes: list[str]) -> list[int
     ]
     inner = [k for k, (a, b) in enumerate(beside) if kinds[k] == "B" and a is not None and b is not None]
     if inner:
-        notes.append(f"{frame.told(inner)} marked B with a facet on either side: taken for cuts (C)")
+        named = "drawn as outlines" if frame.sources else "marked B"
+        notes.append(f"{frame.told(inner)} {named} with a facet on either side: taken for cuts (C)")
     rim = [k for k, pair in enumerate(beside) if kinds[k] in "MV" and (pair[0] is None) != (pair[1] is None)]
     if rim:
-        notes.append(f"{frame.told(rim)} marked M or V with a facet on one side only: taken for the rim (B)")
+        named = "drawn as creases" if frame.sources else "marked M or V"
+        notes.append(f"{frame.told(rim)} {named} with a facet on one side only: taken for the rim (B)")
     return joined
 
 

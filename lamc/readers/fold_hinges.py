@@ -117,7 +117,8 @@ class Hinges:
         if self.start:
             return kind != "U", self.start[crease.edges[0]]
         if sign:
-            self._tell(f"no fold angle; M rests at -{math.degrees(REST):g} degrees, V at +", name)
+            degrees = f"{math.degrees(REST):g}"
+            self._tell(f"no fold angle; M rests at -{degrees} degrees, V at {degrees}", name)
         return sign != 0.0 or kind != "U", sign * REST
 
     def _tell(self, what: str, name: str) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from lamc.basics.checks import shown
-from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError
+from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError, warn
 from lamc.basics.files import read_bytes
 from lamc.readers import joints_file, popupcad
 from lamc.readers.drawings.reading import drawing_in, is_drawing
@@ -80,7 +80,12 @@ def load(
         raise DesignError("materials are of popupCAD designs; a drawing takes card=", Place(file))
     from lamc.readers.drawings.sheet import sheet_of  # other files do without healing
 
-    return sheet_of(drawing, sheet)
+    try:
+        return sheet_of(drawing, sheet)
+    except LamcError:
+        for note in drawing.notes:  # what was left out may be why
+            warn(note, Place(file))
+        raise
 
 
 def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:

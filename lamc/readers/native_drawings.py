@@ -4,6 +4,8 @@ In: entries {file: top.dxf, layer: body} of a design's file. Out: regions and li
 told at the entry. Never: reads a file from elsewhere than the design's own folder.
 """
 
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +16,16 @@ from lamc.readers.popupcad_beside import Beside
 from lamc.readers.schema import DrawnModel
 from lamc.records.card import SheetOptions
 from lamc.records.design import Line
-from lamc.records.drawing import Drawing, Mend
+from lamc.records.drawing import Drawing, Mend, Role
+
+# Options that messages about drawings name, and how a design's file says the same.
+_AS_KEYS = (
+    (re.compile(r"--role '(.*?)=([^']+)'"), r"roles: {'\1': \2}"),
+    (re.compile(r"--(units|heal)(?: (?=[\w'])|\b)"), r"\1: "),
+    (re.compile(r"(units|heal):  ?(says|is)"), r"\1: \2"),
+)
+# What notes say of lines without a role: of other layers than one whose lines have theirs from the design.
+_OTHERS = (" is for nothing (", "neither layer nor colour says what for")
 
 
 class Drawings:
@@ -24,46 +35,77 @@ class Drawings:
         self.beside = beside
         self.mends: list[Mend] = []
         self._read: dict[tuple[Any, ...], Drawing] = {}
+        self._told: set[int] = set()  # ids of those in `_read`
 
     def region(self, entry: DrawnModel, place: Place) -> MultiPolygon:
         """Raises DesignError, naming the drawing and the line in it."""
         from lamc.readers.drawings.layer_shape import shape_of  # few designs need it
 
-        found: MultiPolygon = self._taken(shape_of, entry, place)
+        found: MultiPolygon = self._taken(shape_of, "border", entry, place)
         return found
 
     def lines(self, entry: DrawnModel, place: Place) -> tuple[Line, ...]:
         """Raises as `region` does."""
         from lamc.readers.drawings.layer_shape import lines_of
 
-        found: tuple[Line, ...] = self._taken(lines_of, entry, place)
+        found: tuple[Line, ...] = self._taken(lines_of, "hinge", entry, place)
         return found
 
-    def _taken(self, take: Any, entry: DrawnModel, place: Place) -> Any:
+    def _taken(self, take: Any, role: Role, entry: DrawnModel, place: Place) -> Any:
         from lamc.readers.drawings.layer_shape import told_of
 
         try:
-            drawing = self._drawing(entry, place)
+            drawing = self._drawing(entry, role, place)
             found, mends = take(drawing, entry.layer, entry.heal)
         except LamcError as error:
             said = error.message if error.message.startswith(entry.file) else f"{entry.file}: {error.message}"
-            raise DesignError(said) from error
+            raise DesignError(in_keys(said)) from error
         for note in told_of(mends, entry.heal, drawing):
             warn(f"{entry.file}: {note}", place)
         self.mends += [replace(mend, source=f"{entry.file}: {mend.source}") for mend in mends]
         return found
 
-    def _drawing(self, entry: DrawnModel, place: Place) -> Drawing:
+    def _drawing(self, entry: DrawnModel, role: Role, place: Place) -> Drawing:
+        """The drawing; where nothing says what the lines of the layer are for, this entry does: `role`.
+
+        Notes are told once, at the first entry that takes the drawing so.
+        """
+        roles: Mapping[str, Role] = entry.roles or {}
+        says = entry.layer is not None and "ignore" not in roles.values() and not self._has(entry, roles)
+        named = {**roles, str(entry.layer): role}
+        says = says and self._has(entry, named)
+        drawing = self._as(entry, named if says else roles)
+        for note in drawing.notes if id(drawing) not in self._told else ():
+            if not (says and any(words in note for words in _OTHERS)):
+                warn(f"{entry.file}: {in_keys(note)}", place)
+        self._told.add(id(drawing))
+        return drawing
+
+    def _has(self, entry: DrawnModel, roles: Mapping[str, Role]) -> bool:
+        """True where a line of the entry's layer is for something."""
+        try:
+            drawing = self._as(entry, roles)
+        except LamcError:  # told by the reading that counts
+            return False
+        return any(each.layer == entry.layer and each.role != "ignore" for each in drawing.strokes)
+
+    def _as(self, entry: DrawnModel, roles: Mapping[str, Role]) -> Drawing:
+        """The drawing with those roles, read once."""
         from lamc.readers.drawings.reading import drawing_in  # svgelements and ezdxf, which few designs need
 
-        options = SheetOptions(units=entry.units, roles=entry.roles, heal=entry.heal)
-        key = (entry.file, entry.units, tuple(sorted((entry.roles or {}).items())), entry.heal)
+        key = (entry.file, entry.units, tuple(sorted(roles.items())), entry.heal)
         if key not in self._read:
+            options = SheetOptions(units=entry.units, roles=roles or None, heal=entry.heal)
             data = self.beside.data_of(entry.file)
             drawing = drawing_in(data, entry.file, options, self.beside.limits)
             if drawing is None:
                 raise DesignError("it is no drawing; lamc takes shapes from SVG and DXF")
             self._read[key] = drawing
-            for note in drawing.notes:
-                warn(f"{entry.file}: {note}", place)
         return self._read[key]
+
+
+def in_keys(message: str) -> str:
+    """A message with the keys of a design's file in the place of the command line's options."""
+    for option, key in _AS_KEYS:
+        message = option.sub(key, message)
+    return message

@@ -5,6 +5,7 @@ sheet. What a drawing has no words for (names, stiffness, card, what is held) is
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -20,17 +21,25 @@ _SAME = 1e-9  # relative: stiffness by length that is one
 
 
 def lines_of_sheet(sheet: CreasedSheet) -> list[CutLine]:
-    """Windows first, creases, cuts, and the outline at last. Raises UnsupportedError for an angle that is no fold."""
+    """Windows first, creases, cuts, flats, the outline last. Raises UnsupportedError for an angle that is no fold."""
     lines = [CutLine(ring, True, ROLES["hole"]) for ring in sheet.windows]
     folds = [_fold(sheet, edge) for edge in sheet.edges if edge.joint is not None]
-    flats = [_line(sheet, e, ROLES["flat"]) for e in sheet.edges if e.joint is None and e.inner]
-    lines += sorted(folds, key=lambda line: line.pen.name) + flats
+    lines += sorted(folds, key=lambda line: line.pen.name)
     rim: dict[tuple[int, ...], list[Edge]] = {}
     for edge in sheet.edges:
         if edge.joint is None and not edge.inner:
             rim.setdefault(tuple(sorted(sheet.spots[v] for v in edge.ends)), []).append(edge)
     lines += [_line(sheet, pair[0], ROLES["cut"]) for pair in rim.values() if len(pair) > 1]
-    return lines + _outlines(sheet, [pair[0] for pair in rim.values() if len(pair) == 1])
+    outlines = _outlines(sheet, [pair[0] for pair in rim.values() if len(pair) == 1])
+    return lines + _flats(sheet, outlines) + outlines
+
+
+def _flats(sheet: CreasedSheet, outlines: Sequence[CutLine]) -> list[CutLine]:
+    """Lines along which facets hold together, but for those to windows: they part facets around holes, which readers
+    do of themselves, and on the card they would be marks that nobody drew."""
+    holes = {tuple(point) for line in outlines if line.pen == ROLES["hole"] for point in line.points.tolist()}
+    inner = [_line(sheet, e, ROLES["flat"]) for e in sheet.edges if e.joint is None and e.inner]
+    return [line for line in inner if holes.isdisjoint(map(tuple, line.points.tolist()))]
 
 
 def crease_of(sheet: CreasedSheet) -> float | None:

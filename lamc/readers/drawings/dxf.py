@@ -108,7 +108,8 @@ class _Reader:
                 continue
             angle = angles[each.layer] if role in ("mountain", "valley", "hinge") else None
             if angle is not None:
-                role = role if role != "hinge" or not angle else "valley" if angle > 0.0 else "mountain"
+                if role == "hinge" or not angle:
+                    role = "valley" if angle > 0.0 else "mountain" if angle < 0.0 else "hinge"
                 angle = math.copysign(angle, -1.0 if role == "mountain" else 1.0)
                 angled[each.layer] = angle
             yield Stroke(rows * scale, each.course.closed, role, angle, each.layer, each.source)

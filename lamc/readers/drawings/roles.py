@@ -138,7 +138,8 @@ def layer_name(name: str) -> str:
     if words and words[-1] in ("copy", "layer", "layers"):
         words.pop()
     joined = " ".join(words)
-    for singular in (joined, joined.removesuffix("s"), joined.removesuffix("es")):
+    each = " ".join(word.removesuffix("s") for word in words)  # "folds mountain"
+    for singular in (joined, joined.removesuffix("s"), joined.removesuffix("es"), each):
         if singular in _BY_NAME or singular in _FOLDS:
             return singular
     return "body" if joined == "bodies" else joined

@@ -110,7 +110,8 @@ class _Reader:
                 )
             source = f"{drawn.source}, part {k}" if len(parts) > 1 else drawn.source
             angle = self.roles.angle(role, layer, opacity)
-            found.append((Stroke(_NO_POINTS, part.closed, role, angle, layer, source), placed))
+            rests: Role = "hinge" if angle == 0.0 else role  # neither mountain nor valley
+            found.append((Stroke(_NO_POINTS, part.closed, rests, angle, layer, source), placed))
         return found
 
     def _flat(self, lines: Sequence[tuple[Stroke, Outline]], tolerance: float) -> tuple[Stroke, ...]:

@@ -55,7 +55,7 @@ class ShapeRoles:
                 "another)",
                 source,
             )
-        elif of_layer is None and family is not None and not family[1]:
+        elif role == of_colour and role != of_layer and family is not None and not family[1]:
             self.notes.add(
                 f"is of the colour {colour}, taken for {family[0]}: {role} (--role '{colour}=…' says another)",
                 source,
@@ -98,9 +98,11 @@ class ShapeRoles:
     def tell(self) -> None:
         """Notes of what concerns the drawing as a whole: creases that fold flat, roles that no line has."""
         if self._flat_folded:
+            one = self._flat_folded == 1
+            have = "crease has full opacity and rests" if one else "creases have full opacity and rest"
             self.notes.say(
-                f"{self._flat_folded} creases have full opacity and rest at 180 degrees, folded flat, on the way to "
-                "which facets may pass through one another (stroke-opacity 0.5 rests at 90)"
+                f"{self._flat_folded} {have} at 180 degrees, folded flat, on the way to which "
+                "facets may pass through one another (stroke-opacity 0.5 rests at 90)"
             )
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}

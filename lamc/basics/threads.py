@@ -1,7 +1,8 @@
 """Linear algebra on one thread, where matrices are small.
 
 In: a function. Out: the same, during which BLAS has one thread. Threads that share small matrices wait for one another:
-on a machine with other work they take ten times as long as one. Never: changes a result but by round-off.
+on a machine with other work they take ten times as long as one. Never: changes a result but by round-off. OpenBLAS
+heeds it in the main thread of Python only.
 """
 
 import functools

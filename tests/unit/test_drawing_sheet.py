@@ -4,6 +4,7 @@ import json
 import math
 import warnings
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lamc
-from lamc.basics.errors import DesignWarning
+from lamc.basics.errors import DesignError, DesignWarning
 from lamc.readers.drawings.sheet import sheet_of
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import ROLES, Stroke
@@ -274,3 +275,13 @@ def test_mends_are_in_tables_and_pictures(tmp_path: Any) -> None:
     assert mend_entry(()) == []
     ringed = draw_bodies(made, {}, tmp_path / "ringed.png").read_bytes()
     assert ringed != draw_bodies(replace(made, mends=()), {}, tmp_path / "plain.png").read_bytes()
+
+
+def test_a_tolerance_in_metres_by_mistake_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "sheet.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20" fill="none">'
+        '<rect width="40" height="20" stroke="#000"/><path d="M20 0V20" stroke="#f00" opacity="0.5"/></svg>'
+    )
+    with pytest.raises(DesignError, match="200 mm, and the drawing 40 mm wide: it must be at most 2 mm"):
+        lamc.load(path, heal=0.2)

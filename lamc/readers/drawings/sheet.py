@@ -37,6 +37,7 @@ _KINDS: dict[Role, str] = {
     "flat": "F",
 }
 _LINK = "F"
+MOST = 0.05  # of the size: lines that are farther apart were not meant to meet
 WIDER = (
     1.0,
     3.0,
@@ -65,7 +66,10 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         )
     graph, kept, loose, tolerance = _healed(strokes, options.heal)
     if not kept:
-        raise DesignError("the lines enclose no facet; draw the sheet's outline")
+        raise DesignError(
+            f"the lines enclose no facet, of {name_of(strokes, 0)} and others, healed within {1e3 * tolerance:.3g} mm: "
+            "draw the sheet's outline, or join its ends (--heal '0.5 mm')"
+        )
     notes = list(drawing.notes)
     region = _region(graph, strokes, kept, notes)
     points, edges, origin = linked(graph.points, [graph.edges[k] for k in kept])
@@ -97,6 +101,12 @@ def _healed(strokes: Sequence[Stroke], asked: float | None) -> tuple[Graph, list
     """The graph, its edges that part something, mends of those left out, and the tolerance: the one that is asked for,
     else the least of the usual ones with which no line stops short of another."""
     usual = [factor * DEFAULT * size_of(strokes) for factor in WIDER]
+    wide = 1e3 * size_of(strokes)
+    if asked is not None and 1e3 * asked > MOST * wide:
+        raise DesignError(
+            f"the tolerance of healing is {1e3 * asked:g} mm, and the drawing {wide:.3g} mm wide: it must be at most "
+            f"{MOST * wide:.3g} mm; numbers without a unit are metres: --heal '0.1 mm'"
+        )
     for tolerance in usual if asked is None else [asked]:
         graph = healed(strokes, tolerance)
         kept = parting(graph.points, graph.edges)

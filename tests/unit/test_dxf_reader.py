@@ -695,3 +695,17 @@ def test_memory_is_bounded_by_the_file() -> None:
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 50e6  # ezdxf with its empty document takes 2e6
+
+
+def test_a_layer_against_its_colour_and_a_mistyped_one_are_told() -> None:
+    made, space = drawing()
+    space.add_line((0, 0), (10, 0), {"layer": "hinge_valley", "color": 1})
+    space.add_line((0, 5), (10, 5), {"layer": "jonit"})
+    space.add_line((0, 9), (10, 9), {"layer": "joint"})
+    notes = told(data_of(made))
+    assert "1 line on layer 'hinge_valley', colour #ff0000: valley, whatever the colour" in notes
+    assert (
+        "1 line on layer 'jonit', colour #000000: border, by the colour; if the layer is to be 'joint'"
+        in notes
+    )
+    assert "'joint', colour" not in notes

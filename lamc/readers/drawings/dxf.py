@@ -21,7 +21,14 @@ from lamc.readers.drawings.dxf_tags import Tag, tags_of
 from lamc.readers.drawings.dxf_tags import is_dxf as is_dxf
 from lamc.readers.drawings.dxf_units import length_text, scale_of
 from lamc.readers.drawings.dxf_walk import Drawn, Walk
-from lamc.readers.drawings.roles import layer_angle, role_of, said_role
+from lamc.readers.drawings.roles import (
+    colour_role,
+    layer_angle,
+    layer_role,
+    meant_layer,
+    role_of,
+    said_role,
+)
 from lamc.readers.inert import Limits
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing, Role, Stroke
@@ -83,11 +90,23 @@ class _Reader:
                 f"left out, neither layer nor colour says what for: {counts[layer, colour]} lines on layer "
                 f"{layer[:60]!r}, colour {colour} (--role '{layer[:60]}=cut', or another role)"
             )
+        for (layer, colour), role in sorted(roles.items(), key=lambda each: each[0]):
+            if role is not None and said_role(colour, layer, self.options) is None:
+                self._tell_role(layer, colour, role, counts[layer, colour])
         for name, given in (self.options.roles or {}).items():
             alone = SheetOptions(roles={name: given})
             if not any(said_role(colour, layer, alone) for layer, colour in counts):
                 self.notes.append(f"no line is of the colour or layer {name[:40]!r} that a role is given for")
         return [roles[each.layer, each.colour] or "ignore" for each in drawn]
+
+    def _tell_role(self, layer: str, colour: str, role: Role, count: int) -> None:
+        """Where layer and colour say different things, or a layer's name is nearly one that says something."""
+        lines = f"{count} line{'s' if count > 1 else ''} on layer {layer[:60]!r}, colour {colour}"
+        meant = meant_layer(layer)
+        if meant is not None:
+            self.notes.append(f"{lines}: {role}, by the colour; if the layer is to be {meant!r}, name it so")
+        elif layer_role(layer) is not None and colour_role(colour) not in (None, role, "border"):
+            self.notes.append(f"{lines}: {role}, whatever the colour (--role '{layer[:60]}=…' says another)")
 
     def _strokes(
         self, drawn: list[Drawn], roles: list[Role], tolerance: float, size: float, scale: float

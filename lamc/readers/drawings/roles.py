@@ -5,6 +5,7 @@ tells. The colours are those of Origami Simulator (Amanda Ghassaei): red mountai
 yellow a crease that stays flat, magenta a hinge without a spring.
 """
 
+import difflib
 import math
 import re
 from functools import lru_cache
@@ -94,6 +95,15 @@ def role_of(colour: str | None, layer: str, options: SheetOptions) -> Role | Non
     if layer_name(layer) in _FOLDS:
         return of_colour if of_colour in _CREASES else "hinge"
     return layer_role(layer) or of_colour
+
+
+def meant_layer(name: str) -> str | None:
+    """The known name that an unknown one is nearly, "joint" for "jonit"; None for a known one, and for all others."""
+    word = layer_name(name)
+    if layer_role(name) is not None or len(word) < 3:
+        return None
+    near = difflib.get_close_matches(word, [*_BY_NAME, *_FOLDS], 1, 0.75)
+    return near[0] if near else None
 
 
 def layer_role(name: str) -> Role | None:

@@ -21,7 +21,6 @@ from lamc.design import cutting, split, work
 from lamc.design.split import split as split_design
 from lamc.plates import followed
 from lamc.plates.designs import overlay
-from lamc.readers import native
 from lamc.readers.load import load
 from lamc.readers.plates import follow, problem_make
 from lamc.readers.plates.problem_file import plate_of_text
@@ -120,8 +119,8 @@ def test_thousands_of_cuts_are_joined_and_cut_in_one_go(
 ) -> None:
     """One difference per run of cuts and set of layers that are alike; cut by cut, 500 circles took 29 s."""
     calls = []
-    joined = native.shapely.union_all
-    monkeypatch.setattr(native.shapely, "union_all", lambda parts: calls.append(len(parts)) or joined(parts))
+    joined = shapely.union_all
+    monkeypatch.setattr(shapely, "union_all", lambda parts: calls.append(len(parts)) or joined(parts))
     spots = [(5 + 3 * (k % 30), 5 + 3 * (k // 30)) for k in range(600)]
     cuts = [f"{{cut: {{circle: {{center: [{x}, {y}], radius: 0.7}}}}}}" for x, y in spots]
     design = load(drawn(tmp_path, [SHEET, *cuts]))

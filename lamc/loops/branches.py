@@ -83,11 +83,14 @@ class Tangents:
 
     basis  (n, d): orthonormal, J basis = 0
     forms  (k, d, d): symmetric and independent; x is a direction of motion if x·forms·x = 0 for each
+    local  forms by vertices in their place, of a flat sheet of many free rates
+    is_unknown  there are forms, and too many to know
     """
 
     basis: Array
     forms: Array
     local: LocalForms | None = None
+    is_unknown: bool = False
 
     @property
     def count(self) -> int:
@@ -133,6 +136,8 @@ def tangents(geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY) -> Tange
         local = local_forms(geometry, angles)
         if local is not None and len(local.joints) < size:
             return Tangents(basis, none, local)
+        if local is not None and size > MOST_FREE:
+            return Tangents(basis, none, is_unknown=True)
     if not 0 < size <= MOST_FREE:
         return Tangents(basis, none)
     bias = geometry.rings.bias(angles, basis)
@@ -165,17 +170,19 @@ def find_branches(
     fit: Fit = EXACTLY,
     local: Tangents | None = None,
     lead: Lead | None = None,
+    rank: int | None = None,
 ) -> tuple[Branch, ...]:
     """The branches at a singular closed position, in the order of their rates; each was followed for a step.
 
     Empty where the second order does not tell branches apart. local: `tangents` there, if they are known. lead: of a
-    flat sheet of many free rates, which go on in one family, the rates near which its example lies; None: any.
+    flat sheet of many free rates, which go on in one family, the rates near which its example lies; None: any. rank: of
+    the closure on that family; None: any.
     """
     local = local or tangents(geometry, angles, fit)
     if not local.count:
         return ()
     if local.local is not None:
-        return _one_of_many(geometry, angles, local, lead)
+        return _one_of_many(geometry, angles, local, lead, rank)
     two = local.basis.shape[1] == 2
     solutions = _binary(local.forms, fit) if two else _spherical(local.forms, local.basis, fit)
     found: list[Branch] = []
@@ -190,7 +197,7 @@ def find_branches(
 
 
 def _one_of_many(
-    geometry: LoopGeometry, angles: Array, tangents: Tangents, lead: Lead | None
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, lead: Lead | None, rank: int | None
 ) -> tuple[Branch, ...]:
     """An example of the family on which a flat sheet of many free rates goes on."""
     local, basis = tangents.local, tangents.basis
@@ -202,7 +209,9 @@ def _one_of_many(
             continue
         freedoms = local.freedoms(basis, rates, EXACTLY.family)
         rates = _normalised(rates, geometry.order, EXACTLY.same)
-        if _leads_out(geometry, angles, rates, EXACTLY):
+        place = moved_out(geometry, angles, rates)
+        # Sheets have families of lower rank beside, such as folds along straight lines all across.
+        if place is not None and (rank is None or geometry.linear(place).rank() == rank):
             return (_branch(geometry, rates, freedoms),)
     return ()
 

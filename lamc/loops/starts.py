@@ -45,7 +45,9 @@ class Starter:
         self._weak = count.cutoff if count.accepted_gap > 0.0 else 0.0
         self.size = len(geometry.names)
         self._branches = cache(
-            lambda packed: find_branches(geometry, np.frombuffer(packed), count.fit, lead=lead)
+            lambda packed: find_branches(
+                geometry, np.frombuffer(packed), count.fit, lead=lead, rank=count.rank
+            )
         )
         self._found = cache(self._position)  # by angles given, sorted: each is asked for several times
 

@@ -71,6 +71,8 @@ def survey(
     free = local.basis.shape[1]
     if way is not None:
         return Survey([_both(geometry, start, way, cutoff, steps)], local.count > 0, free)
+    if local.is_unknown:
+        return Survey([], True, free)
     if local.count:
         branches = find_branches(geometry, start, fit, local)
         rows = [branch.row(geometry.names) for branch in branches]

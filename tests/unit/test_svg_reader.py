@@ -601,7 +601,10 @@ def test_files_of_other_kinds_are_read_without_the_libraries_of_drawings() -> No
     assert done.stdout.strip() == "set()"
 
 
-def test_a_drawing_that_lies_within_the_tolerance_encloses_nothing(tmp_path: Path) -> None:
+def test_a_tolerance_that_is_larger_than_the_drawing_is_refused(tmp_path: Path) -> None:
     (tmp_path / "dot.svg").write_text(f'<svg {HEAD} {MM}><rect width="1" height="1" stroke="black"/></svg>')
-    with pytest.raises(LamcError, match="enclose no facet"):
+    with pytest.raises(LamcError, match=r"it must be at most 0\.05 mm"):
         lamc.load(tmp_path / "dot.svg", heal="10 mm")
+    (tmp_path / "line.svg").write_text(f'<svg {HEAD} {MM}><path d="M0 0H9" stroke="black"/></svg>')
+    with pytest.raises(LamcError, match="enclose no facet, of path 1"):
+        lamc.load(tmp_path / "line.svg")

@@ -109,7 +109,9 @@ def count_at(
     size = len(geometry.names)
     allowed = accepted_by_default(geometry.size) if tolerance is None else tolerance
     exact = survey(geometry, angles, EXACTLY, EXACT, way)
-    if exact.free > MOST_FREE and not exact.places:
+    # Where loops have a higher rank a little off, the start is singular, and the walk is on one family of many.
+    risen = max((_rank(way, size, EXACT) for way in exact.ways), default=0) > size - exact.free
+    if exact.free > MOST_FREE and (not exact.places or (risen and not exact.is_singular)):
         raise DesignError(
             f"the start is singular, and {exact.free} rates are free there to first order: of more than {MOST_FREE}, "
             "no branches are looked for; start it a little off, by angles of some hinges"

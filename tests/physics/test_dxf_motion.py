@@ -8,16 +8,16 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.examples import find
 from lamc.readers.load import load_text
-from tests.physics.test_fold_motion import CREASE, DENSITY, THICKNESS, _at, by_hand
+from tests.physics.test_fold_motion import CREASE, DENSITY, THICKNESS, by_hand
 from tests.support import dxf_corpus, fold_corpus
 from tests.support.ctools import needs_cc
+from tests.support.same_motion import assert_same_motion
 
 pytestmark = needs_cc
 
@@ -44,18 +44,7 @@ def test_a_miura_from_dxf_moves_as_one_from_yaml(tmp_path: Path, form: str) -> N
         fixed=(0.012, 0.005),
         units="mm",
     )
-    when = np.linspace(0.0, 0.5, 51)
-    runs = []
-    for made in (hand, drawn):
-        names = {joint.name: _at(joint, made.joints) for joint in hand.joints}
-        damping = {f"{name}.damping": 2e-7 for name in names.values()}
-        model = lamc.compile(made, lamc.Scene(angles={names["z1_0"]: 0.5}))
-        run = model.run(t_end=0.5, t_eval=when, rtol=1e-11, atol=1e-13, parameters=damping)
-        runs.append({name: run.angle(other) for name, other in names.items()})
-    for name, angle in runs[0].items():
-        # 1e-9 rad is asked of the same device from two files; tolerances of steps are a hundredth of that.
-        np.testing.assert_allclose(runs[1][name], angle, rtol=0.0, atol=1e-9, err_msg=name)
-    assert max(float(np.ptp(angle)) for angle in runs[1].values()) > 0.1  # rad: it does fold
+    assert_same_motion(hand, drawn)
 
 
 def drawn_four_bar(version: str, fmt: str) -> tuple[str, bytes]:

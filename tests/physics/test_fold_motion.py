@@ -13,6 +13,7 @@ from lamc.basics.errors import DesignWarning
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
 from tests.support.ctools import needs_cc
+from tests.support.same_motion import assert_same_motion
 
 COLUMNS, ROWS = 3, 3
 Corner = tuple[int, int]
@@ -87,36 +88,7 @@ def test_a_miura_from_fold_moves_as_one_from_yaml(tmp_path: Path, *, faces: bool
     hand = lamc.load(tmp_path / "miura.yaml")
     fold = load(tmp_path / "miura.fold", corpus.miura(COLUMNS, ROWS, faces=faces), fixed=(0.012, 0.005))
     assert isinstance(hand, Mechanism)
-    places = {joint.name: joint for joint in fold.joints}
-    same = {joint.name: _at(joint, places.values()) for joint in hand.joints}
-    damping = {f"{name}.damping": 2e-7 for name in same.values()}
-    when = np.linspace(0.0, 0.5, 51)
-    first = lamc.compile(hand, lamc.Scene(angles={"z1_0": 0.5}))
-    second = lamc.compile(fold, lamc.Scene(angles={same["z1_0"]: 0.5}))
-    runs = [
-        first.run(t_end=0.5, t_eval=when, rtol=1e-11, atol=1e-13),
-        second.run(t_end=0.5, t_eval=when, rtol=1e-11, atol=1e-13, parameters=damping),
-    ]
-    moved = 0.0
-    for name, other in same.items():
-        a, b = (run.angle(joint) for run, joint in zip(runs, (name, other), strict=True))
-        # 1e-9 rad is asked of the same device from two files; tolerances of steps are a hundredth of that.
-        np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-9, err_msg=name)
-        moved = max(moved, float(np.ptp(a)))
-    assert moved > 0.1  # rad: it does fold
-
-
-def _at(joint: lamc.Joint, among: object) -> str:
-    """The name of the joint that lies along the same line, same way round."""
-    found = []
-    for other in among:  # type: ignore[attr-defined]
-        offset = other.point - joint.point
-        apart = np.linalg.norm(np.cross(offset, joint.axis))
-        along = float(offset @ joint.axis)
-        if apart < 1e-9 and other.axis @ joint.axis > 0.999 and -1e-9 < along < 1e-9:
-            found.append(other.name)
-    assert len(found) == 1, joint.name
-    return str(found[0])
+    assert_same_motion(hand, fold)
 
 
 @pytest.mark.parametrize("make", [lambda: corpus.miura(4, 4), corpus.waterbomb, corpus.box_net])

@@ -5,15 +5,15 @@ import math
 import warnings
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.records.mechanism import Mechanism
-from tests.physics.test_fold_motion import CREASE, DENSITY, THICKNESS, _at, by_hand, load
+from tests.physics.test_fold_motion import CREASE, DENSITY, THICKNESS, by_hand, load
 from tests.support import fold_corpus, svg_corpus
 from tests.support.ctools import needs_cc
+from tests.support.same_motion import assert_same_motion
 
 pytestmark = needs_cc
 
@@ -38,19 +38,7 @@ def test_a_miura_from_svg_moves_as_one_from_fold_and_yaml(tmp_path: Path, way: s
         )
     assert isinstance(hand, Mechanism)
     assert isinstance(drawn, Mechanism)
-    when = np.linspace(0.0, 0.5, 51)
-    runs = []
-    for made in (hand, fold, drawn):
-        names = {joint.name: _at(joint, made.joints) for joint in hand.joints}
-        damping = {f"{name}.damping": 2e-7 for name in names.values()}
-        model = lamc.compile(made, lamc.Scene(angles={names["z1_0"]: 0.5}))
-        run = model.run(t_end=0.5, t_eval=when, rtol=1e-11, atol=1e-13, parameters=damping)
-        runs.append({name: run.angle(other) for name, other in names.items()})
-    for name, angle in runs[0].items():
-        # 1e-9 rad is asked of the same device from two files; tolerances of steps are a hundredth of that.
-        np.testing.assert_allclose(runs[1][name], angle, rtol=0.0, atol=1e-9, err_msg=name)
-        np.testing.assert_allclose(runs[2][name], angle, rtol=0.0, atol=1e-9, err_msg=name)
-    assert max(float(np.ptp(angle)) for angle in runs[2].values()) > 0.1  # rad: it does fold
+    assert_same_motion(hand, fold, drawn)
 
 
 @pytest.mark.parametrize("pattern_name", ["miura", "waterbomb", "yoshimura", "kresling", "box"])

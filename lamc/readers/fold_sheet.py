@@ -37,10 +37,8 @@ from lamc.records.scene import Scene
 
 _LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
 _SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave slivers where it is laid flat
-HAND = (
-    0.02,
-    2.0,
-)  # m: sheets that hands fold; where millimetres make no such sheet, the numbers are shares of one
+# m: sheets that hands fold; where millimetres make no such sheet, the numbers are shares of one
+HAND = (0.02, 2.0)
 USUAL = 0.1  # m, the longer side of a sheet then
 OFF = 1e-3  # of the sheet's size: loops of a drawn sheet that close so far are meant to close, and paper yields more
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners

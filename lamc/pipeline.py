@@ -206,7 +206,7 @@ def _compiled(
         from lamc.codegen.build import build
 
         with times.stage("compile"):
-            key, made, times.from_cache = build(tree, program.digest, compiler, options, cache)
+            key, made, times.from_cache = build(tree, program.structure, compiler, options, cache)
         if alias:
             cache.remember(alias, key)
         return made

@@ -134,7 +134,7 @@ def _context(
             "coordinates": len(program.coordinates),
             "rates": len(program.rates),
             "bodies": len(program.bodies),
-            "parameters": len(program.parameters),
+            "parameters": len(program.inputs),
             "energies": len(program.energies),
             "guards": len(program.guards),
             "closure": program.closure_count,

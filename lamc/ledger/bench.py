@@ -111,7 +111,7 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
     compiler = find_compiler(options.compiler, flags=options.flags)
     with tempfile.TemporaryDirectory(prefix="lamc-bench-") as folder:
         with times.stage("compile"):
-            _, module, _ = build(tree, program.digest, compiler, options, Cache(Path(folder) / "cache"))
+            _, module, _ = build(tree, program.structure, compiler, options, Cache(Path(folder) / "cache"))
         simulator = Simulator(mechanism, scene, effects, equations, program, module)
         bench = _Measuring(simulator, equations, derive, observer)
         emitting = times.seconds["lower"] + times.seconds["emit"]

@@ -124,15 +124,14 @@ class InverseDynamics:
         link = self.kinematics.tree.links[added.link]
         arm = local_point(link, added.point)
         field = rotate_back(self._loads.placement.carrier(added.link), self._loads.field)
-        axes = self.kinematics.drawn_frame(link)
+        axes = self.kinematics.drawn_frame(added.link)
         force, moment = _added_wrench(added, link_state, arm, field, axes)
         return force, add(moment, cross(arm, force))
 
     def _added_on_base(self, added: AddedInertia, accelerations: Sequence[Scalar] | None) -> Wrench:
         base = self.kinematics.base
         assert base is not None
-        x, y, z = (float(v) for v in added.point)
-        arm, prescribed = base.arm((x, y, z)), base.acceleration(accelerations)
+        arm, prescribed = base.arm(added.point), base.acceleration(accelerations)
         link_state = LinkState(
             base.velocity.angular, base.velocity.linear, prescribed.angular, prescribed.linear
         )

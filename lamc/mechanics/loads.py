@@ -109,7 +109,7 @@ class Loads(BodyPoints):
         """What is contributed inside belongs to this effect; the compiler opens one around each effect."""
         outer, self._effect = self._effect, name
         try:
-            with self._store.section(title, effect=name, source=source):
+            with self._store.section(title, effect=name, source=source), self._store.numbers_of(name):
                 yield
         finally:
             self._effect = outer
@@ -274,8 +274,7 @@ class Loads(BodyPoints):
             if base is not None:
                 force, moment = rotate_back(base.rotation, force), rotate_back(base.rotation, moment)
                 if drawn is not None:
-                    x, y, z = (float(v) for v in drawn)
-                    moment = add(moment, cross(base.arm((x, y, z)), force))
+                    moment = add(moment, cross(base.arm(drawn), force))
                 self._add_at_origin(WORLD, force, moment)
             return
         carrier = self.placement.carrier(index)

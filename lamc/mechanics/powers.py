@@ -146,10 +146,9 @@ def point_motion(
     base = placement.base
     if added.link == WORLD:
         assert base is not None
-        x, y, z = (float(v) for v in added.point)
         twist = base.velocity
-        return add(twist.linear, cross(twist.angular, base.arm((x, y, z)))), twist.angular
+        return add(twist.linear, cross(twist.angular, base.arm(added.point))), twist.angular
     link, motion = placement.links[added.link], motions[added.link]
     velocity = add(motion.velocity, cross(motion.omega, local_point(link, added.point)))
-    axes = placement.drawn(link)
+    axes = placement.kinematics.drawn_frame(added.link)
     return rotate(axes, velocity), rotate(axes, motion.omega)

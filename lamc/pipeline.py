@@ -17,7 +17,7 @@ from lamc.basics.once import remembered
 from lamc.basics.places import located_at
 from lamc.basics.progress import bar
 from lamc.codegen.cache import Cache, cache_root
-from lamc.codegen.module import Module, load_module
+from lamc.codegen.module import Module
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
 from lamc.design.split import split
@@ -28,6 +28,7 @@ from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.survey import Survey, can_survey, survey_design
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
 from lamc.records.effect import Effect
@@ -36,6 +37,17 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
+from lamc.run.kept_programs import (
+    KeptDesign,
+    design_of_structure,
+    keep_design,
+    keep_structure,
+    kept_design,
+    numbers_of,
+    opened_entry,
+    structure_alias,
+)
+from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
 from lamc.run.simulator import Simulator
 
@@ -184,7 +196,15 @@ def _compiled(
     def sources(*, energy_balance: bool) -> "tuple[Program, SourceTree]":
         return sources_of(equations(), times, energy_balance=energy_balance, precision=options.precision)
 
-    def module(*, energy_balance: bool) -> Module:
+    @remembered
+    def surveyed() -> Survey | None:
+        arrangement = arrange(plan(mechanism), effects)
+        with times.stage("numbers"):
+            return (
+                survey_design(arrangement, effects, loops, scene.inputs) if can_survey(arrangement) else None
+            )
+
+    def module(*, energy_balance: bool) -> tuple[Module, DesignNumbers]:
         alias = input_digest(
             mechanism,
             effects,
@@ -196,20 +216,29 @@ def _compiled(
             common=common,
         )
         with times.stage("load from cache"):
-            key = cache.recall(alias) if alias else None
-            folder = cache.find(key) if key else None
-            found = load_module(folder) if folder else None
-        if found is not None:
+            known = kept_design(cache, alias) if alias else None
+            found = opened_entry(cache, known.entry) if known else None
+        if known is not None and found is not None:
             times.from_cache = True
-            return found
+            return found, known.numbers
+        survey = surveyed()
+        if survey is not None:
+            of = structure_alias(survey.structure, compiler, options, energy_balance=energy_balance)
+            with times.stage("load from cache"):
+                drawn = design_of_structure(cache, of, survey)
+            if drawn is not None:
+                times.from_cache = True
+                return drawn
         program, tree = sources(energy_balance=energy_balance)
         from lamc.codegen.build import build
 
         with times.stage("compile"):
-            key, made, times.from_cache = build(tree, program.structure, compiler, options, cache)
+            entry, made, times.from_cache = build(tree, program.structure, compiler, options, cache)
         if alias:
-            cache.remember(alias, key)
-        return made
+            keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
+        if survey is not None:
+            keep_structure(cache, of, entry, program)
+        return made, numbers_of(program)
 
     # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
     # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc).
@@ -219,7 +248,7 @@ def _compiled(
         effects,
         equations,
         lambda: sources(energy_balance=False)[0],
-        module(energy_balance=False),
+        *module(energy_balance=False),
         loops,
         lambda: module(energy_balance=True),
         Recipe(mechanism, scene, options, cache),

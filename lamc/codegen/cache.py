@@ -16,6 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from lamc.basics.errors import BuildError
 
@@ -100,6 +101,21 @@ class Cache:
         with contextlib.suppress(BuildError):
             self._prepare()
             self._write(f"{alias}.note", text)
+
+    def keep(self, alias: str, value: object) -> None:
+        """Keeps what JSON can hold, with its digest; without harm where nothing can be written."""
+        text = json.dumps(value)
+        self.note(alias, f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}")
+
+    def kept(self, alias: str) -> Any:
+        """What `keep` kept, or None; a note that is damaged is none."""
+        digest, _, text = (self.noted(alias) or "").partition("\n")
+        if not text or digest != hashlib.sha256(text.encode()).hexdigest():
+            return None
+        try:
+            return json.loads(text)
+        except ValueError:
+            return None
 
     def _write(self, file: str, text: str) -> None:
         with contextlib.suppress(OSError):

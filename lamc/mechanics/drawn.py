@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.mechanism.rotations import ROUND_OFF
+from lamc.mechanism.tree import WORLD
 from lamc.records.mechanism import Array
 from lamc.symbolic.scalars import Scalar
 from lamc.symbolic.staging import DrawnKey, Store
@@ -60,5 +61,7 @@ def link_numbers(tree: "Tree") -> Iterator[tuple[DrawnKey, float]]:
     """All that equations may hold of the links, keys with values."""
     for kind, numbers in OF_LINK.items():
         for index, link in enumerate(tree.links):
+            if kind == "origin" and link.parent != WORLD:  # follows from its parent's
+                continue
             for place, value in enumerate(numbers(link)):
                 yield (kind, index, place), value

@@ -41,7 +41,7 @@ from lamc.run.defaults import DURATION
 from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
-from lamc.run.model import CompiledModule, Model, Motion
+from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.pushes import lead_of, push_of
@@ -84,18 +84,20 @@ class Simulator(Evaluations, Viewable):
         equations: "Equations | Callable[[], Equations]",
         program: "Program | Callable[[], Program]",
         module: CompiledModule,
+        numbers: DesignNumbers | None = None,
         loops: LoopCount | None = None,
-        energy_balance: Callable[[], CompiledModule] | None = None,
+        energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         recipe: Recipe | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
+        numbers: of the design; None: those that the C was printed with.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
         energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
-        super().__init__(Model(module, recipe))
+        super().__init__(Model(module, recipe, numbers=numbers))
         self._recipe = recipe
         self.mechanism = mechanism
         self.scene = scene
@@ -358,7 +360,8 @@ class Simulator(Evaluations, Viewable):
         """The model that tells powers."""
         if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        return Model(self._energy_balance(), self._recipe, tells=True)
+        module, numbers = self._energy_balance()
+        return Model(module, self._recipe, tells=True, numbers=numbers)
 
     @lazy
     def _arrangement(self) -> Arrangement:

@@ -25,10 +25,13 @@ SYMBOL = "symbol"
 LEAVES = (NUMBER, CONSTANT, SYMBOL)
 BINARY = ("+", "-", "*")
 NO_LINK = -1
-EQUATIONS = "equations"
+EQUATIONS, LATER = "equations", "later"  # what a store is for, before and after effects have had their turn
 TABLE = (
     "table_"  # begins the names of operations that look a table up: table_<number>_<order of the derivative>
 )
+
+
+ALIKE = 2.0**-44  # of a number, some 6e-14: what a few turns and sums of a drawing's numbers leave
 
 
 class Level(IntEnum):
@@ -68,7 +71,7 @@ class Store:
         self.is_frozen = False  # equations that are finished: what is to be added is added to a copy
         self.factors: set[int] = set()  # numbers of the drawing that met values as factors or terms, and their products
         self.scope = EQUATIONS  # whose numbers come without a key; see `numbers_of`
-        self._unnamed: dict[str, dict[float, int]] = {}
+        self._unnamed: dict[str, dict[tuple[int, int], int]] = {}
         self._known: dict[object, int] = {}
         self._section = 0
 
@@ -135,14 +138,20 @@ class Store:
         return Value(self, index, 1)
 
     def _place(self, value: float) -> int:
-        """Which of the numbers without keys it is, in the order in which they came, in the present scope."""
+        """Which of the numbers without keys it is, in the order in which they came, in the present scope. Numbers that
+        round-off tells apart are one: which of them are equal to the last bit, another drawing changes."""
         known = self._unnamed.setdefault(self.scope, {})
-        return known.setdefault(value, len(known))
+        mantissa, exponent = math.frexp(value)
+        bucket = round(mantissa / ALIKE)
+        for near in (bucket, bucket - 1, bucket + 1):
+            if (near, exponent) in known:
+                return known[near, exponent]
+        return known.setdefault((bucket, exponent), len(known))
 
     def literal(self, value: Number) -> int:
         """Index of the node of a number that meets a value: within `numbers_of` a number of the drawing, unless it is
         whole or a few halves, as those of formulas are."""
-        if self.scope == EQUATIONS or not isinstance(value, float) or (4.0 * value).is_integer():
+        if self.scope in (EQUATIONS, LATER) or not isinstance(value, float) or (4.0 * value).is_integer():
             return self.number(value)
         index = self.drawn_number(value, (self.scope, self._place(value))).index
         self.factors.add(index)

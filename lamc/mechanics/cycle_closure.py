@@ -66,8 +66,10 @@ OF_LINE: Mapping[str, Callable[[Line], Array]] = {
 
 
 def _of_line(kind: str, line: Line) -> list[float]:
-    """Its numbers of a kind; round-off of a turn into the cycle's frame is none of it."""
-    return [float(v) for v in snap(OF_LINE[kind](line).ravel(), 1.0)]
+    """Its numbers of a kind; round-off of a turn into the cycle's frame is none of it, be they nought or one."""
+    values = snap(OF_LINE[kind](line).ravel(), 1.0)
+    one = np.abs(np.abs(values) - 1.0) <= ROUND_OFF
+    return [float(v) for v in np.where(one, np.sign(values), values)]
 
 
 class Shapes:

@@ -1,9 +1,9 @@
 """What a design is but for its numbers, and the numbers: of a drawing whose equations are known already.
 
-In: an `Arrangement`, effects, inputs, loops. Out: a `Survey`: the digest of a structure, and the value of each parameter
-and of each number of the drawing. Two designs of one digest have one program but for those numbers, to the last bit, so
-that nothing is derived, printed or compiled for the second. Effects have their turn here, as only they know what they
-bring; nothing is solved.
+In: an `Arrangement`, effects, inputs, loops. Out: a `Survey`: the digest of a structure, and the value of each
+parameter and of each number of the drawing. Two designs of one digest have one program but for those numbers, to the
+last bit, so that nothing is derived, printed or compiled for the second. Effects have their turn here, as only they
+know what they bring; nothing is solved.
 
 The digest is cautious: it holds more than equations follow from (zeros and ones of numbers that they may not hold, all
 that effects stage). Designs that could share a program may differ in it; designs that could not never agree.
@@ -55,8 +55,8 @@ class Survey:
 
 
 def can_survey(arrangement: Arrangement) -> bool:
-    """Whether a survey tells all: not of loops that are eliminated by a plan, which follows from numbers, nor of those in
-    which something yields. They are derived, and their programs compared."""
+    """Whether a survey tells all: not of loops that are eliminated by a plan, which follows from numbers, nor of those
+    in which something yields. They are derived, and their programs compared."""
     yields = len(arrangement.plain_coordinates) > len(arrangement.tree.hinges)
     return not arrangement.tree.cuts or (len(arrangement.tree.hinges) <= FEW and not yields)
 

@@ -4,10 +4,8 @@ load → split → plan → derive → lower → emit → build. Nothing is reme
 """
 
 import logging
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +13,7 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import BuildError, DesignError
 from lamc.basics.once import remembered
 from lamc.basics.places import located_at
-from lamc.basics.progress import bar
+from lamc.basics.times import Observer, Times
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module
 from lamc.codegen.options import CompileOptions
@@ -56,49 +54,7 @@ if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations
     from lamc.symbolic.program import Program
 
-logger = logging.getLogger("lamc")  # stages with their times
-Observer = Callable[[str], None]  # told the name of each stage as it begins
-
-
-@dataclass
-class Times:
-    """Seconds per stage, in the order in which they ran; `from_cache` if nothing had to be compiled."""
-
-    seconds: dict[str, float] = field(default_factory=dict)
-    from_cache: bool = False
-    observer: Observer | None = None
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        if self.observer is not None:
-            self.observer(name)
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            taken = time.perf_counter() - start
-            self.seconds[name] = self.seconds.get(name, 0.0) + taken
-            logger.debug("%s: %.3g s", name, taken)
-
-    @contextmanager
-    def told(self, progress: Observer | bool | None) -> Iterator[None]:
-        """Tells `progress` of stages too while it lasts; True: a bar."""
-        if not progress:
-            yield
-            return
-        before = self.observer
-        with nullcontext((progress, None)) if callable(progress) else bar("compile") as (stage, _):
-
-            def both(name: str) -> None:
-                stage(name)
-                if before is not None:
-                    before(name)
-
-            self.observer = both
-            try:
-                yield
-            finally:
-                self.observer = before
+logger = logging.getLogger("lamc")
 
 
 def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:

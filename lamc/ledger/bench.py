@@ -20,11 +20,12 @@ import sympy as sp
 
 from lamc.basics._version import __version__
 from lamc.basics.errors import SimulationError
+from lamc.basics.times import Times
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
-from lamc.pipeline import Times, effects_of, equations_of, sources_of
+from lamc.pipeline import effects_of, equations_of, sources_of
 from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
 from lamc.reference.integrate import simulate

@@ -46,7 +46,9 @@ class Placement:
                 link = self.links[i]
                 if link.parent == WORLD:
                     self._origins[i] = (
-                        self.base.point(link.origin, ("arm", i)) if self.base else self.kinematics.drawn_origin(i)
+                        self.base.point(link.origin, ("arm", i))
+                        if self.base
+                        else self.kinematics.drawn_origin(i)
                     )
                     step = self.kinematics.offset[i]
                     if step != ZERO:
@@ -123,7 +125,7 @@ def rotate_back(matrix: Matrix3, v: Vector3) -> Vector3:
     return (x, y, z)
 
 
-def local_point(link: Link, point: Array) -> Vector3:
+def local_point(link: Link, point: Array) -> tuple[float, float, float]:
     """A point of the body, given in the drawn configuration (m, world), in the link's own frame."""
     x, y, z = (float(v) for v in link.frame.T @ (point - link.origin))
     return (x, y, z)

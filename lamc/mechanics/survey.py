@@ -27,6 +27,7 @@ from lamc.mechanics.general import begin_general
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.inputs import Input
+from lamc.records.mechanism import Array
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.program import Parameter
 from lamc.symbolic.scalars import Value
@@ -48,6 +49,10 @@ class Survey:
     structure: str
     parameters: tuple[Parameter, ...]
     values: Mapping[DrawnKey, float]
+
+    def knows(self, keys: Sequence[DrawnKey]) -> bool:
+        """Whether it tells all of these; equations of bodies that bend hold numbers that come of solving."""
+        return all(key in self.values for key in keys)
 
     def inputs(self, keys: Sequence[DrawnKey]) -> tuple[float, ...]:
         """What `setup` takes of a program that holds the numbers of these keys."""
@@ -92,13 +97,17 @@ def survey_design(
 
 
 def _of_base(loads: Loads, tree: Tree) -> Iterator[tuple[DrawnKey, float]]:
-    """Arms of the links on a base that moves."""
+    """Arms of a base that moves, to the links on it and to the centres of its bodies."""
     base = loads.placement.base
-    if base is not None:
-        for index, link in enumerate(tree.links):
-            if link.parent == WORLD:
-                for place, value in enumerate((link.origin - base.reference).tolist()):
-                    yield ("arm", index, place), value
+    if base is None:
+        return
+    points: dict[DrawnKey, Array] = {
+        ("arm", index): link.origin for index, link in enumerate(tree.links) if link.parent == WORLD
+    }
+    points |= {("base body", body.name): body.com for body in tree.mechanism.bodies if body.fixed}
+    for key, point in points.items():
+        for place, value in enumerate((point - base.reference).tolist()):
+            yield (*key, place), value
 
 
 def _kind(value: float) -> str:
@@ -108,7 +117,9 @@ def _kind(value: float) -> str:
 
 def _of_parameter(parameter: Parameter) -> str:
     given = parameter.is_input and parameter.default != 0.0
-    return repr((parameter.name, parameter.unit, parameter.meaning, parameter.effect, parameter.is_input, given))
+    return repr(
+        (parameter.name, parameter.unit, parameter.meaning, parameter.effect, parameter.is_input, given)
+    )
 
 
 def _of_tree(tree: Tree, rings: Sequence[Sequence[Line]], loops: LoopCount | None) -> Iterator[str]:

@@ -96,7 +96,7 @@ def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Modul
     known = kept_structure(cache, alias)
     if known is None or known.parameters != tuple(p.name for p in survey.parameters):
         return None
-    if not all(key in survey.values for key in known.keys):
+    if not survey.knows(known.keys):
         return None
     folder = cache.root / known.entry
     # What this process has loaded is what it was, whatever became of the files

@@ -194,7 +194,7 @@ class Model(Unchanging):
 
     recipe   what it was made from; None: by hand, and it cannot be pickled. tells: whether it tells powers
     numbers  of the design; None: those that the C was printed with
-    digest   of the program: of its structure, which the C has, and of the numbers
+    structure, digest  of the program without numbers, which the C has, and with them
     """
 
     def __init__(
@@ -227,11 +227,14 @@ class Model(Unchanging):
         self.parameters = self._names(handle.parameter_names, handle.parameter_count)
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
-        own = [float(handle.parameter_defaults[i]) for i in range(handle.parameter_count + handle.geometry_count)]
+        own = [
+            float(handle.parameter_defaults[i]) for i in range(handle.parameter_count + handle.geometry_count)
+        ]
         numbers = numbers or DesignNumbers(tuple(own))
         self.defaults = numbers.inputs[: len(self.parameters)]
         self.geometry = numbers.inputs[len(self.parameters) :]
-        self.digest = design_digest(self._text(handle.digest), numbers.inputs, numbers.drawn)
+        self.structure = self._text(handle.digest)
+        self.digest = design_digest(self.structure, numbers.inputs, numbers.drawn)
         if recipe is not None:
             remember(self, self._entry)
 

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import RequestError, UnsupportedError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
@@ -50,9 +50,11 @@ from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.start_checks import check_run, check_start, refuse_branch
+from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
+    from lamc.records.design import Design
     from lamc.symbolic.program import Program
 
 logger = logging.getLogger("lamc")
@@ -117,6 +119,31 @@ class Simulator(Evaluations, Viewable):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return super().__reduce__() if self._recipe is None else (remade_simulator, (self._recipe,))
+
+    @property
+    def structure(self) -> str:
+        """Digest of the equations without the numbers of the design; simulators of one structure share their code."""
+        return self._model.structure
+
+    def with_design(self, design: "Design | Mechanism", scene: Scene | None = None) -> "Simulator":
+        """A simulator of another drawing, such as `design.with_parameters(length=0.05)`: of one of the same topology
+        within milliseconds, by the same compiled code.
+
+        Where the topology is another, or numbers vanish that did not, it is derived and compiled anew: a warning of the
+        log "lamc" says so, and `structure` differs.
+
+        scene: None: this one's; where that is the design's own, the new design's own
+
+        Raises as `lamc.compile` does; UnsupportedError where this simulator was made by hand.
+        """
+        if self._recipe is None:
+            raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
+        given = None if self.scene is self.mechanism.scene else self.scene
+        made = self._recipe.simulator(design, scene or given)
+        if made.structure != self.structure:
+            what = changes(self.mechanism, made.mechanism)
+            logger.warning("%r is compiled anew, as its topology is not that of %r: %s", made, self, what)
+        return made
 
     @lazy
     def loops(self) -> LoopCount:

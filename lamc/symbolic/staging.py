@@ -65,11 +65,15 @@ class Store:
         self.link_of: list[int] = []
         self.link = NO_LINK  # nodes made from now on belong to this link of the tree; see `section`
         self.payloads: dict[int, Number | Symbol] = {}
-        self.drawn: dict[DrawnKey, int] = {}  # numbers of the drawing, in the order in which they were asked for
+        self.drawn: dict[
+            DrawnKey, int
+        ] = {}  # numbers of the drawing, in the order in which they were asked for
         self.sections: list[Section] = [Section("", "", "")]
         self.tables: list[Piecewise] = []
         self.is_frozen = False  # equations that are finished: what is to be added is added to a copy
-        self.factors: set[int] = set()  # numbers of the drawing that met values as factors or terms, and their products
+        self.factors: set[int] = (
+            set()
+        )  # numbers of the drawing that met values as factors or terms, and their products
         self.scope = EQUATIONS  # whose numbers come without a key; see `numbers_of`
         self._unnamed: dict[str, dict[tuple[int, int], int]] = {}
         self._known: dict[object, int] = {}

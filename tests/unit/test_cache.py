@@ -18,13 +18,13 @@ import pytest
 
 import lamc
 from lamc.basics.errors import BuildError
+from lamc.basics.times import Times
 from lamc.codegen import build, toolchain
 from lamc.codegen import cache as cache_module
 from lamc.codegen.cache import Cache, cache_root, intact
 from lamc.codegen.module import BINDING, LIBRARY
 from lamc.codegen.options import CompileOptions
 from lamc.effects import Gravity, HingeStiffness
-from lamc.pipeline import Times
 from lamc.records.scene import Scene
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain, random_state

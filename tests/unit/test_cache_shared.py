@@ -25,7 +25,7 @@ CHECKOUT = ROOT
 # argv: how many loads. Prints the hits among them. It imports as little as a user's program does.
 _LOADS = """
 import sys, lamc
-from lamc.pipeline import Times
+from lamc.basics.times import Times
 from tests.support.mechanisms import chain
 scene = lamc.Scene(effects=(lamc.Gravity((0.0, 0.0, -9.81)), lamc.HingeStiffness()))
 hits = 0

@@ -184,7 +184,9 @@ def _compiled(
                 drawn = design_of_structure(cache, of, survey)
             if drawn is not None:
                 times.from_cache = True
-                return drawn
+                if alias:
+                    keep_design(cache, alias, KeptDesign(*drawn[1:]))
+                return drawn[0], drawn[2]
         program, tree = sources(energy_balance=energy_balance)
         from lamc.codegen.build import build
 

@@ -268,6 +268,7 @@ def _counts(program: Program) -> dict[str, int]:
         "bodies": len(program.bodies),
         "parameters": len(program.parameters),
         "geometry": len(program.geometry),
+        "inputs": max(1, len(program.inputs)),
         "constants": program.constant_count,
         "energies": len(program.energies),
         "guards": len(program.guards),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from weakref import WeakValueDictionary
 
 from lamc.basics._version import __version__
-from lamc.codegen.cache import Cache
+from lamc.codegen.cache import Cache, stamps
 from lamc.codegen.module import Module, load_module
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import Compiler
@@ -19,7 +19,8 @@ from lamc.run.model import DesignNumbers
 from lamc.symbolic.program import Program
 from lamc.symbolic.staging import DrawnKey
 
-_opened: "WeakValueDictionary[str, Module]" = WeakValueDictionary()  # by folder
+_opened: "WeakValueDictionary[str, Module]" = WeakValueDictionary()  # by folder, verified
+_stamps: dict[str, tuple[tuple[str, int, int], ...]] = {}  # of their files, then
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ def kept_structure(cache: Cache, alias: str) -> KeptStructure | None:
 
 def keep_structure(cache: Cache, alias: str, entry: str, program: Program) -> None:
     keys = [list(number.key) for number in program.geometry]
-    cache.keep(alias, {"entry": entry, "parameters": [p.name for p in program.parameters], "keys": keys})
+    names = [p.name for p in program.parameters]
+    cache.keep(alias, {"entry": entry, "parameters": names, "keys": keys}, of_one_design=False)
 
 
 def opened_entry(cache: Cache, entry: str) -> Module | None:
@@ -87,21 +89,25 @@ def opened_entry(cache: Cache, entry: str) -> Module | None:
     folder = cache.find(entry)
     if folder is None:
         return None
-    module = _opened[str(folder)] = load_module(folder)
+    module = load_module(folder)
+    _opened[str(folder)] = module
+    _stamps[str(folder)] = stamps(folder)
     return module
 
 
-def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, DesignNumbers] | None:
-    """The module of a structure, with the numbers of the design that was surveyed; None where there is none."""
+def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, str, DesignNumbers] | None:
+    """The module of a structure, the key of its entry, and the numbers of the design that was surveyed; None where
+    there is none."""
     known = kept_structure(cache, alias)
     if known is None or known.parameters != tuple(p.name for p in survey.parameters):
         return None
     if not survey.knows(known.keys):
         return None
     folder = cache.root / known.entry
-    # What this process has loaded is what it was, whatever became of the files
-    module = (_opened.get(str(folder)) if folder.is_dir() else None) or opened_entry(cache, known.entry)
-    return None if module is None else (module, DesignNumbers(survey.inputs(known.keys)))
+    module = _opened.get(str(folder))
+    if module is None or stamps(folder) != _stamps[str(folder)]:
+        module = opened_entry(cache, known.entry)
+    return None if module is None else (module, known.entry, DesignNumbers(survey.inputs(known.keys)))
 
 
 def _entry(found: dict[str, object]) -> str:

@@ -6,7 +6,7 @@ another program, which another version of lamc may make, for the one that a resu
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
@@ -35,6 +35,10 @@ class Recipe:
     scene: Scene
     options: CompileOptions
     cache: Cache
+
+    def in_passing(self) -> "Recipe":
+        """The same, of which the cache keeps nothing that is of one design alone."""
+        return replace(self, cache=Cache(self.cache.root, passing=True))
 
     def simulator(
         self, design: "Design | Mechanism | None" = None, scene: Scene | None = None

@@ -139,7 +139,7 @@ class Simulator(Evaluations, Viewable):
         if self._recipe is None:
             raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
         given = None if self.scene is self.mechanism.scene else self.scene
-        made = self._recipe.simulator(design, scene or given)
+        made = self._recipe.in_passing().simulator(design, scene or given)
         if made.structure != self.structure:
             what = changes(self.mechanism, made.mechanism)
             logger.warning("%r is compiled anew, as its topology is not that of %r: %s", made, self, what)

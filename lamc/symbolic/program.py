@@ -189,10 +189,10 @@ class Program:
     rates: tuple[Coordinate, ...]  # of u, (nu,)
     bodies: tuple[str, ...]  # names of the moving bodies, in the order of `poses`
     parameters: tuple[Parameter, ...]
-    geometry: tuple[DrawnNumber, ...]
     constant_count: int
     energies: tuple[str, ...]
     functions: Mapping[str, Function]
+    geometry: tuple[DrawnNumber, ...] = ()
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
     cuts: tuple[str, ...] = ()  # names of the last joints, which close loops
     closure_count: int = 0  # m, equations that hold the loops

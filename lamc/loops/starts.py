@@ -155,11 +155,13 @@ class Starter:
     def _closed(self, guess: Array, free: Mask) -> tuple[Array, float]:
         """The place that `settle` reaches, and the gap there, m; 0 where the loops count as closed."""
         angles, error = settle(self.geometry, guess, free, self.cutoff)
+        if error <= CLOSED:
+            return angles, 0.0
         gap = float(self.geometry.gaps(angles).max())
         rotated = (
             error * self.geometry.size
         )  # a gap may be nil while a cut hinge is away from its given angle
-        closed = error <= CLOSED or max(gap, rotated) <= self.count.accepted_gap
+        closed = max(gap, rotated) <= self.count.accepted_gap
         return angles, 0.0 if closed else max(gap, rotated)
 
     def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:

@@ -81,6 +81,11 @@ class LoopGeometry:
             found = self._recent[key] = residual, Linear(self.rings.dense(screws))
         return found
 
+    def closures(self, angles: Array) -> tuple[Array, Array]:
+        """The same for rows of angles (s, n) of few joints at once: (s, 6 cycles) and (s, 6 cycles, n)."""
+        residual, screws = self.rings.residual(angles)
+        return residual, self.rings.dense(screws)
+
     def linear(self, angles: Array) -> Linear:
         """The Jacobian of the closure: it leaves free the rates with which all loops stay closed."""
         return self.closure(angles)[1]

@@ -33,6 +33,14 @@ EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
 NOTHING = 1e-13  # entries that are round-off of zero, beside those of one
 
 
+def least_changes(matrices: Array, goals: Array, cutoff: float) -> Array:
+    """As `Linear.least_change`, of small matrices (s, m, n) and goals (s, m) at once: (s, n)."""
+    left, values, right = np.linalg.svd(matrices, full_matrices=False)
+    kept = values > cutoff * values[:, :1]
+    parts = (goals[:, None] @ left)[:, 0] * kept / np.where(kept, values, 1.0)
+    return np.asarray((parts[:, None] @ right)[:, 0])
+
+
 class Linear:
     """A matrix J (m, n)."""
 

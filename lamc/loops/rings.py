@@ -28,6 +28,11 @@ NARROW = 1e-2  # of the size: hinges nearer to a cycle's centre do not measure i
 # Where direction (3) and moment (3) of a line are among the 16 entries of its Plücker matrix L = P A^T - A P^T, with
 # a point P = (p, 1) on the line and A = (a, 0): displaced by T, in homogeneous coordinates, it is T L T^T.
 _LINE = np.array([12, 13, 14, 6, 8, 1])
+_SAME = np.eye(4)
+
+_PARTS = np.zeros((9, 4))  # of a rotation: twice its sine times its axis, and its trace
+_PARTS[[7, 2, 3], [0, 1, 2]], _PARTS[[5, 6, 1], [0, 1, 2]], _PARTS[[0, 4, 8], 3] = 1.0, -1.0, 1.0
+TINY = 1e-300  # keeps a quotient finite where there is no angle
 
 
 def _brackets() -> Array:
@@ -49,8 +54,8 @@ class Ring:
     rows    (c,): which cycles
     joints  (c, k): the hinges in the order of the way; signs (c, k): +1 from parent to child
     lines   (c, k, 4, 4): Plücker matrices as drawn, from the cycle's centre, in its unit; times the signs
-    turns   (2, c, k, 4, 4): what a displacement about a line, in homogeneous coordinates, has beside the identity:
-            times the sine and times the versine of its angle (Rodrigues)
+    turns   (c, k, 3, 16): of a displacement about a line, in homogeneous coordinates, what is there for each angle,
+            and what goes with its sine and its versine (Rodrigues)
     entries (c, k, 6): where screws are in the Jacobian, row by row
     """
 
@@ -80,8 +85,8 @@ class Rings:
         screws = []
         for ring in self.rings:
             found, last = _around(ring, angles)
-            left[..., ring.rows, :3] = rotation_vectors(last[..., :3, :3])
-            left[..., ring.rows, 3:] = last[..., :3, 3]
+            rows = ring.rows if len(self.rings) > 1 else slice(None)
+            left[..., rows, :3], left[..., rows, 3:] = rotation_vectors(last[..., :3, :3]), last[..., :3, 3]
             screws.append(found)
         return left.reshape(*angles.shape[:-1], 6 * self.count), screws
 
@@ -142,12 +147,14 @@ def _ring(numbered: Sequence[tuple[int, Cycle]], points: Array, axes: Array, siz
 
 
 def _turns(axes: Array, arms: Array) -> Array:
-    """(2, c, k, 4, 4): about lines along unit vectors (c, k, 3) through points (c, k, 3)."""
+    """(c, k, 3, 16): about lines along unit vectors (c, k, 3) through points (c, k, 3)."""
     cross = cross_matrices(axes)
-    found = np.zeros((2, *axes.shape[:-1], 4, 4))
-    for turn, linear in zip(found, (cross, cross @ cross), strict=True):
-        turn[..., :3, :3], turn[..., :3, 3] = linear, -np.einsum("...ab,...b->...a", linear, arms)
-    return found
+    found = np.zeros((*axes.shape[:-1], 3, 4, 4))
+    found[..., 0, :, :] = _SAME
+    for part, linear in ((1, cross), (2, cross @ cross)):
+        found[..., part, :3, :3] = linear
+        found[..., part, :3, 3] = -(linear @ arms[..., None])[..., 0]
+    return found.reshape(*axes.shape[:-1], 3, 16)
 
 
 def _bias(screws: Array, rates: Array) -> Array:
@@ -164,12 +171,12 @@ def _around(ring: Ring, angles: Array) -> tuple[Array, Array]:
     of their angles; and the displacement (..., c, 4, 4) that is left behind."""
     turned = ring.signs * angles[..., ring.joints]
     half = np.sin(0.5 * turned)
-    turns = np.sin(turned)[..., None, None] * ring.turns[0]
-    turns += (2.0 * half * half)[..., None, None] * ring.turns[1]
-    turns += np.eye(4)
+    parts = np.ones((*turned.shape, 1, 3))
+    np.sin(turned, out=parts[..., 0, 1])
+    np.multiply(2.0 * half, half, out=parts[..., 0, 2])
+    turns = (parts @ ring.turns).reshape(*turned.shape, 4, 4)
     passed = np.empty(turns.shape)
-    passed[..., 0, :, :] = np.eye(4)
-    last = turns[..., 0, :, :]
+    passed[..., 0, :, :], last = _SAME, turns[..., 0, :, :]
     for i in range(1, turned.shape[-1]):
         passed[..., i, :, :] = last
         last = last @ turns[..., i, :, :]
@@ -195,13 +202,13 @@ def rotations(axes: Array, angles: Array) -> Array:
 def rotation_vectors(rotation: Array) -> Array:
     """Axis times angle (..., 3), rad, of rotations (..., 3, 3); exact to round-off near the identity, and to its square
     root near a half turn, where the antisymmetric part vanishes as it does for none."""
-    r = rotation.reshape(*rotation.shape[:-2], 9)
-    twice_sine = r[..., [7, 2, 3]] - r[..., [5, 6, 1]]
+    parts = rotation.reshape(*rotation.shape[:-2], 9) @ _PARTS
+    twice_sine = parts[..., :3]
     length = np.sqrt((twice_sine * twice_sine).sum(axis=-1))
-    angle = np.arctan2(length, r[..., 0] + r[..., 4] + r[..., 8] - 1.0)
-    small = length < 1e-9
-    found = twice_sine * np.where(small, 0.5, angle / np.where(small, 1.0, length))[..., None]
-    for k in zip(*np.nonzero(small & (angle > 1.0)), strict=True):
+    angle = np.arctan2(length, parts[..., 3] - 1.0)
+    found = twice_sine * (angle / np.maximum(length, TINY))[..., None]
+    half = (angle > 1.0) & (length < 1e-9)
+    for k in zip(*np.nonzero(half), strict=True) if half.any() else ():
         twice_dyad = rotation[k] + np.eye(3)
         axis = twice_dyad[:, int(np.argmax(np.diag(twice_dyad)))]
         found[k] = angle[k] * axis / np.linalg.norm(axis)

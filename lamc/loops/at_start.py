@@ -10,11 +10,12 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.branches import NEARLY, Branch, find_branches
+from lamc.loops.branches import Branch, find_branches
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import Misfit
 from lamc.loops.rank import Found, LoopCount, accepted_by_default, check_freedom, count_at
 from lamc.loops.starts import Starter
+from lamc.loops.tangents import NEARLY
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene

@@ -5,7 +5,7 @@ uses the frames of the tree, sympy, or compiled code, so that it stands beside t
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -52,10 +52,14 @@ class LoopGeometry:
             [link.parent for link in tree.links] + [cut.parent.link for cut in tree.cuts], dtype=int
         )
 
+        # A large matrix is taken apart in seconds, and asked for in one place after another.
+        self._linear = lru_cache(maxsize=2)(lambda packed: self.closure(np.frombuffer(packed))[1])
+
     @cached_property
     def order(self) -> list[int]:
         """Where the mechanism's joints, in its own order, are in Q."""
-        return [self.names.index(joint.name) for joint in self.tree.mechanism.joints]
+        place = {name: index for index, name in enumerate(self.names)}
+        return [place[joint.name] for joint in self.tree.mechanism.joints]
 
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
@@ -88,7 +92,7 @@ class LoopGeometry:
 
     def linear(self, angles: Array) -> Linear:
         """The Jacobian of the closure: it leaves free the rates with which all loops stay closed."""
-        return self.closure(angles)[1]
+        return self._linear(np.ascontiguousarray(angles).tobytes())
 
     def poses(self, angles: Array) -> Poses:
         """Poses of all bodies by the tree joints of `angles` (n,)."""

@@ -30,7 +30,9 @@ BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
 WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
-NOTHING = 1e-13  # entries that are round-off of zero, beside those of one
+NOTHING = (
+    1e-12  # entries that are round-off of zero, beside those of one, on a sheet of hundreds of facets across
+)
 
 
 def least_changes(matrices: Array, goals: Array, cutoff: float) -> Array:

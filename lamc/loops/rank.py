@@ -18,12 +18,12 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.surveys import Survey, near_surveys, survey
+from lamc.loops.tangents import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.walks import LoopPosition
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
@@ -91,10 +91,13 @@ class LoopCount:
         """The count of a run that takes a branch, by its number; negative for the opposite way."""
         if not 0 < abs(number) <= len(self.branch_ranks):
             return self
-        rank = self.branch_ranks[abs(number) - 1]
-        if rank == self.rank:
-            return self
-        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+        return self.of_rank(self.branch_ranks[abs(number) - 1])
+
+    def of_rank(self, rank: int) -> "LoopCount":
+        """The count of a run whose loops have another rank."""
+        return (
+            self if rank == self.rank else replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+        )
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)

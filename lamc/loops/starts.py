@@ -12,13 +12,14 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.branches import Branch, Lead, find_branches, moved_out, tangents
+from lamc.loops.branches import Branch, Lead, find_branches, moved_out
 from lamc.loops.closing import CLOSED, Mask, approach, settle, settle_all
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.leading import led_along
 from lamc.loops.linear import EXACT
 from lamc.loops.pushed import Push, pushed_branch
 from lamc.loops.rank import LoopCount
+from lamc.loops.tangents import tangents
 from lamc.loops.texts import listed, named, ratios, resistance
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
@@ -93,6 +94,12 @@ class Starter:
         """The branches at the position that `start` asks for; empty where it is regular."""
         angles = self.position(start.angles)
         return self._branches(angles.tobytes()) if self.is_singular(angles) else ()
+
+    @on_one_thread
+    def rank_on(self, start: Scene, number: int) -> int:
+        """The rank of the closure on a branch at the position that `start` asks for."""
+        place, _ = self._on_branch(self.position(start.angles), number, {})
+        return self.geometry.linear(place).rank(max(EXACT, self._weak))
 
     @on_one_thread
     def is_singular(self, angles: Array) -> bool:

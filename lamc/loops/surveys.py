@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamc.loops.branches import NEARLY, Fit, find_branches, moved_out, tangents
+from lamc.loops.branches import find_branches, moved_out
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import DENSE, EXACT
+from lamc.loops.tangents import NEARLY, Fit, tangents
 from lamc.loops.walks import LoopPosition, walk
 from lamc.records.mechanism import Array
 
@@ -71,8 +72,6 @@ def survey(
     free = local.basis.shape[1]
     if way is not None:
         return Survey([_both(geometry, start, way, cutoff, steps)], local.count > 0, free)
-    if local.is_unknown:
-        return Survey([], True, free)
     if local.count:
         branches = find_branches(geometry, start, fit, local)
         rows = [branch.row(geometry.names) for branch in branches]

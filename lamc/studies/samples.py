@@ -9,8 +9,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import trapezoid
-from scipy.optimize import brentq
 
 from lamc.run.request import Array
 
@@ -31,7 +29,8 @@ def mean(samples: Samples) -> float:
 
 def integral(samples: Samples) -> float:
     """Over time, by the trapezoidal rule on the rows."""
-    return float(trapezoid(samples.y, samples.t))
+    y = samples.y
+    return 0.5 * float(np.sum((y[1:] + y[:-1]) * np.diff(samples.t)))
 
 
 def rms(samples: Samples) -> float:
@@ -81,7 +80,13 @@ def first_above(samples: Samples) -> float:
     k = int(above[0])
     if k == 0:
         return float(t[0])
-    return float(brentq(lambda moment: _between(samples, k - 1, moment), t[k - 1], t[k], xtol=1e-15))
+    below, beyond = float(t[k - 1]), float(t[k])
+    while below < (middle := 0.5 * (below + beyond)) < beyond:  # halved to the last bit, 60 times at most
+        if _between(samples, k - 1, middle) > 0.0:
+            beyond = middle
+        else:
+            below = middle
+    return beyond
 
 
 def _between(samples: Samples, i: int, moment: float) -> float:

@@ -62,8 +62,10 @@ from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
 from lamc.records.card import Card
 from lamc.records.design import Design, Material
+from lamc.records.family import Family
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
+from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -78,6 +80,7 @@ __all__ = [
     "CompileOptions",
     "Design",
     "DesignError",
+    "DesignParameter",
     "DesignWarning",
     "Effect",
     "EmitError",
@@ -85,6 +88,7 @@ __all__ = [
     "ExportOptions",
     "ExpressionError",
     "ExternalTorque",
+    "Family",
     "FlexibleLinks",
     "FreeBase",
     "Gravity",

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
+from lamc.basics.common_units import COMMON
 from lamc.basics.errors import DesignError
 from lamc.basics.units import EXAMPLES, Quantity, check_unit, registry, to_si
 
@@ -45,10 +46,20 @@ class SIUnit:
     factor: float
 
 
+_SIMPLE = ("m", "rad", "s", "kg", "Pa", "N", "rad/s")
+_COMMON = {
+    unit: SIUnit(si, factor)
+    for (unit, si), factor in COMMON.items()
+    if si in _SIMPLE and unit != "N/mm^2"  # which would be written N/m²
+}
+
+
 def si_unit(text: str) -> SIUnit:
     """The SI unit of `text`. Raises DesignError for what is no unit, or one that cannot be scaled, such as degC."""
     given = text.strip().replace("*", "·").replace("^2", "²")
-    return SIUnit(given or "1", 1.0) if given in ("", *_PLAIN) else _parsed(_spelled(text))
+    if given in ("", *_PLAIN):
+        return SIUnit(given or "1", 1.0)
+    return _COMMON.get(text.strip()) or _parsed(_spelled(text))
 
 
 def measured(text: str) -> tuple[float, str]:

@@ -19,6 +19,7 @@ Path = tuple[str | int, ...]
 CHOICE = (
     "one of: "  # begins the name of a part of a union, which pydantic puts into places and a file has not
 )
+QUOTE = 'in a list, quote an expression with a comma: ["max(a, b)", 0]'
 T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
@@ -170,7 +171,10 @@ def _message(model: type[BaseModel], path: Path, item: Any) -> str:
         return "a value is missing here"
     if kind == "missing":
         return "this key is missing, and it is required"
-    return problem_text(item)
+    text = problem_text(item)
+    if kind == "too_long" and any(isinstance(each, str) and "(" in each for each in item["input"]):
+        return f"{text}; {QUOTE}"  # an expression that YAML took apart
+    return text
 
 
 def _fields_at(model: type[BaseModel], path: Path) -> list[str]:

@@ -15,6 +15,7 @@ from lamc.effects.data import DataError, file_context
 from lamc.effects.registry import by_name
 from lamc.readers.checking import Path, Problems, did_you_mean, shown
 from lamc.readers.effect_calls import Called, effects_called, make_effect
+from lamc.readers.numbers import Numbers
 from lamc.readers.scene_inputs import read_inputs
 from lamc.readers.scene_schema import OutputPointModel, SceneModel
 from lamc.records.effect import Effect
@@ -53,12 +54,14 @@ def read_scenes(
     problems: Problems,
     length_unit: str | None = None,
     at: Path = ("scene",),
+    numbers: Numbers | None = None,
 ) -> Scenes:
     """The scenes of a validated file; every problem is added to `problems`, and what has one is left out.
 
     length_unit  of bare lengths; at  where `scene` stands in the file
+    numbers      reads expressions in parameters of the design; None: there are none
     """
-    return _Reader(scene, scenes, problems, length_unit, at).scenes()
+    return _Reader(scene, scenes, problems, length_unit, at, numbers).scenes()
 
 
 def check_joints(
@@ -85,12 +88,14 @@ class _Reader:
         problems: Problems,
         length_unit: str | None,
         at: Path,
+        numbers: Numbers | None,
     ) -> None:
         self.scene = scene
         self.models = scenes
         self.problems = problems
         self.length_unit = length_unit
         self.at = at
+        self.numbers = numbers
         self.said: dict[str, _Said | None] = {}
         self.effects: dict[Path, Effect | None] = {}  # each is made once, however many scenes have it
         self.places: dict[
@@ -215,7 +220,7 @@ class _Reader:
         effects = None if said.effects is None else [(self._effect(each), each) for each in said.effects]
         added = [(self._effect(each), each) for each in said.added]
         called = [(effect, call.path) for effect, call in [*(effects or ()), *added]]
-        inputs = read_inputs(said.inputs, said.path, called, problems)
+        inputs = read_inputs(said.inputs, said.path, called, problems, self.numbers)
         if inputs is None:
             return None
         made = [(effect, problems.place(path)) for effect, path in called]
@@ -259,7 +264,7 @@ class _Reader:
         path, name, value = called
         if path not in self.effects:
             self.effects[path] = None
-            context = file_context(self.length_unit, self.problems.folder)
+            context = file_context(self.length_unit, self.problems.folder, self.numbers)
             try:
                 self.effects[path] = make_effect(name, value, shown(path), context)
             except DesignErrors as errors:

@@ -50,7 +50,7 @@ class RunOptions:
     integrator: str = "auto"
     rows: int | None = None  # None: 200 a second, and 2001 at least
     max_steps: int = 1_000_000
-    parameters: Mapping[str, float] = field(default_factory=lambda: ReadOnlyDict({}))
+    parameters: Mapping[str, float | str] = field(default_factory=lambda: ReadOnlyDict({}))
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import shapely
 
 from lamc.basics.errors import Place
 from lamc.basics.places import Places
+from lamc.records.family import Family
 
 
 def digest_of(value: Any) -> str:
@@ -46,6 +47,8 @@ def _pieces(value: Any) -> Iterator[bytes]:
         yield shapely.to_wkb(value)
     elif hasattr(value, "func") and hasattr(value, "keywords"):  # functools.partial
         yield from _pieces((value.func, value.args, value.keywords))
+    elif isinstance(value, Family):
+        yield from _pieces((value.function, dict(value.parameters)))
     elif callable(value):
         yield _code(value)
     else:

@@ -86,9 +86,9 @@ def multiplied(left: Term, right: Term, sign: str) -> Term:
 
 
 def raised(base: Term, exponent: Term) -> Term:
-    if exponent.unit.powers:
+    if exponent.unit.dimension:
         raise ExpressionError(f"an exponent has no unit, and this one is in {exponent.unit.text}")
-    if not base.unit.powers:
+    if not base.unit.dimension:
         return _mapped(np.float_power, [base, exponent], PLAIN, is_bare=base.is_bare and exponent.is_bare)
     if exponent.number is None:
         raise ExpressionError(f"what is in {base.unit.text} can be raised to a plain number only")
@@ -126,7 +126,7 @@ def function(name: str, terms: Sequence[Term]) -> Term:
     if name == "atan2":
         _common(first, others[0])
         return _mapped(np.arctan2, terms, RADIAN)
-    if first.unit.powers and not (name in _OF_ANGLES and first.unit.is_like(RADIAN)):
+    if first.unit.dimension and not (name in _OF_ANGLES and first.unit.is_like(RADIAN)):
         rule = "an angle or a plain number" if name in _OF_ANGLES else "a plain number"
         raise ExpressionError(f"{name} takes {rule}, and this is in {first.unit.text}")
     if name in _TO_ANGLES:

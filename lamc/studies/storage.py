@@ -150,14 +150,14 @@ def _read_manifest(place: Path) -> dict[str, Any]:
 
 def _check_same(folder: Path, there: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
     """Raises RequestError with what differs."""
-    differing = [name.replace("_", " ") for name in wanted if there.get(name) != wanted[name]]
+    differing = [name for name in wanted if there.get(name) != wanted[name]]
+    if "plan" in differing or "drawing" in differing:  # from which this follows
+        differing = [name for name in differing if name != "drawing_by_dimensions"]
     if differing:
-        details = "; ".join(
-            _difference(name, there, wanted) for name in wanted if there.get(name) != wanted[name]
-        )
+        words = ", ".join(name.replace("_", " ") for name in differing)
+        details = "; ".join(_difference(name, there, wanted) for name in differing)
         raise RequestError(
-            f"{str(folder)!r} holds a study of another {', '.join(differing)} ({details}); give the same again, or "
-            "name another folder"
+            f"{str(folder)!r} holds a study of another {words} ({details}); give the same again, or name another folder"
         )
 
 

@@ -33,10 +33,11 @@ from lamc.studies.storage import opened, rows_of
 from lamc.studies.table import Table, table_of
 from lamc.studies.targets import (
     SLOW,
+    Made,
     Studied,
     check_axes,
     check_within,
-    dimensions_of,
+    family_of,
     known_target,
     made,
     targets_of,
@@ -66,7 +67,8 @@ class Study:
         return {
             "lamc": __version__,
             "design": self.name,
-            "drawing": digest_of(subject.design),
+            "drawing": digest_of((subject.design, dict(subject.design.parameters))),
+            "drawing_by_dimensions": self._drawings(),
             "scene": digest_of(subject.scene),
             "plan": self.plan.data(),
             "measures": {
@@ -76,6 +78,20 @@ class Study:
             "run": asdict(replace(subject.run, parameters={})) | {"parameters": dict(subject.run.parameters)},
             "compiler": repr(subject.options),
         }
+
+    def _drawings(self) -> str:
+        """Digest of the design at the first and the last point: how it follows from dimensions is known to its recipe,
+        which no digest reads."""
+        found: list[object] = []
+        for index in (0, self.plan.count - 1):
+            point = zip(self.subject.targets, self.plan.point(index), strict=True)
+            try:
+                found.append(
+                    made(self.subject.design, {t.name: v for t, v in point if t.kind == "dimension"})
+                )
+            except LamcError as error:
+                found.append(error.message)
+        return digest_of(found)
 
     def check_size(self, workers: int) -> None:
         """Raises RequestError for a plan of very many points, with the time that it would take by the first."""
@@ -186,7 +202,7 @@ def _quiet_row(bench: Bench, index: int, point: tuple[float, ...]) -> Row:
 
 
 def study_of(
-    design: Studied,
+    design: Studied | Callable[..., Made],
     vary: Mapping[str, object],
     measure: object,
     scene: SceneGiven = None,
@@ -199,6 +215,7 @@ def study_of(
 ) -> Study:
     """The study of a design, checked: names, units, values and measures. As of `lamc.sweep`. Raises RequestError and
     DesignError; nothing has run."""
+    design = family_of(design)
     first = _first_simulator(design, scene, options)
     targets = targets_of(design, first)
     if not isinstance(vary, Mapping):
@@ -234,14 +251,9 @@ def study_of(
 
 def _first_simulator(design: Studied, scene: SceneGiven, options: CompileOptions | None) -> Simulator:
     """Of the design as it stands, which tells the names; and the compiler has been at work before others are."""
-    dimensions = {
-        name: each.default for name, each in dimensions_of(design).items() if each.default is not None
-    }
-    whole = made(design, dimensions if callable(design) else {})
     if isinstance(scene, str):
-        scenes = getattr(whole, "scenes", {})
-        scene = known_scene(scene, scenes)
-    subject = Subject(lambda: whole, scene, options or CompileOptions(), RunOptions(), (), {})
+        scene = known_scene(scene, made(design, {}).scenes)
+    subject = Subject(design, scene, options or CompileOptions(), RunOptions(), (), {})
     return Bench(subject).simulator(())
 
 

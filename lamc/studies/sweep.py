@@ -17,14 +17,14 @@ from lamc.run.evaluations import NO_PARAMETERS
 from lamc.studies.bench import RunOptions
 from lamc.studies.study import Progress, study_of, workers_of
 from lamc.studies.table import need_xarray
-from lamc.studies.targets import Studied
+from lamc.studies.targets import Made, Studied
 
 if TYPE_CHECKING:
     import xarray
 
 
 def sweep(
-    design: Studied,
+    design: Studied | Callable[..., Made],
     vary: Mapping[str, object] | None = None,
     measure: object = None,
     scene: Scene | str | None = None,
@@ -39,7 +39,7 @@ def sweep(
     integrator: str = "auto",
     rows: int | None = None,
     max_steps: int = 1_000_000,
-    parameters: Mapping[str, float] = NO_PARAMETERS,
+    parameters: Mapping[str, float | str] = NO_PARAMETERS,
     options: CompileOptions | None = None,
     workers: int | None = None,
     out: str | PathLike[str] | None = None,
@@ -49,7 +49,7 @@ def sweep(
 ) -> "xarray.Dataset":
     """Runs a design at many points and measures each run.
 
-    design   Design or Mechanism; or a function of dimensions, with defaults, that gives one
+    design   Design, Mechanism or Family; or a function of dimensions, with defaults, that gives one
     vary     name → numbers, in SI, or text: "20mm:60mm:9", "log:1e-4:1e-2:7", "1,2,3"; with `sample` "20mm:60mm", or
              a distribution: normal(mean, deviation), uniform(least, most), triangular(least, likeliest, most),
              lognormal(median, deviation of the logarithm), truncated(mean, deviation, least, most). Names are

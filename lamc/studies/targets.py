@@ -1,12 +1,10 @@
 """What can be varied: dimensions of a design, parameters of its model, starts, and how a run goes.
 
-In: a design, or a function of dimensions, and its simulator. Out: `Target`s by name, each with its unit and bounds, and
-their values put to use. Raises RequestError for names and values that make no point. A design of named dimensions has
-`parameters`, which map names to records with default, unit, minimum, maximum and meaning, and `with_parameters`.
+In: a design, or a family of them, and its simulator. Out: `Target`s by name, each with its unit and bounds, and
+their values put to use. Raises RequestError for names and values that make no point.
 """
 
-import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -14,6 +12,7 @@ from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import RequestError
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.records.design import Design
+from lamc.records.family import Family
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.parameters import bounds
@@ -21,7 +20,7 @@ from lamc.run.simulator import Simulator
 from lamc.studies.axes import Axis
 
 Made = Design | Mechanism
-Studied = Made | Callable[..., Made]  # a function's keywords are its dimensions
+Studied = Made | Family[Any]
 
 OPTIONS: Mapping[str, str] = {"t_end": "s", "rtol": "1", "atol": "1", "max_step": "s"}
 ANGLES, RATES = "angles.", "rates."
@@ -44,45 +43,30 @@ class Target:
 SLOW = ("dimension", "angle", "rate")
 
 
-def dimensions_of(design: Studied) -> dict[str, Target]:
-    """The named dimensions of a design."""
-    if not isinstance(design, Design | Mechanism):
-        return _of_function(design)
-    found = {}
-    for name, each in getattr(design, "parameters", {}).items():
-        found[name] = Target(
-            name, "dimension", each.unit, each.default, each.minimum, each.maximum, each.meaning
-        )
-    return found
-
-
-def _of_function(make: Callable[..., Made]) -> dict[str, Target]:
-    if not callable(make):
+def family_of(design: object) -> Studied:
+    """What is studied: a function becomes the family of what it gives. Raises RequestError for what cannot be."""
+    if isinstance(design, Design | Mechanism | Family):
+        return design
+    if not callable(design):
         raise RequestError(
-            f"the design is {shown(make)}; it must be a Design, a Mechanism, or a function that gives one"
+            f"the design is {shown(design)}; it must be a Design, a Mechanism, or a function that gives one"
         )
-    found = {}
-    for name, each in inspect.signature(make).parameters.items():
-        if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD, each.POSITIONAL_ONLY):
-            raise RequestError(f"the design is a function with {each}; dimensions are arguments with names")
-        if not isinstance(each.default, int | float):
-            raise RequestError(
-                f"the design is a function whose {name!r} has no number as default; give it one"
-            )
-        found[name] = Target(name, "dimension", "1", float(each.default))
-    return found
+    return Family(design)
 
 
 def made(design: Studied, dimensions: Mapping[str, float]) -> Made:
     """The design with other dimensions."""
-    if not isinstance(design, Design | Mechanism):
-        return design(**dimensions)
-    return cast("Made", cast("Any", design).with_parameters(dimensions) if dimensions else design)
+    if isinstance(design, Family) or dimensions:
+        return design.with_parameters(dimensions)
+    return design
 
 
 def targets_of(design: Studied, simulator: Simulator) -> dict[str, Target]:
     """All that can be varied, by name. Raises RequestError where one name means two things."""
-    found = dimensions_of(design)
+    found = {
+        name: Target(name, "dimension", each.unit, each.default, each.minimum, each.maximum, each.meaning)
+        for name, each in design.parameters.items()
+    }
     others = [Target(f"{ANGLES}{joint}", "angle", "rad") for joint in simulator.joints]
     others += [Target(f"{RATES}{joint}", "rate", "rad/s") for joint in simulator.joints]
     for name, default in simulator.parameters.items():

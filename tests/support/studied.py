@@ -2,14 +2,14 @@
 
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import fields
 
 import numpy as np
 
 from lamc import (
     Body,
     DesignError,
+    DesignParameter,
+    Family,
     Gravity,
     HingeDamping,
     HingeStiffness,
@@ -19,7 +19,6 @@ from lamc import (
     Scene,
     Torque,
 )
-from lamc.basics.readonly import ReadOnlyDict
 from lamc.run.result import Result
 
 
@@ -57,21 +56,4 @@ def broken(result: Result) -> float:
     raise ZeroDivisionError("of the user's")
 
 
-class _Dimension:
-    """As `lamc.records` has it: default, unit, minimum, maximum, meaning."""
-
-    default, unit, minimum, maximum, meaning = 0.3, "m", 0.05, 0.34, "of the rod"
-
-
-class _Named(Mechanism):
-    """A rod of a named dimension, as designs have them."""
-
-    parameters = ReadOnlyDict({"length": _Dimension()})
-
-    def with_parameters(self, values: Mapping[str, float]) -> Mechanism:
-        return rod(**values)
-
-
-def named() -> Mechanism:
-    whole = rod()
-    return _Named(**{each.name: getattr(whole, each.name) for each in fields(Mechanism)})
+bounded = Family(rod, {"length": DesignParameter("0.3 m", minimum=0.05, maximum=0.34)})

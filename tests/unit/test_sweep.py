@@ -328,14 +328,13 @@ def test_netcdf_is_the_same_bytes_and_reads_back(tmp_path):
         assert found["length"].values.tolist() == [0.1, 0.4]
 
 
-def test_designs_of_named_dimensions(tmp_path):
-    """A design as `Design.parameters` and `with_parameters` have it, in a stand-in."""
-    found = study({"length": "100 mm:200 mm:3"}, design=studied.named()).run(None, 1)
+def test_dimensions_have_units_and_bounds():
+    found = study({"length": "100 mm:200 mm:3"}, design=studied.bounded).run(None, 1)
     assert found.tally() == {"ok": 3}
     assert found.units["length"] == "m"
     with pytest.raises(RequestError, match=r"vary 'length': 0.5 m is out of bounds; the most is 0.34 m"):
-        study({"length": "0.1:0.5:3"}, design=studied.named())
-    assert study({"length": [0.1]}, design=studied.named()).subject.targets[0].maximum == 0.34
+        study({"length": "0.1:0.5:3"}, design=studied.bounded)
+    assert study({"length": [0.1]}, design=studied.bounded).subject.targets[0].maximum == 0.34
 
 
 def test_importing_lamc_does_not_import_studies():

@@ -6,7 +6,7 @@ their values put to use. Raises RequestError for names and values that make no p
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import cast
 
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import RequestError
@@ -20,7 +20,7 @@ from lamc.run.simulator import Simulator
 from lamc.studies.axes import Axis
 
 Made = Design | Mechanism
-Studied = Made | Family[Any]
+Studied = Made | Family[Design] | Family[Mechanism]
 
 OPTIONS: Mapping[str, str] = {"t_end": "s", "rtol": "1", "atol": "1", "max_step": "s"}
 ANGLES, RATES = "angles.", "rates."

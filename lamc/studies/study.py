@@ -9,6 +9,7 @@ import pickle
 import time
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +19,7 @@ from lamc.basics._version import __version__
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignWarning, LamcError, RequestError
 from lamc.basics.numbers import duration
-from lamc.basics.threads import on_one_thread
+from lamc.basics.threads import one_thread
 from lamc.codegen.options import CompileOptions
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -101,7 +102,8 @@ class Study:
         times = []
         for k in points:
             began = time.perf_counter()
-            _quiet_row(bench, k, self.plan.point(k))
+            with _quietly():
+                bench.row(k, self.plan.point(k))
             times.append(time.perf_counter() - began)
         whole = duration(min(times) * self.plan.count / workers)
         raise RequestError(
@@ -147,27 +149,37 @@ class Study:
         slow = [target.name for target in self.subject.targets if target.kind in SLOW]
         left = ((k, self.plan.point(k)) for k in self.plan.order(slow) if k not in done)
         try:
-            for row in self._rows(left, workers, alone):
+            for row in self._rows(left, self.plan.count - len(done), workers, alone):
                 add(row)
                 if progress is not None:
                     progress(len(done), self.plan.count)
         except KeyboardInterrupt:  # what is there is kept
             return
 
-    def _rows(self, points: Iterator[Point], workers: int, alone: float) -> Iterator[Row]:
-        """In this process until others have begun, if there is work for them; in those from there on."""
-        bench, source, began = Bench(self.subject), Source(points), time.monotonic()
+    def _rows(self, points: Iterator[Point], left: int, workers: int, alone: float) -> Iterator[Row]:
+        """In this process until others have begun, if there is work for them, by the time that the first points took;
+        in those from there on. left: how many points there are."""
+        source = Source(points)
         pool: Pool | None = None
         try:
-            while pool is None or pool.ready < workers:
-                if pool is None and workers > 1 and time.monotonic() - began >= alone:
-                    pool = Pool(self.pickled(), len(self.subject.measures), source, workers)
-                if pool is not None and alone <= 0.0:
-                    break
-                chunk = source.take(1)
-                if not chunk:
-                    break
-                yield _quiet_row(bench, *chunk[0])
+            with _quietly():
+                bench, began, done = Bench(self.subject), time.monotonic(), 0
+                while pool is None or pool.ready < workers:
+                    spent = time.monotonic() - began
+                    if (
+                        pool is None
+                        and workers > 1
+                        and spent >= alone
+                        and (left - done) * spent >= alone * done
+                    ):
+                        pool = Pool(self.pickled(), len(self.subject.measures), source, workers)
+                    if pool is not None and alone <= 0.0:
+                        break
+                    chunk = source.take(1)
+                    if not chunk:
+                        break
+                    yield bench.row(*chunk[0])
+                    done += 1
             running = workers if pool is not None else 0
             while running:
                 assert pool is not None
@@ -193,12 +205,13 @@ class Study:
             ) from error
 
 
-@on_one_thread
-def _quiet_row(bench: Bench, index: int, point: tuple[float, ...]) -> Row:
-    """The row of a point, without the warnings that the first compile has told."""
-    with warnings.catch_warnings():
+@contextmanager
+def _quietly() -> Iterator[None]:
+    """Points are worked on with BLAS on one thread, as in other processes, and without the warnings that the first
+    compile has told."""
+    with one_thread(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DesignWarning)
-        return bench.row(index, point)
+        yield
 
 
 def study_of(

@@ -9,6 +9,7 @@ import os
 import pickle
 import signal
 import sys
+import warnings
 from typing import Any
 
 READY = "ready"
@@ -27,8 +28,10 @@ def serve() -> None:
 
     try:
         sys.path[:] = pickle.load(questions)
-        from lamc.studies.bench import Bench  # found by this path
+        from lamc.basics.errors import DesignWarning  # found by this path
+        from lamc.studies.bench import Bench
 
+        warnings.simplefilter("ignore", DesignWarning)
         bench = Bench(pickle.loads(pickle.load(questions)))
         answer(READY)
     except Exception as error:

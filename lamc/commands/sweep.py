@@ -4,6 +4,7 @@ In: a `SweepOrder`. Out: files in a folder, a summary, an exit code. What was co
 """
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -26,6 +27,7 @@ from lamc.commands.pairs import pairs_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import INTERRUPTED, Terminal
 from lamc.pipeline import Times
+from lamc.readers.study_file import StudyFile, is_study, load_study
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -33,7 +35,7 @@ from lamc.report.look import Look
 from lamc.report.study_text import study_summary
 from lamc.studies.bench import MISSING, OK, RunOptions
 from lamc.studies.storage import MANIFEST, ROWS
-from lamc.studies.study import study_of, workers_of
+from lamc.studies.study import AS_EVER, study_of, workers_of
 from lamc.studies.table import Table, need_xarray
 
 KINDS = ("csv", "netcdf", "zarr")
@@ -50,7 +52,7 @@ class SweepOrder:
     settings: tuple[str, ...]  # NAME=NUMBER of parameters
     points: str | None  # a CSV file
     sample: str | None  # METHOD:COUNT
-    seed: int
+    seed: int | None
     run: RunOptions
     workers: int | None
     resume: bool
@@ -69,20 +71,26 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
     began = time.monotonic()
     with terminal.progress() as progress:
         times.observer = progress.stage
-        loaded = load_source(order.source, times, progress)
-        record, run = _with_settings(loaded.record, order)
-        with times.stage("compile"):
-            study = study_of(
-                record,
-                pairs_of(order.vary, "--vary", "20mm:60mm:9"),
-                _measures(order.measures),
-                _scene(order.changes),
-                sample=order.sample,
-                seed=order.seed,
-                points=order.points,
-                run=run,
-                options=order.source.options,
-            )
+        asked = _asked(order)
+        loaded = load_source(asked.source, times, progress)
+        try:
+            record, run = _with_settings(loaded.record, asked)
+            with times.stage("compile"):
+                study = study_of(
+                    record,
+                    asked.vary,
+                    asked.measures,
+                    _scene(asked.changes),
+                    sample=asked.sample,
+                    seed=asked.seed,
+                    points=asked.points,
+                    run=run,
+                    options=asked.source.options,
+                )
+        except LamcError as error:
+            if asked.file is None:
+                raise
+            raise asked.file.located(error) from error
         workers = workers_of(order.workers)
         if not order.yes:
             study.check_size(workers)
@@ -107,13 +115,56 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
     return 0
 
 
-def _with_settings(record: Design | Mechanism, order: SweepOrder) -> tuple[Design | Mechanism, RunOptions]:
-    """The design with the dimensions that --set gives, and the runs with its other numbers."""
-    given = pairs_of(order.settings, "--set", "0.01")
-    dimensions = {name: value for name, value in given.items() if name in record.parameters}
-    others = {name: value for name, value in given.items() if name not in dimensions}
+@dataclass(frozen=True)
+class _Asked:
+    """What is asked for in all: by options, and by the study file, over which options go."""
+
+    source: Source
+    changes: SceneChanges
+    vary: Mapping[str, object]
+    measures: Mapping[str, str]
+    settings: Mapping[str, float | str]
+    points: str | None
+    sample: str | None
+    seed: int
+    run: RunOptions
+    file: StudyFile | None = None
+
+
+def _asked(order: SweepOrder) -> _Asked:
+    """What the words come to. Raises LamcError for what is there twice over."""
+    vary, measures = pairs_of(order.vary, "--vary", "20mm:60mm:9"), _measures(order.measures)
+    settings: dict[str, float | str] = {**pairs_of(order.settings, "--set", "0.01")}
+    path = order.source.file
+    if path is None or not is_study(Path(path)):
+        given = (order.source, order.changes, vary, measures, settings, order.points, order.sample)
+        return _Asked(*given, order.seed or 0, order.run)
+    if order.source.example is not None:
+        raise LamcError(f"{path} is a study, which names its design; leave out --example")
+    file = load_study(Path(path))
+    said = file.said
+    options = {name: value for name, value in vars(order.run).items() if value != getattr(AS_EVER, name)}
+    points = order.points or (None if vary else file.points)
+    return _Asked(
+        source=replace(order.source, file=file.design, example=said.example),
+        changes=replace(order.changes, scene=order.changes.scene or file.scene),
+        vary=vary if points is not None else {**said.vary, **vary},
+        measures={**said.measure, **measures},
+        settings={**said.set, **settings},
+        points=points,
+        sample=order.sample or said.sample,
+        seed=said.seed if order.seed is None else order.seed,
+        run=replace(RunOptions(**(said.run.model_dump() if said.run is not None else {})), **options),
+        file=file,
+    )
+
+
+def _with_settings(record: Design | Mechanism, asked: _Asked) -> tuple[Design | Mechanism, RunOptions]:
+    """The design with the dimensions that are set, and the runs with the other numbers."""
+    dimensions = {name: value for name, value in asked.settings.items() if name in record.parameters}
+    others = {name: value for name, value in asked.settings.items() if name not in dimensions}
     return (record.with_parameters(dimensions) if dimensions else record), replace(
-        order.run, parameters=others
+        asked.run, parameters=others
     )
 
 
@@ -128,8 +179,6 @@ def _measures(texts: tuple[str, ...]) -> dict[str, str]:
                 f"--measure gives {name[:40]!r} twice; keep one of them, or name it: NAME=EXPRESSION"
             )
         found[name] = expression
-    if not found:
-        raise LamcError("nothing is measured; name a measure, such as --measure 'max(tip.z)'")
     return found
 
 

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     metavar="METHOD:COUNT",
     help="lhs, sobol, halton, random; saltelli for Sobol' indices: lhs:200.",
 )
-@click.option("--seed", type=int, default=0, metavar="N", help="Of the samples.")
+@click.option("--seed", type=int, metavar="N", help="Of the samples.  [default: 0]")
 @until("the runs")
 @click.option("--rtol", type=float, help="Relative tolerance of a step.  [default: 1e-9]")
 @click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11]")
@@ -92,7 +92,7 @@ def sweep(
     measures: tuple[str, ...],
     points: str | None,
     sample: str | None,
-    seed: int,
+    seed: int | None,
     t_end: float | None,
     rtol: float | None,
     atol: float | None,
@@ -118,6 +118,7 @@ def sweep(
 ) -> int:
     """Run a design at many points; write a table of what is measured.
 
+    FILE is a design, or a study (kind: study; `lamc schema study`), over which options go.
     NAME is a dimension of the design, a parameter of its model (h1.stiffness), an input, a start (angles.h1, rates.h1),
     t_end, rtol, atol or max_step. A point that makes no run is a row with its reason. Rows are kept as they come:
     after Ctrl-C or a kill, --resume goes on, and the table is the same, byte for byte.

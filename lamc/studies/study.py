@@ -23,7 +23,7 @@ from lamc.basics.threads import one_thread
 from lamc.codegen.options import CompileOptions
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.run.simulator import Simulator
+from lamc.run.parameters import checked_parameters
 from lamc.studies.axes import Spread, axis_of
 from lamc.studies.bench import Bench, Row, RunOptions, Subject
 from lamc.studies.identity import digest_of
@@ -229,7 +229,13 @@ def study_of(
     """The study of a design, checked: names, units, values and measures. As of `lamc.sweep`. Raises RequestError and
     DesignError; nothing has run."""
     design = family_of(design)
-    first = _first_simulator(design, scene, options)
+    if not measure:
+        raise RequestError(
+            "nothing is measured; name a measure, such as --measure 'max(tip.z)' (measure={…})"
+        )
+    if isinstance(scene, str):
+        scene = partial(_named_scene, name=scene)
+    first = Bench(Subject(design, scene, options or CompileOptions(), RunOptions(), (), {})).simulator(())
     targets = targets_of(design, first)
     if not isinstance(vary, Mapping):
         raise RequestError(f"vary is {shown(vary)}; it must map names to ranges, {{'length': '20mm:60mm:9'}}")
@@ -248,12 +254,11 @@ def study_of(
             raise RequestError(f"a measure is named {name!r}, as another column of the table is; rename it")
     for name in run.parameters:
         if known_target(name, targets).kind != "parameter" or name in plan.names:
-            raise RequestError(
-                f"the parameter {name!r} is varied, or is none of the model; leave it out of parameters"
-            )
+            raise RequestError(f"the parameter {name!r} is varied, or is none of the model; set it no value")
+    run = replace(run, parameters=checked_parameters(run.parameters, first.parameter_units))
     subject = Subject(
         design,
-        scene if not isinstance(scene, str) else first.scene,
+        scene,
         options or CompileOptions(),
         run,
         chosen,
@@ -262,21 +267,12 @@ def study_of(
     return Study(subject, plan, first.mechanism.name)
 
 
-def _first_simulator(design: Studied, scene: SceneGiven, options: CompileOptions | None) -> Simulator:
-    """Of the design as it stands, which tells the names; and the compiler has been at work before others are."""
-    if isinstance(scene, str):
-        scene = known_scene(scene, made(design, {}).scenes)
-    subject = Subject(design, scene, options or CompileOptions(), RunOptions(), (), {})
-    return Bench(subject).simulator(())
-
-
-def known_scene(name: str, scenes: Mapping[str, Scene]) -> Scene:
-    """A design's scene by its name."""
-    if name not in scenes:
-        raise RequestError(
-            f"no scene of the design is named {name[:40]!r}; {did_you_mean(name, list(scenes))}"
-        )
-    return scenes[name]
+def _named_scene(mechanism: Mechanism, name: str) -> Scene:
+    """A scene of the design by its name."""
+    if name not in mechanism.scenes:
+        hint = did_you_mean(name, list(mechanism.scenes))
+        raise RequestError(f"no scene of the design is named {name[:40]!r}; {hint}")
+    return mechanism.scenes[name]
 
 
 def _plan(

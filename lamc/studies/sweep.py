@@ -72,8 +72,6 @@ def sweep(
     ends it and keeps what is there. Raises RequestError and DesignError before anything runs; LamcError without xarray.
     """
     need_xarray()
-    if measure is None:
-        raise RequestError("nothing is measured; give measure={'top': 'max(tip.z)'}")
     if out is not None and resume is not None:
         raise RequestError("out and resume name two folders; resume writes into its own")
     run = RunOptions(t_end, rtol, atol, max_step, integrator, rows, max_steps, dict(parameters))

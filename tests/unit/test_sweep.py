@@ -179,7 +179,7 @@ def test_measures_are_refused_before_anything_runs():
         study({"length": [0.1]}, {"length": "max(hip)"})
     with pytest.raises(RequestError, match="nothing is measured"):
         sweep(studied.rod, {"length": [0.1]})
-    with pytest.raises(RequestError, match="leave it out of parameters"):
+    with pytest.raises(RequestError, match="set it no value"):
         study({"drive": [0.0]}, run=RunOptions(parameters={"drive": 1.0}))
     with pytest.raises(RequestError, match="no scene of the design is named 'slow'"):
         study({"length": [0.1]}, scene="slow")

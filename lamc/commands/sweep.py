@@ -55,6 +55,7 @@ class SweepOrder:
     seed: int | None
     run: RunOptions
     workers: int | None
+    scheduler: str | None
     resume: bool
     yes: bool
     to: tuple[str, ...]
@@ -95,13 +96,15 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
         if not order.yes:
             study.check_size(workers)
         with output_folder(order.out, f"{folder_name(loaded.name)}_sweep") as folder, times.stage("sweep"):
-            table = study.run(folder, workers, resume=order.resume, progress=progress.part)
+            table = study.run(
+                folder, workers, resume=order.resume, progress=progress.part, scheduler=order.scheduler
+            )
         with times.stage("write"):
             files = [MANIFEST, ROWS, *_write(table, folder, order)]
     tally = table.tally()
     terminal.say(
         f"{study_summary(table)}\n\nfiles     {folder}: {', '.join(files)}\n"
-        f"time      {duration(time.monotonic() - began)}, {workers} process{'es' * (workers > 1)}"
+        f"time      {duration(time.monotonic() - began)}, {_who(order, workers)}"
     )
     terminal.result(_data(table, loaded) | {"folder": str(folder), "files": files})
     if MISSING in tally:
@@ -113,6 +116,14 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
         terminal.error("no point went well; table.csv has the reasons")
         return SimulationError.exit_code
     return 0
+
+
+def _who(order: SweepOrder, workers: int) -> str:
+    return (
+        f"{workers} process{'es' * (workers > 1)}"
+        if order.scheduler is None
+        else f"cluster {order.scheduler}"
+    )
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
 @compiler
 @precision
 @click.option("--workers", type=int, metavar="N", help="Processes.  [default: one for each processor]")
+@click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster that does the work: tcp://HOST:8786.")
 @click.option(
     "--resume", is_flag=True, help="Go on with the study in the folder; what is there is not run again."
 )
@@ -108,6 +109,7 @@ def sweep(
     fast: bool,
     precision: str,
     workers: int | None,
+    scheduler: str | None,
     resume: bool,
     yes: bool,
     to: tuple[str, ...],
@@ -151,6 +153,7 @@ def sweep(
         seed=seed,
         run=RunOptions(t_end, rtol, atol, None, integrator, rows, max_steps),
         workers=workers,
+        scheduler=scheduler,
         resume=resume,
         yes=yes,
         to=to,

@@ -26,6 +26,7 @@ from lamc.records.scene import Scene
 from lamc.run.parameters import checked_parameters
 from lamc.studies.axes import Spread, axis_of
 from lamc.studies.bench import Bench, Row, RunOptions, Subject
+from lamc.studies.cluster import clustered
 from lamc.studies.identity import digest_of
 from lamc.studies.measures import checked_measures, outputs_of
 from lamc.studies.plans import Plan, given_points, grid_of, sample_words, sampled
@@ -118,17 +119,21 @@ class Study:
         *,
         resume: bool = False,
         progress: Progress | None = None,
+        scheduler: str | None = None,
         alone: float = ALONE,
     ) -> Table:
         """Works on all points that have no row yet. After Ctrl-C the table holds what is there.
 
         folder  where rows are kept as they come; None: in memory only
+        scheduler  address of a Dask cluster's, which does the work in place of other processes here
         alone   s of work after which other processes are started, and until they have begun, this one works too; 0:
                 this one does no work, and what ends a process cannot end it
 
         Raises RequestError for a folder of another study, and what no point can do without, such as BuildError.
         """
-        work = partial(self._work, workers, progress=progress, alone=alone)
+        here = partial(self._rows, workers=workers, alone=alone)
+        way = here if scheduler is None else partial(self._rows_of_cluster, scheduler)
+        work = partial(self._work, way, progress)
         if folder is None:
             rows: dict[int, Row] = {}
             work(rows, lambda row: rows.update({row.index: row}))
@@ -139,17 +144,15 @@ class Study:
 
     def _work(
         self,
-        workers: int,
+        rows: Callable[[Iterator[Point], int], Iterator[Row]],
+        progress: Progress | None,
         done: Collection[int],
         add: Callable[[Row], Any],
-        *,
-        progress: Progress | None,
-        alone: float,
     ) -> None:
         slow = [target.name for target in self.subject.targets if target.kind in SLOW]
         left = ((k, self.plan.point(k)) for k in self.plan.order(slow) if k not in done)
         try:
-            for row in self._rows(left, self.plan.count - len(done), workers, alone):
+            for row in rows(left, self.plan.count - len(done)):
                 add(row)
                 if progress is not None:
                     progress(len(done), self.plan.count)
@@ -193,6 +196,9 @@ class Study:
         finally:
             if pool is not None:
                 pool.stop()
+
+    def _rows_of_cluster(self, scheduler: str, points: Iterator[Point], _left: int) -> Iterator[Row]:
+        return clustered(self.pickled(), len(self.subject.measures), Source(points), scheduler)
 
     def pickled(self) -> bytes:
         """The subject for another process. Raises RequestError if it cannot travel."""

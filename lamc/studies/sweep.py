@@ -42,6 +42,7 @@ def sweep(
     parameters: Mapping[str, float | str] = NO_PARAMETERS,
     options: CompileOptions | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
     out: str | PathLike[str] | None = None,
     resume: str | PathLike[str] | None = None,
     progress: Progress | bool | None = None,
@@ -62,6 +63,7 @@ def sweep(
     points   in place of vary: name → list, one entry for each point, or the path of a CSV file
     rows     of each run, which measures look at; None: 200 a second, 2001 at least
     workers  processes; None: as many as processors. What is found does not depend on it
+    scheduler  address of a Dask cluster's scheduler, which does the work in place of processes here
     out      a folder that rows are written to as they come; None: memory
     resume   the same, and rows that are there already are not computed again
     progress called with (points done, points in all); True: a bar
@@ -85,6 +87,10 @@ def sweep(
     with bar("sweep") if progress is True else nullcontext((None, None)) as (_, part):
         told: Callable[[float, float], None] | None = progress if callable(progress) else part
         table = study.run(
-            None if folder is None else Path(folder), count, resume=resume is not None, progress=told
+            None if folder is None else Path(folder),
+            count,
+            resume=resume is not None,
+            progress=told,
+            scheduler=scheduler,
         )
     return table.dataset()

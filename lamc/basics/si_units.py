@@ -46,11 +46,11 @@ class SIUnit:
     factor: float
 
 
-_SIMPLE = ("m", "rad", "s", "kg", "Pa", "N", "rad/s")
-_COMMON = {
-    unit: SIUnit(si, factor)
+# Those that designs are mostly written in, as pint would have them.
+_COMMON: Mapping[str, SIUnit] = {
+    unit: SIUnit(si.replace("*", "·").replace("^2", "²").replace("^3", "³"), factor)
     for (unit, si), factor in COMMON.items()
-    if si in _SIMPLE and unit != "N/mm^2"  # which would be written N/m²
+    if si != "deg" and unit not in ("mg/mm^3", "N/mm^2", "mm^-1")  # which pint makes otherwise
 }
 
 

@@ -93,6 +93,12 @@ class Problems:
 
 def validate(model: type[M], node: Node, context: Mapping[str, Any] | None = None) -> M:
     """`node` as `model`. Raises DesignErrors with every problem."""
+    check_tags(node)
+    return validated(model, node, plain(node), context)
+
+
+def check_tags(node: Node) -> None:
+    """Raises DesignErrors for tags that mean nothing in lamc's own files, and for what is no map."""
     problems = Problems(node)
     for tagged in _tagged(node):
         problems.add(
@@ -101,8 +107,13 @@ def validate(model: type[M], node: Node, context: Mapping[str, Any] | None = Non
     problems.raise_if_any()
     if not isinstance(node, MapNode):
         raise node.error(f"a {_kind(node)} stands where a map of keys and values is expected")
+
+
+def validated(model: type[M], node: Node, data: Any, context: Mapping[str, Any] | None = None) -> M:
+    """`data`, which `node` holds, as `model`. Raises DesignErrors with every problem."""
+    problems = Problems(node)
     try:
-        return model.model_validate(plain(node), context=dict(context or {}))
+        return model.model_validate(data, context=dict(context or {}))
     except ValidationError as error:
         for item in error.errors(include_url=False):
             path: Path = tuple(step for step in item["loc"] if not str(step).startswith(CHOICE))

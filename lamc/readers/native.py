@@ -5,16 +5,19 @@ its place.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from typing import Any
 
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.fields import EXPRESSIONS
 from lamc.basics.units import length_unit
-from lamc.readers.checking import Problems, validate
+from lamc.readers.checking import Problems, check_tags, validated
 from lamc.readers.fields import LENGTH_UNIT
-from lamc.readers.inert import MapNode, Node, ScalarNode
+from lamc.readers.inert import MapNode, Node, ScalarNode, plain
+from lamc.readers.native_drawings import Drawings
 from lamc.readers.native_reader import DesignReader
+from lamc.readers.native_shapes import Kept
 from lamc.readers.numbers import Numbers
 from lamc.readers.parameters import SECTION, Parameters
 from lamc.readers.parameters_section import read_parameters
@@ -27,7 +30,8 @@ from lamc.records.parameters import DesignParameter, with_origin
 def read_design(node: Node, beside: Beside | None = None) -> Design:
     """The design in `node`; beside: the folder of its drawings. Raises DesignErrors with every problem."""
     unit = length_unit_of(node)
-    document = Document(node, read_parameters(node, unit), unit, beside or Beside())
+    document = Document(node, read_parameters(node, unit), unit, Kept(Drawings(beside or Beside())))
+    check_tags(node)
     design, used = document.read()
     document.check_used(used)
     return with_origin(design, document) if document.declared.declared else design
@@ -37,23 +41,36 @@ def read_design(node: Node, beside: Beside | None = None) -> Design:
 class Document:
     """A design's file as it was read, with values of its parameters: see `lamc.records.parameters.Recipe`.
 
+    kept   what was read and made before
     given  SI, those that are not the defaults
     """
 
     node: Node
     declared: Parameters
     length_unit: str | None
-    beside: Beside
+    kept: Kept
     given: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def parameters(self) -> Mapping[str, DesignParameter]:
         return self.declared.records(self.declared.values(self.given))
 
+    @property
+    def told(self) -> Mapping[str, DesignParameter]:
+        return self.parameters
+
+    @cached_property
+    def _data(self) -> Any:
+        return plain(self.node)
+
     def made(self, values: Mapping[str, float]) -> Design:
         """Raises DesignErrors, with places, for a drawing that is impossible with these values."""
         document = replace(self, given={**self.given, **values})
+        document.__dict__["_data"] = self._data  # of the same nodes
         return with_origin(document.read()[0], document)
+
+    def __getstate__(self) -> dict[str, object]:
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def place(self, name: str) -> Place | None:
         return self.declared.by_name[name].place
@@ -62,9 +79,9 @@ class Document:
         """The design, and which parameters it follows from."""
         numbers = Numbers(self.declared, self.given)
         context = {LENGTH_UNIT: self.length_unit, EXPRESSIONS: numbers}
-        model = validate(DesignModel, self.node, context)
+        model = validated(DesignModel, self.node, self._data, context)
         problems = Problems(self.node)
-        reader = DesignReader(model, problems, self.node.place.file, self.length_unit, self.beside, numbers)
+        reader = DesignReader(model, problems, self.node.place.file, self.length_unit, numbers, self.kept)
         return reader.design(), numbers.used
 
     def check_used(self, used: Iterable[str]) -> None:

@@ -15,7 +15,6 @@ from lamc.design import shapes
 from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean
 from lamc.readers.fields import ALL_LAYERS
-from lamc.readers.native_drawings import Drawings
 from lamc.readers.native_hinges import (
     check_angles,
     check_line_names,
@@ -24,9 +23,8 @@ from lamc.readers.native_hinges import (
     stiffened,
     tell_old_names,
 )
-from lamc.readers.native_shapes import Region, drawn, sheet_of_regions
+from lamc.readers.native_shapes import Kept, Region
 from lamc.readers.numbers import Numbers
-from lamc.readers.popupcad_beside import Beside
 from lamc.readers.scene_file import read_scenes
 from lamc.readers.schema import (
     DesignModel,
@@ -38,6 +36,7 @@ from lamc.readers.schema import (
     ShapeModel,
 )
 from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Line, Material, Places
+from lamc.records.drawing import Mend
 from lamc.records.mechanism import checked_name
 
 
@@ -50,8 +49,8 @@ class DesignReader:
         problems: Problems,
         file: str,
         length_unit: str | None,
-        beside: Beside,
         numbers: Numbers,
+        kept: Kept,
     ) -> None:
         self.model = model
         self.problems = problems
@@ -60,7 +59,9 @@ class DesignReader:
         self.numbers = numbers
         self.layer_names = [layer.name for layer in model.layers]
         self.account = Account()
-        self.drawings = Drawings(beside)
+        self.kept = kept
+        self.drawings = kept.drawings
+        self.mends: list[Mend] = []
         self.hinge_names: set[str] = set()
 
     def design(self) -> Design:
@@ -74,7 +75,12 @@ class DesignReader:
         hinges = tuple(hinge for hinge in found if hinge is not None)
         names = tuple(self._body_name(name, body) for name, body in model.bodies.items())
         scene, scenes = read_scenes(
-            model.scene, model.scenes, problems, self.length_unit, numbers=self.numbers
+            model.scene,
+            model.scenes,
+            problems,
+            self.length_unit,
+            numbers=self.numbers,
+            kept=self.kept.effects,
         )
         problems.raise_if_any()
         materials = {
@@ -104,7 +110,7 @@ class DesignReader:
             tuple(model.contact_points),
             facet_creases=model.facet_creases.record() if model.facet_creases else None,
             beside=tuple(sorted(self.drawings.beside.digests.items())),
-            mends=tuple(self.drawings.mends),
+            mends=tuple(self.mends),
         )
         check_size(design, self.length_unit)
         return stiffened(design, model.hinges, problems)
@@ -172,9 +178,11 @@ class DesignReader:
         if isinstance(shape, ShapeModel) and shape.cut is not None:
             return self._region((*path, "cut"), shape.cut)
         if shape.shape is None:
-            return self.problems.attempt(path, partial(drawn, shape))
+            return self.problems.attempt(path, partial(self.kept.region, path, shape))
         at: Path = (*path, "shape")
-        return self.problems.attempt(at, partial(self.drawings.region, shape.shape, self.problems.place(at)))
+        return self.problems.attempt(
+            at, partial(self.drawings.region, shape.shape, self.problems.place(at), self.mends)
+        )
 
     def _fixed(self) -> list[MultiPolygon]:
         drawn_in: list[list[int]] = [[] for _ in self.layer_names]
@@ -198,7 +206,9 @@ class DesignReader:
         for name, indices in zip(self.layer_names, map(tuple, drawn_in), strict=True):
             if indices not in made:
                 entries = [(region, cuts[k]) for k in indices if (region := regions[k])]
-                sheet = self.problems.attempt(path, partial(sheet_of_regions, entries, name, self.account))
+                sheet = self.problems.attempt(
+                    path, partial(self.kept.sheet, (*path, *indices), entries, name, self.account)
+                )
                 made[indices] = MultiPolygon() if sheet is None else sheet
         return [made[tuple(indices)] for indices in drawn_in]
 
@@ -240,7 +250,7 @@ class DesignReader:
         at: Path = (*path, "lines")
         if not isinstance(hinge.lines, DrawnModel):
             return hinge.lines or [], [(*at, i) for i in range(len(hinge.lines or []))]
-        take = partial(self.drawings.lines, hinge.lines, self.problems.place(at))
+        take = partial(self.drawings.lines, hinge.lines, self.problems.place(at), self.mends)
         found = self.problems.attempt(at, take) or ()
         return found, [at] * len(found)
 

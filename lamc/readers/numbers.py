@@ -18,13 +18,14 @@ _DEGREES = 57.29577951308232  # in a radian
 
 
 class Numbers:
-    """used: names of parameters that expressions asked for have held."""
+    """used: names of parameters that expressions asked for have held; read: how many such expressions were read."""
 
     def __init__(self, parameters: Parameters, given: Mapping[str, float]) -> None:
         """Raises DesignError where a parameter has no value, or one out of bounds."""
         self.parameters = parameters
         self.values = parameters.values(given)
         self.used: set[str] = set()
+        self.read = 0
 
     def takes(self, text: str) -> bool:
         return self.parameters.takes(text)
@@ -48,6 +49,7 @@ class Numbers:
         try:
             formula = self.parameters.expression(text)
             self.used.update(formula.names)
+            self.read += 1
             return formula.value(self.values), formula.dimension
         except ExpressionError as error:
             raise ExpressionError(with_hint(error.message, text)) from error
@@ -63,6 +65,7 @@ class Numbers:
         if own == set(names):
             return None
         self.used |= own
+        self.read += 1
         return _replaced(text, {name: float(self.values[name]) for name in own})
 
 

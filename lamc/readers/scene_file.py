@@ -55,13 +55,15 @@ def read_scenes(
     length_unit: str | None = None,
     at: Path = ("scene",),
     numbers: Numbers | None = None,
+    kept: dict[Path, Effect] | None = None,
 ) -> Scenes:
     """The scenes of a validated file; every problem is added to `problems`, and what has one is left out.
 
     length_unit  of bare lengths; at  where `scene` stands in the file
     numbers      reads expressions in parameters of the design; None: there are none
+    kept         effects that follow from no parameter, by their paths; those that are not there yet are added
     """
-    return _Reader(scene, scenes, problems, length_unit, at, numbers).scenes()
+    return _Reader(scene, scenes, problems, length_unit, at, numbers, {} if kept is None else kept).scenes()
 
 
 def check_joints(
@@ -89,6 +91,7 @@ class _Reader:
         length_unit: str | None,
         at: Path,
         numbers: Numbers | None,
+        kept: dict[Path, Effect],
     ) -> None:
         self.scene = scene
         self.models = scenes
@@ -96,6 +99,7 @@ class _Reader:
         self.length_unit = length_unit
         self.at = at
         self.numbers = numbers
+        self.kept = kept
         self.said: dict[str, _Said | None] = {}
         self.effects: dict[Path, Effect | None] = {}  # each is made once, however many scenes have it
         self.places: dict[
@@ -262,11 +266,16 @@ class _Reader:
     def _effect(self, called: Called) -> Effect | None:
         """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
         path, name, value = called
+        if path in self.kept:
+            return self.kept[path]
         if path not in self.effects:
             self.effects[path] = None
+            read = self.numbers.read if self.numbers is not None else 0
             context = file_context(self.length_unit, self.problems.folder, self.numbers)
             try:
-                self.effects[path] = make_effect(name, value, shown(path), context)
+                made = self.effects[path] = make_effect(name, value, shown(path), context)
+                if self.numbers is not None and self.numbers.read == read:
+                    self.kept[path] = made
             except DesignErrors as errors:
                 for each in errors.problems:
                     self._note(path, each)

@@ -85,6 +85,10 @@ class _Member:
     family: Family[Any]
     parameters: Mapping[str, DesignParameter]
 
+    @property
+    def told(self) -> Mapping[str, DesignParameter]:
+        return self.parameters
+
     def made(self, values: Mapping[str, float]) -> Any:
         known = {
             name: replace(each, default=values.get(name, each.default))

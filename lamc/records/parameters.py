@@ -95,6 +95,10 @@ class Recipe(Protocol):
     def parameters(self) -> Mapping[str, DesignParameter]:
         """By name, each with the value that it has in the record as its default."""
 
+    @property
+    def told(self) -> Mapping[str, DesignParameter]:
+        """Those of which a summary of the record tells."""
+
     def made(self, values: Mapping[str, float]) -> Any:
         """The record with these values, checked, in the place of its own; the others stay."""
 
@@ -152,6 +156,7 @@ class _Nothing:
     """The recipe of a record that has no parameters."""
 
     parameters: Mapping[str, DesignParameter] = ReadOnlyDict({})
+    told = parameters
 
     def made(self, values: Mapping[str, float]) -> Any:
         raise AssertionError(values)

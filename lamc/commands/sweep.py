@@ -28,7 +28,6 @@ from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import INTERRUPTED, Terminal
 from lamc.pipeline import Times
 from lamc.readers.study_file import StudyFile, is_study, load_study
-from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.report.look import Look
@@ -49,7 +48,6 @@ class SweepOrder:
     changes: SceneChanges
     vary: tuple[str, ...]  # NAME=RANGE
     measures: tuple[str, ...]  # EXPRESSION or NAME=EXPRESSION
-    settings: tuple[str, ...]  # NAME=NUMBER of parameters
     points: str | None  # a CSV file
     sample: str | None  # METHOD:COUNT
     seed: int | None
@@ -73,19 +71,18 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
     with terminal.progress() as progress:
         times.observer = progress.stage
         asked = _asked(order)
-        loaded = load_source(asked.source, times, progress)
         try:
-            record, run = _with_settings(loaded.record, asked)
+            loaded = load_source(asked.source, times, progress, of_run=True)
             with times.stage("compile"):
                 study = study_of(
-                    record,
+                    loaded.record,
                     asked.vary,
                     asked.measures,
                     _scene(asked.changes),
                     sample=asked.sample,
                     seed=asked.seed,
                     points=asked.points,
-                    run=run,
+                    run=replace(asked.run, parameters=loaded.settings),
                     options=asked.source.options,
                 )
         except LamcError as error:
@@ -134,7 +131,6 @@ class _Asked:
     changes: SceneChanges
     vary: Mapping[str, object]
     measures: Mapping[str, str]
-    settings: Mapping[str, float | str]
     points: str | None
     sample: str | None
     seed: int
@@ -145,23 +141,22 @@ class _Asked:
 def _asked(order: SweepOrder) -> _Asked:
     """What the words come to. Raises LamcError for what is there twice over."""
     vary, measures = pairs_of(order.vary, "--vary", "20mm:60mm:9"), _measures(order.measures)
-    settings: dict[str, float | str] = {**pairs_of(order.settings, "--set", "0.01")}
     path = order.source.file
     if path is None or not is_study(Path(path)):
-        given = (order.source, order.changes, vary, measures, settings, order.points, order.sample)
+        given = (order.source, order.changes, vary, measures, order.points, order.sample)
         return _Asked(*given, order.seed or 0, order.run)
     if order.source.example is not None:
         raise LamcError(f"{path} is a study, which names its design; leave out --example")
     file = load_study(Path(path))
     said = file.said
     options = {name: value for name, value in vars(order.run).items() if value != getattr(AS_EVER, name)}
+    settings = {**said.set, **pairs_of(order.source.settings, "--set", "0.01")}
     points = order.points or (None if vary else file.points)
     return _Asked(
-        source=replace(order.source, file=file.design, example=said.example),
+        source=replace(order.source, file=file.design, example=said.example, settings=_pairs(settings)),
         changes=replace(order.changes, scene=order.changes.scene or file.scene),
         vary=vary if points is not None else {**said.vary, **vary},
         measures={**said.measure, **measures},
-        settings={**said.set, **settings},
         points=points,
         sample=order.sample or said.sample,
         seed=said.seed if order.seed is None else order.seed,
@@ -170,13 +165,9 @@ def _asked(order: SweepOrder) -> _Asked:
     )
 
 
-def _with_settings(record: Design | Mechanism, asked: _Asked) -> tuple[Design | Mechanism, RunOptions]:
-    """The design with the dimensions that are set, and the runs with the other numbers."""
-    dimensions = {name: value for name, value in asked.settings.items() if name in record.parameters}
-    others = {name: value for name, value in asked.settings.items() if name not in dimensions}
-    return (record.with_parameters(dimensions) if dimensions else record), replace(
-        asked.run, parameters=others
-    )
+def _pairs(settings: Mapping[str, float | str]) -> tuple[str, ...]:
+    """As --set has them."""
+    return tuple(f"{name}={value}" for name, value in settings.items())
 
 
 def _measures(texts: tuple[str, ...]) -> dict[str, str]:

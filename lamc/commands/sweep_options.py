@@ -143,11 +143,12 @@ def sweep(
     from lamc.studies.bench import RunOptions
 
     order = SweepOrder(
-        source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet),
+        source=Source(
+            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
+        ),
         changes=changes,
         vary=vary,
         measures=measures,
-        settings=settings,
         points=points,
         sample=sample,
         seed=seed,

@@ -71,7 +71,7 @@ def test_instances_of_a_tree_are_runs_by_themselves(
     assert_alike(sim, many, parameters, **how)
 
 
-@pytest.mark.quick("blade_element", "free_base", "ground_contact", "nonlinear_stiffness")
+@pytest.mark.quick("blade_element_drag", "free_base", "ground_contact", "nonlinear_stiffness")
 @pytest.mark.parametrize("name", sorted(SAMPLES))
 def test_instances_with_any_effect_are_runs_by_themselves(name: str) -> None:
     effects = (SAMPLES[name],) if name == "gravity" else (SAMPLES["gravity"], SAMPLES[name])

@@ -17,7 +17,7 @@ from lamc.basics.times import Observer, Times
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module
 from lamc.codegen.options import CompileOptions
-from lamc.codegen.toolchain import find_compiler
+from lamc.codegen.toolchain import find_compiler, find_machine_compiler
 from lamc.design.split import split
 from lamc.effects.registry import choose
 from lamc.loops.at_start import loops_of
@@ -160,12 +160,13 @@ def _compiled(
                 survey_design(arrangement, effects, loops, scene.inputs) if can_survey(arrangement) else None
             )
 
-    def module(*, energy_balance: bool) -> tuple[Module, DesignNumbers]:
+    def module(*, energy_balance: bool = False, lanes: bool = False) -> tuple[Module, DesignNumbers]:
+        maker = find_machine_compiler(options) if lanes else compiler
         alias = input_digest(
             mechanism,
             effects,
             loops,
-            compiler,
+            maker,
             options,
             scene.inputs,
             energy_balance=energy_balance,
@@ -179,7 +180,7 @@ def _compiled(
             return found, known.numbers
         survey = surveyed()
         if survey is not None:
-            of = structure_alias(survey.structure, compiler, options, energy_balance=energy_balance)
+            of = structure_alias(survey.structure, maker, options, energy_balance=energy_balance, lanes=lanes)
             with times.stage("load from cache"):
                 drawn = design_of_structure(cache, of, survey)
             if drawn is not None:
@@ -190,8 +191,12 @@ def _compiled(
         program, tree = sources(energy_balance=energy_balance)
         from lamc.codegen.build import build
 
+        if lanes:
+            from lamc.codegen.emit_lanes import emit_lanes
+
+            tree = emit_lanes(program, tree, options.precision)
         with times.stage("compile"):
-            entry, made, times.from_cache = build(tree, program.structure, compiler, options, cache)
+            entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
         if alias:
             keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
         if survey is not None:
@@ -199,17 +204,18 @@ def _compiled(
         return made, numbers_of(program)
 
     # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
-    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc).
+    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc). So are lanes, which would be half of it.
     simulator = Simulator(
         mechanism,
         scene,
         effects,
         equations,
         lambda: sources(energy_balance=False)[0],
-        *module(energy_balance=False),
+        *module(),
         loops,
         lambda: module(energy_balance=True),
         Recipe(mechanism, scene, options, cache),
+        lambda: module(lanes=True),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 
@@ -219,14 +225,15 @@ def _on_branch(
 ) -> Simulator:
     """The simulator with the rank of the branch that its start takes, where branches of other ranks part. Loads choose
     the branch, and they are known only now."""
-    loops = simulator.loops if simulator.cut_joints else None
-    if loops is None or len(set(loops.branch_ranks)) < 2:
+    if not simulator.cut_joints or simulator.loops.pushed is not None:
         return simulator
-    pushed = simulator.pushed_branch
-    taken = loops.on_branch(pushed or 0)
-    if taken.rank == loops.rank:
+    try:
+        taken, number = simulator.loops_taken()
+    except DesignError:  # of a start that cannot be had, which is told when it is asked for
         return simulator
-    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=pushed)
+    if taken.rank == simulator.loops.rank:
+        return simulator
+    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=number)
     return _compiled(mechanism, simulator.scene, options, times, cache, chosen)
 
 

@@ -47,11 +47,11 @@ def numbers_of(program: Program) -> DesignNumbers:
 
 
 def structure_alias(
-    structure: str, compiler: Compiler, options: CompileOptions, *, energy_balance: bool
+    structure: str, compiler: Compiler, options: CompileOptions, *, energy_balance: bool, lanes: bool
 ) -> str:
     """Under what the cache keeps what is known of a structure (the digest of a `Survey`)."""
     parts = (structure, __version__, own_sources(), compiler.identity, *options.flags, options.precision)
-    text = "\0".join((*parts, "with books" if energy_balance else "without books"))
+    text = "\0".join((*parts, f"powers {energy_balance} lanes {lanes}"))
     return hashlib.sha256(text.encode()).hexdigest()
 
 

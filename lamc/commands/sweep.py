@@ -14,6 +14,7 @@ import numpy as np
 
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.numbers import duration
+from lamc.basics.times import Times
 from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
@@ -26,7 +27,6 @@ from lamc.commands.inputs import (
 from lamc.commands.pairs import pairs_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import INTERRUPTED, Terminal
-from lamc.pipeline import Times
 from lamc.readers.study_file import StudyFile, is_study, load_study
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene

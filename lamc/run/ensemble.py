@@ -121,7 +121,8 @@ class Ensemble:
 class Instances:
     """What differs from instance to instance.
 
-    parameters  (instances, n), or (1, n) where all have the same, each with the numbers of the drawing behind; starts likewise (…, nq + nu)
+    parameters  (instances, n), or (1, n) where all have the same; behind each the numbers of the drawing
+    starts      likewise, (…, nq + nu)
     refusals    by instance: why its start or values are refused
     """
 

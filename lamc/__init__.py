@@ -69,6 +69,7 @@ from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.studies.sweep import sweep
 
 __all__ = [
     "BaseMotion",
@@ -125,6 +126,7 @@ __all__ = [
     "load",
     "load_scene",
     "split",
+    "sweep",
 ]
 
 logging.getLogger("lamc").addHandler(logging.NullHandler())  # whoever wants its words adds a handler

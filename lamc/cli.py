@@ -30,6 +30,7 @@ from lamc.commands.plate_options import plate
 from lamc.commands.project_options import convert, new
 from lamc.commands.reference_options import effects, functions, materials, schema
 from lamc.commands.run_options import run
+from lamc.commands.sweep_options import sweep
 from lamc.commands.terminal import Terminal
 from lamc.commands.view_options import view
 
@@ -51,6 +52,7 @@ def main(context: click.Context) -> None:
     Try:
       lamc run --example pendulum      simulate, and write results and pictures
       lamc view --example pendulum     a page that shows it in 3D, with sliders
+      lamc sweep --example pendulum    run it at many points, and measure each run
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc export --example pendulum   sources for programs in C, C++ and other languages
@@ -236,6 +238,7 @@ main.add_command(ledger)
 main.add_command(new)
 main.add_command(plate)
 main.add_command(run)
+main.add_command(sweep)
 main.add_command(view)
 
 

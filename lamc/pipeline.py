@@ -19,7 +19,7 @@ from lamc.basics.progress import bar
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.module import Module, load_module
 from lamc.codegen.options import CompileOptions
-from lamc.codegen.toolchain import find_compiler
+from lamc.codegen.toolchain import find_compiler, find_machine_compiler
 from lamc.design.split import split
 from lamc.effects.registry import choose
 from lamc.loops.at_start import loops_of
@@ -184,12 +184,13 @@ def _compiled(
     def sources(*, energy_balance: bool) -> "tuple[Program, SourceTree]":
         return sources_of(equations(), times, energy_balance=energy_balance, precision=options.precision)
 
-    def module(*, energy_balance: bool) -> Module:
+    def module(*, energy_balance: bool = False, lanes: bool = False) -> Module:
+        maker = find_machine_compiler(options) if lanes else compiler
         alias = input_digest(
             mechanism,
             effects,
             loops,
-            compiler,
+            maker,
             options,
             scene.inputs,
             energy_balance=energy_balance,
@@ -205,24 +206,29 @@ def _compiled(
         program, tree = sources(energy_balance=energy_balance)
         from lamc.codegen.build import build
 
+        if lanes:
+            from lamc.codegen.emit_lanes import emit_lanes
+
+            tree = emit_lanes(program, tree, options.precision)
         with times.stage("compile"):
-            key, made, times.from_cache = build(tree, program.digest, compiler, options, cache)
+            key, made, times.from_cache = build(tree, program.digest, maker, options, cache)
         if alias:
             cache.remember(alias, key)
         return made
 
     # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
-    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc).
+    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc). So are lanes, which would be half of it.
     simulator = Simulator(
         mechanism,
         scene,
         effects,
         equations,
         lambda: sources(energy_balance=False)[0],
-        module(energy_balance=False),
+        module(),
         loops,
         lambda: module(energy_balance=True),
         Recipe(mechanism, scene, options, cache),
+        lambda: module(lanes=True),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 
@@ -232,14 +238,15 @@ def _on_branch(
 ) -> Simulator:
     """The simulator with the rank of the branch that its start takes, where branches of other ranks part. Loads choose
     the branch, and they are known only now."""
-    loops = simulator.loops if simulator.cut_joints else None
-    if loops is None or len(set(loops.branch_ranks)) < 2:
+    if not simulator.cut_joints or simulator.loops.pushed is not None:
         return simulator
-    pushed = simulator.pushed_branch
-    taken = loops.on_branch(pushed or 0)
-    if taken.rank == loops.rank:
+    try:
+        taken, number = simulator.loops_taken()
+    except DesignError:  # of a start that cannot be had, which is told when it is asked for
         return simulator
-    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=pushed)
+    if taken.rank == simulator.loops.rank:
+        return simulator
+    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=number)
     return _compiled(mechanism, simulator.scene, options, times, cache, chosen)
 
 

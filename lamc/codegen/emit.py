@@ -50,6 +50,7 @@ class SourceTree:
     declarations: str  # for cffi
     shared: tuple[str, ...]  # names of the files that are the same for everything of this kind
     kind: str = "model"  # of lamc_model, lamc_element: what the library offers
+    lanes: str = ""  # the unit that is compiled for this very machine; none: all is for any of its kind
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
         "guard_modes": [g.mode for g in program.guards],
         "jacobian_cost": literal(program.jacobian_cost, number),
         "present": sorted(program.functions),
-        "tables": [_look_up(k, table, number) for k, table in program.tables.items()],
+        "tables": look_ups(program, number),
         "functions": functions,
         "has_trig": any(
             text in line
@@ -197,6 +198,11 @@ def other_entries(program: Program, entries: Sequence[Coordinate]) -> list[tuple
     """Number, and name with unit, of the coordinates or rates beyond those of joints."""
     texts = [f"{comment(entry.name)}, {comment(entry.unit)}" for entry in entries]
     return list(enumerate(texts))[len(program.joints) :]
+
+
+def look_ups(program: Program, number: str = "double") -> list[CLookUp]:
+    """The tables of a program as text."""
+    return [_look_up(k, table, number) for k, table in program.tables.items()]
 
 
 def _look_up(k: int, table: Piecewise, number: str) -> CLookUp:

@@ -163,9 +163,12 @@ def _meetings(
     """Pairs of indices (k, 2), a < b, sorted, of shapes that meet as a predicate says, or whose boxes do; no further
     ones once they are more than `most`."""
     tree, found, count = shapely.STRtree(shapes), [np.zeros((0, 2), dtype=np.int64)], 0
-    # In no order, so that the next shapes meet about as many as the last ones, and their number can be chosen by that.
-    order = np.random.default_rng(0).permutation(len(shapes))
     start, step = 0, max(1, _AT_ONCE // max(1, len(shapes)))
+    order = np.arange(len(shapes))
+    if step < len(shapes):
+        # In no order, so that the next shapes meet about as many as the last ones, and their number can be chosen by
+        # that.
+        order = np.random.default_rng(0).permutation(len(shapes))
     while start < len(shapes) and count <= most:
         rows = order[start : start + step]
         first, second = tree.query(shapes[rows], predicate=predicate, **distance)

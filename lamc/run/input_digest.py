@@ -159,5 +159,5 @@ def _own_sources() -> str:
         "plates",
         "effects",
     )
-    data = [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
+    data = [data_dir("templates"), *(data_dir("runtime_c") / part for part in ("include", "src", "ensemble"))]
     return own_stamps(*shaping) + stamps(data)

@@ -40,6 +40,7 @@ from lamc.run.arguments import check_names, checked_rate, drawn_start
 from lamc.run.defaults import DURATION
 from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
+from lamc.run.ensemble import Ensemble
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, Model, Motion
 from lamc.run.outputs import check_outputs
@@ -87,11 +88,13 @@ class Simulator(Evaluations, Viewable):
         loops: LoopCount | None = None,
         energy_balance: Callable[[], CompiledModule] | None = None,
         recipe: Recipe | None = None,
+        lanes: Callable[[], CompiledModule] | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
         energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
+        lanes: makes the module that runs ensembles; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
@@ -105,6 +108,7 @@ class Simulator(Evaluations, Viewable):
         self._module = module
         self._loops = loops
         self._energy_balance = energy_balance
+        self._lanes = lanes
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -140,6 +144,14 @@ class Simulator(Evaluations, Viewable):
             self._rigid_scene, push_of(self._default_motion, self._arrangement)
         )
 
+    def loops_taken(self) -> tuple[LoopCount, int | None]:
+        """What the loops come to on the branch that the start takes, and its number; None where none part."""
+        known = len(self.loops.branch_ranks)
+        number = (self.scene.branch or self.pushed_branch) if self._model.cuts and known else None
+        if number is None or not known < abs(number) <= len(self.branches):
+            return self.loops.on_branch(number or 0), number
+        return self.loops.of_rank(self._starter.rank_on(self._rigid_scene, number)), number
+
     @lazy
     def start(self) -> Array:
         """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.
@@ -148,23 +160,28 @@ class Simulator(Evaluations, Viewable):
 
         Raises DesignError where they cannot be had.
         """
-        near = self.scene.angles
-        if self._model.cuts:
-            scene = self._rigid_scene
-            start = self._starter.state(replace(scene, branch=scene.branch or self.pushed_branch))
-        else:
-            with located_at(self.scene.places):
-                refuse_branch(self.scene)
-            if len(self.joints) < len(self.mechanism.joints):
-                start, near = yielding_start(plan(self.mechanism), self.scene)
-            else:
-                start = drawn_start(self.scene, self.joints)
-        if len(self.coordinates) > len(self.joints):
-            q, u = np.split(start, 2)
-            start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
+        start = self.start_of(self.scene)
         start.flags.writeable = False
         with located_at(self.scene.places):
             check_start(self.effects, self.mechanism, self._default_motion, start)
+        return start
+
+    def start_of(self, scene: Scene) -> Array:
+        """As `start`, of a scene that differs from this one in angles and rates; no effect is shown it."""
+        near = scene.angles
+        if self._model.cuts:
+            rigid = self._rigid_scene if scene is self.scene else self._rigid(scene)
+            start = self._starter.state(replace(rigid, branch=rigid.branch or self.pushed_branch))
+        else:
+            with located_at(scene.places):
+                refuse_branch(scene)
+            if len(self.joints) < len(self.mechanism.joints):
+                start, near = yielding_start(plan(self.mechanism), scene)
+            else:
+                start = drawn_start(scene, self.joints)
+        if len(self.coordinates) > len(self.joints):
+            q, u = np.split(start, 2)
+            start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
         return start
 
     @property
@@ -290,6 +307,80 @@ class Simulator(Evaluations, Viewable):
             return run(integrator, request)[0]
         return reach(wanted, integrator, motion, request, run, self.scene)
 
+    def ensemble(
+        self,
+        t_end: float | str | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
+        t_eval: npt.ArrayLike | None = None,
+        integrator: str = "auto",
+        parameters: Mapping[str, npt.ArrayLike] = NO_PARAMETERS,
+        angles: Mapping[str, npt.ArrayLike] = NO_PARAMETERS,
+        rates: Mapping[str, npt.ArrayLike] = NO_PARAMETERS,
+        *,
+        max_steps: int = 1_000_000,
+        max_step: float | str | None = None,
+        progress: Progress | bool | None = None,
+        threads: int | None = None,
+        side_by_side: bool = True,
+    ) -> Ensemble:
+        """Many runs at once, each with values of its own, several side by side on each processor. Every instance is the
+        run that `run` makes with its values, to the last bit where the compiler contracts nothing.
+
+        parameters  by name, in the units of `parameter_units`: an array with a value for each instance, or one number,
+                    or text with a unit, for all; the others keep their defaults
+        angles, rates  at the start, by joint, rad and rad/s, likewise, in place of the scene's; loops are closed around
+                    them as `start` is, which takes milliseconds for an instance
+        t_eval      times of the rows, s, as for `run`; None: the start and t_end. All rows are kept in memory
+        progress    called with (instances begun, instances) now and then; True: a bar
+        threads     None: one for each processor
+        side_by_side  False: one run after the other on each thread, for comparison
+
+        t_end, rtol, atol, integrator, max_steps and max_step as for `run`; of integrators lamc's own. Implicit ones,
+        and mechanisms with loops, run one after the other on each thread; `Ensemble.stats` says so. An instance that
+        fails is one with its `status`, and NaN in the rows that it did not reach; Ctrl-C keeps what there is. The first
+        call compiles code for this very machine.
+
+        Raises RequestError for arguments that make no ensemble, BuildError where the compiler fails."""
+        from lamc.run.ensembles import ensemble_of
+
+        if isinstance(progress, bool):
+            with bar("ensemble") if progress else nullcontext((None, None)) as (_, told):
+                return self.ensemble(
+                    t_end,
+                    rtol,
+                    atol,
+                    t_eval,
+                    integrator,
+                    parameters,
+                    angles,
+                    rates,
+                    max_steps=max_steps,
+                    max_step=max_step,
+                    progress=told,
+                    threads=threads,
+                    side_by_side=side_by_side,
+                )
+        if t_end is None:
+            t_end = self.scene.duration or DURATION
+        tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
+        request = checked_request(self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress)
+        given = (parameters, angles, rates)
+        return ensemble_of(self, request, integrator, given, threads, side_by_side=side_by_side)
+
+    @lazy
+    def lanes(self) -> CompiledModule:
+        """The module that runs ensembles, compiled when it is first asked for."""
+        if self._lanes is None:
+            raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
+        return self._lanes()
+
+    def integrated(
+        self, motion: Motion, parameters: Mapping[str, float | str], request: Request, integrator: str
+    ) -> Result:
+        """A run of `motion`, which has these parameters, from a start of its own. Checks nothing."""
+        return self._integrated(integrator, request, motion, Telling(self, self._recipe, parameters, 0.0))[0]
+
     def _integrated(
         self, integrator: str, request: Request, motion: Motion, telling: Callable[[], Motion]
     ) -> tuple[Result, float]:
@@ -340,7 +431,10 @@ class Simulator(Evaluations, Viewable):
     def _rigid_scene(self) -> Scene:
         """The scene by the joints that no bushing holds: where it gives angles or rates of others, theirs are such that
         those are had."""
-        return rigid_scene(plan(self.mechanism), self._arrangement.tree, self.scene)
+        return self._rigid(self.scene)
+
+    def _rigid(self, scene: Scene) -> Scene:
+        return rigid_scene(plan(self.mechanism), self._arrangement.tree, scene)
 
     @lazy
     def _starter(self) -> Starter:

@@ -205,3 +205,48 @@ def test_a_family_refuses_what_makes_no_sense() -> None:
         lamc.Family(lambda x=3.0: x)()
     with pytest.raises(lamc.DesignError, match="give a function"):
         lamc.Family(3)  # type: ignore[arg-type]
+
+
+# ---- what a design was read from ------------------------------------------------------------------------------------
+
+
+def test_drawings_beside_a_design_are_read_once(tmp_path: Path) -> None:
+    """Neither another evaluation nor one in another process needs the file again."""
+    outline = (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20" fill="none">'
+    )
+    (tmp_path / "top.svg").write_text(
+        outline + '<rect width="40" height="20" stroke="black"/></svg>', encoding="utf-8"
+    )
+    (tmp_path / "d.yaml").write_text(
+        "units: mm\nparameters: {at: 15 mm, t: 0.3 mm}\n"
+        "materials: {card: {density: 700, rigid: true}, film: {density: 1390, flexible: true}}\n"
+        "layers: [{name: f, material: film, thickness: 25 um}, {name: c, material: card, thickness: t}]\n"
+        "shapes: [{shape: {file: top.svg}}]\n"
+        "hinges: [{name: h, line: [[at, -20], [at, 0]], gap: 1}]\n"
+        "fixed: [{rect: [0, -20, 5, 0]}]\n",
+        encoding="utf-8",
+    )
+    design = lamc.load(tmp_path / "d.yaml")
+    assert isinstance(design, lamc.Design)
+    (tmp_path / "top.svg").unlink()
+    moved = design.with_parameters(at="20 mm", t="0.5 mm")
+    assert moved.layers[1].geometry == design.layers[1].geometry
+    assert moved.mends == design.mends
+    assert pickle.loads(pickle.dumps(design)).with_parameters(at="20 mm", t="0.5 mm") == moved
+
+
+def test_a_table_beside_a_design_is_read_once(tmp_path: Path) -> None:
+    (tmp_path / "law.csv").write_text("-1,-2e-3\n0,0\n1,3e-3\n", encoding="utf-8")
+    text = Path(examples.path("flaps")).read_text(encoding="utf-8")
+    text = text.split("\nscene")[0].replace("units: mm\n", "units: mm\nparameters: {tilt: 10 deg}\n")
+    text += "\nscene: {with: {nonlinear_stiffness: {left: {file: law.csv}}}, angles: {right: tilt}}\n"
+    (tmp_path / "d.yaml").write_text(text, encoding="utf-8")
+    design = lamc.load(tmp_path / "d.yaml")
+    assert isinstance(design, lamc.Design)
+    (tmp_path / "law.csv").unlink()
+    tilted = design.with_parameters(tilt=0.3).scene
+    assert tilted is not None
+    assert tilted.angles == {"right": 0.3}
+    assert design.scene is not None
+    assert tilted.added == design.scene.added

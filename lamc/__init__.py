@@ -62,11 +62,14 @@ from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
 from lamc.records.card import Card
 from lamc.records.design import Design, Material
+from lamc.records.family import Family
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
+from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.studies.sweep import sweep
 
 __all__ = [
     "BaseMotion",
@@ -77,6 +80,7 @@ __all__ = [
     "CompileOptions",
     "Design",
     "DesignError",
+    "DesignParameter",
     "DesignWarning",
     "Effect",
     "EmitError",
@@ -84,6 +88,7 @@ __all__ = [
     "ExportOptions",
     "ExpressionError",
     "ExternalTorque",
+    "Family",
     "FlexibleLinks",
     "FreeBase",
     "Gravity",
@@ -121,6 +126,7 @@ __all__ = [
     "load",
     "load_scene",
     "split",
+    "sweep",
 ]
 
 logging.getLogger("lamc").addHandler(logging.NullHandler())  # whoever wants its words adds a handler

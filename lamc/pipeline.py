@@ -238,14 +238,15 @@ def _on_branch(
 ) -> Simulator:
     """The simulator with the rank of the branch that its start takes, where branches of other ranks part. Loads choose
     the branch, and they are known only now."""
-    loops = simulator.loops if simulator.cut_joints else None
-    if loops is None or len(set(loops.branch_ranks)) < 2:
+    if not simulator.cut_joints or simulator.loops.pushed is not None:
         return simulator
-    pushed = simulator.pushed_branch
-    taken = loops.on_branch(pushed or 0)
-    if taken.rank == loops.rank:
+    try:
+        taken, number = simulator.loops_taken()
+    except DesignError:  # of a start that cannot be had, which is told when it is asked for
         return simulator
-    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=pushed)
+    if taken.rank == simulator.loops.rank:
+        return simulator
+    chosen = replace(taken, branch_ranks=(taken.rank,), pushed=number)
     return _compiled(mechanism, simulator.scene, options, times, cache, chosen)
 
 

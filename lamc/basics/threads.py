@@ -8,6 +8,7 @@ heeds it in the main thread of Python only.
 import functools
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -19,10 +20,16 @@ def on_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(function)
     def alone(*given: P.args, **named: P.kwargs) -> R:
-        with _libraries("scipy.linalg" in sys.modules).limit(limits=1):
+        with one_thread():
             return function(*given, **named)
 
     return alone
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """During which BLAS has one thread."""
+    limited: AbstractContextManager[object] = _libraries("scipy.linalg" in sys.modules).limit(limits=1)
+    return limited
 
 
 @functools.cache

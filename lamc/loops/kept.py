@@ -11,7 +11,7 @@ from dataclasses import asdict
 
 from lamc.codegen.cache import Cache
 from lamc.loops.misfit import Misfit
-from lamc.loops.rank import LoopCount
+from lamc.loops.rank import Found, LoopCount
 
 
 def kept_loops(alias: str | None, cache: Cache, count: Callable[[], LoopCount]) -> LoopCount:
@@ -34,12 +34,14 @@ def _read(text: str | None) -> LoopCount | None:
         return None
     try:
         values = json.loads(body)
-        misfit = values.pop("misfit")
+        misfit, start = values.pop("misfit"), values.pop("start")
         for name in ("singular_values", "branch_ranks", "position"):
             values[name] = tuple(values[name])
         if misfit is not None:
             misfit["place"] = tuple(misfit["place"])
-        return LoopCount(**values, misfit=Misfit(**misfit) if misfit is not None else None)
+        if start is not None:
+            start = Found(tuple((name, angle) for name, angle in start["given"]), tuple(start["angles"]))
+        return LoopCount(**values, misfit=None if misfit is None else Misfit(**misfit), start=start)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None
 

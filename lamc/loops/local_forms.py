@@ -22,6 +22,7 @@ NOTHING = 1e-9  # of a form, beside those of one: round-off of the drawing's cor
 ROUNDS = 60  # of Newton's method, which needs ten
 ARRIVED = 1e-12  # of a form, of rates of length one
 RIDGE = 1e-14  # of the largest: forms that depend on one another are solved for all the same
+FAINT = 1e-6  # of the largest slope: less holds nothing, where forms are more than unknowns
 BACK = 30  # random directions that are tried where one leads nowhere
 
 
@@ -50,7 +51,7 @@ class LocalForms:
         shape = (len(self.joints), self.count)
         return sparse.csr_array((entries.ravel(), (rows, self.joints.ravel())), shape=shape)
 
-    def nearest(self, basis: Array, rates: Array) -> Array | None:
+    def nearest(self, basis: Array, rates: Array, rounds: int = ROUNDS) -> Array | None:
         """Rates (n,) of length one in the span of `basis` (n, d), orthonormal, zeros of all forms, near `rates` (n,);
         None where Newton's method does not arrive."""
         x = basis.T @ rates
@@ -58,15 +59,12 @@ class LocalForms:
         if not length > 0.0:
             return None
         x = x / length
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             u = basis @ x
             missed = self.values(u)
             if np.abs(missed).max() <= ARRIVED:
                 return np.asarray(u)
-            slopes = self.slopes(u) @ basis
-            squares = slopes @ slopes.T
-            squares[np.diag_indices_from(squares)] += RIDGE * np.trace(squares)
-            x = x - slopes.T @ np.linalg.solve(squares, missed)
+            x = x - _least_step(self.slopes(u) @ basis, missed, x)
             x = x / np.linalg.norm(x)
         return None
 
@@ -79,6 +77,19 @@ class LocalForms:
     def random(self) -> Array:
         """(BACK, n): directions that are the same each time."""
         return np.random.default_rng(20260106).normal(size=(BACK, self.count))
+
+
+def _least_step(slopes: Array, missed: Array, x: Array) -> Array:
+    """The shortest change (d,) of x, of length one, that takes `missed` (c,) away to first order, or along the sphere
+    most of it where there are more forms than unknowns. By products: the next round mends the digits."""
+    if len(slopes) < slopes.shape[1]:
+        squares = slopes @ slopes.T
+        squares[np.diag_indices_from(squares)] += RIDGE * np.trace(squares)
+        return np.asarray(slopes.T @ np.linalg.solve(squares, missed))
+    slopes = slopes - 2.0 * np.outer(missed, x)
+    values, vectors = np.linalg.eigh(slopes.T @ slopes)
+    kept = values > FAINT**2 * values[-1]
+    return np.asarray(vectors[:, kept] @ ((vectors[:, kept].T @ (slopes.T @ missed)) / values[kept]))
 
 
 def local_forms(geometry: LoopGeometry, angles: Array) -> LocalForms | None:

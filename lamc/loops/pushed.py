@@ -11,8 +11,9 @@ exp(√(p / (I s)) t): the second order goes by p / (I s), and what it does is n
 import math
 from collections.abc import Callable, Sequence
 
-from lamc.loops.branches import EXACTLY, Branch, Fit, moved_out
+from lamc.loops.branches import Branch, moved_out
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.tangents import EXACTLY, Fit
 from lamc.records.mechanism import Array
 
 SECOND = 1e-2  # of the second order: less is no first order, but what the third leaves, some thousandths

@@ -18,12 +18,12 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.branches import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.surveys import Survey, near_surveys, survey
+from lamc.loops.tangents import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.walks import LoopPosition
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
@@ -32,6 +32,14 @@ from lamc.records.mechanism import Array
 # drawing is meant to be off by more than a thousandth of its size.
 TOLERANCE, ROUNDED, MOST_ROUNDED = 1e-4, 1.5e-5, 1e-3  # of the size; m; of the size
 MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfit's
+
+
+@dataclass(frozen=True)
+class Found:
+    """The closed position of a start: angles given, rad, by name, sorted; and those of all joints, in their order."""
+
+    given: tuple[tuple[str, float], ...]
+    angles: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -48,6 +56,7 @@ class LoopCount:
     shakes           rates that hold the loops closed to first order where nothing moves
     position         closed angles, rad, of all joints, at which the rank shows most clearly; empty: none is known
     pushed           the branch that loads chose, whose rank this is; None: not chosen here
+    start            the closed position that was looked for to count there; None: as drawn, or not as these loops close
     """
 
     loops: int
@@ -62,6 +71,7 @@ class LoopCount:
     shakes: int = 0
     position: tuple[float, ...] = ()
     pushed: int | None = None
+    start: Found | None = None
 
     @property
     def redundant(self) -> int:
@@ -81,10 +91,13 @@ class LoopCount:
         """The count of a run that takes a branch, by its number; negative for the opposite way."""
         if not 0 < abs(number) <= len(self.branch_ranks):
             return self
-        rank = self.branch_ranks[abs(number) - 1]
-        if rank == self.rank:
-            return self
-        return replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+        return self.of_rank(self.branch_ranks[abs(number) - 1])
+
+    def of_rank(self, rank: int) -> "LoopCount":
+        """The count of a run whose loops have another rank."""
+        return (
+            self if rank == self.rank else replace(self, rank=rank, freedoms=self.rank + self.freedoms - rank)
+        )
 
 
 NO_LOOPS = LoopCount(0, 0, 0, 0)

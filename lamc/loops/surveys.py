@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamc.loops.branches import NEARLY, Fit, find_branches, moved_out, tangents
+from lamc.loops.branches import find_branches, moved_out
 from lamc.loops.closing import SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import DENSE, EXACT
+from lamc.loops.tangents import NEARLY, Fit, tangents
 from lamc.loops.walks import LoopPosition, walk
 from lamc.records.mechanism import Array
 
@@ -71,8 +72,6 @@ def survey(
     free = local.basis.shape[1]
     if way is not None:
         return Survey([_both(geometry, start, way, cutoff, steps)], local.count > 0, free)
-    if local.is_unknown:
-        return Survey([], True, free)
     if local.count:
         branches = find_branches(geometry, start, fit, local)
         rows = [branch.row(geometry.names) for branch in branches]
@@ -85,8 +84,14 @@ def survey(
         return Survey(ways, True, free, not generic)
     random = np.random.default_rng(20260101)
     count_of_ways = min(free, 1 if len(start) > LARGE else WALKS)
-    motions = random.normal(size=(count_of_ways, free)) @ local.basis.T
+    motions = _among(random, count_of_ways, local.basis)
     return Survey([_both(geometry, start, row, cutoff, steps) for row in motions], False, free)
+
+
+def _among(random: np.random.Generator, count: int, basis: Array) -> Array:
+    """Random motions (count, n) of a space, the same whichever orthonormal basis (n, d) is given of it: a decomposition
+    gives one or another by its round-off."""
+    return np.asarray(random.normal(size=(count, len(basis))) @ basis @ basis.T)
 
 
 def _both(geometry: LoopGeometry, start: Array, way: Array, cutoff: float, steps: int) -> list[LoopPosition]:
@@ -127,7 +132,7 @@ def _drift(geometry: LoopGeometry, place: LoopPosition, nullity: int, steps: int
     """Walks along motions that leave the `nullity` weakest equations open."""
     weakest = geometry.linear(place.angles).weak[1][:nullity]
     random = np.random.default_rng(20260101)
-    motions = random.normal(size=(min(nullity, WALKS), nullity)) @ weakest
+    motions = _among(random, min(nullity, WALKS), weakest.T)
     ways = [
         walk(geometry, place.angles, sign * row, SOLVE, steps, nullity)
         for row in motions

@@ -28,11 +28,13 @@ def pushed_note(number: int, branches: Sequence[Branch]) -> str:
     others = [k for k in range(1, len(branches) + 1) if k != abs(number)]
     text = (
         f"the start is singular and at rest; it takes branch {number} ({ratios(branches[abs(number) - 1])}), on which "
-        "the loads do most work; others"
+        "the loads do most work"
     )
+    if not others:
+        return text
     listing = "; ".join(f"{k}: ({ratios(branches[k - 1])})" for k in others[:4])
     more = " …" if len(others) > 3 else ""
-    return f"{text}: {listing}{more}; choose by the scene's branch"
+    return f"{text}; others: {listing}{more}; choose by the scene's branch"
 
 
 def resistance(given: Mapping[str, float], without: Callable[[str], float | None], unit: str) -> str:

@@ -12,8 +12,9 @@ from lamc.basics.fields import StrictModel
 from lamc.effects.registry import by_name
 from lamc.readers.plates.problem_schema import PlateFileModel
 from lamc.readers.schema import FILES, json_schema
+from lamc.readers.study_file import StudyModel
 
-WHOLE: Mapping[str, type[StrictModel]] = {**FILES, "PlateProblem": PlateFileModel}
+WHOLE: Mapping[str, type[StrictModel]] = {**FILES, "PlateProblem": PlateFileModel, "Study": StudyModel}
 
 # Name for people: (definition, an example in YAML)
 _PARTS: Mapping[str, tuple[str, str]] = {
@@ -83,6 +84,15 @@ _PARTS: Mapping[str, tuple[str, str]] = {
         "supports: [{clamped: left}]\n"
         "loads: [{edge: right, total: -0.1 N}]",
     ),
+    "study": (
+        "Study",
+        "kind: study\n"
+        "example: flaps\n"
+        "vary: {left.stiffness: log:1e-4:1e-2:7, angles.left: [10 deg, 20 deg]}\n"
+        "measure: {swing: max(abs(left)), back: time_of(left < 0)}\n"
+        "run: {t_end: 2 s}",
+    ),
+    "study_run": ("StudyRunModel", "{t_end: 500 ms, rtol: 1e-6}"),
     "plate_material": ("PlateMaterialModel", "{E: 4.9 GPa, nu: 0.38, density: 1390}"),
     "laminate": ("LaminateModel", "{material: T300/5208, layup: '[0/90/±45]s', ply: 125 um}"),
     "ply": ("PlyModel", "{material: Kapton HN, thickness: 25 um, angle: 0 deg}"),

@@ -9,7 +9,7 @@ from lamc.loops.branches import Branch
 from lamc.loops.misfit import length
 from lamc.loops.rank import LoopCount
 
-MOST_BRANCHES = 8  # in a table
+MOST_BRANCHES, MOST_RATIOS = 8, 24  # in a table
 
 
 def loops_line(count: LoopCount) -> str:
@@ -36,7 +36,8 @@ def branch_lines(branches: Sequence[Branch], where: str = "at the start") -> lis
     for number, branch in enumerate(branches[:MOST_BRANCHES], start=1):
         ratios = [f"{name} {rate:+.4g}" for name, rate in branch.rates.items() if rate != 0.0]
         family = f" (one of {branch.freedoms} freedoms)" if branch.freedoms > 1 else ""
-        lines.append(f"  branch {number}: {', '.join(ratios)}{family}")
+        more = f", … ({len(ratios)} joints move)" if len(ratios) > MOST_RATIOS else ""
+        lines.append(f"  branch {number}: {', '.join(ratios[:MOST_RATIOS])}{more}{family}")
     if len(branches) > MOST_BRANCHES:
         lines.append(f"… {len(branches)} branches in all")
     return lines

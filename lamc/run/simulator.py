@@ -144,6 +144,14 @@ class Simulator(Evaluations, Viewable):
             self._rigid_scene, push_of(self._default_motion, self._arrangement)
         )
 
+    def loops_taken(self) -> tuple[LoopCount, int | None]:
+        """What the loops come to on the branch that the start takes, and its number; None where none part."""
+        known = len(self.loops.branch_ranks)
+        number = (self.scene.branch or self.pushed_branch) if self._model.cuts and known else None
+        if number is None or not known < abs(number) <= len(self.branches):
+            return self.loops.on_branch(number or 0), number
+        return self.loops.of_rank(self._starter.rank_on(self._rigid_scene, number)), number
+
     @lazy
     def start(self) -> Array:
         """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.

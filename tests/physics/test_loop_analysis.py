@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 
 import lamc
 from lamc.cli import main
-from lamc.loops.branches import find_branches, tangents
+from lamc.loops.branches import find_branches
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import check_freedom, count_loops
+from lamc.loops.tangents import tangents
 from lamc.mechanism.plan import plan
 from lamc.readers.mechanism_file import write_mechanism
 from lamc.records.mechanism import Body, Joint, Mechanism

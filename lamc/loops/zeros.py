@@ -1,0 +1,126 @@
+"""Common zeros of quadratic forms: directions in which a singular position can be left.
+
+In: `Tangents`. Out: rows of its null space at which all forms vanish, one of each isolated zero and one of each family.
+Never: follows a motion.
+
+In two dimensions they are solved as binary quadratics, in more by Newton's method on the sphere from many starts.
+"""
+
+import numpy as np
+
+from lamc.loops.tangents import FEW_FREE, ROUNDS, Fit, Tangents
+from lamc.records.mechanism import Array
+
+STARTS = 24  # of Newton's method, for each dimension of the null space
+BESIDE = 0.2  # of a zero's size, in each direction: slopes there are far above `Fit.family`
+FAMILIES = 12  # zeros that are no isolated ones which are looked at
+MOST = 32  # branches: a flat sheet of n lines has 2^n
+WAY = 16  # steps from one of them to another, some 0.3 each
+FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
+
+
+def binary(forms: Array, fit: Fit) -> list[tuple[Array, int]]:
+    """Common zeros of forms in two unknowns, (2,) each: those of the first that are zeros of the others."""
+    first = forms[0]
+    a, b, c = first[0, 0], first[0, 1], first[1, 1]
+    discriminant = b * b - a * c
+    if discriminant < -fit.zero:
+        return []
+    root = float(np.sqrt(max(discriminant, 0.0)))
+    half = -(b + root) if b >= 0 else root - b  # of the two sums the one without cancellation
+    zeros = [np.array([half, a]), np.array([c, half])] if half != 0.0 else [np.array([1.0, 0.0])]
+    unit = [zero / np.linalg.norm(zero) for zero in zeros if np.linalg.norm(zero) > 0.0]
+    solutions = [zero for zero in unit if np.abs(forms @ zero @ zero).max() < max(fit.zero, fit.same)]
+    return [(zero, 1) for zero in _distinct(solutions, fit.same)]
+
+
+def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Array, int]]:
+    """Common zeros of forms in more unknowns, (d,) each, with the dimension of the cone that each lies on; of zeros
+    that are joined by zeros there is one, if possible near one of `preferred` (s, d)."""
+    size = tangents.basis.shape[1]
+    random = np.random.default_rng(20260103)
+    is_small = size <= FEW_FREE
+    count, most = (STARTS * size, MOST) if is_small else (FEW_STARTS, FEW_BRANCHES)
+    starts = np.concatenate([preferred[: count // 2], random.normal(size=(count, size))])
+    solutions: list[tuple[Array, int]] = []
+    families = 0
+    for point in _distinct(list(arrivals(tangents, starts, fit)), fit.same):
+        point, freedoms = usual(tangents, point, random, fit)
+        if freedoms > 1:
+            families += 1
+            if families > FAMILIES:
+                continue
+            joined = any(
+                freedoms == known and _joined(tangents, point, other, fit) for other, known in solutions
+            )
+            if joined:
+                continue
+        solutions.append((point, freedoms))
+        if len(solutions) == most:
+            break
+    return solutions
+
+
+def usual(tangents: Tangents, point: Array, random: np.random.Generator, fit: Fit) -> tuple[Array, int]:
+    """A zero, or one near it where it is a corner of its family: there slopes vanish that do not beside it. And the
+    dimension of the cone that it lies on."""
+    here = tangents.freedoms(point, fit.family)
+    if here > 1:
+        beside = arrivals(tangents, point + BESIDE * random.normal(size=(1, len(point))), fit)
+        if len(beside):
+            there = tangents.freedoms(beside[0], fit.family)
+            if there < here:
+                return beside[0], there
+    return point, here
+
+
+def arrivals(tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS) -> Array:
+    """The points (s, d) on the sphere that the starts lead to by Gauss-Newton, those that arrive."""
+    if tangents.local is not None:
+        basis, local = tangents.basis, tangents.local
+        found = [local.nearest(basis, basis @ point, rounds) for point in points]
+        return np.array([rates @ basis for rates in found if rates is not None]).reshape(-1, basis.shape[1])
+    forms = tangents.forms
+    points = points / np.linalg.norm(points, axis=1, keepdims=True)
+    for _ in range(rounds):
+        products = np.moveaxis(forms @ points.T, 2, 0)
+        values = np.einsum("ska,sa->sk", products, points)
+        slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
+        points = points - _least_squares(slopes, values, fit.same)
+        points = points / np.linalg.norm(points, axis=1, keepdims=True)
+    values = np.einsum("kab,sa,sb->sk", forms, points, points)
+    return np.asarray(points[np.abs(values).max(axis=1, initial=0.0) < fit.zero])
+
+
+def _least_squares(slopes: Array, values: Array, cutoff: float) -> Array:
+    """The shortest steps x (s, d) with the least |slopes x - values|, (s, k, d) and (s, k); singular values below the
+    cutoff, of the largest, are none. Where there are many rows, by their products: the next round mends the digits."""
+    if slopes.shape[2] <= FEW_FREE:
+        return np.asarray(np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=cutoff), values))
+    across = np.swapaxes(slopes, 1, 2)
+    squares = np.linalg.pinv(across @ slopes, rcond=cutoff**2, hermitian=True)
+    return np.asarray((squares @ (across @ values[:, :, None]))[:, :, 0])
+
+
+def _joined(tangents: Tangents, start: Array, end: Array, fit: Fit) -> bool:
+    """Whether zeros lead from one zero to another, or to its opposite, on a short way."""
+    for goal in (end, -end):
+        point = start
+        for _ in range(WAY):
+            ahead = point + 0.3 * (goal - point) / max(0.3, float(np.linalg.norm(goal - point)))
+            following = arrivals(tangents, ahead[None], fit, 6)
+            if not len(following) or np.linalg.norm(following[0] - point) > 0.6:
+                break
+            point = following[0]
+            if np.linalg.norm(point - goal) < 1e-2:
+                return True
+    return False
+
+
+def _distinct(points: list[Array], same: float) -> list[Array]:
+    """One of those that are equal up to sign."""
+    kept: list[Array] = []
+    for point in points:
+        if all(min(np.abs(point - k).max(), np.abs(point + k).max()) > same for k in kept):
+            kept.append(point)
+    return kept

@@ -2,10 +2,10 @@
 
     python -m benchmarks.ensembles [--quick] [--out FOLDER]
 
-Time per body, evaluation of the accelerations and instance, on one thread, of whole runs (steps, errors and rows are in
-it), for trees of the paper's unit plates; CasADi's is of evaluations alone, of the same equations by its virtual machine.
-MuJoCo takes RK4 steps, of four evaluations. Then 10 000 triple pendulums of 10 s at 1e-6 on as many threads as there are
-processors. The shortest of several repeats in turns; prints tables and writes JSON. MuJoCo and CasADi: lamc[bench].
+Time per body, evaluation of the accelerations and instance, on one thread, of whole runs (steps, errors and rows are
+in it), for trees of the paper's unit plates; CasADi's is of evaluations alone, of the same equations by its virtual
+machine. MuJoCo takes RK4 steps, of four evaluations. Then 10 000 triple pendulums of 10 s at 1e-6 on as many threads as
+there are processors. The shortest of several repeats in turns; prints tables and writes JSON. Both peers: lamc[bench].
 """
 
 import argparse

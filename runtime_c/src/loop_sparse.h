@@ -49,10 +49,10 @@ static lamc_real lamc_sparse_update(const lamc_loop_parts *p, int k) {
   return factor;
 }
 
-/* 1 if what a row has left may be round-off: where pivots in a chain are small, each takes that of the one before so many
- * times, and a row that depends on others has something left in the end */
-static int lamc_sparse_is_noise(lamc_real peak, lamc_real noise) {
-  return !(noise * LAMC_EPSILON < NOISE * peak);
+/* 1 if more than `most` of what a row has left may be round-off: where pivots in a chain are small, each takes that of the
+ * one before so many times, and a row that depends on others has something left in the end */
+static int lamc_sparse_is_noise(lamc_real peak, lamc_real noise, lamc_real most) {
+  return !(noise * LAMC_EPSILON < most * peak);
 }
 
 /* By the plan; how many equations were taken, or -1 where it does not hold */
@@ -70,7 +70,7 @@ static int lamc_sparse_follow(const lamc_loop_parts *p) {
     s->peak[k] = lamc_sparse_collect(p, first, plan->left_start[k + 1]);
     const lamc_real pivot = fabs(s->value[first]);
     if (!(pivot > PLANNED && pivot > PLANNED * s->peak[k])) return -1;
-    if (lamc_sparse_is_noise(s->peak[k], s->noise[k])) return -1;
+    if (lamc_sparse_is_noise(s->peak[k], s->noise[k], NOISE)) return -1;
     s->inverse[k] = 1 / s->value[first];
   }
   return plan->step_count;
@@ -171,7 +171,7 @@ static void lamc_sparse_round(const lamc_loop_parts *p, int rank, lamc_real leas
     const int row = (int)p->waiting[k];
     const int known = lamc_sparse_free(p, row, now->count);
     const lamc_real left = lamc_sparse_peak(p, known);
-    const lamc_real peak = lamc_sparse_is_noise(left, p->steps.noise[now->count]) ? 0 : left;
+    const lamc_real peak = lamc_sparse_is_noise(left, p->steps.noise[now->count], ALL_NOISE) ? 0 : left;
     if (peak >= least) {
       lamc_sparse_take(p, row, now->count++, known);
       continue;

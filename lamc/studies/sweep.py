@@ -15,7 +15,8 @@ from lamc.codegen.options import CompileOptions
 from lamc.records.scene import Scene
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.studies.bench import RunOptions
-from lamc.studies.study import Progress, study_of, workers_of
+from lamc.studies.making import study_of
+from lamc.studies.study import Progress
 from lamc.studies.table import need_xarray
 from lamc.studies.targets import Made, Studied
 
@@ -62,7 +63,8 @@ def sweep(
     sample   "lhs:200", "sobol:256", "halton:100", "random:1000"; "saltelli:256" for Sobol' indices; None: a grid
     points   in place of vary: name → list, one entry for each point, or the path of a CSV file
     rows     of each run, which measures look at; None: 200 a second, 2001 at least
-    workers  processes; None: as many as processors. What is found does not depend on it
+    workers  processes; None: as many as processors, or one where a function of yours is in no module of its own. What
+             is found does not depend on it
     scheduler  address of a Dask cluster's scheduler, which does the work in place of processes here
     out      a folder that rows are written to as they come; None: memory
     resume   the same, and rows that are there already are not computed again
@@ -80,7 +82,7 @@ def sweep(
     study = study_of(
         design, vary or {}, measure, scene, sample=sample, seed=seed, points=points, run=run, options=options
     )
-    count = workers_of(workers)
+    count = study.workers(workers)
     if not yes:
         study.check_size(count)
     folder = resume if resume is not None else out

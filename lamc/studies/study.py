@@ -33,7 +33,8 @@ from lamc.studies.targets import (
 )
 
 MANY = 1_000_000  # points that are worked on without asking
-ALONE = 0.5  # s of work that is done before other processes are started: they take as long to begin
+ALONE = 0.5  # s of work that is done before other processes are started
+_PAYS = 4  # times as much must be left: to begin takes them a second, and of two each does half
 
 Progress = Callable[[float, float], None]  # points done, points in all
 
@@ -156,7 +157,7 @@ class Study:
                         pool is None
                         and workers > 1
                         and spent >= alone
-                        and (left - done) * spent >= alone * done
+                        and (left - done) * spent >= _PAYS * alone * done
                     ):
                         pool = Pool(self.pickled(), len(self.subject.measures), source, workers)
                     if pool is not None and alone <= 0.0:

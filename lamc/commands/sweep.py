@@ -35,6 +35,7 @@ from lamc.report.look import Look
 from lamc.report.study_text import study_summary
 from lamc.studies.bench import MISSING, OK, RunOptions
 from lamc.studies.making import AS_EVER, study_of
+from lamc.studies.statistics import indices
 from lamc.studies.storage import MANIFEST, ROWS
 from lamc.studies.table import Table, need_xarray
 
@@ -230,7 +231,7 @@ def _write(table: Table, folder: Path, order: SweepOrder) -> list[str]:
 
 def _data(table: Table, loaded: Loaded) -> dict[str, Any]:
     """The answer to --json."""
-    tally = table.tally()
+    tally, shares = table.tally(), indices(table)
     return {
         "ok": OK in tally and MISSING not in tally,
         "design": table.design,
@@ -244,6 +245,11 @@ def _data(table: Table, loaded: Loaded) -> dict[str, Any]:
                 "unit": table.units[name],
                 "least": float(np.nanmin(values)) if np.isfinite(values).any() else None,
                 "most": float(np.nanmax(values)) if np.isfinite(values).any() else None,
+                **(
+                    {"first_order": s.first.tolist(), "total": s.total.tolist()}
+                    if (s := shares.get(name))
+                    else {}
+                ),
             }
             for name, values in table.values.items()
         ],

@@ -16,6 +16,7 @@ from lamc.records.scene import Scene
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.studies.bench import RunOptions
 from lamc.studies.making import study_of
+from lamc.studies.statistics import indices
 from lamc.studies.study import Progress
 from lamc.studies.table import need_xarray
 from lamc.studies.targets import Made, Studied
@@ -72,8 +73,9 @@ def sweep(
     yes      whether more than a million points are meant
 
     The others are as of `Simulator.run`. Returns measures over what was varied (of a grid) or over "point", SI units in
-    `attrs`, with `status` ("ok", "refused", "failed", "undefined", "error", "died", "missing") and `reason`. Ctrl-C
-    ends it and keeps what is there. Raises RequestError and DesignError before anything runs; LamcError without xarray.
+    `attrs`, with `status` ("ok", "refused", "failed", "undefined", "error", "died", "missing") and `reason`; of
+    "saltelli" there are also NAME.first_order and NAME.total over "varied". Ctrl-C ends it and keeps what is there.
+    Raises RequestError and DesignError before anything runs; LamcError without xarray.
     """
     need_xarray()
     if out is not None and resume is not None:
@@ -95,4 +97,9 @@ def sweep(
             progress=told,
             scheduler=scheduler,
         )
-    return table.dataset()
+    dataset = table.dataset()
+    for name, shares in indices(table).items():
+        dataset[f"{name}.first_order"] = ("varied", shares.first)
+        dataset[f"{name}.total"] = ("varied", shares.total)
+        dataset.coords["varied"] = list(table.plan.names)
+    return dataset

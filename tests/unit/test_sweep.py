@@ -16,7 +16,7 @@ from lamc.studies.axes import Listed, Span, axis_of
 from lamc.studies.bench import RunOptions
 from lamc.studies.making import study_of
 from lamc.studies.plans import Grid, given_points, sampled
-from lamc.studies.storage import ROWS
+from lamc.studies.storage import ROWS, opened
 from lamc.studies.study import Study
 from lamc.studies.sweep import sweep
 from tests.support import studied
@@ -240,6 +240,25 @@ def test_a_folder_of_another_study_is_refused_with_what_differs(tmp_path):
         with pytest.raises(RequestError, match="holds a study of another") as caught:
             other.run(tmp_path, 1, resume=True)
         assert words in str(caught.value)
+
+
+def test_one_process_works_on_a_folder(tmp_path):
+    whole = study({"hip.stiffness": [1e-3, 1e-2]})
+    with (
+        opened(tmp_path, whole.manifest(), resume=True),
+        pytest.raises(RequestError, match="another process works"),
+    ):
+        whole.run(tmp_path, 1, resume=True)
+    assert whole.run(tmp_path, 1, resume=True).tally() == {"ok": 2}
+
+
+def test_shares_of_the_variance_come_with_the_dataset():
+    vary = {"hip.stiffness": "1e-3:1e-1", "drive": "0:1e-6"}
+    found = sweep(
+        studied.rod, vary, {"end": "last(hip)"}, sample="saltelli:8", t_end=0.1, rtol=1e-6, rows=101
+    )
+    assert found["end"].dims == ("point",)
+    assert found["end.total"].sel(varied="hip.stiffness") > 0.9 > 0.1 > found["end.total"].sel(varied="drive")
 
 
 def test_ctrl_c_keeps_what_is_there(tmp_path):

@@ -44,7 +44,9 @@ def exported(mechanism: Mechanism, folder: Path, options: ExportOptions) -> Path
 def moved(folder: Path, which: str, step: str = "step(&it, 0.2)") -> str:
     """Angles after a step, to the last bit."""
     (prefix,) = (path.name.removesuffix("_params.h") for path in folder.glob("*_params.h"))
-    (folder / "try.c").write_text(MAIN.format(p=prefix, which=which.format(p=prefix), step=f"{prefix}_{step}"))
+    (folder / "try.c").write_text(
+        MAIN.format(p=prefix, which=which.format(p=prefix), step=f"{prefix}_{step}")
+    )
     sources = ["try.c", f"{prefix}.c"]
     subprocess.run([*CC.split(), *C99, *sources, "-lm", "-o", "try"], cwd=folder, check=True, timeout=300)
     return subprocess.run(

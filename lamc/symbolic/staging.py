@@ -154,8 +154,8 @@ class Store:
         return known.setdefault((bucket, exponent), len(known))
 
     def literal(self, value: Number) -> int:
-        """Index of the node of a number that meets a value: within `drawing` a number of the drawing, unless it is whole
-        or a few halves, as those of formulas are."""
+        """Index of the node of a number that meets a value: within `drawing` a number of the drawing, unless it is
+        whole or a few halves, as those of formulas are."""
         if not self._draws or not isinstance(value, float) or (4.0 * value).is_integer():
             return self.number(value)
         index = self.drawn_number(value, (self.scope, self._place(value))).index

@@ -25,7 +25,8 @@ MAIN = """
 enum {{ COUNT = 13, ROWS = 5, N = {prefix}_coordinate_count + {prefix}_rate_count }};
 
 static const double start[N] = {{{start}}};
-static double y[2][COUNT * ROWS * N], reached[COUNT], parameters[COUNT * ({prefix}_parameter_count + {prefix}_geometry_count + 1)];
+static double y[2][COUNT * ROWS * N], reached[COUNT];
+static double parameters[COUNT * ({prefix}_parameter_count + {prefix}_geometry_count + 1)];
 static double starts[COUNT * N];
 static int status[2][COUNT];
 static long long told[2][COUNT * LAMC_TOLD];

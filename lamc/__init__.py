@@ -29,6 +29,7 @@ from lamc.basics.errors import (
     UnsupportedError,
 )
 from lamc.basics.moved import renamed
+from lamc.basics.times import Times
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.effects import (
@@ -53,10 +54,7 @@ from lamc.effects import (
 )
 from lamc.export import convert, export
 from lamc.export.options import ExportOptions
-from lamc.pipeline import (
-    Times,
-    compile,  # noqa: A004  the public name is lamc.compile
-)
+from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene

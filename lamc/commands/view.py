@@ -10,6 +10,7 @@ import numpy as np
 
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import checked_path
+from lamc.basics.times import Times
 from lamc.commands.dimensions import of_run
 from lamc.commands.export_plate import check_example, is_plate_source
 from lamc.commands.finished import finished_run
@@ -27,7 +28,6 @@ from lamc.commands.plate_input import load_source as load_plate
 from lamc.commands.plate_work import answers
 from lamc.commands.terminal import Progress, Terminal
 from lamc.export.pages import compared, mechanism_show, open_page, result_show
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.result import Result

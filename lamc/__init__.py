@@ -133,6 +133,7 @@ _SEEN = ("Design", "Mechanism", "Problem", "Result", "Simulator", "Solution")
 drawing.tell(  # (kind of record, verb) → "module:function", imported when the verb is used
     {
         **{(kind, verb): f"lamc.export.pages:{verb}" for kind in _SEEN for verb in ("view", "frame")},
+        ("Design", "vary"): "lamc.readers.design_as_such:vary_design",
         ("Design", "draw"): "lamc.report.drawn:draw_design",
         ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
         ("Simulator", "remake"): "lamc.pipeline:compile",

@@ -90,7 +90,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
                 order = replace(order, t_end=scene.duration or DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
             _check_points(order.points, len(simulator.start))
-            parameters = of_run(loaded.settings, simulator.parameter_units, list(told(loaded.record)))
+            parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
             report = _report(loaded, simulator, result, account, times, order.changes.scene, remark)

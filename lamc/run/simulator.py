@@ -40,7 +40,6 @@ from lamc.run.arguments import check_names, checked_rate, drawn_start
 from lamc.run.defaults import DURATION
 from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
-from lamc.run.ensemble import Ensemble
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.outputs import check_outputs
@@ -56,6 +55,7 @@ from lamc.run.topology import changes
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
     from lamc.records.design import Design
+    from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
 
 logger = logging.getLogger("lamc")
@@ -352,7 +352,7 @@ class Simulator(Evaluations, Viewable):
         progress: Progress | bool | None = None,
         threads: int | None = None,
         side_by_side: bool = True,
-    ) -> Ensemble:
+    ) -> "Ensemble":
         """Many runs at once, each with values of its own, several side by side on each processor. Every instance is the
         run that `run` makes with its values, to the last bit where the compiler contracts nothing.
 

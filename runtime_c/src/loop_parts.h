@@ -30,6 +30,7 @@ typedef struct lamc_steps {
   lamc_real *value;   /* by rate left */
   lamc_real *inverse; /* (n,): 1 / pivot, by step */
   lamc_real *peak;    /* (n,): the largest value left, by step */
+  lamc_real *noise;   /* (n,): round-off of the values left, at most, in units of that of one */
 } lamc_steps;
 
 /* The parts of the work array. Of those that eliminate, the first are of small loops, the others of large ones. */

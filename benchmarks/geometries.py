@@ -9,6 +9,8 @@ In: examples. Out: a table of times, the least of some, taken in turns. `--quick
 import argparse
 import tempfile
 from collections.abc import Callable
+from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,7 @@ from lamc.codegen.cache import Cache
 from lamc.design.split import split
 from lamc.examples import path
 from lamc.loops.at_start import loops_of
-from lamc.loops.geometry import LoopGeometry
+from lamc.loops.geometry import geometry_of
 from lamc.loops.starts import Starter
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
@@ -32,8 +34,8 @@ STAGES = ("split", "plan", "effects", "loops", "start")
 
 
 def stages(design: Design) -> dict[str, Callable[[], Any]]:
-    """What each stage does for a new geometry, by what the stages before it gave. start: of loops, as it is had with
-    what counting them found."""
+    """What each stage does for a new geometry, by what the stages before it gave: a tree keeps what was found of its
+    loops, so that they are counted for a copy of it, and a start has what counting found."""
     mechanism = split(design)
     scene = mechanism.scene or Scene()
     effects = effects_of(mechanism, scene)
@@ -43,13 +45,13 @@ def stages(design: Design) -> dict[str, Callable[[], Any]]:
 
     def start() -> None:
         if tree.cuts:
-            Starter(LoopGeometry(tree), count).state(held)
+            Starter(geometry_of(tree), count).state(held)
 
     return {
         "split": lambda: split(design),
-        "plan": lambda: arrange(plan(mechanism), effects),
+        "plan": lambda: arrange(plan(copy(mechanism)), effects),
         "effects": lambda: effects_of(mechanism, scene),
-        "loops": lambda: loops_of(tree, held),
+        "loops": lambda: loops_of(replace(tree), held),
         "start": start,
     }
 

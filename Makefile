@@ -67,6 +67,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.precision
 	$(BIN)/python -m benchmarks.other_engines
 	$(BIN)/python -m benchmarks.embedding
+	$(BIN)/python -m benchmarks.ensembles
 
 ledgers: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

@@ -11,7 +11,6 @@ import math
 import os
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,8 @@ from lamc.run.model import CompiledModule
 from lamc.run.request import Array, Request, Status
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from lamc.run.result import Result
 
 Integers = npt.NDArray[np.int64]
@@ -121,7 +122,8 @@ class Ensemble:
 class Instances:
     """What differs from instance to instance.
 
-    parameters  (instances, parameters), or (1, parameters) where all have the same; starts likewise (…, nq + nu)
+    parameters  (instances, n), or (1, n) where all have the same; behind each the numbers of the drawing
+    starts      likewise, (…, nq + nu)
     refusals    by instance: why its start or values are refused
     """
 
@@ -222,6 +224,10 @@ class _Task:
 
     def run(self, workers: int, request: Request) -> None:
         """All instances; Ctrl-C ends those under way and leaves the rest."""
+        from concurrent.futures import (
+            ThreadPoolExecutor,
+        )  # a tenth of what importing lamc takes, and rarely needed
+
         count = len(self.status)
         with ThreadPoolExecutor(workers, thread_name_prefix="lamc-ensemble") as pool:
             done = [pool.submit(self._work) for _ in range(workers)]
@@ -236,7 +242,9 @@ class _Task:
             each.result()
         self.status[self._refused] = int(Status.FAILED)
 
-    def _watch(self, done: list[Future[None]], count: int, request: Request) -> None:
+    def _watch(self, done: "list[Future[None]]", count: int, request: Request) -> None:
+        from concurrent.futures import wait
+
         waiting = True
         while waiting:
             waiting = bool(wait(done, timeout=AWAKE).not_done)

@@ -4,7 +4,7 @@ In: a `Simulator` and checked arguments. Out: an `Ensemble`. Never: runs anythin
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,7 +60,7 @@ def ensemble_of(
         t_reached=t_reached,
         stats=stats,
         refusals=instances.refusals,
-        _run=_runner(simulator, instances, replace(request, progress=None), integrator),
+        _run=_Alone(simulator, instances, replace(request, progress=None), integrator),
     )
 
 
@@ -75,6 +75,7 @@ def _instances(simulator: "Simulator", request: Request, given: tuple[Values, Va
     return made_instances(
         count,
         simulator.parameters,
+        simulator.model.geometry,
         parameters,
         angles,
         rates,
@@ -100,16 +101,18 @@ def _checker(simulator: "Simulator", t_end: float) -> Callable[[Mapping[str, flo
     return check
 
 
-def _runner(
-    simulator: "Simulator", instances: Instances, request: Request, integrator: str
-) -> Callable[[int], "Result"]:
-    """Runs one instance by itself."""
+@dataclass(frozen=True, eq=False)
+class _Alone:
+    """Runs one instance by itself, in another process too."""
 
-    def run(k: int) -> "Result":
+    simulator: "Simulator"
+    instances: Instances
+    request: Request
+    integrator: str
+
+    def __call__(self, k: int) -> "Result":
+        simulator, instances = self.simulator, self.instances
         values = instances.parameters[k % len(instances.parameters)].tolist()
         parameters = dict(zip(simulator.parameters, values, strict=False))
-        start = instances.starts[k % len(instances.starts)].copy()
-        motion = simulator.model.motion(parameters)
-        return simulator.integrated(motion, parameters, replace(request, y0=start), integrator)
-
-    return run
+        request = replace(self.request, y0=instances.starts[k % len(instances.starts)].copy())
+        return simulator.integrated(simulator.model.motion(parameters), parameters, request, self.integrator)

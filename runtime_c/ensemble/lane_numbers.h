@@ -30,11 +30,13 @@
 typedef double lanes __attribute__((vector_size(8 * LAMC_LANES), may_alias));
 typedef int64_t lane_bits __attribute__((vector_size(8 * LAMC_LANES), may_alias));
 
-/* Lanes of two vectors in a new order, those of the second numbered on */
-#if defined(__clang__)
-#define LAMC_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
-#else
-#define LAMC_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (lane_bits){__VA_ARGS__})
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define LAMC_JOIN                                                                                            \
+  __builtin_shufflevector /* lanes of two vectors in a new order, those of the second numbered on */
+typedef double lane_pair __attribute__((vector_size(16), may_alias));
+typedef double lane_quad __attribute__((vector_size(32), may_alias));
+#endif
 #endif
 
 /* A number in all lanes, with the sign of its zero */
@@ -71,25 +73,27 @@ LAMC_LANE_FUNCTION int lane_any(lane_bits x) {
 /* ---- Sine and cosine: those of trig_double.h, term by term --------------------------------------------------- */
 
 #ifdef LAMC_TRIG_TO_WHOLE
-/* The two parts of row n + shift of the table, in each lane */
-LAMC_LANE_FUNCTION void lane_rows(lane_bits n, int shift, lanes *first, lanes *second) {
-  int64_t at[LAMC_LANES];
-  memcpy(at, &n, sizeof at);
-#define ROW(k) LAMC_TRIG_SINES[at[k] + shift]
+/* The two parts of the rows at `at` (bytes) + shift of the table, in each lane: pairs are loaded whole and sorted then */
+LAMC_LANE_FUNCTION void lane_rows(const int64_t *at, int shift, lanes *first, lanes *second) {
+#define ROW(k) ((const double *)(const void *)((const char *)LAMC_TRIG_SINES[shift] + at[k]))
+#if LAMC_LANES > 2 && defined(LAMC_JOIN)
+#define PAIR(k) (*(const lane_pair *)ROW(k))
+  const lane_quad a = LAMC_JOIN(PAIR(0), PAIR(1), 0, 1, 2, 3), b = LAMC_JOIN(PAIR(2), PAIR(3), 0, 1, 2, 3);
 #if LAMC_LANES == 8
-  const lanes one = {ROW(0)[0], ROW(0)[1], ROW(1)[0], ROW(1)[1], ROW(2)[0], ROW(2)[1], ROW(3)[0], ROW(3)[1]};
-  const lanes two = {ROW(4)[0], ROW(4)[1], ROW(5)[0], ROW(5)[1], ROW(6)[0], ROW(6)[1], ROW(7)[0], ROW(7)[1]};
-  *first = LAMC_SHUFFLE(one, two, 0, 2, 4, 6, 8, 10, 12, 14);
-  *second = LAMC_SHUFFLE(one, two, 1, 3, 5, 7, 9, 11, 13, 15);
-#elif LAMC_LANES == 4
-  const lanes one = {ROW(0)[0], ROW(0)[1], ROW(1)[0], ROW(1)[1]};
-  const lanes two = {ROW(2)[0], ROW(2)[1], ROW(3)[0], ROW(3)[1]};
-  *first = LAMC_SHUFFLE(one, two, 0, 2, 4, 6);
-  *second = LAMC_SHUFFLE(one, two, 1, 3, 5, 7);
+  const lane_quad c = LAMC_JOIN(PAIR(4), PAIR(5), 0, 1, 2, 3), d = LAMC_JOIN(PAIR(6), PAIR(7), 0, 1, 2, 3);
+  const lanes one = LAMC_JOIN(a, b, 0, 1, 2, 3, 4, 5, 6, 7), two = LAMC_JOIN(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
+  *first = LAMC_JOIN(one, two, 0, 2, 4, 6, 8, 10, 12, 14);
+  *second = LAMC_JOIN(one, two, 1, 3, 5, 7, 9, 11, 13, 15);
 #else
-  const lanes one = {ROW(0)[0], ROW(1)[0]}, two = {ROW(0)[1], ROW(1)[1]};
-  *first = one;
-  *second = two;
+  *first = LAMC_JOIN(a, b, 0, 2, 4, 6);
+  *second = LAMC_JOIN(a, b, 1, 3, 5, 7);
+#endif
+#undef PAIR
+#else
+  LAMC_FOR_LANES {
+    (*first)[k] = ROW(k)[0];
+    (*second)[k] = ROW(k)[1];
+  }
 #endif
 #undef ROW
 }
@@ -104,8 +108,12 @@ LAMC_LANE_FUNCTION void lane_turn(lanes x, lanes *sine, lanes *cosine) {
   const lanes rest = ((left - grid) - off) + LAMC_TRIG_SINE_REST(y, z),
               cosine_rest = LAMC_TRIG_COSINE_REST(z);
   lanes s0, s1, c0, c1;
-  lane_rows(n, 0, &s0, &s1);
-  lane_rows(n, 32, &c0, &c1);
+  lane_bits offsets = n * 16;  /* bytes of a row */
+  __asm__("" : "+m"(offsets)); /* through memory: to take eight numbers out of a register is slower */
+  int64_t at[LAMC_LANES];
+  memcpy(at, &offsets, sizeof at);
+  lane_rows(at, 0, &s0, &s1);
+  lane_rows(at, 32, &c0, &c1);
   const lanes s = s0 + s1, c = c0 + c1;
   *sine = (s0 + c0 * grid) + (((s1 + c1 * grid) + c * rest) + s * cosine_rest);
   *cosine = (c0 - s0 * grid) + (((c1 - s1 * grid) - s * rest) + c * cosine_rest);

@@ -1,5 +1,6 @@
 """Ensembles: each instance is the run by itself, to the last bit, whoever is beside it; and what one is told of it."""
 
+import pickle
 import threading
 import time
 from dataclasses import replace
@@ -223,6 +224,14 @@ def test_arguments_that_make_no_ensemble_are_refused(how: dict[str, Any], says: 
     sim = lamc.compile(two_links(), lamc.Scene(effects=(lamc.HingeStiffness(), lamc.HingeDamping())))
     with pytest.raises(lamc.RequestError, match=says):
         sim.ensemble(1.0, **how)
+
+
+def test_an_ensemble_can_be_pickled() -> None:
+    sim = lamc.compile(chain(2), lamc.Scene(effects=ALL_PASSIVE))
+    many = sim.ensemble(0.2, parameters={f"{sim.joints[0]}.damping": [0.1, 0.2]})
+    again = pickle.loads(pickle.dumps(many))
+    assert again.q.tobytes() == many.q.tobytes()
+    assert again.result(1).q.tobytes() == many.q[1].tobytes()
 
 
 def test_text_with_a_unit_serves_all_instances() -> None:

@@ -1,18 +1,23 @@
 """What another geometry of a known topology takes before it runs: splitting, planning, counting loops and finding the
-start, each from nothing; beside a full compile from an empty cache.
+start, each from nothing; beside a full compile from an empty cache. And 200 geometries of four_bar, 2 s each.
 
     python -m benchmarks.geometries [--quick]
 
-In: examples. Out: a table of times, the least of some, taken in turns. `--quick`: few turns.
+In: examples. Out: a table of times, the least of some, taken in turns; and processor times of the 200. `--quick`: few
+turns, and 20 geometries.
 """
 
 import argparse
 import tempfile
+import time
 from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import lamc
 from benchmarks.measure import interleaved, seconds, table
@@ -62,6 +67,30 @@ def compiled(design: Design) -> None:
         lamc.compile(design, cache=Cache(Path(folder)))
 
 
+def many(count: int) -> None:
+    """Geometries of four_bar, one after the other, by one compiled module."""
+    design = lamc.load(path("four_bar"))
+    assert isinstance(design, Design)
+    taken = dict.fromkeys(("with_parameters", "with_design", "start", "run"), 0.0)
+    with tempfile.TemporaryDirectory(prefix="lamc-geometries-") as folder:
+        first = lamc.compile(design, cache=Cache(Path(folder)))
+        for length in np.linspace(0.046, 0.06, count).tolist():
+            times = [time.process_time()]
+            drawn = design.with_parameters(link_length=length)
+            times.append(time.process_time())
+            simulator = first.with_design(drawn)
+            times.append(time.process_time())
+            _ = simulator.start
+            times.append(time.process_time())
+            assert simulator.run(2.0).success
+            times.append(time.process_time())
+            assert simulator.structure == first.structure
+            for stage, (begun, ended) in zip(taken, pairwise(times), strict=True):
+                taken[stage] += ended - begun
+    row = [f"{count} of four_bar, each", *(seconds(each / count) for each in taken.values())]
+    print(table(["", *taken, "all together"], [[*row, seconds(sum(taken.values()))]]))
+
+
 def main(repeats: int) -> None:
     rows = []
     for name in EXAMPLES:
@@ -79,4 +108,7 @@ def main(repeats: int) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Another geometry of a known topology.")
     parser.add_argument("--quick", action="store_true", help="few turns")
-    main(3 if parser.parse_args().quick else 40)
+    is_quick = parser.parse_args().quick
+    main(3 if is_quick else 40)
+    print()
+    many(20 if is_quick else 200)

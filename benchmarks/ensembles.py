@@ -39,8 +39,8 @@ CASES = (
     ("24 hinges, right angles", 24, CROSSED),
     ("24 hinges in space", 24, OBLIQUE),
 )
-INSTANCES = 64  # that a repeat takes: milliseconds, so that some repeat is not disturbed
-T_END = 0.5  # s
+INSTANCES = 128  # that a repeat takes: milliseconds, so that some repeat is not disturbed
+T_END = 1.0  # s
 STEP = 1e-3  # s, of MuJoCo
 LIMIT = 10.0  # ns
 

@@ -22,7 +22,8 @@ from benchmarks.measure import interleaved, seconds, table
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.studies.bench import RunOptions
-from lamc.studies.study import Study, study_of
+from lamc.studies.making import study_of
+from lamc.studies.study import Study
 
 GOAL = 1.0  # s, of the 67 runs on two cores
 RUNS, SHORT = 67, 2000

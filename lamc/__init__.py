@@ -29,6 +29,7 @@ from lamc.basics.errors import (
     UnsupportedError,
 )
 from lamc.basics.moved import renamed
+from lamc.basics.times import Times
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.effects import (
@@ -53,10 +54,7 @@ from lamc.effects import (
 )
 from lamc.export import convert, export
 from lamc.export.options import ExportOptions
-from lamc.pipeline import (
-    Times,
-    compile,  # noqa: A004  the public name is lamc.compile
-)
+from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
@@ -137,6 +135,7 @@ _SEEN = ("Design", "Mechanism", "Problem", "Result", "Simulator", "Solution")
 drawing.tell(  # (kind of record, verb) → "module:function", imported when the verb is used
     {
         **{(kind, verb): f"lamc.export.pages:{verb}" for kind in _SEEN for verb in ("view", "frame")},
+        ("Design", "vary"): "lamc.readers.design_as_such:vary_design",
         ("Design", "draw"): "lamc.report.drawn:draw_design",
         ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
         ("Simulator", "remake"): "lamc.pipeline:compile",

@@ -19,7 +19,7 @@ from cffi import recompiler
 from lamc.basics._version import __version__
 from lamc.basics.errors import BuildError
 from lamc.codegen.cache import Cache
-from lamc.codegen.emit import SourceTree
+from lamc.codegen.emit import EXAMPLE, SourceTree, without_numbers
 from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
 from lamc.codegen.options import MACHINE, CompileOptions
 from lamc.codegen.toolchain import Compiler, make_library, make_objects
@@ -34,28 +34,28 @@ const lamc_{kind} *lamc_this_{kind}(void) {{ return {prefix}_{kind}(); }}
 """
 
 
-def module_key(program_digest: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
-    """Everything that can change the binary, as one digest."""
+def module_key(structure: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
+    """Everything that can change the binary but numbers of a design, as one digest."""
     parts = [
-        program_digest,
+        structure,
         __version__,
         compiler.identity,
         *options.flags,
         sys.implementation.cache_tag or "",
     ]
-    for name in sorted(tree.files):
-        parts += [name, tree.files[name]]
+    for name in sorted(set(tree.files) - {EXAMPLE}):
+        parts += [name, without_numbers(tree.files[name])]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
 def build(
-    tree: SourceTree, program_digest: str, compiler: Compiler, options: CompileOptions, cache: Cache
+    tree: SourceTree, structure: str, compiler: Compiler, options: CompileOptions, cache: Cache
 ) -> tuple[str, Module, bool]:
     """Compiles `tree` unless the cache has it. Returns (key, module, was it in the cache).
 
     Raises BuildError if the compiler fails or the cache cannot be used.
     """
-    key = module_key(program_digest, compiler, options, tree)
+    key = module_key(structure, compiler, options, tree)
     folder = cache.find(key)
     found = folder is not None
     if folder is None:

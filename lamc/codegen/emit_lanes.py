@@ -29,13 +29,13 @@ EVALUATED = ("rates", "acceleration", "system")  # what makes dy/dt of a tree
 def emit_lanes(program: Program, tree: SourceTree, precision: str = "double") -> SourceTree:
     """`tree` with the C of lanes beside it. Raises EmitError where an operation has no C form."""
     reason = why_alone(loops=bool(program.cuts), moves=bool(program.rates), precision=precision)
-    fields = identifiers(p.name for p in program.parameters)
+    fields = identifiers(p.name for p in program.parameters)  # only `setup` reads them, which has no lanes
     printer = ShapePrinter(number=LANES)
     functions = [program.functions[name] for name in EVALUATED if name in program.functions]
     context = {
         "version": __version__,
         "title": comment(program.name),
-        "digest": program.digest,
+        "structure": program.structure,
         "prefix": tree.prefix,
         "real": "double",
         "reason": reason,

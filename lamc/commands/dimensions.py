@@ -4,7 +4,7 @@ In: words as typed. Out: a design with those values, numbers of a run, or Design
 nearest parameter.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import DesignError
@@ -29,10 +29,10 @@ def dimensioned(
     texts = pairs_of(settings, "--set", "0.01")
     if not texts and not more:
         return record, {}
-    known = record.parameters
+    known, inputs = record.parameters, _inputs(record) if of_run else ()
     own, left = {}, {}
     for name, text in texts.items():
-        if name not in known:
+        if name not in known or name in inputs:
             left[name] = text
             continue
         try:
@@ -66,6 +66,13 @@ def of_run(texts: Mapping[str, str], units: Mapping[str, str], known: Sequence[s
 def told(record: Design | Mechanism) -> Mapping[str, DesignParameter]:
     """Parameters that the file declares, or that were set; not those that every drawing has."""
     return record.origin.recipe.told if record.origin is not None else {}
+
+
+def _inputs(record: Design | Mechanism) -> Collection[str]:
+    """Names of inputs of its scenes, which a run has had for longer than drawings have parameters; a file that declares
+    a parameter of that name is refused."""
+    scenes = [*record.scenes.values(), *([record.scene] if record.scene is not None else [])]
+    return {name for scene in scenes for name in scene.inputs}
 
 
 def _said(name: str, text: str) -> str:

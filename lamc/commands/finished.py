@@ -14,10 +14,10 @@ import numpy as np
 
 from lamc import examples
 from lamc.basics.errors import LamcError
+from lamc.basics.times import Times
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
 from lamc.commands.run_folder import MANIFEST
 from lamc.commands.terminal import Progress
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.run.request import Status
 from lamc.run.result import Result

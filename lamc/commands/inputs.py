@@ -16,6 +16,7 @@ from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.places import located_at
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.times import Times
 from lamc.basics.units import ANGLE, ANGLE_RATE, Quantity, to_si
 from lamc.codegen.options import CompileOptions
 from lamc.commands.dimensions import NONE, dimensioned
@@ -24,7 +25,6 @@ from lamc.commands.pairs import pairs_of
 from lamc.commands.terminal import Progress
 from lamc.design.split import split
 from lamc.effects.registry import ADDED, Choice, by_name, choose
-from lamc.pipeline import Times
 from lamc.readers.effect_calls import make_effect
 from lamc.readers.inert import compose, plain
 from lamc.readers.load import load, load_text

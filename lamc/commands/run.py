@@ -15,6 +15,7 @@ from lamc.basics._version import __version__
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
+from lamc.basics.times import Times
 from lamc.commands.dimensions import of_run, told
 from lamc.commands.inputs import (
     Loaded,
@@ -30,7 +31,6 @@ from lamc.commands.quick_imports import quick_imports
 from lamc.commands.run_folder import MANIFEST, own_manifest, run_folder
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.records.design import Design
 from lamc.records.effect import conserves
@@ -90,7 +90,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
                 order = replace(order, t_end=scene.duration or DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
             _check_points(order.points, len(simulator.start))
-            parameters = of_run(loaded.settings, simulator.parameter_units, list(told(loaded.record)))
+            parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
             report = _report(loaded, simulator, result, account, times, order.changes.scene, remark)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from lamc.basics.errors import DesignError
 from lamc.basics.renewal import renewed
+from lamc.basics.times import Times
 from lamc.commands.dimensions import told
 from lamc.commands.hinge_choice import account_of
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder
@@ -17,7 +18,6 @@ from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import named_hinges, split_steps
 from lamc.loops.at_start import drawn_loops, loops_of
 from lamc.mechanism.plan import plan
-from lamc.pipeline import Times
 from lamc.readers.joint_definition import drawn_layers, drawn_lines
 from lamc.readers.joints_layers import layers_of
 from lamc.readers.joints_writer import write_joints, write_split

@@ -14,6 +14,7 @@ import numpy as np
 
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.numbers import duration
+from lamc.basics.times import Times
 from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
@@ -26,15 +27,16 @@ from lamc.commands.inputs import (
 from lamc.commands.pairs import pairs_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import INTERRUPTED, Terminal
-from lamc.pipeline import Times
+from lamc.examples import study_files
 from lamc.readers.study_file import StudyFile, is_study, load_study
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.report.look import Look
 from lamc.report.study_text import study_summary
 from lamc.studies.bench import MISSING, OK, RunOptions
+from lamc.studies.making import AS_EVER, study_of
+from lamc.studies.statistics import indices
 from lamc.studies.storage import MANIFEST, ROWS
-from lamc.studies.study import AS_EVER, study_of, workers_of
 from lamc.studies.table import Table, need_xarray
 
 KINDS = ("csv", "netcdf", "zarr")
@@ -89,7 +91,7 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
             if asked.file is None:
                 raise
             raise asked.file.located(error) from error
-        workers = workers_of(order.workers)
+        workers = study.workers(order.workers)
         if not order.yes:
             study.check_size(workers)
         with output_folder(order.out, f"{folder_name(loaded.name)}_sweep") as folder, times.stage("sweep"):
@@ -112,6 +114,23 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
     if OK not in tally:
         terminal.error("no point went well; table.csv has the reasons")
         return SimulationError.exit_code
+    return 0
+
+
+def study_path(study: str, file: str | None, example: str | None) -> str:
+    """The file of a study that ships. Raises LamcError where a design or another study is named too."""
+    if file is not None or example is not None:
+        raise LamcError(f"--study {study} names its design; leave out {file or f'--example {example}'}")
+    return str(study_files.path(study))
+
+
+def copy_study(study: str | None, folder: str, terminal: Terminal) -> int:
+    """Writes the files of a study that ships. Returns 0."""
+    if study is None:
+        raise LamcError(f"--copy needs --study NAME: {', '.join(study_files.names())}")
+    made = study_files.copied(study, Path(folder))
+    terminal.say(f"files     {folder}: {', '.join(path.name for path in made)}")
+    terminal.result({"files": [str(path) for path in made]})
     return 0
 
 
@@ -212,7 +231,7 @@ def _write(table: Table, folder: Path, order: SweepOrder) -> list[str]:
 
 def _data(table: Table, loaded: Loaded) -> dict[str, Any]:
     """The answer to --json."""
-    tally = table.tally()
+    tally, shares = table.tally(), indices(table)
     return {
         "ok": OK in tally and MISSING not in tally,
         "design": table.design,
@@ -226,6 +245,11 @@ def _data(table: Table, loaded: Loaded) -> dict[str, Any]:
                 "unit": table.units[name],
                 "least": float(np.nanmin(values)) if np.isfinite(values).any() else None,
                 "most": float(np.nanmax(values)) if np.isfinite(values).any() else None,
+                **(
+                    {"first_order": s.first.tolist(), "total": s.total.tolist()}
+                    if (s := shares.get(name))
+                    else {}
+                ),
             }
             for name, values in table.values.items()
         ],

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 @click.command()
 @design
 @click.option(
+    "--study", metavar="NAME", help="A study that ships with lamc instead of FILE: leg, wing, jump."
+)
+@click.option("--copy", metavar="DIR", help="With --study: write its files into this folder, to edit.")
+@click.option(
     "--vary",
     multiple=True,
     metavar="NAME=RANGE",
@@ -89,6 +93,8 @@ if TYPE_CHECKING:
 def sweep(
     file: str | None,
     example: str | None,
+    study: str | None,
+    copy: str | None,
     vary: tuple[str, ...],
     measures: tuple[str, ...],
     points: str | None,
@@ -132,16 +138,20 @@ def sweep(
 
     \b
     Examples:
-      lamc sweep pendulum.yaml --vary angles.upper='10 deg:60 deg:11' --measure 'max(lower)'
+      lamc sweep --study leg
       lamc sweep flaps.yaml --vary left.stiffness=log:1e-4:1e-2:7 --measure 'time_of(left < 0)' --t-end 2
       lamc sweep flaps.yaml --vary 'left.stiffness=normal(1e-3, 1e-4)' --sample lhs:200 --measure 'max(left)'
     """
     from lamc.commands.hinge_choice import HingeChoice
     from lamc.commands.inputs import Source
-    from lamc.commands.sweep import SweepOrder
+    from lamc.commands.sweep import SweepOrder, copy_study, study_path
     from lamc.commands.sweep import sweep as work
     from lamc.studies.bench import RunOptions
 
+    if copy is not None:
+        return copy_study(study, copy, terminal)
+    if study is not None:
+        file = study_path(study, file, example)
     order = SweepOrder(
         source=Source(
             file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings

@@ -10,7 +10,8 @@ import numpy as np
 
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import checked_path
-from lamc.commands.dimensions import of_run, told
+from lamc.basics.times import Times
+from lamc.commands.dimensions import of_run
 from lamc.commands.export_plate import check_example, is_plate_source
 from lamc.commands.finished import finished_run
 from lamc.commands.inputs import (
@@ -27,7 +28,6 @@ from lamc.commands.plate_input import load_source as load_plate
 from lamc.commands.plate_work import answers
 from lamc.commands.terminal import Progress, Terminal
 from lamc.export.pages import compared, mechanism_show, open_page, result_show
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.result import Result
@@ -185,7 +185,7 @@ def _run(loaded: Loaded, source: Source, order: ViewOrder, times: Times, progres
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, order.changes)
     simulator = compile_design(mechanism, scene, source.options, times)
-    parameters = dict(of_run(loaded.settings, simulator.parameter_units, list(told(loaded.record))))
+    parameters = dict(of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters)))
     end = (scene.duration or DURATION) if order.t_end is None else order.t_end
     if end <= 0.0:
         raise LamcError(f"--t-end is {end:g} s; it must be above zero, or leave the run out by --fold")

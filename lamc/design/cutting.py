@@ -133,6 +133,7 @@ def as_multipolygons(geometries: Sequence[BaseGeometry]) -> list[MultiPolygon]:
 
 def material_size(layers: Sequence[Layer]) -> float:
     """Diagonal of the box around all layers, m."""
-    bounds = np.array([layer.geometry.bounds for layer in layers if not layer.geometry.is_empty])
+    bounds = shapely.bounds([layer.geometry for layer in layers])
+    bounds = bounds[~np.isnan(bounds[:, 0])]  # of those that are not empty
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
     return float(np.linalg.norm(high - low))

@@ -113,10 +113,11 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
 def named_hinges(design: Design) -> tuple[Hinge, ...]:
     """All hinge lines of a design with their names, ordered by geometry."""
     drawn = [(line, hinge_set) for hinge_set in design.hinges for line in hinge_set.lines]
-    heights = [_mid_plane(design, hinge_set.layer) for _, hinge_set in drawn]
+    z = design.z
+    heights = [(z[each.layer] + z[each.layer + 1]) / 2 for _, each in drawn]  # mid-planes
     marks = [
-        JointMark(*(np.array([*end, z]) for end in line.line))
-        for (line, _), z in zip(drawn, heights, strict=True)
+        JointMark(*(np.array([*end, height]) for end in line.line))
+        for (line, _), height in zip(drawn, heights, strict=True)
     ]
     order = joint_order(marks)
     lines = shapely.linestrings([line.line for line, _ in drawn])
@@ -136,10 +137,6 @@ def named_hinges(design: Design) -> tuple[Hinge, ...]:
 
 def _silent(_stage: str, _part: float) -> None:
     """For callers who do not listen."""
-
-
-def _mid_plane(design: Design, layer: int) -> float:
-    return (design.z[layer] + design.z[layer + 1]) / 2
 
 
 def _without_scraps(groups: Sequence[Group], width: float) -> tuple[tuple[Group, ...], tuple[Scrap, ...]]:

@@ -44,8 +44,8 @@ def settle(
     columns = np.ones(len(angles), dtype=bool) if free is None else free
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
-    for _ in range(MAX_ITERATIONS):
-        if error <= 1e-2 * CLOSED or not columns.any():
+    for _ in range(MAX_ITERATIONS if columns.any() else 0):
+        if error <= 1e-2 * CLOSED:
             break
         part = linear.columns(columns)
         step = part.least_change(-residual, cutoff if nullity is None else part.amid(nullity))

@@ -65,7 +65,8 @@ class Linear:
     def scale(self) -> float:
         """The largest singular value, to some hundredths; 1 where there is nothing."""
         if self.is_small:
-            return float(self.dense[1][:1].sum()) or 1.0
+            values = self.dense[1]
+            return (float(values[0]) if len(values) else 0.0) or 1.0
         vector = np.random.default_rng(20260104).normal(size=self.count)
         for _ in range(20):
             vector = self.matrix.T @ (self.matrix @ (vector / np.linalg.norm(vector)))
@@ -119,7 +120,7 @@ class Linear:
 
     def nullity(self, cutoff: float = EXACT) -> int:
         """How many singular values are at most `cutoff` times the largest."""
-        return int((self.weak[0] <= cutoff).sum())
+        return int(np.count_nonzero(self.weak[0] <= cutoff))
 
     def rank(self, cutoff: float = EXACT) -> int:
         """How many are larger."""
@@ -152,7 +153,7 @@ class Linear:
         counted as zero."""
         if self.is_small:
             left, values, right = self.dense
-            kept = int((values > cutoff * self.scale).sum())
+            kept = np.count_nonzero(values > cutoff * self.scale)
             return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
         found = self._damped(goal)
         found = found + self._damped(goal - self.matrix @ found)

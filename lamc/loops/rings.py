@@ -36,12 +36,12 @@ TINY = 1e-300  # keeps a quotient finite where there is no angle
 
 
 def _brackets() -> Array:
-    """(6, 6, 6): the Lie bracket of screws x and y is sum over i and j of x_i y_j of these."""
+    """(6, 36): y times it is the matrix (6, 6) that the Lie bracket of screws x and y is x times."""
     found = np.zeros((6, 6, 6))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         for a, b in ((0, 0), (0, 3), (3, 0)):  # ω × ω', ω × v', v × ω'
-            found[i + a, j + b, k + a + b], found[j + a, i + b, k + a + b] = 1.0, -1.0
-    return found
+            found[j + b, i + a, k + a + b], found[i + b, j + a, k + a + b] = 1.0, -1.0
+    return found.reshape(6, 36)
 
 
 _BRACKETS = _brackets()
@@ -161,7 +161,7 @@ def _bias(screws: Array, rates: Array) -> Array:
     """(c, 6, d, d), symmetric, of screws (c, k, 6) and rates (c, k, d)."""
     passed = np.zeros((*rates.shape, 6))  # by the rates, before each hinge
     np.cumsum(rates[:, :-1, :, None] * screws[:, :-1, None, :], axis=1, out=passed[:, 1:])
-    brackets = passed @ np.tensordot(screws, _BRACKETS, axes=(2, 1))  # (c, k, d, 6)
+    brackets = passed @ (screws @ _BRACKETS).reshape(*screws.shape, 6)  # (c, k, d, 6)
     found = brackets.transpose(0, 3, 2, 1) @ rates[:, None]
     return np.asarray(0.5 * (found + found.transpose(0, 1, 3, 2)))
 

@@ -179,7 +179,7 @@ class Starter:
         return reached
 
     def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
-        """As `_closed`, from the drawn position by small steps of what is given: the same way of assembly."""
+        """As `_closed`, from the drawn position by steps of what is given: the same way of assembly."""
         place = np.zeros(self.size)
         if self.size <= LARGE and not self.count.accepted_gap:
             led = led_along(self.geometry, place, wanted, free, LED)

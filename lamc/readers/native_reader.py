@@ -25,6 +25,7 @@ from lamc.readers.native_hinges import (
 )
 from lamc.readers.native_shapes import Kept, Region
 from lamc.readers.numbers import Numbers
+from lamc.readers.parameters import SECTION
 from lamc.readers.scene_file import read_scenes
 from lamc.readers.schema import (
     DesignModel,
@@ -38,6 +39,7 @@ from lamc.readers.schema import (
 from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Line, Material, Places
 from lamc.records.drawing import Mend
 from lamc.records.mechanism import checked_name
+from lamc.records.scene import Scene
 
 
 class DesignReader:
@@ -82,6 +84,7 @@ class DesignReader:
             numbers=self.numbers,
             kept=self.kept.effects,
         )
+        self._check_inputs([*scenes.values(), *([scene] if scene is not None else [])])
         problems.raise_if_any()
         materials = {
             name: Material(
@@ -141,6 +144,12 @@ class DesignReader:
         for section, entries in (("materials", model.materials), ("bodies", model.bodies)):
             for name in entries:
                 problems.attempt((section, name), partial(checked_name, name, f"an entry of {section}"))
+
+    def _check_inputs(self, scenes: Sequence[Scene]) -> None:
+        """Notes a parameter that is named as an input of a scene: --set could mean either."""
+        for name in sorted({name for scene in scenes for name in scene.inputs} & set(self.numbers.values)):
+            text = f"an input of a scene is named {name!r} too; rename one of them"
+            self.problems.add((SECTION, name), text)
 
     def _check_layer(self, index: int, layer: LayerModel) -> None:
         path: Path = ("layers", index)

@@ -262,7 +262,8 @@ class DesignModel(StrictModel):
     units: LengthUnit = Field("m", description="the unit of every length written without one, such as mm")
     parameters: dict[str, Any] = Field(
         default={},
-        description="dimensions by name, in which every number of the file may be an expression: length: 40 mm",
+        description="dimensions by name, {length: 40 mm, t: {default: 0.3 mm, min: 0.1 mm, max: 1 mm, meaning: …}}; "
+        "every number of the file may be an expression in them, such as length/2",
         json_schema_extra=PARAMETERS,
     )
     materials: dict[str, MaterialModel] = Field(description="materials of the sheets by name")

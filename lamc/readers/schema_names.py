@@ -21,13 +21,14 @@ _PARTS: Mapping[str, tuple[str, str]] = {
     "design": (
         "Design",
         "units: mm\n"
+        "parameters: {length: {default: 40 mm, min: 25 mm}, width: length/2}\n"
         "materials: {card: {density: 700, rigid: true}, film: {density: 1390, flexible: true}}\n"
         "layers:\n"
         "  - {name: film, material: film, thickness: 25 um}\n"
         "  - {name: card, material: card, thickness: 0.3 mm}\n"
-        "shapes: [{rect: [0, 0, 40, 20]}]\n"
-        "hinges: [{name: fold, line: [[15, 0], [15, 20]], gap: 0.4, stiffness: 0.5 N*mm/rad}]\n"
-        "fixed: [{rect: [0, 0, 5, 20]}]",
+        "shapes: [{rect: [0, 0, length, width]}]\n"
+        "hinges: [{name: fold, line: [[15, 0], [15, width]], gap: 0.4, stiffness: 0.5 N*mm/rad}]\n"
+        "fixed: [{rect: [0, 0, 5, width]}]",
     ),
     "material": ("MaterialModel", "{density: 1390, E1: 4.9 GPa, poisson: 0.38, flexible: true}"),
     "layer": ("LayerModel", "{name: film, material: film, thickness: 25 um}"),

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from lamc.basics.brief import brief
 from lamc.basics.checks import checked_number, did_you_mean, shown
+from lamc.basics.drawing import drawer, told
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.given import GivenMaybe, GivenNumber
 from lamc.basics.readonly import ReadOnlyDict
@@ -59,8 +60,9 @@ class DesignParameter:
         self.check(self.default, "the default of a parameter")
 
     def __repr__(self) -> str:
-        low, high = (_given(self.minimum, ">= "), _given(self.maximum, "<= "))
-        return brief("DesignParameter", "", f"{self.default:.6g} {self.unit}", low, high, self.meaning[:40])
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        low, high = _given(self.minimum, ">= "), _given(self.maximum, "<= ")
+        return brief("DesignParameter", "", f"{self.default:.6g}{unit}", low, high, self.meaning[:40])
 
     def number(self, value: object, what: str) -> float:
         """`value` in `unit`. Raises DesignError for what is no finite number of it."""
@@ -169,8 +171,12 @@ _NOTHING = _Nothing()
 
 
 def _recipe(record: Varied) -> Recipe:
-    """Its own; a record without one has no parameters."""
-    return record.origin.recipe if record.origin is not None else _NOTHING
+    """Its own, or that of a drawing as such."""
+    if record.origin is not None:
+        return record.origin.recipe
+    place = (type(record).__name__, "vary")
+    found: Recipe = drawer(*place)(record) if place in told() else _NOTHING
+    return found
 
 
 def _replaced(record: Varied) -> dict[str, Any]:

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from lamc.basics.numbers import duration, shortened
+from lamc.basics.times import Times
 from lamc.effects.registry import Choice
 from lamc.mechanism.limits import outside_limits
-from lamc.pipeline import Times
 from lamc.records.parameters import DesignParameter
 from lamc.report.loops_text import branch_lines, loops_line
 from lamc.report.parameters_text import parameters_line

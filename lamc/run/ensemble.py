@@ -122,7 +122,8 @@ class Ensemble:
 class Instances:
     """What differs from instance to instance.
 
-    parameters  (instances, parameters), or (1, parameters) where all have the same; starts likewise (…, nq + nu)
+    parameters  (instances, n), or (1, n) where all have the same; behind each the numbers of the drawing
+    starts      likewise, (…, nq + nu)
     refusals    by instance: why its start or values are refused
     """
 

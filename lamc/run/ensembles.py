@@ -77,6 +77,7 @@ def _instances(simulator: "Simulator", request: Request, given: tuple[Values, Va
     return made_instances(
         count,
         simulator.parameters,
+        simulator.model.geometry,
         parameters,
         angles,
         rates,

@@ -103,6 +103,7 @@ def _check_rule(name: str, values: Array, units: Mapping[str, str]) -> None:
 def made_instances(
     count: int,
     defaults: Mapping[str, float],
+    drawing: Sequence[float],
     parameters: Columns,
     angles: Columns,
     rates: Columns,
@@ -113,12 +114,13 @@ def made_instances(
 ) -> Instances:
     """The instances of an ensemble.
 
+    drawing  numbers of the drawing, which the model takes behind its parameters; of all instances
     start  initial state (nq + nu,) of a scene; raises DesignError
     check  raises DesignError for parameters and a start that an effect refuses; None: no effect asks for that
     plain  names of the joints where a state is their angles and rates as they are; empty: it follows from closure, or
            from more
     """
-    table = np.array([list(defaults.values()) or [0.0]])
+    table = np.array([[*defaults.values(), *drawing] or [0.0]])
     if parameters:
         table = np.repeat(table, count, axis=0)
         names = list(defaults)

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import RequestError, UnsupportedError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
@@ -41,7 +41,7 @@ from lamc.run.defaults import DURATION
 from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
-from lamc.run.model import CompiledModule, Model, Motion
+from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.pushes import lead_of, push_of
@@ -50,9 +50,11 @@ from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.start_checks import check_run, check_start, refuse_branch
+from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
+    from lamc.records.design import Design
     from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
 
@@ -85,12 +87,14 @@ class Simulator(Evaluations, Viewable):
         equations: "Equations | Callable[[], Equations]",
         program: "Program | Callable[[], Program]",
         module: CompiledModule,
+        numbers: DesignNumbers | None = None,
         loops: LoopCount | None = None,
-        energy_balance: Callable[[], CompiledModule] | None = None,
+        energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         recipe: Recipe | None = None,
-        lanes: Callable[[], CompiledModule] | None = None,
+        lanes: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
+        numbers: of the design; None: those that the C was printed with.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
         energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
@@ -98,7 +102,7 @@ class Simulator(Evaluations, Viewable):
 
         Raises RequestError if the scene starts a joint that is not there.
         """
-        super().__init__(Model(module, recipe))
+        super().__init__(Model(module, recipe, numbers=numbers))
         self._recipe = recipe
         self.mechanism = mechanism
         self.scene = scene
@@ -119,6 +123,31 @@ class Simulator(Evaluations, Viewable):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return super().__reduce__() if self._recipe is None else (remade_simulator, (self._recipe,))
+
+    @property
+    def structure(self) -> str:
+        """Digest of the equations without the numbers of the design; simulators of one structure share their code."""
+        return self._model.structure
+
+    def with_design(self, design: "Design | Mechanism", scene: Scene | None = None) -> "Simulator":
+        """A simulator of another drawing, such as `design.with_parameters(length=0.05)`: of one of the same topology
+        within milliseconds, by the same compiled code.
+
+        Where the topology is another, or numbers vanish that did not, it is derived and compiled anew: a warning of the
+        log "lamc" says so, and `structure` differs.
+
+        scene: None: this one's; where that is the design's own, the new design's own
+
+        Raises as `lamc.compile` does; UnsupportedError where this simulator was made by hand.
+        """
+        if self._recipe is None:
+            raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
+        given = None if self.scene is self.mechanism.scene else self.scene
+        made = self._recipe.in_passing().simulator(design, scene or given)
+        if made.structure != self.structure:
+            what = changes(self.mechanism, made.mechanism)
+            logger.warning("%r is compiled anew, as its topology is not that of %r: %s", made, self, what)
+        return made
 
     @lazy
     def loops(self) -> LoopCount:
@@ -373,7 +402,7 @@ class Simulator(Evaluations, Viewable):
         """The module that runs ensembles, compiled when it is first asked for."""
         if self._lanes is None:
             raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
-        return self._lanes()
+        return self._lanes()[0]
 
     def integrated(
         self, motion: Motion, parameters: Mapping[str, float | str], request: Request, integrator: str
@@ -452,7 +481,8 @@ class Simulator(Evaluations, Viewable):
         """The model that tells powers."""
         if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        return Model(self._energy_balance(), self._recipe, tells=True)
+        module, numbers = self._energy_balance()
+        return Model(module, self._recipe, tells=True, numbers=numbers)
 
     @lazy
     def _arrangement(self) -> Arrangement:

@@ -12,6 +12,7 @@ import numpy as np
 
 from lamc.basics.errors import BuildError, LamcError
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.pipeline import compile as compile_design
@@ -175,7 +176,7 @@ class Bench:
             design = mechanism
         if scene is not None:
             scene = started(scene, by_kind["angle"], by_kind["rate"])
-        return compile_design(design, scene, subject.options)
+        return compile_design(design, scene, subject.options, cache=Cache(cache_root(), passing=True))
 
 
 def without_values(index: int, status: str, reason: str, count: int) -> Row:

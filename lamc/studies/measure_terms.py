@@ -42,6 +42,7 @@ class Rows:
         return Samples(self.result.t, np.broadcast_to(values, self.result.t.shape), self.breaks)
 
 
+_MOST_POWER = 12  # of a unit
 Value = Callable[[Rows], Any]  # floats, or arrays (m,) of terms over time
 
 
@@ -92,6 +93,10 @@ def raised(base: Term, exponent: Term) -> Term:
         return _mapped(np.float_power, [base, exponent], PLAIN, is_bare=base.is_bare and exponent.is_bare)
     if exponent.number is None:
         raise ExpressionError(f"what is in {base.unit.text} can be raised to a plain number only")
+    if abs(exponent.number) > _MOST_POWER:
+        raise ExpressionError(
+            f"what is in {base.unit.text} can be raised to the power of {_MOST_POWER} at most"
+        )
     power = Fraction(exponent.number).limit_denominator(12)
     return _mapped(np.float_power, [base, exponent], base.unit**power)
 

@@ -11,6 +11,7 @@ import os
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
@@ -79,10 +80,31 @@ def opened(folder: Path, manifest: Mapping[str, Any], *, resume: bool) -> Store:
         else:
             (folder / ROWS).unlink(missing_ok=True)
             write_text(place, json.dumps(_jsonable(manifest), indent=1, ensure_ascii=False) + "\n")
-        done = _mended(folder / ROWS)
-        return Store(folder, done, (folder / ROWS).open("ab"))
+        stream = (folder / ROWS).open("ab")
+        if not _held(stream):
+            stream.close()
+            raise RequestError(
+                f"another process works on the study in {str(folder)!r}; wait for its end, or stop it"
+            )
+        return Store(folder, _mended(folder / ROWS), stream)
     except OSError as error:
         raise LamcError(f"the folder {str(folder)!r} cannot be used: {error.strerror or error}") from error
+
+
+def _held(stream: IO[bytes]) -> bool:
+    """Whether the file is this process's alone until it is closed; the system lets go of it whatever ends the process.
+    True where the system has no such locks."""
+    try:
+        fcntl: Any = import_module("fcntl")
+    except ImportError:
+        return True
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
 
 
 def rows_of(folder: Path) -> Iterator[Row]:

@@ -8,7 +8,7 @@ import os
 import pickle
 import time
 import warnings
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -16,43 +16,27 @@ from pathlib import Path
 from typing import Any
 
 from lamc.basics._version import __version__
-from lamc.basics.checks import did_you_mean, shown
+from lamc.basics.checks import shown
 from lamc.basics.errors import DesignWarning, LamcError, RequestError
 from lamc.basics.numbers import duration
 from lamc.basics.threads import one_thread
-from lamc.codegen.options import CompileOptions
-from lamc.records.mechanism import Mechanism
-from lamc.records.scene import Scene
-from lamc.run.parameters import checked_parameters
-from lamc.studies.axes import Spread, axis_of
-from lamc.studies.bench import Bench, Row, RunOptions, Subject
+from lamc.studies.bench import Bench, Row, Subject
 from lamc.studies.cluster import clustered
 from lamc.studies.identity import digest_of
-from lamc.studies.measures import checked_measures, outputs_of
-from lamc.studies.plans import Plan, given_points, grid_of, sample_words, sampled
+from lamc.studies.plans import Plan
 from lamc.studies.pool import Point, Pool, Source
 from lamc.studies.storage import opened, rows_of
 from lamc.studies.table import Table, table_of
 from lamc.studies.targets import (
     SLOW,
-    Made,
-    Studied,
-    check_axes,
-    check_within,
-    family_of,
-    known_target,
     made,
-    targets_of,
 )
 
 MANY = 1_000_000  # points that are worked on without asking
-ALONE = 0.5  # s of work that is done before other processes are started: they take as long to begin
-_TAKEN = ("point", "status", "reason")  # columns of the table
-
-AS_EVER = RunOptions()
+ALONE = 0.5  # s of work that is done before other processes are started
+_PAYS = 4  # times as much must be left: to begin takes them a second, and of two each does half
 
 Progress = Callable[[float, float], None]  # points done, points in all
-SceneGiven = Scene | str | Callable[[Mechanism], Scene] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +157,7 @@ class Study:
                         pool is None
                         and workers > 1
                         and spent >= alone
-                        and (left - done) * spent >= alone * done
+                        and (left - done) * spent >= _PAYS * alone * done
                     ):
                         pool = Pool(self.pickled(), len(self.subject.measures), source, workers)
                     if pool is not None and alone <= 0.0:
@@ -203,12 +187,26 @@ class Study:
     def pickled(self) -> bytes:
         """The subject for another process. Raises RequestError if it cannot travel."""
         try:
-            return pickle.dumps(self.subject)
+            found = pickle.dumps(self.subject)
+            if b"__main__" in found:  # which is another module there
+                raise TypeError("functions or classes of it are of the program itself")
         except Exception as error:  # pickle fails in many ways, all meaning the same here
             raise RequestError(
                 f"what is studied cannot be given to other processes ({type(error).__name__}: {error}); put functions "
                 "into a module of their own, or take workers=1"
             ) from error
+        return found
+
+    def workers(self, wanted: int | None) -> int:
+        """How many processes: None: as many as processors, or one if the subject cannot travel. Raises RequestError."""
+        if wanted is None:
+            try:
+                self.pickled()
+            except RequestError:
+                return 1
+        elif wanted != 1:
+            self.pickled()
+        return workers_of(wanted)
 
 
 @contextmanager
@@ -218,87 +216,6 @@ def _quietly() -> Iterator[None]:
     with one_thread(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DesignWarning)
         yield
-
-
-def study_of(
-    design: Studied | Callable[..., Made],
-    vary: Mapping[str, object],
-    measure: object,
-    scene: SceneGiven = None,
-    *,
-    sample: str | None = None,
-    seed: int = 0,
-    points: object = None,
-    run: RunOptions = AS_EVER,
-    options: CompileOptions | None = None,
-) -> Study:
-    """The study of a design, checked: names, units, values and measures. As of `lamc.sweep`. Raises RequestError and
-    DesignError; nothing has run."""
-    design = family_of(design)
-    if not measure:
-        raise RequestError(
-            "nothing is measured; name a measure, such as --measure 'max(tip.z)' (measure={…})"
-        )
-    if isinstance(scene, str):
-        scene = partial(_named_scene, name=scene)
-    first = Bench(Subject(design, scene, options or CompileOptions(), RunOptions(), (), {})).simulator(())
-    targets = targets_of(design, first)
-    if not isinstance(vary, Mapping):
-        raise RequestError(f"vary is {shown(vary)}; it must map names to ranges, {{'length': '20mm:60mm:9'}}")
-    plan = _plan(vary, {name: target.unit for name, target in targets.items()}, sample, seed, points)
-    chosen = tuple(known_target(name, targets) for name in plan.names)
-    if not hasattr(plan, "axes"):
-        for k, target in enumerate(chosen):
-            spread = isinstance(vary.get(target.name), Spread | str) and sample is not None
-            if not spread:
-                check_within(target, float(plan.values[:, k].min()), float(plan.values[:, k].max()))
-    else:
-        check_axes(plan.axes, targets)
-    measures = checked_measures(measure, outputs_of(first))
-    for name in measures:
-        if name in plan.names or name in _TAKEN:
-            raise RequestError(f"a measure is named {name!r}, as another column of the table is; rename it")
-    for name in run.parameters:
-        if known_target(name, targets).kind != "parameter" or name in plan.names:
-            raise RequestError(f"the parameter {name!r} is varied, or is none of the model; set it no value")
-    run = replace(run, parameters=checked_parameters(run.parameters, first.parameter_units))
-    subject = Subject(
-        design,
-        scene,
-        options or CompileOptions(),
-        run,
-        chosen,
-        measures,
-    )
-    return Study(subject, plan, first.mechanism.name)
-
-
-def _named_scene(mechanism: Mechanism, name: str) -> Scene:
-    """A scene of the design by its name."""
-    if name not in mechanism.scenes:
-        hint = did_you_mean(name, list(mechanism.scenes))
-        raise RequestError(f"no scene of the design is named {name[:40]!r}; {hint}")
-    return mechanism.scenes[name]
-
-
-def _plan(
-    vary: Mapping[str, object], units: Mapping[str, str], sample: str | None, seed: int, points: object
-) -> Plan:
-    if points is not None:
-        if vary or sample is not None:
-            raise RequestError("points are given one by one; leave out what else is varied, and samples")
-        return given_points(points, units)
-    if not vary:
-        raise RequestError("nothing is varied; name a range, such as --vary length=20mm:60mm:9 (vary={…})")
-    for name in vary:
-        if name not in units:
-            raise RequestError(
-                f"nothing that can be varied is named {shown(name)}; {did_you_mean(str(name), list(units))}"
-            )
-    axes = {name: axis_of(name, given, units[name]) for name, given in vary.items()}
-    if sample is None:
-        return grid_of(axes)
-    return sampled(axes, *sample_words(sample), seed)
 
 
 def workers_of(workers: int | None) -> int:

@@ -15,7 +15,9 @@ from lamc.codegen.options import CompileOptions
 from lamc.records.scene import Scene
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.studies.bench import RunOptions
-from lamc.studies.study import Progress, study_of, workers_of
+from lamc.studies.making import study_of
+from lamc.studies.statistics import indices
+from lamc.studies.study import Progress
 from lamc.studies.table import need_xarray
 from lamc.studies.targets import Made, Studied
 
@@ -62,7 +64,8 @@ def sweep(
     sample   "lhs:200", "sobol:256", "halton:100", "random:1000"; "saltelli:256" for Sobol' indices; None: a grid
     points   in place of vary: name → list, one entry for each point, or the path of a CSV file
     rows     of each run, which measures look at; None: 200 a second, 2001 at least
-    workers  processes; None: as many as processors. What is found does not depend on it
+    workers  processes; None: as many as processors, or one where a function of yours is in no module of its own. What
+             is found does not depend on it
     scheduler  address of a Dask cluster's scheduler, which does the work in place of processes here
     out      a folder that rows are written to as they come; None: memory
     resume   the same, and rows that are there already are not computed again
@@ -70,8 +73,9 @@ def sweep(
     yes      whether more than a million points are meant
 
     The others are as of `Simulator.run`. Returns measures over what was varied (of a grid) or over "point", SI units in
-    `attrs`, with `status` ("ok", "refused", "failed", "undefined", "error", "died", "missing") and `reason`. Ctrl-C
-    ends it and keeps what is there. Raises RequestError and DesignError before anything runs; LamcError without xarray.
+    `attrs`, with `status` ("ok", "refused", "failed", "undefined", "error", "died", "missing") and `reason`; of
+    "saltelli" there are also NAME.first_order and NAME.total over "varied". Ctrl-C ends it and keeps what is there.
+    Raises RequestError and DesignError before anything runs; LamcError without xarray.
     """
     need_xarray()
     if out is not None and resume is not None:
@@ -80,7 +84,7 @@ def sweep(
     study = study_of(
         design, vary or {}, measure, scene, sample=sample, seed=seed, points=points, run=run, options=options
     )
-    count = workers_of(workers)
+    count = study.workers(workers)
     if not yes:
         study.check_size(count)
     folder = resume if resume is not None else out
@@ -93,4 +97,9 @@ def sweep(
             progress=told,
             scheduler=scheduler,
         )
-    return table.dataset()
+    dataset = table.dataset()
+    for name, shares in indices(table).items():
+        dataset[f"{name}.first_order"] = ("varied", shares.first)
+        dataset[f"{name}.total"] = ("varied", shares.total)
+        dataset.coords["varied"] = list(table.plan.names)
+    return dataset

@@ -35,7 +35,7 @@ typedef struct lamc_ensemble {
   const lamc_real *t_eval;     /* (row_count,), s, ascending within 0 .. t_end: the rows of every instance */
   long long row_count;         /* > 0 */
   long long count;             /* instances */
-  const lamc_real *parameters; /* instance k: (parameter_count,) at parameters + k * parameter_stride */
+  const lamc_real *parameters; /* instance k: (parameter_count + geometry_count,) at parameters + k * parameter_stride */
   long long parameter_stride;  /* 0: the same for all */
   const lamc_real *starts;     /* likewise y = [q, u] (n,) at t = 0 */
   long long start_stride;

@@ -117,3 +117,13 @@ def test_facets_is_handed_on_to_the_reader() -> None:
         done = call("split", "flat.fold", "--facets", facets, "--json", "--out", facets)
         counts.append(len(json.loads(done.stdout)["joints"]))
     assert counts == [0, 1]
+
+
+def test_a_converted_file_holds_values_and_says_so() -> None:
+    done = call("convert", "d.yaml", "e.yaml", "--set", "length=56 mm")
+    assert "lost      parameters, whose values are written in: length 56 mm" in done.output
+    made, written = lamc.load("d.yaml", set={"length": "56 mm"}), lamc.load("e.yaml")
+    assert isinstance(made, lamc.Design)
+    assert isinstance(written, lamc.Design)
+    assert [each.thickness for each in written.layers] == [each.thickness for each in made.layers]
+    assert written.body_names == made.body_names

@@ -270,3 +270,22 @@ def test_instances_with_loops_run_by_themselves_and_say_so() -> None:
         assert many.u[k].tobytes() == one.u.tobytes()
     assert many.status.tolist() == [0, 0, 0, int(Status.FAILED)]
     assert joint in many.message(3)
+
+
+def test_another_design_of_the_topology_has_ensembles_of_its_own() -> None:
+    """Numbers of the drawing go with the instances: lanes are compiled once, and each design has its runs' bits."""
+    mechanism = chain(3)
+    moved = replace(
+        mechanism, bodies=tuple(replace(body, com=1.1 * np.asarray(body.com)) for body in mechanism.bodies)
+    )
+    scene = lamc.Scene(effects=ALL_PASSIVE)
+    sims = [lamc.compile(each, scene) for each in (mechanism, moved)]
+    first = sims[0].joints[0]
+    ends = []
+    for sim in sims:
+        parameters = {f"{first}.damping": np.linspace(0.1, 0.3, 9)}
+        how = {"t_end": 0.5, "rtol": 1e-7, "integrator": "dop853"}
+        many = sim.ensemble(t_eval=T, angles={first: sim.start[0]}, parameters=parameters, **how)
+        assert_alike(sim, many, parameters, **how)
+        ends.append(many.q[:, -1])
+    assert np.abs(ends[0] - ends[1]).min(axis=1).max() > 0.0

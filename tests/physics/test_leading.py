@@ -12,6 +12,7 @@ from lamc.examples import path
 from lamc.loops.closing import SOLVE, settle, settle_all
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.leading import led_along
+from lamc.loops.surveys import _among
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
 
@@ -80,3 +81,13 @@ def test_the_jacobian_of_closure_is_that_of_differences(name: str) -> None:
     screws = rings.residual(angles)[1]
     assert rings.dense(screws) == pytest.approx((ahead - behind).T / (2.0 * step), abs=1e-9)
     assert np.array_equal(rings.sparse(screws).toarray(), rings.dense(screws))
+
+
+def test_random_motions_do_not_depend_on_the_basis_of_their_space() -> None:
+    """A decomposition gives one or another basis by its round-off: ranks of nearby geometries are told alike."""
+    random = np.random.default_rng(5)
+    basis = np.linalg.qr(random.normal(size=(7, 3)))[0]
+    other = basis @ np.linalg.qr(random.normal(size=(3, 3)))[0]
+    first, second = (_among(np.random.default_rng(1), 2, each) for each in (basis, -other))
+    assert first == pytest.approx(second, abs=1e-14)  # round-off of sums of seven
+    assert np.linalg.matrix_rank(np.vstack([first, basis.T])) == 3

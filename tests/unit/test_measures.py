@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc import examples
@@ -15,9 +17,14 @@ from lamc.run.run_record import Event
 from lamc.studies.dimensions import factor_of, unit_of
 from lamc.studies.measures import Measure, Outputs, checked_measures, outputs_of
 from lamc.studies.samples import Samples, first_above, highest, mean, rms, value_at
+from tests.support.quick import tries
 
 NO_BREAKS = np.zeros(0)
 TIMES = np.linspace(0.0, 0.8, 81)
+SIGNS = (
+    "+ - * / ^ ** ( ( ) ) , [ ] < > . ' ° max( min( at( time_of( events( rms( sqrt( max min flap flap.z "
+    "tongue.rate energy.gravity t 1 2.5e-3 1e999 -1 mm deg N pi ü 0"
+)
 WAVE = Samples(TIMES, np.sin(7.0 * TIMES + 0.3), NO_BREAKS)
 H4 = (
     7.0 * 0.01
@@ -148,6 +155,7 @@ def test_every_output_of_a_run_is_known_before_it_with_its_unit():
         ("(" * 50 + "1" + ")" * 50, 42, "nested deeper"),
         ("exp(exp(exp(10)))", 5, "must be finite"),
         ("", 1, "too early"),
+        ("max(flap.z ^ 100)", 5, "to the power of 12 at most"),
     ],
 )
 def test_refusals_name_the_column(simulator, text, column, words):
@@ -188,3 +196,23 @@ def test_units_multiply():
     assert factor_of("mm") == (0.001, unit_of("m"))
     assert factor_of("deg")[0] == math.pi / 180.0
     assert unit_of("kg·m²").is_like(unit_of("kg") * unit_of("m") * unit_of("m"))
+
+
+@settings(max_examples=tries(300), deadline=None)
+@given(
+    st.lists(
+        st.sampled_from(SIGNS.split()),
+        max_size=14,
+    ).map(" ".join)
+)
+def test_any_text_is_a_measure_or_a_refusal_of_one_line(simulator, result, text):
+    """What reads gives a number, be it NaN or infinite."""
+    try:
+        measure = Measure.parse(text, simulator)
+    except ExpressionError as error:
+        told = str(error)
+    else:
+        told = ""
+        assert isinstance(measure.value(result), float)
+        assert Measure.parse(text, simulator).unit == measure.unit
+    assert "\n" not in told

@@ -14,9 +14,10 @@ import lamc
 from lamc.basics.errors import DesignError, LamcError, RequestError
 from lamc.studies.axes import Listed, Span, axis_of
 from lamc.studies.bench import RunOptions
+from lamc.studies.making import study_of
 from lamc.studies.plans import Grid, given_points, sampled
-from lamc.studies.storage import ROWS
-from lamc.studies.study import Study, study_of
+from lamc.studies.storage import ROWS, opened
+from lamc.studies.study import Study
 from lamc.studies.sweep import sweep
 from tests.support import studied
 from tests.support.paths import ROOT
@@ -184,7 +185,8 @@ def test_measures_are_refused_before_anything_runs():
     with pytest.raises(RequestError, match="no scene of the design is named 'slow'"):
         study({"length": [0.1]}, scene="slow")
     with pytest.raises(RequestError, match="module of their own, or take workers=1"):
-        study({"length": [0.1]}, {"a": lambda result: 1.0}).pickled()
+        study({"length": [0.1]}, {"a": lambda result: 1.0}).workers(2)
+    assert study({"length": [0.1]}, {"a": lambda result: 1.0}).workers(None) == 1
 
 
 def test_points_come_from_a_file(tmp_path):
@@ -240,6 +242,25 @@ def test_a_folder_of_another_study_is_refused_with_what_differs(tmp_path):
         assert words in str(caught.value)
 
 
+def test_one_process_works_on_a_folder(tmp_path):
+    whole = study({"hip.stiffness": [1e-3, 1e-2]})
+    with (
+        opened(tmp_path, whole.manifest(), resume=True),
+        pytest.raises(RequestError, match="another process works"),
+    ):
+        whole.run(tmp_path, 1, resume=True)
+    assert whole.run(tmp_path, 1, resume=True).tally() == {"ok": 2}
+
+
+def test_shares_of_the_variance_come_with_the_dataset():
+    vary = {"hip.stiffness": "1e-3:1e-1", "drive": "0:1e-6"}
+    found = sweep(
+        studied.rod, vary, {"end": "last(hip)"}, sample="saltelli:8", t_end=0.1, rtol=1e-6, rows=101
+    )
+    assert found["end"].dims == ("point",)
+    assert found["end.total"].sel(varied="hip.stiffness") > 0.9 > 0.1 > found["end.total"].sel(varied="drive")
+
+
 def test_ctrl_c_keeps_what_is_there(tmp_path):
     def stop(done: float, total: float) -> None:
         if done == 3:
@@ -253,11 +274,11 @@ def test_ctrl_c_keeps_what_is_there(tmp_path):
 KILLED = """
 import sys
 from pathlib import Path
-from lamc.studies import study as studies
+from lamc.studies.making import study_of
 from lamc.studies.bench import RunOptions
 from tests.support import studied
 vary = {"length": "0.1:0.36316:%d", "hip.stiffness": "1e-3:1e-1:%d"}
-study = studies.study_of(studied.rod, vary, {"end": "last(hip)"}, run=RunOptions(t_end=0.1, rtol=1e-6, rows=101))
+study = study_of(studied.rod, vary, {"end": "last(hip)"}, run=RunOptions(t_end=0.1, rtol=1e-6, rows=101))
 print("begun", flush=True)
 study.run(Path(sys.argv[1]), 2, resume=True, alone=float(sys.argv[3])).write_csv(Path(sys.argv[2]))
 print("done", flush=True)

@@ -139,7 +139,7 @@ def _compiled(
 ) -> Simulator:
     """loops: what the mechanism's loops come to; None: counted, if it has any."""
     effects = effects_of(mechanism, scene)
-    common = common_digest(mechanism, effects)
+    common = None if cache.passing else common_digest(mechanism, effects)
     if loops is None and len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
             loops = _loops_of(mechanism, effects, scene, cache, common)
@@ -163,16 +163,18 @@ def _compiled(
 
     def module(*, energy_balance: bool = False, lanes: bool = False) -> tuple[Module, DesignNumbers]:
         maker = find_machine_compiler(options) if lanes else compiler
-        alias = input_digest(
-            mechanism,
-            effects,
-            loops,
-            maker,
-            options,
-            scene.inputs,
-            energy_balance=energy_balance,
-            common=common,
-        )
+        alias = None  # of this design alone
+        if common is not None:
+            alias = input_digest(
+                mechanism,
+                effects,
+                loops,
+                maker,
+                options,
+                scene.inputs,
+                energy_balance=energy_balance,
+                common=common,
+            )
         with times.stage("load from cache"):
             known = kept_design(cache, alias) if alias else None
             found = opened_entry(cache, known.entry) if known else None
@@ -257,14 +259,15 @@ def _loops_of(
         own = replace(scene, angles=mechanism.scene.angles if mechanism.scene else {}, rates={}, branch=None)
         if scene.angles == own.angles or found.accepted_gap or len(mechanism.joints) > LARGE:
             return found
-        alias = loops_digest(mechanism, effects, own, common=common)
+        alias = None if common is None else loops_digest(mechanism, effects, own, common=common)
         try:
             usual = kept_loops(alias, cache, lambda: loops_of(held, rigid_scene(full, held, own)))
         except DesignError:
             return found
         return replace(found, position=usual.position) if usual.rank == found.rank else found
 
-    return kept_loops(loops_digest(mechanism, effects, scene, common=common), cache, count)
+    alias = None if common is None else loops_digest(mechanism, effects, scene, common=common)
+    return kept_loops(alias, cache, count)
 
 
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:

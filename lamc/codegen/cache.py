@@ -58,7 +58,7 @@ class Cache:
         folder = self.root / key
         if not folder.is_dir():
             return None
-        self._check_owner(self.root)
+        self.check_owner(self.root)
         return folder if intact(folder) else None
 
     def put(self, key: str, fill: Callable[[Path], None], facts: Mapping[str, str]) -> Path:
@@ -138,7 +138,7 @@ class Cache:
             make_root(self.root)
         except OSError as error:
             raise self._unwritable(error) from error
-        self._check_owner(self.root)
+        self.check_owner(self.root)
         self._sweep()
 
     def _sweep(self) -> None:
@@ -149,7 +149,7 @@ class Cache:
                 if path.lstat().st_mtime < latest:
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
 
-    def _check_owner(self, folder: Path) -> None:
+    def check_owner(self, folder: Path) -> None:
         """Code is loaded from here, so nobody else may write here."""
         status = folder.stat()
         if hasattr(os, "getuid") and status.st_uid != os.getuid():

@@ -85,11 +85,18 @@ def keep_structure(cache: Cache, alias: str, entry: str, program: Program) -> No
 
 
 def opened_entry(cache: Cache, entry: str) -> Module | None:
-    """The module of an entry of the cache, verified and loaded; None where there is none, or it was changed."""
-    folder = cache.find(entry)
-    if folder is None:
+    """The module of an entry of the cache, verified and loaded; None where there is none, or it was changed. One that
+    somebody has is not opened again, unless its files changed."""
+    folder = cache.root / entry
+    module = _opened.get(str(folder))
+    if module is not None:
+        cache.check_owner(cache.root)
+    if module is not None and stamps(folder) == _stamps[str(folder)]:
+        return module
+    found = cache.find(entry)
+    if found is None:
         return None
-    module = load_module(folder)
+    module = load_module(found)
     keep_opened(cache, entry, module)
     return module
 
@@ -109,10 +116,7 @@ def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Modul
         return None
     if not survey.knows(known.keys):
         return None
-    folder = cache.root / known.entry
-    module = _opened.get(str(folder))
-    if module is None or stamps(folder) != _stamps[str(folder)]:
-        module = opened_entry(cache, known.entry)
+    module = opened_entry(cache, known.entry)
     return None if module is None else (module, known.entry, DesignNumbers(survey.inputs(known.keys)))
 
 

@@ -26,7 +26,7 @@ import json, sys, time
 begun = time.process_time()
 import lamc
 from lamc.examples import path
-from lamc.pipeline import Times
+from lamc.basics.times import Times
 imported = time.process_time()
 design = lamc.load(path(sys.argv[1]))
 loaded = time.process_time()

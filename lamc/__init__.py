@@ -29,6 +29,7 @@ from lamc.basics.errors import (
     UnsupportedError,
 )
 from lamc.basics.moved import renamed
+from lamc.basics.times import Times
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.effects import (
@@ -53,20 +54,20 @@ from lamc.effects import (
 )
 from lamc.export import convert, export
 from lamc.export.options import ExportOptions
-from lamc.pipeline import (
-    Times,
-    compile,  # noqa: A004  the public name is lamc.compile
-)
+from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
 from lamc.readers.load_scene import load_scene
 from lamc.records.card import Card
 from lamc.records.design import Design, Material
+from lamc.records.family import Family
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
+from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.studies.sweep import sweep
 
 __all__ = [
     "BaseMotion",
@@ -77,6 +78,7 @@ __all__ = [
     "CompileOptions",
     "Design",
     "DesignError",
+    "DesignParameter",
     "DesignWarning",
     "Effect",
     "EmitError",
@@ -84,6 +86,7 @@ __all__ = [
     "ExportOptions",
     "ExpressionError",
     "ExternalTorque",
+    "Family",
     "FlexibleLinks",
     "FreeBase",
     "Gravity",
@@ -121,6 +124,7 @@ __all__ = [
     "load",
     "load_scene",
     "split",
+    "sweep",
 ]
 
 logging.getLogger("lamc").addHandler(logging.NullHandler())  # whoever wants its words adds a handler
@@ -129,6 +133,7 @@ _SEEN = ("Design", "Mechanism", "Problem", "Result", "Simulator", "Solution")
 drawing.tell(  # (kind of record, verb) → "module:function", imported when the verb is used
     {
         **{(kind, verb): f"lamc.export.pages:{verb}" for kind in _SEEN for verb in ("view", "frame")},
+        ("Design", "vary"): "lamc.readers.design_as_such:vary_design",
         ("Design", "draw"): "lamc.report.drawn:draw_design",
         ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
         ("Simulator", "remake"): "lamc.pipeline:compile",

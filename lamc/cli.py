@@ -17,6 +17,7 @@ from lamc.commands.options import (
     Cli,
     compiler,
     design,
+    dimensions,
     folder,
     hinges,
     precision,
@@ -29,6 +30,7 @@ from lamc.commands.plate_options import plate
 from lamc.commands.project_options import convert, new
 from lamc.commands.reference_options import effects, functions, materials, schema
 from lamc.commands.run_options import run
+from lamc.commands.sweep_options import sweep
 from lamc.commands.terminal import Terminal
 from lamc.commands.view_options import view
 
@@ -50,6 +52,7 @@ def main(context: click.Context) -> None:
     Try:
       lamc run --example pendulum      simulate, and write results and pictures
       lamc view --example pendulum     a page that shows it in 3D, with sliders
+      lamc sweep --example pendulum    run it at many points, and measure each run
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc export --example pendulum   sources for programs in C, C++ and other languages
@@ -68,6 +71,7 @@ def main(context: click.Context) -> None:
 
 @main.command()
 @design
+@dimensions
 @staged(start=False)
 @sheeted
 @click.option("--equations", is_flag=True, help="Write the equations too: equations.txt and equations.tex.")
@@ -87,6 +91,7 @@ def build(
     equations: bool,
     out: str | None,
     force: bool,
+    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Write the generated C into a folder that compiles by itself.
@@ -102,12 +107,13 @@ def build(
     from lamc.commands.build import build as work
     from lamc.commands.inputs import Source
 
-    source = Source(file, example, sheet=sheet)
+    source = Source(file, example, sheet=sheet, settings=settings)
     return work(source, changes, out, equations=equations, force=force, terminal=terminal)
 
 
 @main.command()
 @design
+@dimensions
 @staged()
 @sheeted
 @compiler
@@ -125,6 +131,7 @@ def check(
     fast: bool,
     states: int,
     t_end: float,
+    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Compare generated C, interpreter and an independent formulation.
@@ -145,11 +152,14 @@ def check(
     from lamc.commands.check import check as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast, sheet=sheet), changes, states, t_end, terminal)
+    return work(
+        Source(file, example, cc, fast, sheet=sheet, settings=settings), changes, states, t_end, terminal
+    )
 
 
 @main.command()
 @design
+@dimensions
 @hinges
 @sheeted
 @folder
@@ -161,6 +171,7 @@ def split(
     materials: tuple[str, ...],
     sheet: "SheetOptions",
     out: str | None,
+    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Find the bodies and hinges of a design; write them as files.
@@ -177,12 +188,15 @@ def split(
     from lamc.commands.inputs import Source
     from lamc.commands.split import split as work
 
-    source = Source(file, example, hinges=HingeChoice(hinge_stiffness, materials), sheet=sheet)
+    source = Source(
+        file, example, hinges=HingeChoice(hinge_stiffness, materials), sheet=sheet, settings=settings
+    )
     return work(source, out, terminal)
 
 
 @main.command()
 @design
+@dimensions
 @staged()
 @sheeted
 @compiler
@@ -198,6 +212,7 @@ def bench(
     fast: bool,
     precision: str,
     out: str | None,
+    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Measure symbolic evaluation against generated C on a design.
@@ -212,7 +227,9 @@ def bench(
     from lamc.commands.bench import bench as work
     from lamc.commands.inputs import Source
 
-    return work(Source(file, example, cc, fast, precision, sheet=sheet), changes, out, terminal)
+    return work(
+        Source(file, example, cc, fast, precision, sheet=sheet, settings=settings), changes, out, terminal
+    )
 
 
 main.add_command(convert)
@@ -221,6 +238,7 @@ main.add_command(ledger)
 main.add_command(new)
 main.add_command(plate)
 main.add_command(run)
+main.add_command(sweep)
 main.add_command(view)
 
 

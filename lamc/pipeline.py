@@ -4,10 +4,8 @@ load → split → plan → derive → lower → emit → build. Nothing is reme
 """
 
 import logging
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,11 +13,11 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import BuildError, DesignError
 from lamc.basics.once import remembered
 from lamc.basics.places import located_at
-from lamc.basics.progress import bar
+from lamc.basics.times import Observer, Times
 from lamc.codegen.cache import Cache, cache_root
-from lamc.codegen.module import Module, load_module
+from lamc.codegen.module import Module
 from lamc.codegen.options import CompileOptions
-from lamc.codegen.toolchain import find_compiler
+from lamc.codegen.toolchain import find_compiler, find_machine_compiler
 from lamc.design.split import split
 from lamc.effects.registry import choose
 from lamc.loops.at_start import loops_of
@@ -28,6 +26,7 @@ from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.survey import Survey, can_survey, survey_design
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
 from lamc.records.effect import Effect
@@ -36,6 +35,17 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
+from lamc.run.kept_programs import (
+    KeptDesign,
+    design_of_structure,
+    keep_design,
+    keep_structure,
+    kept_design,
+    numbers_of,
+    opened_entry,
+    structure_alias,
+)
+from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
 from lamc.run.simulator import Simulator
 
@@ -44,49 +54,7 @@ if TYPE_CHECKING:
     from lamc.mechanics.equations import Equations
     from lamc.symbolic.program import Program
 
-logger = logging.getLogger("lamc")  # stages with their times
-Observer = Callable[[str], None]  # told the name of each stage as it begins
-
-
-@dataclass
-class Times:
-    """Seconds per stage, in the order in which they ran; `from_cache` if nothing had to be compiled."""
-
-    seconds: dict[str, float] = field(default_factory=dict)
-    from_cache: bool = False
-    observer: Observer | None = None
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        if self.observer is not None:
-            self.observer(name)
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            taken = time.perf_counter() - start
-            self.seconds[name] = self.seconds.get(name, 0.0) + taken
-            logger.debug("%s: %.3g s", name, taken)
-
-    @contextmanager
-    def told(self, progress: Observer | bool | None) -> Iterator[None]:
-        """Tells `progress` of stages too while it lasts; True: a bar."""
-        if not progress:
-            yield
-            return
-        before = self.observer
-        with nullcontext((progress, None)) if callable(progress) else bar("compile") as (stage, _):
-
-            def both(name: str) -> None:
-                stage(name)
-                if before is not None:
-                    before(name)
-
-            self.observer = both
-            try:
-                yield
-            finally:
-                self.observer = before
+logger = logging.getLogger("lamc")
 
 
 def effects_of(mechanism: Mechanism, scene: Scene) -> tuple[Effect, ...]:
@@ -184,45 +152,70 @@ def _compiled(
     def sources(*, energy_balance: bool) -> "tuple[Program, SourceTree]":
         return sources_of(equations(), times, energy_balance=energy_balance, precision=options.precision)
 
-    def module(*, energy_balance: bool) -> Module:
+    @remembered
+    def surveyed() -> Survey | None:
+        arrangement = arrange(plan(mechanism), effects)
+        with times.stage("numbers"):
+            return (
+                survey_design(arrangement, effects, loops, scene.inputs) if can_survey(arrangement) else None
+            )
+
+    def module(*, energy_balance: bool = False, lanes: bool = False) -> tuple[Module, DesignNumbers]:
+        maker = find_machine_compiler(options) if lanes else compiler
         alias = input_digest(
             mechanism,
             effects,
             loops,
-            compiler,
+            maker,
             options,
             scene.inputs,
             energy_balance=energy_balance,
             common=common,
         )
         with times.stage("load from cache"):
-            key = cache.recall(alias) if alias else None
-            folder = cache.find(key) if key else None
-            found = load_module(folder) if folder else None
-        if found is not None:
+            known = kept_design(cache, alias) if alias else None
+            found = opened_entry(cache, known.entry) if known else None
+        if known is not None and found is not None:
             times.from_cache = True
-            return found
+            return found, known.numbers
+        survey = surveyed()
+        if survey is not None:
+            of = structure_alias(survey.structure, maker, options, energy_balance=energy_balance, lanes=lanes)
+            with times.stage("load from cache"):
+                drawn = design_of_structure(cache, of, survey)
+            if drawn is not None:
+                times.from_cache = True
+                if alias:
+                    keep_design(cache, alias, KeptDesign(*drawn[1:]))
+                return drawn[0], drawn[2]
         program, tree = sources(energy_balance=energy_balance)
         from lamc.codegen.build import build
 
+        if lanes:
+            from lamc.codegen.emit_lanes import emit_lanes
+
+            tree = emit_lanes(program, tree, options.precision)
         with times.stage("compile"):
-            key, made, times.from_cache = build(tree, program.digest, compiler, options, cache)
+            entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
         if alias:
-            cache.remember(alias, key)
-        return made
+            keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
+        if survey is not None:
+            keep_structure(cache, of, entry, program)
+        return made, numbers_of(program)
 
     # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
-    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc).
+    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc). So are lanes, which would be half of it.
     simulator = Simulator(
         mechanism,
         scene,
         effects,
         equations,
         lambda: sources(energy_balance=False)[0],
-        module(energy_balance=False),
+        *module(),
         loops,
         lambda: module(energy_balance=True),
         Recipe(mechanism, scene, options, cache),
+        lambda: module(lanes=True),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 

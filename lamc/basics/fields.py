@@ -4,7 +4,7 @@
 
 In: plain values from a file or from Python. Out: floats in SI, tuples, read-only maps. What is refused is told by the
 part at fault. The context of a validation (`info.context`) may have LENGTH_UNIT, the unit of lengths that are written
-bare, and FOLDER, from which the names of files count.
+bare, FOLDER, from which the names of files count, and EXPRESSIONS, which reads numbers that are written as expressions.
 """
 
 import numbers
@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from types import NoneType
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
+from typing import Annotated, Any, Literal, Protocol, TypeVar, get_args, get_origin
 
 import numpy as np
 from pydantic import (
@@ -40,6 +40,7 @@ M = TypeVar("M", bound=BaseModel)
 
 LENGTH_UNIT = "length_unit"
 FOLDER = "folder"
+EXPRESSIONS = "expressions"
 UNIT = "x-unit"  # of numbers, in JSON Schema: SI, "1" for a plain number
 MEANING = "x-meaning"  # of a field, in JSON Schema: its description without words about its form
 
@@ -142,6 +143,20 @@ def with_unit(schema: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+class Expressions(Protocol):
+    """Reads numbers that stand in a file as expressions in its parameters."""
+
+    def takes(self, text: str) -> bool:
+        """False for a number, with a unit or without, and for what is no expression."""
+
+    def number(self, text: str, kind: Quantity, bare_unit: str | None) -> float:
+        """The value in SI; one without a dimension counts as a number without a unit does. Raises DesignError."""
+
+    def in_drive(self, text: str) -> str | None:
+        """An expression that is evaluated as a model runs, with values for its parameters; None where it is the
+        parameters' alone, and so a number. Raises DesignError."""
+
+
 def is_measured(text: str) -> bool:
     """True for a number with a unit, which no expression looks like."""
     return _MEASURED.match(text) is not None
@@ -182,7 +197,13 @@ class Unit:
         kind, plain = self.unit, self.si
         if isinstance(kind, str):
             kind = Quantity(name, plain, units.EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
-        number = to_si(value, kind, (context or {}).get(LENGTH_UNIT) if plain == "m" else None) + 0.0
+        context = context or {}
+        bare = context.get(LENGTH_UNIT) if plain == "m" else None
+        expressions: Expressions | None = context.get(EXPRESSIONS)
+        if expressions is not None and isinstance(value, str) and expressions.takes(value):
+            number = expressions.number(value, kind, bare) + 0.0
+        else:
+            number = to_si(value, kind, bare) + 0.0
         for rule, words in _RULES.items():
             bound = getattr(self, rule)
             if bound is not None and not getattr(operator, rule)(number, bound):
@@ -221,7 +242,10 @@ class Unit:
             if origin is Literal and value in inner:
                 return value
             if form is str and isinstance(value, str) and not is_measured(value):
-                return value
+                expressions = context.get(EXPRESSIONS)
+                drive = value if expressions is None else expressions.in_drive(value)
+                if drive is not None:
+                    return drive
         with part(*path[1:]):
             if float not in forms:
                 asked = ", or ".join(self._asked(form) for form in forms if form is not NoneType)

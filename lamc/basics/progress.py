@@ -20,7 +20,10 @@ def bar(title: str) -> Iterator[tuple[Callable[[str], None], Part]]:
         yield from _by_rich(title)
         return
     with tqdm(
-        total=1.0, desc=title, leave=False, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}"
+        total=1.0,
+        desc=title,
+        leave=False,
+        bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}, {remaining} left",
     ) as shown:
 
         def stage(name: str) -> None:
@@ -36,7 +39,7 @@ def _by_rich(title: str) -> Iterator[tuple[Callable[[str], None], Part]]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as shown:
+    with Progress(console=Console(stderr=True), transient=True) as shown:  # with the time left
         task: Any = shown.add_task(title, total=1.0)
         yield (
             lambda name: shown.update(task, description=f"{title}: {name}"),

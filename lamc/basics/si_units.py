@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
+from lamc.basics.common_units import COMMON
 from lamc.basics.errors import DesignError
 from lamc.basics.units import EXAMPLES, Quantity, check_unit, registry, to_si
 
@@ -45,10 +46,20 @@ class SIUnit:
     factor: float
 
 
+# Those that designs are mostly written in, as pint would have them.
+_COMMON: Mapping[str, SIUnit] = {
+    unit: SIUnit(si.replace("*", "·").replace("^2", "²").replace("^3", "³"), factor)
+    for (unit, si), factor in COMMON.items()
+    if si != "deg" and unit not in ("mg/mm^3", "N/mm^2", "mm^-1")  # which pint makes otherwise
+}
+
+
 def si_unit(text: str) -> SIUnit:
     """The SI unit of `text`. Raises DesignError for what is no unit, or one that cannot be scaled, such as degC."""
     given = text.strip().replace("*", "·").replace("^2", "²")
-    return SIUnit(given or "1", 1.0) if given in ("", *_PLAIN) else _parsed(_spelled(text))
+    if given in ("", *_PLAIN):
+        return SIUnit(given or "1", 1.0)
+    return _COMMON.get(text.strip()) or _parsed(_spelled(text))
 
 
 def measured(text: str) -> tuple[float, str]:

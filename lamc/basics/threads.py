@@ -7,11 +7,14 @@ heeds it in the main thread of Python only.
 
 import functools
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
+_within = threading.local()  # whether scipy was there when the context around began; nothing outside of one
 
 
 def on_one_thread(function: Callable[P, R]) -> Callable[P, R]:
@@ -19,10 +22,26 @@ def on_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(function)
     def alone(*given: P.args, **named: P.kwargs) -> R:
-        with _libraries("scipy.linalg" in sys.modules).limit(limits=1):
+        with one_thread():
             return function(*given, **named)
 
     return alone
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """During which BLAS has one thread."""
+    before, has_scipy = getattr(_within, "has_scipy", None), "scipy.linalg" in sys.modules
+    # One of these within another does nothing: to ask the libraries takes longer than a small matrix does.
+    if before is has_scipy:
+        yield
+        return
+    _within.has_scipy = has_scipy
+    try:
+        with _libraries(has_scipy).limit(limits=1):
+            yield
+    finally:
+        _within.has_scipy = before
 
 
 @functools.cache

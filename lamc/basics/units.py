@@ -82,7 +82,7 @@ def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> fl
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise DesignError(
-            f"{_shown(value)} is not {_a(quantity.name)}; write a number in {quantity.unit or 'plain form'}, "
+            f"{_shown(value)} is not {with_article(quantity.name)}; write a number in {quantity.unit or 'plain form'}, "
             f"or with its unit, such as {quantity.example!r}"
         )
     if isinstance(value, str):
@@ -94,7 +94,7 @@ def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> fl
     return _scaled(number, unit or bare_unit or quantity.unit, quantity)
 
 
-def _a(noun: str) -> str:
+def with_article(noun: str) -> str:
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
 
 
@@ -116,7 +116,9 @@ def _as_float(value: int | float) -> float:
 
 def _split(text: str, quantity: Quantity) -> tuple[float, str]:
     if len(text) > LONGEST:
-        raise DesignError(f"{_a(quantity.name)} of {len(text)} characters; at most {LONGEST} are allowed")
+        raise DesignError(
+            f"{with_article(quantity.name)} of {len(text)} characters; at most {LONGEST} are allowed"
+        )
     match = _QUANTITY.match(text)
     if match is None and _REPR.match(text):
         raise DesignError(
@@ -124,11 +126,19 @@ def _split(text: str, quantity: Quantity) -> tuple[float, str]:
         )
     if match is None:
         raise DesignError(
-            f"{text!r} is not {_a(quantity.name)}; write a number and a unit, such as {quantity.example!r}"
+            f"{text!r} is not {with_article(quantity.name)}; write a number and a unit, such as {quantity.example!r}"
         )
     unit = match["unit"]
     check_unit(unit, quantity)
     return float(match["number"]), unit
+
+
+def is_quantity(text: str) -> bool:
+    """Whether the text reads as a number, with a unit or without; whether there is such a unit is not asked."""
+    match = _QUANTITY.match(text) if len(text) <= LONGEST else None
+    return match is not None and (
+        not match["unit"] or _UNIT.match(" ".join(match["unit"].split())) is not None
+    )
 
 
 def check_unit(unit: str, quantity: Quantity) -> None:
@@ -173,7 +183,7 @@ def _asked(unit: str, quantity: Quantity) -> float:
         given = known.parse_units(unit.replace("°", "degree").replace("·", "*"))
     except Exception as error:  # pint's tokenizer and evaluator fail in many ways, all meaning the same here
         raise DesignError(
-            f"{unit!r} is not a unit that lamc knows; {_a(quantity.name)} looks like {quantity.example!r}"
+            f"{unit!r} is not a unit that lamc knows; {with_article(quantity.name)} looks like {quantity.example!r}"
         ) from error
     expected = known.parse_units(quantity.unit)
     if given.dimensionality != expected.dimensionality:
@@ -185,8 +195,8 @@ def _asked(unit: str, quantity: Quantity) -> float:
         # Angles have no dimension, so that N*mm would pass for N*mm/rad where N*mm/deg was meant, and Hz for rad/s.
         reported = "names no angle" if _angles(expected) else "names an angle"
         raise DesignError(
-            f"{unit!r} {reported}, and {_a(quantity.name)} is in {quantity.unit or 'plain form'} or the like: "
-            f"write it such as {quantity.example!r}"
+            f"{unit!r} {reported}, and {with_article(quantity.name)} is in {quantity.unit or 'plain form'} or the "
+            f"like: write it such as {quantity.example!r}"
         )
     try:
         factor = float(known.Quantity(1.0, given).to(expected).magnitude)

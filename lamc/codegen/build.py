@@ -19,9 +19,9 @@ from cffi import recompiler
 from lamc.basics._version import __version__
 from lamc.basics.errors import BuildError
 from lamc.codegen.cache import Cache
-from lamc.codegen.emit import SourceTree
+from lamc.codegen.emit import EXAMPLE, SourceTree, without_numbers
 from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
-from lamc.codegen.options import CompileOptions
+from lamc.codegen.options import MACHINE, CompileOptions
 from lamc.codegen.toolchain import Compiler, make_library, make_objects
 
 # The one unit of the library: the C of the model, the element or the ply, and the generic name under which the Python
@@ -34,28 +34,28 @@ const lamc_{kind} *lamc_this_{kind}(void) {{ return {prefix}_{kind}(); }}
 """
 
 
-def module_key(program_digest: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
-    """Everything that can change the binary, as one digest."""
+def module_key(structure: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
+    """Everything that can change the binary but numbers of a design, as one digest."""
     parts = [
-        program_digest,
+        structure,
         __version__,
         compiler.identity,
         *options.flags,
         sys.implementation.cache_tag or "",
     ]
-    for name in sorted(tree.files):
-        parts += [name, tree.files[name]]
+    for name in sorted(set(tree.files) - {EXAMPLE}):
+        parts += [name, without_numbers(tree.files[name])]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
 def build(
-    tree: SourceTree, program_digest: str, compiler: Compiler, options: CompileOptions, cache: Cache
+    tree: SourceTree, structure: str, compiler: Compiler, options: CompileOptions, cache: Cache
 ) -> tuple[str, Module, bool]:
     """Compiles `tree` unless the cache has it. Returns (key, module, was it in the cache).
 
     Raises BuildError if the compiler fails or the cache cannot be used.
     """
-    key = module_key(program_digest, compiler, options, tree)
+    key = module_key(structure, compiler, options, tree)
     folder = cache.find(key)
     found = folder is not None
     if folder is None:
@@ -99,7 +99,11 @@ def _maker(
         write_sources(tree, source)
         entry = f"_this_{tree.kind}.c"  # no unit of the runtime has such a name: objects are named after their units
         (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
-        make_library(compiler, [*options.flags, f"-I{SOURCES}"], [entry], LIBRARY, folder, objects)
+        flags = [*options.flags, f"-I{SOURCES}"]
+        lanes = _lanes(tree, compiler, flags, folder)
+        make_library(compiler, flags, [entry], LIBRARY, folder, [*objects, *lanes])
+        for path in lanes:
+            path.unlink()
         (folder / BINDING).write_text(_binding(tree.declarations, tree.kind), encoding="utf-8")
         try:
             cffi.FFI().dlopen(str(folder / LIBRARY))
@@ -110,6 +114,18 @@ def _maker(
             ) from error
 
     return make
+
+
+def _lanes(tree: SourceTree, compiler: Compiler, flags: list[str], folder: Path) -> list[Path]:
+    """Objects of what steps several runs side by side; none where the tree has no lanes."""
+    if not tree.lanes:
+        return []
+    common = make_objects(compiler, flags, [f"{SOURCES}/ensemble.c"], folder)
+    unit = [f"{SOURCES}/{tree.lanes}"]
+    try:
+        return common + make_objects(compiler, [*flags, *MACHINE], unit, folder)
+    except BuildError:  # a compiler that does not know its machine: two lanes are right everywhere
+        return common + make_objects(compiler, flags, unit, folder)
 
 
 @cache

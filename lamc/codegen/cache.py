@@ -16,6 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from lamc.basics.errors import BuildError
 
@@ -43,10 +44,14 @@ def make_root(root: Path) -> None:
 
 
 class Cache:
-    """Entries by key. Reading needs no right to write."""
+    """Entries by key. Reading needs no right to write.
 
-    def __init__(self, root: Path) -> None:
+    passing  notes of single designs go nowhere: of a thousand designs of a study nobody asks again
+    """
+
+    def __init__(self, root: Path, *, passing: bool = False) -> None:
         self.root = root
+        self.passing = passing
 
     def find(self, key: str) -> Path | None:
         """Folder of a complete and unchanged entry, or None."""
@@ -100,6 +105,23 @@ class Cache:
         with contextlib.suppress(BuildError):
             self._prepare()
             self._write(f"{alias}.note", text)
+
+    def keep(self, alias: str, value: object, *, of_one_design: bool = True) -> None:
+        """Keeps what JSON can hold, with its digest; without harm where nothing can be written."""
+        if self.passing and of_one_design:
+            return
+        text = json.dumps(value)
+        self.note(alias, f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}")
+
+    def kept(self, alias: str) -> Any:
+        """What `keep` kept, or None; a note that is damaged is none."""
+        digest, _, text = (self.noted(alias) or "").partition("\n")
+        if not text or digest != hashlib.sha256(text.encode()).hexdigest():
+            return None
+        try:
+            return json.loads(text)
+        except ValueError:
+            return None
 
     def _write(self, file: str, text: str) -> None:
         with contextlib.suppress(OSError):
@@ -184,6 +206,16 @@ def intact(folder: Path) -> bool:
         return bool(manifest["files"] == _digests(folder))
     except (OSError, ValueError, KeyError, TypeError):
         return False
+
+
+def stamps(folder: Path) -> tuple[tuple[str, int, int], ...]:
+    """Name, size and time of each file of an entry: what a change of it changes, but for a change that hides."""
+    found = []
+    for place, _, names in os.walk(folder):
+        for name in names:
+            status = os.stat(os.path.join(place, name))
+            found.append((os.path.join(place, name), status.st_size, status.st_mtime_ns))
+    return tuple(sorted(found))
 
 
 def facts(folder: Path) -> Mapping[str, str]:

@@ -29,6 +29,8 @@ _DECLARATIONS = re.compile(
     r"/\* lamc: declarations begin \*/\n(.*?)/\* lamc: declarations end \*/", re.DOTALL
 )
 
+_NUMBERS = re.compile(r"^static const \w+ parameter_defaults\[\] = \{\n.*?^\};\n", re.DOTALL | re.MULTILINE)
+
 _AT_PRECISION = (
     "acceleration",
     "system",
@@ -37,7 +39,9 @@ _AT_PRECISION = (
     "momenta",
 )  # closure must be exact, and the rest costs little
 
+EXAMPLE = "main.c"  # shows how to call the model, and is not compiled
 IN_A_LINE = 20  # numbers of a table
+GEOMETRY = "geometry"  # member of the struct of parameters that holds the numbers of the drawing
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,7 @@ class SourceTree:
     declarations: str  # for cffi
     shared: tuple[str, ...]  # names of the files that are the same for everything of this kind
     kind: str = "model"  # of lamc_model, lamc_element: what the library offers
+    lanes: str = ""  # the unit that is compiled for this very machine; none: all is for any of its kind
 
 
 @dataclass(frozen=True)
@@ -88,13 +93,18 @@ def emit(program: Program, precision: str = "double", prefix: str = "", number: 
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),
         f"{prefix}.c": environment().get_template("model.c.j2").render(context),
-        "main.c": environment().get_template("main.c.j2").render(context),
+        EXAMPLE: environment().get_template("main.c.j2").render(context),
         **runtime,
     }
     compiled = (f"{prefix}.c", *(name for name in sorted(runtime) if name.endswith(".c")))
     # Those of the model's own functions are C users' alone: what Python calls is the same for every model.
     declarations = declarations_of(runtime["lamc_real.h"] + runtime["lamc.h"])
     return SourceTree(prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)))
+
+
+def without_numbers(text: str) -> str:
+    """C of a model without the numbers of its design, which many designs of one structure share."""
+    return _NUMBERS.sub("", text)
 
 
 def declarations_of(header: str) -> str:
@@ -124,7 +134,8 @@ def environment() -> jinja2.Environment:
 
 
 def _context(program: Program, prefix: str, precision: str, number: str) -> dict[str, object]:
-    fields = identifiers(p.name for p in program.parameters)
+    names = identifiers([p.name for p in program.parameters], taken=[GEOMETRY])
+    fields = [*names, *(f"{GEOMETRY}[{place}]" for place in range(len(program.geometry)))]
     parameters = [
         CParameter(
             f,
@@ -134,7 +145,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
             comment(p.meaning),
             literal(p.default, number),
         )
-        for f, p in zip(fields, program.parameters, strict=True)
+        for f, p in zip(names, program.parameters, strict=True)
     ]
     printer, single = ShapePrinter(own_trig=True, number=number), ShapePrinter(single=True)
     functions = [
@@ -150,7 +161,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
         "prefix": prefix,
         "real": number,
         "guard": f"{prefix.upper()}_H",
-        "digest": program.digest,
+        "structure": program.structure,
         "notes": [comment(n) for n in program.notes],
         "joints": [comment(j) for j in program.joints],
         "other_coordinates": other_entries(program, program.coordinates),
@@ -159,9 +170,8 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
         "pattern": _pattern(program.pattern),
         "planned": 0 if program.pattern is None else len(program.pattern.plan),
         "cuts": [comment(j) for j in program.cuts],
-        "size": literal(program.size, number),
+        "geometry": [literal(each.value, number) for each in program.geometry],
         "start": [literal(x) for x in program.drawn],
-        "tolerance": literal(program.tolerance, number),
         "bodies": [comment(b) for b in program.bodies],
         "energies": [comment(e) for e in program.energies],
         "parameters": parameters,
@@ -181,7 +191,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
         "guard_modes": [g.mode for g in program.guards],
         "jacobian_cost": literal(program.jacobian_cost, number),
         "present": sorted(program.functions),
-        "tables": [_look_up(k, table, number) for k, table in program.tables.items()],
+        "tables": look_ups(program, number),
         "functions": functions,
         "has_trig": any(
             text in line
@@ -197,6 +207,11 @@ def other_entries(program: Program, entries: Sequence[Coordinate]) -> list[tuple
     """Number, and name with unit, of the coordinates or rates beyond those of joints."""
     texts = [f"{comment(entry.name)}, {comment(entry.unit)}" for entry in entries]
     return list(enumerate(texts))[len(program.joints) :]
+
+
+def look_ups(program: Program, number: str = "double") -> list[CLookUp]:
+    """The tables of a program as text."""
+    return [_look_up(k, table, number) for k, table in program.tables.items()]
 
 
 def _look_up(k: int, table: Piecewise, number: str) -> CLookUp:
@@ -258,6 +273,8 @@ def _counts(program: Program) -> dict[str, int]:
         "rank": program.rank,
         "bodies": len(program.bodies),
         "parameters": len(program.parameters),
+        "geometry": len(program.geometry),
+        "inputs": max(1, len(program.inputs)),
         "constants": program.constant_count,
         "energies": len(program.energies),
         "guards": len(program.guards),

@@ -145,15 +145,14 @@ class Long:
 
     def _kernel(self, number: int, kernel: KernelClass) -> CRoutine:
         lines = heading(self.function, kernel.section)
-        arrays: dict[int, str] = {}
+        spaces: dict[int, Space] = {}
         for _, operands in kernel.pattern:
             for operand in operands:
                 if isinstance(operand, External) and operand.space is not Space.TIME:
-                    arrays[operand.slot] = array_name(operand.space, self.number)
-        lines += [
-            f"const {self.number} e{slot} = {array}[i[{slot + 1}]];" for slot, array in sorted(arrays.items())
-        ]
-
+                    spaces[operand.slot] = operand.space
+        for slot, space in sorted(spaces.items()):
+            read = assigned(f"{array_name(space, self.number)}[i[{slot + 1}]]", space, self.number)
+            lines.append(f"const {self.number} e{slot} = {read};")
         found = sine_cosine_pairs(kernel.pattern) if self.number in SHARING else {}
         for position, (shape, operands) in enumerate(kernel.pattern):
             pair = found.get(position)

@@ -4,8 +4,9 @@ Goes in: a store and the values that the function gives. Comes out: a Function. 
 is about a mechanism or a finite element.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from types import MappingProxyType
 
 from lamc.symbolic.program import Function, Operand, Section, Shape, Space, Statement
 from lamc.symbolic.scalars import Number, Scalar, Value
@@ -19,13 +20,23 @@ class Lowering:
     """One function. `constants` grows by the outer values that it reads.
 
     exact: fractions that no double holds stay fractions, for functions that are also computed in other precisions.
+    drawn: numbers of the drawing, node → place behind the parameters; those that are not in it are literals.
     """
 
-    def __init__(self, store: Store, outer: Level, constants: dict[int, int], *, exact: bool = False) -> None:
+    def __init__(
+        self,
+        store: Store,
+        outer: Level,
+        constants: dict[int, int],
+        drawn: Mapping[int, int] = MappingProxyType({}),
+        *,
+        exact: bool = False,
+    ) -> None:
         self.store = store
         self.exact = exact
         self.outer = outer
         self.constants = constants
+        self.drawn = drawn
         self.slots: dict[int, Operand] = {}
 
     def function(
@@ -60,6 +71,8 @@ class Lowering:
             return Operand(Space.CONSTANT, self.constants.setdefault(index, len(self.constants)))
         if isinstance(payload, Symbol):
             return Operand(payload.space, payload.index)
+        if index in self.drawn:
+            return Operand(Space.PARAMETER, self.drawn[index])
         assert payload is not None, "a leaf is an input or a number"
         return self._number(payload)
 

@@ -34,12 +34,14 @@ def identifier(name: str, taken: Container[str] = ()) -> str:
     return candidate
 
 
-def identifiers(names: Iterable[str]) -> list[str]:
-    """One identifier each, all different."""
-    result: dict[str, None] = {}
+def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> list[str]:
+    """One identifier each, all different, and none of those taken."""
+    known = dict.fromkeys(taken)
+    result: list[str] = []
     for name in names:
-        result[identifier(name, result)] = None
-    return list(result)
+        result.append(identifier(name, known))
+        known[result[-1]] = None
+    return result
 
 
 def string_literal(text: str) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from lamc.codegen.names import comment
-from lamc.codegen.printer import REAL, literal
+from lamc.codegen.printer import LANES, REAL, literal
 from lamc.symbolic.program import Function, Operand, Operations, Space
 
 SHORT_INDEX, LONG_INDEX, MAX_SHORT_INDEX = "unsigned short", "unsigned int", 65535  # C promises no more
@@ -65,7 +65,8 @@ def output_lines(function: Function, name: Callable[[Operand], str], number: str
 
 def assigned(text: str, space: Space, number: str) -> str:
     """C for what is stored; where values are no doubles, EACH(…) makes one of a number."""
-    return f"EACH({text})" if space is Space.NUMBER and number not in ("double", "float", REAL) else text
+    is_other = space is Space.NUMBER and number not in ("double", "float", REAL)
+    return f"EACH({text})" if is_other and not text.startswith("EACH(") else text
 
 
 def unused(function: Function, used: set[Space]) -> tuple[str, ...]:
@@ -90,7 +91,10 @@ def operand_name(operand: Operand, fields: list[str], number: str = "double") ->
         return f"(float){operand_name(operand, fields)}"
     match operand.space:
         case Space.NUMBER:
-            return literal(operand.value, number)
+            text = literal(operand.value, number)
+            return (
+                f"EACH({text})" if number == LANES else text
+            )  # functions of two take no vector and a number
         case Space.PARAMETER:
             return f"p->{fields[operand.index]}"
         case Space.TIME:

@@ -20,7 +20,9 @@ from lamc.symbolic.program import Operand, Shape
 from lamc.symbolic.staging import TABLE, table_place
 
 REAL = "lamc_real"  # the type of numbers in C that may become float
+LANES = "lanes"  # the type of numbers of several runs side by side, in runtime_c/ensemble/lane_numbers.h
 _PLACE = re.compile(r"P(\d+)Q")
+_CALL = re.compile(r"\b([a-z]\w*)\(")
 _CONSTANT = re.compile(r"\b\d+\.\d+(?:e[+-]?\d+)?\b")
 
 
@@ -42,13 +44,18 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         return f"table_{number}({self._print(x)}, {order})"
 
 
+class _LanePrinter(_Printer):
+    def _print_sign(self, expr: sp.Expr) -> str:
+        return f"sign({self._print(expr.args[0])})"  # comparisons of vectors are no numbers
+
+
 @dataclass(frozen=True)
 class ShapePrinter:
     """Prints shapes.
 
     single: numbers and functions of single precision, 1.0F and sinf.
     own_trig: sine and cosine of `trig.h`.
-    number: type of constants, "double" or REAL.
+    number: type of constants, "double" or REAL; LANES: functions are those of lane_numbers.h.
     """
 
     single: bool = False
@@ -71,11 +78,14 @@ def _pieces(shape: Shape, way: ShapePrinter) -> tuple[tuple[str, ...], tuple[int
     # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
     types = {"type_aliases": {real: float32}} if way.single else {}
     names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if way.own_trig else {}
-    text = _Printer({"order": "none", **types, **names}).doprint(_unevaluated(shape))
+    printer = _LanePrinter if way.number == LANES else _Printer
+    text = printer({"order": "none", **types, **names}).doprint(_unevaluated(shape))
     if "Not supported" in text:
         raise EmitError(f"an operation of {shape} has no C form")
     if way.number == REAL:
         text = _CONSTANT.sub(r"LAMC_R(\g<0>)", text)
+    if way.number == LANES:
+        text = _CALL.sub(r"lane_\g<0>", text)
     pieces = _PLACE.split(text)
     return tuple(pieces[0::2]), tuple(int(p) for p in pieces[1::2])
 

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from lamc.codegen.printer import REAL
+from lamc.codegen.printer import LANES, REAL
 from lamc.symbolic.program import Operand, Shape, Space, Statement
 
 CALLS = ("lamc_turn(", "lamc_turn_two(", "lamc_sin(", "lamc_cos(")  # in runtime_c/src/trig.h
-SHARING = ("double", REAL)  # types of numbers for which trig.h is called
+SHARING = ("double", REAL, LANES)  # types of numbers for which trig.h, or lane_numbers.h, is called
 _SINE, _COSINE = ("sin", 0), ("cos", 0)
 _Operand = TypeVar("_Operand")
 
@@ -63,7 +63,11 @@ def batches(statements: Sequence[Statement]) -> Iterator[Statement | tuple[tuple
 
 def call(angle: str, sine: str, cosine: str, number: str) -> list[str]:
     """Lines of C that declare a sine and a cosine."""
-    return [f"{number} {sine}, {cosine};", f"lamc_turn({angle}, &{sine}, &{cosine});"]
+    return [f"{number} {sine}, {cosine};", f"{_turn(number)}({angle}, &{sine}, &{cosine});"]
+
+
+def _turn(number: str) -> str:
+    return "lane_turn" if number == LANES else "lamc_turn"
 
 
 def calls(
@@ -73,7 +77,7 @@ def calls(
     for (sine, cosine), (other_sine, other_cosine) in zip(batch[0::2], batch[1::2], strict=False):
         s, c = f"s{sine.target.index}", f"c{cosine.target.index}"
         yield f"{number} {s}[2], {c}[2];"
-        yield f"lamc_turn_two({name(sine.operands[0])}, {name(other_sine.operands[0])}, {s}, {c});"
+        yield f"{_turn(number)}_two({name(sine.operands[0])}, {name(other_sine.operands[0])}, {s}, {c});"
         for k, (one, other) in enumerate(((sine, cosine), (other_sine, other_cosine))):
             yield f"const {number} z{one.target.index} = {s}[{k}], z{other.target.index} = {c}[{k}];"
     if len(batch) % 2:

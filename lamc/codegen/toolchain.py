@@ -15,6 +15,7 @@ from pathlib import Path
 from lamc.basics.errors import BuildError
 from lamc.codegen import target, zig
 from lamc.codegen.cache import Cache, cache_root
+from lamc.codegen.options import MACHINE, CompileOptions
 
 TIMEOUT = 600  # s; a compiler that takes longer on lamc's output hangs
 # They give up IEEE arithmetic, for the whole process where they link: loops, events and error control rest on it.
@@ -47,6 +48,16 @@ def find_compiler(
         found.identity, flags, lambda command, folder: run_compiler(found, command, folder), store
     )
     return replace(found, identity=f"{found.identity} {reported}")
+
+
+def find_machine_compiler(options: CompileOptions) -> Compiler:
+    """The compiler as it is for lanes, with an identity that tells them and this machine. Raises BuildError if there is
+    none."""
+    try:
+        found = find_compiler(options.compiler, flags=(*options.flags, *MACHINE))
+    except BuildError:  # it does not know its machine
+        found = find_compiler(options.compiler, flags=options.flags)
+    return replace(found, identity=f"{found.identity} lanes")
 
 
 def _found(wanted: str | None, environment: Mapping[str, str]) -> Compiler:

@@ -4,10 +4,10 @@ import json
 
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
+from lamc.basics.times import Times
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of, output_folder
 from lamc.commands.terminal import Terminal, plain
 from lamc.ledger.bench import measure
-from lamc.pipeline import Times
 from lamc.report.bench import bench_table, draw_bench
 
 

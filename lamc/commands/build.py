@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from lamc.basics.numbers import duration
 from lamc.basics.places import located_at
+from lamc.basics.times import Times
 from lamc.codegen.emit import SourceTree
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Terminal
 from lamc.effects.registry import Choice
 from lamc.export.folder import Origin, write_folder
-from lamc.pipeline import Times, equations_of, sources_of
+from lamc.pipeline import equations_of, sources_of
 from lamc.report.equations_text import equations_tex, equations_txt, listing
 from lamc.symbolic.program import Program
 

@@ -5,9 +5,9 @@ import time
 from collections.abc import Callable
 
 from lamc.basics.errors import LamcError, SimulationError
+from lamc.basics.times import Times
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
 from lamc.commands.terminal import Progress, Terminal
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.reference import check as compare
 

@@ -5,10 +5,10 @@ In: a file and what a user says of its sheet, a file to write. Out: that file, a
 
 from pathlib import Path
 
+from lamc.basics.times import Times
 from lamc.commands.inputs import Source, load_source
 from lamc.commands.terminal import Terminal
 from lamc.export.conversions import check_place, converted, write
-from lamc.pipeline import Times
 
 
 def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> int:

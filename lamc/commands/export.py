@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lamc.basics.errors import ExportError
 from lamc.basics.places import located_at
+from lamc.basics.times import Times
 from lamc.commands.export_plate import check_example, files_of_plate, is_plate_source
 from lamc.commands.export_plate import load as load_plate
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
@@ -15,7 +16,6 @@ from lamc.commands.terminal import Progress, Terminal
 from lamc.export import TARGETS, Files
 from lamc.export.folder import Origin, write_folder
 from lamc.export.options import ExportOptions
-from lamc.pipeline import Times
 from lamc.run.request import did_you_mean
 
 

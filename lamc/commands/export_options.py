@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import design, sheeted, speaking, staged
+from lamc.commands.options import design, dimensions, sheeted, speaking, staged
 from lamc.commands.terminal import Terminal
 from lamc.export import TARGETS
 from lamc.run.methods import SHOWN
@@ -44,6 +44,7 @@ Examples:
     help=f"{', '.join(TARGETS)}; `lamc export --to list` tells what each is.",
     show_default=True,
 )
+@dimensions
 @staged()
 @sheeted
 @click.option(
@@ -144,6 +145,7 @@ def export(
     stock: str | None,
     lossy: bool,
     inputs: str,
+    settings: tuple[str, ...],
     force: bool,
     out: str | None,
     terminal: Terminal,
@@ -173,5 +175,8 @@ def export(
         stock=stock,
     )
     return work(
-        ExportOrder(Source(file, example, sheet=sheet), changes, target, options, force, out), terminal
+        ExportOrder(
+            Source(file, example, sheet=sheet, settings=settings), changes, target, options, force, out
+        ),
+        terminal,
     )

@@ -14,10 +14,10 @@ import numpy as np
 
 from lamc import examples
 from lamc.basics.errors import LamcError
+from lamc.basics.times import Times
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, load_source, mechanism_of
 from lamc.commands.run_folder import MANIFEST
 from lamc.commands.terminal import Progress
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -36,7 +36,8 @@ def finished_run(
     manifest = _manifest(folder)
     way_out = "run it again, or view the design itself"
     origin = str(manifest["source"])
-    loaded = load_source(_source(folder, origin, source), times, progress)
+    dimensions = {name: each["value"] for name, each in manifest.get("design_parameters", {}).items()}
+    loaded = load_source(_source(folder, origin, source), times, progress, more=dimensions)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, SceneChanges(scene=manifest["scene"]))
     branch = manifest.get("branch", scene.branch)

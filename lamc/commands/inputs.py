@@ -9,22 +9,22 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lamc import examples
 from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.places import located_at
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.basics.si_units import in_unit
+from lamc.basics.times import Times
 from lamc.basics.units import ANGLE, ANGLE_RATE, Quantity, to_si
 from lamc.codegen.options import CompileOptions
+from lamc.commands.dimensions import NONE, dimensioned
 from lamc.commands.hinge_choice import AS_DRAWN, HingeChoice, stiffened
 from lamc.commands.pairs import pairs_of
 from lamc.commands.terminal import Progress
 from lamc.design.split import split
 from lamc.effects.registry import ADDED, Choice, by_name, choose
-from lamc.pipeline import Times
 from lamc.readers.effect_calls import make_effect
 from lamc.readers.inert import compose, plain
 from lamc.readers.load import load, load_text
@@ -48,6 +48,7 @@ class Source:
     precision: str = "double"
     hinges: HingeChoice = AS_DRAWN
     sheet: SheetOptions = NO_SHEET_OPTIONS
+    settings: Sequence[str] = ()  # NAME=VALUE of --set
 
     @property
     def options(self) -> CompileOptions:
@@ -77,20 +78,35 @@ class Loaded:
     origin  what to call where it comes from: its path, or the name of an example that has none
     path    its file; None for an example made to a size
     digest  SHA-256 of its bytes
+    settings  values, as typed, of names that are no parameters of the design: for its run
     """
 
     record: Design | Mechanism
     origin: str
     path: Path | None
     digest: str
+    settings: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         return self.record.name
 
 
-def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
-    """Reads the design. Raises LamcError as `lamc.load` does."""
+def load_source(
+    source: Source,
+    times: Times,
+    progress: Progress,
+    *,
+    of_run: bool = False,
+    more: Mapping[str, float] = NONE,
+) -> Loaded:
+    """Reads the design, and sets its parameters.
+
+    of_run  names of --set that are none of the design's are left for a run
+    more    further values of its parameters, SI
+
+    Raises LamcError as `lamc.load` does, and for a name that it does not know.
+    """
     source.check()
     with times.stage("load"):
         example = examples.find(source.example) if source.example is not None else None
@@ -99,8 +115,11 @@ def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
             raise LamcError(f"--{option} is of FOLD, SVG and DXF files; examples are none")
         if example is not None and example.path is None:
             digest = hashlib.sha256(example.text.encode("utf-8")).hexdigest()
-            record = stiffened(load_text(example.text, example.name), source.hinges, example.name)
-            return Loaded(record, example.name, None, digest)
+            record, left = dimensioned(
+                load_text(example.text, example.name), source.settings, more, of_run=of_run
+            )
+            record = stiffened(record, source.hinges, example.name)
+            return Loaded(record, example.name, None, digest, left)
         path = example.path if example is not None else Path(source.file or "")
         assert path is not None
         sheet = source.sheet
@@ -113,9 +132,11 @@ def load_source(source: Source, times: Times, progress: Progress) -> Loaded:
             units=sheet.units,
             roles=sheet.roles,
             heal=sheet.heal,
+            facets=sheet.facets,
         )
+        record, left = dimensioned(record, source.settings, more, of_run=of_run)
         record = stiffened(record, source.hinges, str(path))
-    return Loaded(record, str(path), path, hashlib.sha256(path.read_bytes()).hexdigest())
+    return Loaded(record, str(path), path, hashlib.sha256(path.read_bytes()).hexdigest(), left)
 
 
 def mechanism_of(loaded: Loaded, times: Times, progress: Progress) -> Mechanism:
@@ -224,20 +245,6 @@ def _quantities(texts: Sequence[str], option: str, kind: Quantity, joints: Seque
             values[joint] = to_si(value, kind)
             if kind is ANGLE and is_bare(value):
                 warn_of_degrees(values[joint], what)
-        except DesignError as error:
-            raise DesignError(f"{what}: {error.message}") from error
-    return values
-
-
-def parameters_of(texts: Sequence[str], units: Mapping[str, str]) -> Mapping[str, float]:
-    """NAME=VALUE of --set: a number in the parameter's own unit, of `units`, or text with a unit."""
-    values = {}
-    for name, value in pairs_of(texts, "--set", "0.01").items():
-        what = f"--set {f'{name}={value}'!r}"
-        if name not in units:
-            raise DesignError(f"{what}: no parameter is named {name!r}; {did_you_mean(name, list(units))}")
-        try:
-            values[name] = in_unit(value, units[name], "number")
         except DesignError as error:
             raise DesignError(f"{what}: {error.message}") from error
     return values

@@ -9,6 +9,7 @@ from typing import Any
 from lamc.basics.errors import LamcError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import renewed
+from lamc.basics.times import Times
 from lamc.commands.inputs import (
     SceneChanges,
     Source,
@@ -23,7 +24,6 @@ from lamc.ledger.measure import measure
 from lamc.ledger.peers import PEERS
 from lamc.ledger.records import DECADES, Ledger, Sweep
 from lamc.ledger.schema import ledger_schema
-from lamc.pipeline import Times
 from lamc.report.ledger import draw_ledger
 from lamc.report.ledger_text import ledger_text
 from lamc.run.defaults import DURATION

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, folder, sheeted, speaking, staged, until
+from lamc.commands.options import compiler, design, dimensions, folder, sheeted, speaking, staged, until
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 @click.option("--no-effects", is_flag=True, help="Leave out the account of effects and of arithmetic.")
 @click.option("--full", is_flag=True, help="Print a line for every setting.")
 @click.option("--schema", "only_schema", is_flag=True, help="Print the JSON Schema of ledger.json, and end.")
+@dimensions
 @folder
 @speaking
 def ledger(
@@ -60,6 +61,7 @@ def ledger(
     no_effects: bool,
     full: bool,
     only_schema: bool,
+    settings: tuple[str, ...],
     out: str | None,
     terminal: Terminal,
 ) -> int:
@@ -80,7 +82,7 @@ def ledger(
     if only_schema:
         return schema()
     order = LedgerOrder(
-        source=Source(file, example, cc, fast, sheet=sheet),
+        source=Source(file, example, cc, fast, sheet=sheet, settings=settings),
         changes=changes,
         t_end=t_end,
         accuracy=accuracy,

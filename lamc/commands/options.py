@@ -78,13 +78,13 @@ def until(what: str) -> Function:
     return click.option("--t-end", callback=seconds, metavar="SECONDS", help=text)
 
 
-settings = click.option(
-    "--set",
-    "settings",
-    metavar="NAME=VALUE",
-    multiple=True,
-    help="Change a parameter: 0.002 (SI) or '2 N*mm/rad'.",
-)
+def _settings(of: str) -> Function:
+    text = f"Change a parameter of the design{of}: 0.05 (SI) or '50 mm'."
+    return click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help=text)
+
+
+dimensions = _settings("")
+settings = _settings(", or of the run")
 
 
 def together(*options: Function) -> Function:

@@ -13,13 +13,13 @@ from lamc.basics._version import __version__
 from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
+from lamc.basics.times import Times
 from lamc.basics.units import LENGTH, to_si
 from lamc.commands.inputs import output_folder
 from lamc.commands.plate_files import SUMMARY, own_files, write_files
 from lamc.commands.plate_input import PlateSource, load_source
 from lamc.commands.plate_work import answers
 from lamc.commands.terminal import INTERRUPTED, Terminal, plain, problem_data
-from lamc.pipeline import Times
 from lamc.plates.elements.description import describe
 from lamc.plates.elements.library import element as element_of
 from lamc.readers.plates.problem_records import PlateFile

@@ -14,7 +14,7 @@ from shapely.geometry import Point
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, DesignErrors, LamcError, about
-from lamc.pipeline import Times
+from lamc.basics.times import Times
 from lamc.plates.answers.buckling import Buckling, buckling
 from lamc.plates.answers.convergence import error_of_values, kept_corners_text
 from lamc.plates.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes

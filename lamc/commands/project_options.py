@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import sheeted, speaking
+from lamc.commands.options import dimensions, sheeted, speaking
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -15,9 +15,17 @@ if TYPE_CHECKING:
 @click.argument("source", metavar="FILE")
 @click.argument("target", metavar="NEW_FILE")
 @sheeted
+@dimensions
 @click.option("--force", is_flag=True, help="Replace NEW_FILE where it is there.")
 @speaking
-def convert(source: str, target: str, sheet: "SheetOptions", force: bool, terminal: Terminal) -> int:
+def convert(
+    source: str,
+    target: str,
+    sheet: "SheetOptions",
+    settings: tuple[str, ...],
+    force: bool,
+    terminal: Terminal,
+) -> int:
     """Write what FILE holds in another format, by the suffix of NEW_FILE.
 
     .yaml (a native design, or a mechanism), .mechanism.yaml, .joints, .fold, .svg, .dxf. Tells what the new file does
@@ -32,7 +40,7 @@ def convert(source: str, target: str, sheet: "SheetOptions", force: bool, termin
     from lamc.commands.convert import convert as work
     from lamc.commands.inputs import Source
 
-    return work(Source(source, sheet=sheet), target, terminal, force=force)
+    return work(Source(source, sheet=sheet, settings=settings), target, terminal, force=force)
 
 
 @click.command()

@@ -15,6 +15,8 @@ from lamc.basics._version import __version__
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
+from lamc.basics.times import Times
+from lamc.commands.dimensions import of_run, told
 from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
@@ -23,19 +25,18 @@ from lamc.commands.inputs import (
     load_source,
     mechanism_of,
     output_folder,
-    parameters_of,
 )
 from lamc.commands.pairs import share_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.run_folder import MANIFEST, own_manifest, run_folder
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
 from lamc.records.design import Design
 from lamc.records.effect import conserves
 from lamc.report.look import FORMATS, Look
 from lamc.report.loops_text import loops_data
+from lamc.report.parameters_text import parameters_data
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.files import energy_balance_data, write_csv, write_npz
@@ -59,7 +60,6 @@ class RunOrder:
 
     source: Source
     changes: SceneChanges
-    settings: tuple[str, ...]  # NAME=NUMBER of parameters
     t_end: float | None  # s; None: the scene's duration, or `DURATION`
     accuracy: str | None  # 1e-3 or "0.1 %"; None: rtol and atol say
     rtol: float | None
@@ -81,7 +81,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
     with terminal.progress() as progress:
         times.observer = progress.stage
         _check_points(order.points, 0)
-        loaded = load_source(order.source, times, progress)
+        loaded = load_source(order.source, times, progress, of_run=True)
         out, remark = run_folder(order.out, loaded, order.changes.scene)
         with output_folder(out, loaded.name) as folder:
             mechanism = mechanism_of(loaded, times, progress)
@@ -90,7 +90,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
                 order = replace(order, t_end=scene.duration or DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
             _check_points(order.points, len(simulator.start))
-            parameters = parameters_of(order.settings, simulator.parameter_units)
+            parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
             with times.stage("run"):
                 result = _simulate(order, simulator, dict(parameters), progress)
             report = _report(loaded, simulator, result, account, times, order.changes.scene, remark)
@@ -168,6 +168,7 @@ def _report(
         drift=energy_drift(result) if conservative else None,
         scene=scene,
         remarks=(remark,) if remark else (),
+        dimensions=told(loaded.record),
     )
 
 
@@ -253,6 +254,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "angles": dict(simulator.scene.angles),
         "rates": dict(simulator.scene.rates),
         "branch": simulator.scene.branch,
+        "design_parameters": parameters_data(report.dimensions),
         "parameters": dict(result.provenance.parameters),
         "parameter_units": dict(simulator.parameter_units),
         "notes": list(report.notes),

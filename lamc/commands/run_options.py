@@ -125,9 +125,10 @@ def run(
     if no_animation:
         terminal.warn("--no-animation is --no-film now, which is what happens unless --film is there")
     order = RunOrder(
-        source=Source(file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet),
+        source=Source(
+            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
+        ),
         changes=changes,
-        settings=settings,
         t_end=t_end,
         accuracy=accuracy,
         rtol=rtol,

@@ -25,6 +25,7 @@ _FILES = {
     "scene": "Scene",
     "scenes": "Scenes",
     "plate": "PlateProblem",
+    "study": "Study",
 }
 ALL_FILE = "lamc.schema.json"
 

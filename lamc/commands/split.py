@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 from lamc.basics.errors import DesignError
 from lamc.basics.renewal import renewed
+from lamc.basics.times import Times
+from lamc.commands.dimensions import told
 from lamc.commands.hinge_choice import account_of
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import named_hinges, split_steps
 from lamc.loops.at_start import drawn_loops, loops_of
 from lamc.mechanism.plan import plan
-from lamc.pipeline import Times
 from lamc.readers.joint_definition import drawn_layers, drawn_lines
 from lamc.readers.joints_layers import layers_of
 from lamc.readers.joints_writer import write_joints, write_split
@@ -27,6 +28,7 @@ from lamc.records.mechanism import Mechanism
 from lamc.report.bodies_picture import draw_bodies
 from lamc.report.hinges_text import cut_data, cut_lines, hinge_data, hinge_table
 from lamc.report.loops_text import branch_lines, loops_data, loops_line
+from lamc.report.parameters_text import parameters_data, parameters_line
 from lamc.report.split_picture import draw_split
 from lamc.report.split_text import split_data, split_text
 
@@ -56,14 +58,17 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
             files.append(reported)
             write_mechanism(mechanism, staged / reported)
     text = split_text(mechanism, notes)
+    parameters = told(loaded.record)
     data = split_data(mechanism, notes)
     loops, data["loops"] = _loops(mechanism)
     drawn = named_hinges(loaded.record) if isinstance(loaded.record, Design) else ()
     hinges, cuts = hinge_table(account), cut_lines(drawn)
+    data["parameters"] = parameters_data(parameters)
     data["cuts"] = cut_data(drawn)
+    dimensions = f"parameters: {parameters_line(parameters)}" if parameters else ""
     if account:
         data["hinge_stiffness"] = hinge_data(account)
-    terminal.say("\n\n".join(part for part in (text, cuts, hinges, loops) if part))
+    terminal.say("\n\n".join(part for part in (text, dimensions, cuts, hinges, loops) if part))
     terminal.say(f"\nfiles   {folder}: {', '.join(files)}")
     terminal.result({"ok": True, "folder": str(folder), "files": files, **data})
     return 0

@@ -91,18 +91,22 @@ class PlainProgress:
 
     def __init__(self) -> None:
         self._name = ""
-        self._reported = 0.0
+        self._reported = self._begun = 0.0
 
     def stage(self, name: str) -> None:
         if name != self._name:
             self._name, self._reported = name, time.monotonic()
+            self._begun = self._reported
             tell(f"{name} …")
 
     def part(self, done: float, total: float) -> None:
         now = time.monotonic()
         if now - self._reported >= _PLAIN_EVERY and total > 0.0:
             self._reported = now
-            tell(f"{self._name} … {100 * done / total:.0f} %")
+            left = (now - self._begun) * (total - done) / done if done > 0.0 else 0.0
+            tell(
+                f"{self._name} … {100 * done / total:.0f} %" + (f", {left:.0f} s left" if left >= 1.0 else "")
+            )
 
 
 class BarProgress:
@@ -110,7 +114,13 @@ class BarProgress:
 
     def __init__(self) -> None:
         from rich.console import Console  # heavy, and of use on a terminal only
-        from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import (
+            BarColumn,
+            TaskProgressColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
         from rich.progress import Progress as RichProgress
 
         columns = (
@@ -118,6 +128,7 @@ class BarProgress:
             BarColumn(bar_width=30),
             TaskProgressColumn(),
             TimeElapsedColumn(),
+            TimeRemainingColumn(),
         )
         self._bar = RichProgress(*columns, console=Console(stderr=True), transient=True)
         self._task = self._bar.add_task("starting", total=None)

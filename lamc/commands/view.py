@@ -10,25 +10,25 @@ import numpy as np
 
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import checked_path
+from lamc.basics.times import Times
+from lamc.commands.dimensions import of_run
 from lamc.commands.export_plate import check_example, is_plate_source
 from lamc.commands.finished import finished_run
 from lamc.commands.inputs import (
+    Loaded,
     SceneChanges,
     Source,
     changed_scene,
     folder_name,
     load_source,
     mechanism_of,
-    parameters_of,
 )
 from lamc.commands.plate_input import PlateSource
 from lamc.commands.plate_input import load_source as load_plate
 from lamc.commands.plate_work import answers
 from lamc.commands.terminal import Progress, Terminal
 from lamc.export.pages import compared, mechanism_show, open_page, result_show
-from lamc.pipeline import Times
 from lamc.pipeline import compile as compile_design
-from lamc.records.mechanism import Mechanism
 from lamc.run.defaults import DURATION, default_rows
 from lamc.run.result import Result
 from lamc.view.document import MOST_BYTES, Show, write_page
@@ -44,7 +44,6 @@ class ViewOrder:
 
     sources: tuple[Source, ...]
     changes: SceneChanges
-    settings: tuple[str, ...]  # NAME=NUMBER of parameters
     t_end: float | None  # s
     fold: bool
     live: bool
@@ -141,9 +140,11 @@ def _unused(order: ViewOrder) -> list[str]:
     options = {
         "--scene": changes.scene, "--with": changes.with_effects, "--without": changes.without_effects,
         "--angle": changes.angles, "--rate": changes.rates, "--branch": changes.branch,
-        "--set": order.settings, "--t-end": order.t_end,
+        "--set": order.sources[0].settings, "--t-end": order.t_end,
     }  # fmt: skip
     given = [name for name, value in options.items() if value not in (None, (), [])]
+    if order.fold and "--set" in given:  # of the design, or refused where it is read
+        given.remove("--set")
     if order.fold and given:
         raise LamcError(
             f"{', '.join(given)} with --fold: nothing runs, and folding begins as drawn; leave out one"
@@ -172,19 +173,19 @@ def _show(source: Source, order: ViewOrder, label: str, times: Times, progress: 
     if kind == PLATE:
         file, origin = load_plate(PlateSource(source.file, source.example))
         return report_show(answers(file, origin, None, "auto", times), label=label)
-    loaded = load_source(source, times, progress)
-    mechanism = mechanism_of(loaded, times, progress)
+    loaded = load_source(source, times, progress, of_run=not order.fold)
     if order.fold:
-        return mechanism_show(mechanism, label)
-    result = _run(mechanism, source, order, times, progress)
+        return mechanism_show(mechanism_of(loaded, times, progress), label)
+    result = _run(loaded, source, order, times, progress)
     with times.stage("model"):
         return result_show(result, live=order.live, label=label, budget=budget)
 
 
-def _run(mechanism: Mechanism, source: Source, order: ViewOrder, times: Times, progress: Progress) -> Result:
+def _run(loaded: Loaded, source: Source, order: ViewOrder, times: Times, progress: Progress) -> Result:
+    mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, order.changes)
     simulator = compile_design(mechanism, scene, source.options, times)
-    parameters = dict(parameters_of(order.settings, simulator.parameter_units))
+    parameters = dict(of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters)))
     end = (scene.duration or DURATION) if order.t_end is None else order.t_end
     if end <= 0.0:
         raise LamcError(f"--t-end is {end:g} s; it must be above zero, or leave the run out by --fold")

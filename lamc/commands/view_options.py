@@ -61,7 +61,7 @@ def view(
     from lamc.commands.view import ViewOrder
     from lamc.commands.view import view as work
 
-    sources = [Source(file, None, cc, fast, sheet=sheet) for file in files] + [
-        Source(None, name, cc, fast, sheet=sheet) for name in examples
+    sources = [Source(file, None, cc, fast, sheet=sheet, settings=settings) for file in files] + [
+        Source(None, name, cc, fast, sheet=sheet, settings=settings) for name in examples
     ]
-    return work(ViewOrder(tuple(sources), changes, settings, t_end, fold, not no_live, out, open_), terminal)
+    return work(ViewOrder(tuple(sources), changes, t_end, fold, not no_live, out, open_), terminal)

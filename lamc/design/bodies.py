@@ -7,6 +7,7 @@ neighbouring layers hang together where they overlap with positive area; touchin
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +23,10 @@ from lamc.records.mechanism import Array
 OVERLAP = 1e-12
 # Half width of the window of a first look at an overlap, in units of the root of the area looked for.
 WINDOW = 100.0
+MANY = 500  # corners of two outlines: the overlay of fewer takes no longer than the look
 
 Geometries = npt.NDArray[np.object_]
+_NONE = np.zeros((2, 0), dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +39,8 @@ class Group:
     @property
     def area(self) -> float:
         """m², of the layer where the group is largest."""
-        return max(math.fsum(p.area for p in layer) for layer in self.polygons)
+        areas = iter(shapely.area([p for layer in self.polygons for p in layer]).tolist())
+        return max(math.fsum(next(areas) for _ in layer) for layer in self.polygons)
 
     @property
     def at(self) -> tuple[float, float]:
@@ -60,13 +64,14 @@ def find_groups(cut: Sequence[MultiPolygon], fixed: Sequence[MultiPolygon], size
     starts = np.concatenate([[0], np.cumsum([len(p) for p in pieces])])
     threshold = OVERLAP * size * size
     parent = list(range(int(starts[-1])))
-    for layer in range(len(pieces) - 1):
-        for low, high in overlapping(pieces[layer], pieces[layer + 1], threshold):
+    held_by = [list(region.geoms) for region in fixed]
+    found = overlapping([*pairwise(pieces), *zip(pieces, held_by, strict=True)], threshold)
+    for layer, pairs in enumerate(found[: len(pieces) - 1]):
+        for low, high in pairs:
             unite(parent, int(starts[layer]) + low, int(starts[layer + 1]) + high)
     held: set[int] = set()
-    for layer, region in enumerate(fixed):
-        for index, _ in overlapping(pieces[layer], list(region.geoms), threshold):
-            held.add(root(parent, int(starts[layer]) + index))
+    for layer, pairs in enumerate(found[len(pieces) - 1 :]):
+        held |= {root(parent, int(starts[layer]) + index) for index, _ in pairs}
     members: dict[int, list[list[Polygon]]] = {}
     for layer, polygons in enumerate(pieces):
         for index, polygon in enumerate(polygons):
@@ -78,19 +83,26 @@ def find_groups(cut: Sequence[MultiPolygon], fixed: Sequence[MultiPolygon], size
 
 
 def overlapping(
-    first: Sequence[Polygon], second: Sequence[Polygon], threshold: float
-) -> list[tuple[int, int]]:
-    """Pairs (i, j), sorted, such that first[i] and second[j] share more than `threshold` of area, m²."""
-    if not first or not second:
-        return []
-    a, b = np.array(first, dtype=object), np.array(second, dtype=object)
-    i, j = STRtree(b).query(a, predicate="intersects")
+    sets: Sequence[tuple[Sequence[Polygon], Sequence[Polygon]]], threshold: float
+) -> list[list[tuple[int, int]]]:
+    """For each two sets of polygons, pairs (i, j), sorted, such that first[i] and second[j] share more than `threshold`
+    of area, m²."""
+    arrays = [tuple(np.array(each, dtype=object) for each in both) for both in sets]
+    met = [STRtree(b).query(a, predicate="intersects") if len(a) and len(b) else _NONE for a, b in arrays]
+    first = np.concatenate([a[i] for (a, _), (i, _) in zip(arrays, met, strict=True)])
+    second = np.concatenate([b[j] for (_, b), (_, j) in zip(arrays, met, strict=True)])
     # Layers are mostly drawn alike: equality is cheap, and saves the overlay of large outlines.
-    bonded = shapely.equals_exact(a[i], b[j], 0.0) & (shapely.area(a[i]) > threshold)
-    for step in (_overlap_near_middle, _overlap):
-        rest = np.flatnonzero(~bonded)
-        bonded[rest] = step(a[i[rest]], b[j[rest]], threshold) > threshold
-    return sorted((int(x), int(y)) for x, y in zip(i[bonded], j[bonded], strict=True))
+    bonded = shapely.equals_exact(first, second, 0.0) & (shapely.area(first) > threshold)
+    corners = shapely.get_num_coordinates(first) + shapely.get_num_coordinates(second)
+    for step, least in ((_overlap_near_middle, MANY), (_overlap, 0)):
+        rest = np.flatnonzero(~bonded & (corners > least))
+        if len(rest):
+            bonded[rest] = step(first[rest], second[rest], threshold) > threshold
+    ends = np.cumsum([pairs.shape[1] for pairs in met])[:-1]
+    return [
+        sorted(map(tuple, pairs[:, kept].T.tolist()))
+        for pairs, kept in zip(met, np.split(bonded, ends), strict=True)
+    ]
 
 
 def _overlap_near_middle(a: Geometries, b: Geometries, threshold: float) -> Array:

@@ -29,6 +29,7 @@ REACH = 1.5 * SLIT
 OPEN_REACH = 1.05
 # Contacts shorter than this many hinge widths are corners or overshooting ends, not hinges.
 SHORTEST = SLIT
+_NOTHING = MultiPolygon()
 
 
 @dataclass(frozen=True)
@@ -61,15 +62,17 @@ class Lines:
 
     def of(self, chosen: Sequence[int]) -> "Lines":
         """Those of the hinges of these indices."""
-        inside = np.isin(self.hinges, chosen)
+        is_chosen = np.zeros(int(self.hinges.max(initial=-1)) + 1, dtype=bool)
+        is_chosen[[k for k in chosen if k < len(is_chosen)]] = True
+        inside = is_chosen[self.hinges]
         return Lines(self.shapes[inside], self.hinges[inside])
 
 
 class LayerIndex:
     """The polygons of all bodies in one layer, in a search tree."""
 
-    def __init__(self, bodies: Sequence[tuple[tuple[Polygon, ...], ...]], layer: int) -> None:
-        owned = [(p, body) for body, polygons in enumerate(bodies) for p in polygons[layer]]
+    def __init__(self, owned: Sequence[tuple[Polygon, int]]) -> None:
+        """owned: polygons, each with the index of its body."""
         self._polygons = np.array([p for p, _ in owned], dtype=object)
         self._owners = np.array([body for _, body in owned], dtype=np.int64)
         self._tree = STRtree(self._polygons)
@@ -94,27 +97,35 @@ class LayerIndex:
         return found
 
 
+def layer_indices(bodies: Sequence[tuple[tuple[Polygon, ...], ...]], count: int) -> list[LayerIndex]:
+    """One of each layer; layers that have the same polygons share it."""
+    owned = [[(p, k) for k, layers in enumerate(bodies) for p in layers[i]] for i in range(count)]
+    keys = [tuple((id(p), k) for p, k in each) for each in owned]
+    made = {key: LayerIndex(each) for key, each in dict(zip(keys, owned, strict=True)).items()}
+    return [made[key] for key in keys]
+
+
 def contacts(
     hinges: Sequence[Hinge], holes: Sequence[MultiPolygon], layers: Sequence[LayerIndex]
 ) -> tuple[Contact, ...]:
     """The bodies on both sides of each hinge: in its flexible layer, or where that has no material near the
     line, in all layers that it runs through."""
-    free = _free_lines(hinges, holes)
-    near = [_beside(free, hinges, sign * REACH) for sign in (1.0, -1.0)]
-    sides = [_bodies(lines, hinges, [(h.properties.layer,) for h in hinges], layers) for lines in near]
-    open_ones = [k for k in range(len(hinges)) if not (sides[0][k] or sides[1][k])]
-    far = [_beside(free.of(open_ones), hinges, sign * OPEN_REACH) for sign in (1.0, -1.0)]
-    for side, lines in zip(sides, far, strict=True):
-        side_far = _bodies(lines, hinges, [h.layers for h in hinges], layers)
+    free, count = _free_lines(hinges, holes), len(hinges)
+    both = [*hinges, *hinges]
+    near = _beside(free, hinges, REACH)
+    sides = _bodies(near, both, [(h.properties.layer,) for h in both], layers)
+    open_ones = [k for k in range(count) if not (sides[k] or sides[count + k])]
+    if open_ones:
+        far = _bodies(_beside(free.of(open_ones), hinges, OPEN_REACH), both, [h.layers for h in both], layers)
         for k in open_ones:
-            side[k] = side_far[k]
-    joined = [{*left, *right} for left, right in zip(*sides, strict=True)]
+            sides[k], sides[count + k] = far[k], far[count + k]
+    joined = [{*left, *right} for left, right in zip(sides[:count], sides[count:], strict=True)]
     bridges = _bridges(free, hinges, joined, layers)
     strays = _strays(hinges, near, joined, layers)
-    lengths = np.bincount(free.hinges, shapely.length(free.shapes), len(hinges)).tolist()
+    lengths = np.bincount(free.hinges, shapely.length(free.shapes), count).tolist()
     return tuple(
-        Contact(sides[0][k], sides[1][k], lengths[k], bridges.get(k, ()), strays.get(k, ()))
-        for k in range(len(hinges))
+        Contact(sides[k], sides[count + k], lengths[k], bridges.get(k, ()), strays.get(k, ()))
+        for k in range(count)
     )
 
 
@@ -139,20 +150,23 @@ def _bridges(
 
 def _strays(
     hinges: Sequence[Hinge],
-    near: Sequence[Lines],
+    near: Lines,
     joined: Sequence[set[int]],
     layers: Sequence[LayerIndex],
 ) -> dict[int, tuple[tuple[int, tuple[int, ...]], ...]]:
     """For each hinge, its layers where its slit lies between bodies, and not between those that it joins."""
     found: dict[int, tuple[tuple[int, tuple[int, ...]], ...]] = {}
+    known = {layer: layer.touched(near) for layer in dict.fromkeys(layers)}
     for i, layer in enumerate(layers):
-        touched = [layer.touched(lines) for lines in near]
+        touched = known[layer]
         for k, bodies in enumerate(joined):
             if not bodies or i not in hinges[k].layers:
                 continue
-            if touched[0].get(k, set()) | touched[1].get(k, set()) <= bodies:
+            here = (k, len(hinges) + k)
+            if all(touched.get(side, set()) <= bodies for side in here):
                 continue
-            left, right = (_long(layer.along(lines.of([k])).get(k, {}), hinges[k]) for lines in near)
+            inside = layer.along(near.of(here))
+            left, right = (_long(inside.get(side, {}), hinges[k]) for side in here)
             others = {*left, *right} - bodies
             if left and right and others:
                 found[k] = (*found.get(k, ()), (i, tuple(sorted(others))))
@@ -166,6 +180,8 @@ def _bodies(
     lengths: list[dict[int, float]] = [{} for _ in hinges]
     for i, layer in enumerate(layers):
         chosen = [k for k, its in enumerate(through) if i in its]
+        if not chosen:
+            continue
         for k, inside in layer.along(lines.of(chosen)).items():
             for body, length in inside.items():
                 lengths[k][body] = max(length, lengths[k].get(body, 0.0))
@@ -197,9 +213,10 @@ def _free(hinges: Sequence[Hinge], hole: MultiPolygon) -> Lines:
     which, near = STRtree(parts).query(drawn, predicate="intersects")
     order = np.argsort(which, kind="stable")
     # Each line less the holes that it meets: those far away would only cost time.
-    local = np.full(len(drawn), MultiPolygon(), dtype=object)
+    local = np.full(len(drawn), _NOTHING, dtype=object)
     shapely.multipolygons(parts[near[order]], indices=which[order], out=local)
-    left, owner = shapely.get_parts(shapely.difference(drawn, local), return_index=True)
+    whole = drawn if not len(which) else shapely.difference(drawn, local)
+    left, owner = shapely.get_parts(whole, return_index=True)
     solid = ~shapely.is_empty(left)
     left, owner = left[solid], owner[solid]
     start, end = shapely.get_coordinates(drawn).reshape(-1, 2, 2).transpose(1, 0, 2)
@@ -213,7 +230,8 @@ def _free(hinges: Sequence[Hinge], hole: MultiPolygon) -> Lines:
 
 
 def _beside(free: Lines, hinges: Sequence[Hinge], widths: float) -> Lines:
-    """The stretches shifted by so many hinge widths, positive to the left; those without length have no side."""
+    """The stretches shifted by so many hinge widths to the left, and to the right: these with the number of hinges
+    added to their index. Those without length have no side."""
     ends = shapely.get_coordinates(free.shapes).reshape(-1, 2, 2)
     along = ends[:, 1] - ends[:, 0]
     length = np.hypot(along[:, 0], along[:, 1])
@@ -221,4 +239,5 @@ def _beside(free: Lines, hinges: Sequence[Hinge], widths: float) -> Lines:
     ends, along, owner = ends[clear], along[clear] / length[clear, None], free.hinges[clear]
     shift = np.array([h.properties.width for h in hinges])[owner] * widths
     across = shift[:, None] * np.column_stack([-along[:, 1], along[:, 0]])
-    return Lines(shapely.linestrings(ends + across[:, None]), owner)
+    sides = np.concatenate([ends + across[:, None], ends - across[:, None]])
+    return Lines(shapely.linestrings(sides), np.concatenate([owner, owner + len(hinges)]))

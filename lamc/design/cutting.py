@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 from shapely import STRtree
-from shapely.geometry import GeometryCollection, MultiPolygon, Polygon
+from shapely.geometry import GeometryCollection, MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import Place
@@ -26,6 +26,8 @@ from lamc.design.work import Geometries, check_overlaps, meetings_of
 from lamc.records.design import Layer
 
 SLIT = 0.1  # half width of a slit, in hinge widths
+_NOTHING, _EMPTY = GeometryCollection(), MultiPolygon()
+_COLLECTION = 4  # GEOS: types from here on have parts
 _ARC_SEGMENTS = 8  # per quarter circle: a cap falls short of the round one by half a per cent of its radius
 
 
@@ -63,18 +65,22 @@ def slits_per_layer(hinges: Sequence[Hinge], count: int) -> tuple[MultiPolygon, 
 
 def _joined(parts: Geometries, runs: Sequence[tuple[int, ...]]) -> tuple[MultiPolygon, ...]:
     """Per layer the union of the parts that it has; layers that have the same ones share it."""
-    made = {run: as_multipolygon(_union(parts[np.array(run, dtype=np.int64)])) for run in dict.fromkeys(runs)}
+    unique = list(dict.fromkeys(runs))
+    joined = as_multipolygons([_union(parts[np.array(run, dtype=np.int64)]) for run in unique])
+    made = dict(zip(unique, joined, strict=True))
     return tuple(made[run] for run in runs)
 
 
 def _union(parts: Geometries) -> BaseGeometry:
     """The union of areas, cluster by cluster of those that meet: in a sheet, holes vertex by vertex."""
     clusters = _clusters(parts)
+    if not clusters:
+        return _NOTHING
     joined: list[BaseGeometry] = []
     for size in sorted({len(each) for each in clusters}):
         alike = np.array([each for each in clusters if len(each) == size])
         joined.extend(shapely.union_all(parts[alike], axis=1))
-    return GeometryCollection(joined)
+    return shapely.geometrycollections(joined)
 
 
 def _clusters(parts: Geometries) -> list[list[int]]:
@@ -95,32 +101,39 @@ def cut_layers(
 ) -> tuple[MultiPolygon, ...]:
     """What is left of each layer, polygons in an order that depends on geometry alone; layers that are drawn and cut
     alike share it."""
-    keys = [(id(layer.geometry), id(h), id(s)) for layer, h, s in zip(layers, holes, slits, strict=True)]
-    made: dict[tuple[int, ...], MultiPolygon] = {}
-    for key, layer, hole, slit in zip(keys, layers, holes, slits, strict=True):
-        if key not in made:
-            drawn = shapely.normalize(layer.geometry)
-            made[key] = as_multipolygon(shapely.difference(drawn, shapely.union(hole, slit)))
+    given = [(layer.geometry, h, s) for layer, h, s in zip(layers, holes, slits, strict=True)]
+    keys = [tuple(map(id, each)) for each in given]
+    unique = dict(zip(keys, given, strict=True))
+    drawn, hole, slit = (np.array(each, dtype=object) for each in zip(*unique.values(), strict=True))
+    left = shapely.difference(shapely.normalize(drawn), shapely.union(hole, slit))
+    made = dict(zip(unique, as_multipolygons(left), strict=True))
     return tuple(made[key] for key in keys)
 
 
 def as_multipolygon(geometry: BaseGeometry) -> MultiPolygon:
     """The polygons in any geometry, normalised and sorted; lines and points hold no material and drop out."""
-    parts = shapely.get_parts(shapely.normalize(geometry))
-    polygons = [p for p in _flatten(parts) if isinstance(p, Polygon) and p.area > 0.0]
-    keys = [(*p.bounds, p.area) for p in polygons]
-    return MultiPolygon([polygons[i] for i in sorted(range(len(polygons)), key=lambda i: keys[i])])
+    return as_multipolygons([geometry])[0]
 
 
-def _flatten(parts: Sequence[BaseGeometry]) -> list[BaseGeometry]:
-    flat: list[BaseGeometry] = []
-    for part in parts:
-        flat.extend(_flatten(list(part.geoms)) if hasattr(part, "geoms") else [part])
-    return flat
+def as_multipolygons(geometries: Sequence[BaseGeometry]) -> list[MultiPolygon]:
+    """The same of each."""
+    normal = shapely.normalize(np.array(geometries, dtype=object))
+    parts, owner = shapely.get_parts(normal, return_index=True)
+    while (shapely.get_type_id(parts) >= _COLLECTION).any():
+        parts, part = shapely.get_parts(parts, return_index=True)
+        owner = owner[part]
+    areas = shapely.area(parts)
+    solid = areas > 0.0
+    polygons, areas, owner = parts[solid], areas[solid], owner[solid]
+    order = np.lexsort([areas, *shapely.bounds(polygons).T[::-1], owner])
+    made = np.full(len(normal), _EMPTY, dtype=object)
+    shapely.multipolygons(polygons[order], indices=owner[order], out=made)
+    return list(made)
 
 
 def material_size(layers: Sequence[Layer]) -> float:
     """Diagonal of the box around all layers, m."""
-    bounds = np.array([layer.geometry.bounds for layer in layers if not layer.geometry.is_empty])
+    bounds = shapely.bounds([layer.geometry for layer in layers])
+    bounds = bounds[~np.isnan(bounds[:, 0])]  # of those that are not empty
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
     return float(np.linalg.norm(high - low))

@@ -13,6 +13,7 @@ from shapely.geometry import LineString
 
 from lamc.basics.errors import TopologyError
 from lamc.basics.groups import root, unite
+from lamc.design.bodies import Group
 from lamc.design.check_design import known
 from lamc.design.contact import SHORTEST, Contact
 from lamc.design.cutting import SLIT
@@ -23,14 +24,17 @@ _DOUBLED = 0.5  # of the shorter of two lines, beside the other: more than cross
 
 @dataclass(frozen=True)
 class Site:
-    """A body as linking sees it: its name, whether the world holds it, and where it lies (m)."""
+    """A body as linking sees it: its name, and its pieces, which tell whether the world holds it and where it lies."""
 
     name: str
-    fixed: bool
-    at: tuple[float, float]
+    group: Group
+
+    @property
+    def fixed(self) -> bool:
+        return self.group.fixed
 
     def __str__(self) -> str:
-        return f"{self.name!r} at {millimetres(self.at)}"
+        return f"{self.name!r} at {millimetres(self.group.at)}"
 
 
 def link(

@@ -20,6 +20,7 @@ from lamc.records.mechanism import Array
 # Relative to the design's size: far above the round-off of polygon overlays (1e-13 or so of the size), far
 # below the distance between two bodies or hinges that anyone draws.
 SAME = 1e-7
+_UPPER = np.triu_indices(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,17 +41,22 @@ class JointMark:
     end: Array  # (3,), m
 
 
-def name_bodies(marks: Sequence[BodyMark], given: Sequence[str | None] | None = None) -> tuple[str, ...]:
+def name_bodies(
+    marks: Sequence[BodyMark],
+    given: Sequence[str | None] | None = None,
+    order: Sequence[int] | None = None,
+) -> tuple[str, ...]:
     """A name for each body, in the order of `marks`.
 
     given  the drawing's own names, None where there is none; they are kept
+    order  `body_order` of the marks, if it is known
 
     The only fixed body is "ground", several are "ground_1", "ground_2", …; moving ones are "link_1",
     "link_2", …. The number is the body's place among all fixed or all moving ones, so that naming one by hand
     renames no other. Raises DesignError for a name given twice.
     """
     names = _given_names(len(marks), given, "bodies")
-    order = body_order(marks)
+    order = body_order(marks) if order is None else order
     for fixed, stem in ((True, "ground"), (False, "link")):
         members = [i for i in order if marks[i].fixed is fixed]
         alone = fixed and len(members) == 1 and "ground" not in names
@@ -58,13 +64,18 @@ def name_bodies(marks: Sequence[BodyMark], given: Sequence[str | None] | None = 
     return tuple(str(name) for name in names)
 
 
-def name_joints(marks: Sequence[JointMark], given: Sequence[str | None] | None = None) -> tuple[str, ...]:
-    """A name for each hinge, in the order of `marks`: "h1", "h2", …, or the one in `given` where not None.
+def name_joints(
+    marks: Sequence[JointMark],
+    given: Sequence[str | None] | None = None,
+    order: Sequence[int] | None = None,
+) -> tuple[str, ...]:
+    """A name for each hinge, in the order of `marks`: "h1", "h2", …, or the one in `given` where not None. order:
+    `joint_order` of the marks, if it is known.
 
     The number is the hinge's place among all hinges. Raises DesignError for a name given twice.
     """
     names = _given_names(len(marks), given, "hinges")
-    _number(names, joint_order(marks), "h", sole=None)
+    _number(names, joint_order(marks) if order is None else order, "h", sole=None)
     return tuple(str(name) for name in names)
 
 
@@ -75,13 +86,10 @@ def body_order(marks: Sequence[BodyMark]) -> tuple[int, ...]:
     com = np.array([m.com for m in marks])
     size = float(np.linalg.norm(np.ptp(com, axis=0)))
     mass = np.array([m.mass for m in marks])
-    rows, columns = np.triu_indices(3)
-    inertia = np.array([m.inertia for m in marks])[:, rows, columns]
-    keys = [np.array([0 if m.fixed else 1 for m in marks])]
-    keys += [ranks(com[:, axis], size) for axis in range(3)]
-    keys += [ranks(mass, float(mass.max()))]
-    keys += [ranks(inertia[:, k], float(np.abs(inertia).max())) for k in range(6)]
-    return _lexicographic(keys)
+    inertia = np.array([m.inertia for m in marks])[:, *_UPPER]
+    scales = np.repeat([size, mass.max(), np.abs(inertia).max()], [3, 1, 6])
+    ranked = ranks(np.column_stack([com, mass, inertia]), scales)
+    return _lexicographic(np.column_stack([[not m.fixed for m in marks], ranked]))
 
 
 def joint_order(marks: Sequence[JointMark]) -> tuple[int, ...]:
@@ -92,34 +100,28 @@ def joint_order(marks: Sequence[JointMark]) -> tuple[int, ...]:
     middle, along = (start + end) / 2, end - start
     size = float(np.linalg.norm(np.ptp(np.concatenate([start, end]), axis=0)))
     forward = along * _canonical_sign(along, size)[:, None]
-    keys = [ranks(middle[:, axis], size) for axis in range(3)]
-    keys += [ranks(forward[:, axis], size) for axis in range(3)]
-    keys += [ranks(along[:, axis], size) for axis in range(3)]
-    return _lexicographic(keys)
+    return _lexicographic(ranks(np.concatenate([middle, forward, along], axis=1), np.full(9, size)))
 
 
-def ranks(values: Array, scale: float) -> Array:
-    """Rank of each value, shape (n,), where values in a row closer than SAME x `scale` share one rank."""
-    order = np.argsort(values, kind="stable")
-    steps = np.diff(values[order]) > SAME * scale
-    ranked = np.empty(len(values))
-    ranked[order] = np.concatenate([[0], np.cumsum(steps)])
+def ranks(values: Array, scales: Array) -> Array:
+    """Rank of each value (n, k) in its column; values in a row closer than SAME x `scales` (k,) share one rank."""
+    order = np.argsort(values, axis=0, kind="stable")
+    steps = np.diff(np.take_along_axis(values, order, axis=0), axis=0) > SAME * scales
+    ranked = np.zeros(values.shape)
+    np.put_along_axis(ranked, order[1:], np.cumsum(steps, axis=0), axis=0)
     return ranked
 
 
 def _canonical_sign(along: Array, size: float) -> Array:
     """+1 or -1 for each direction (n, 3), such that a line and its reverse get opposite signs."""
-    signs = np.ones(len(along))
-    for i, vector in enumerate(along):
-        clear = vector[np.abs(vector) > SAME * size]
-        if len(clear) and clear[0] < 0.0:
-            signs[i] = -1.0
-    return signs
+    clear = np.abs(along) > SAME * size
+    first = along[np.arange(len(along)), np.argmax(clear, axis=1)]
+    return np.where(clear.any(axis=1) & (first < 0.0), -1.0, 1.0)
 
 
-def _lexicographic(keys: Sequence[Array]) -> tuple[int, ...]:
-    """Indices sorted by the first key, ties by the next and so on; full ties keep the input's order."""
-    return tuple(int(i) for i in np.lexsort(tuple(reversed(keys))))
+def _lexicographic(keys: Array) -> tuple[int, ...]:
+    """Indices of rows (n, k), sorted by the first key, ties by the next and so on; full ties keep the input's order."""
+    return tuple(np.lexsort(keys.T[::-1]).tolist())
 
 
 def _given_names(count: int, given: Sequence[str | None] | None, what: str) -> list[str | None]:

@@ -10,17 +10,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import Polygon
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, TopologyError
 from lamc.design.bodies import Group, find_groups
 from lamc.design.check_design import check_design
-from lamc.design.contact import LayerIndex, contacts
+from lamc.design.contact import contacts, layer_indices
 from lamc.design.cutting import SLIT, cut_layers, holes_per_layer, material_size, slits_per_layer
 from lamc.design.facet_creases import bend_facets
 from lamc.design.linking import Site, link, millimetres
-from lamc.design.mass import body_properties
+from lamc.design.mass import body_properties, properties_of
 from lamc.design.naming import BodyMark, JointMark, body_order, joint_order, name_bodies, name_joints
 from lamc.design.steps import Connection, Hinge, Scrap, SplitBody, SplitSteps
 from lamc.design.wide_gaps import warn_of_wide_gaps
@@ -80,8 +80,8 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
     tell("weighing bodies", 0.6)
     bodies, parts = _named_bodies(design, kept)
     tell("joining bodies", 0.8)
-    layers = [LayerIndex([p.polygons for p in parts], i) for i in range(count)]
-    sites = [Site(p.name, p.fixed, Group(p.polygons, p.fixed).at) for p in parts]
+    layers = layer_indices([p.polygons for p in parts], count)
+    sites = [Site(p.name, Group(p.polygons, p.fixed)) for p in parts]
     touched = contacts(hinges, holes, layers)
     connections = link(hinges, touched, sites, [layer.name for layer in design.layers])
     warn_of_wide_gaps(connections, parts)
@@ -113,22 +113,25 @@ def _steps(design: Design, tell: Progress) -> SplitSteps:
 def named_hinges(design: Design) -> tuple[Hinge, ...]:
     """All hinge lines of a design with their names, ordered by geometry."""
     drawn = [(line, hinge_set) for hinge_set in design.hinges for line in hinge_set.lines]
-    heights = [_mid_plane(design, hinge_set.layer) for _, hinge_set in drawn]
+    z = design.z
+    heights = [(z[each.layer] + z[each.layer + 1]) / 2 for _, each in drawn]  # mid-planes
     marks = [
-        JointMark(*(np.array([*end, z]) for end in line.line))
-        for (line, _), z in zip(drawn, heights, strict=True)
+        JointMark(*(np.array([*end, height]) for end in line.line))
+        for (line, _), height in zip(drawn, heights, strict=True)
     ]
-    names = name_joints(marks, [line.name for line, _ in drawn])
+    order = joint_order(marks)
+    lines = shapely.linestrings([line.line for line, _ in drawn])
+    names = name_joints(marks, [line.name for line, _ in drawn], order)
     return tuple(
         Hinge(
             name=names[i],
-            line=LineString(drawn[i][0].line),
+            line=lines[i],
             z=heights[i],
             properties=drawn[i][1],
             layers=tuple(sorted({drawn[i][1].layer, *drawn[i][1].sublaminate})),
             place=drawn[i][0].place,
         )
-        for i in joint_order(marks)
+        for i in order
     )
 
 
@@ -136,26 +139,24 @@ def _silent(_stage: str, _part: float) -> None:
     """For callers who do not listen."""
 
 
-def _mid_plane(design: Design, layer: int) -> float:
-    return (design.z[layer] + design.z[layer + 1]) / 2
-
-
 def _without_scraps(groups: Sequence[Group], width: float) -> tuple[tuple[Group, ...], tuple[Scrap, ...]]:
     """Groups that are bodies, and the rest. What the world holds is no scrap: it was drawn on purpose."""
     limit = SCRAP * width * width
-    kept = tuple(g for g in groups if g.fixed or g.area >= limit)
-    scraps = (Scrap(g.polygons, g.area, g.at) for g in groups if not (g.fixed or g.area >= limit))
+    is_body = [g.fixed or g.area >= limit for g in groups]
+    kept = tuple(g for g, fits in zip(groups, is_body, strict=True) if fits)
+    scraps = (Scrap(g.polygons, g.area, g.at) for g, fits in zip(groups, is_body, strict=True) if not fits)
     return kept, tuple(sorted(scraps, key=lambda scrap: scrap.at))
 
 
 def _named_bodies(design: Design, groups: Sequence[Group]) -> tuple[tuple[Body, ...], tuple[SplitBody, ...]]:
     """Bodies with masses and names, and their polygons by layer; both in the order of their geometry."""
     plates = [_plates(design, group.polygons) for group in groups]
-    properties = [body_properties(each) for each in plates]
+    properties = properties_of(plates)
     marks = [BodyMark(g.fixed, p[1], p[0], p[2]) for g, p in zip(groups, properties, strict=True)]
-    names = name_bodies(marks, _drawn_names(design, groups))
+    order = body_order(marks)
+    names = name_bodies(marks, _drawn_names(design, groups), order)
     bodies, parts = [], []
-    for i in body_order(marks):
+    for i in order:
         if properties[i][0] == 0.0 and not groups[i].fixed:
             made_of = [k for k, polygons in enumerate(groups[i].polygons) if polygons]
             used = sorted(design.layers[k].name for k in made_of)

@@ -17,10 +17,11 @@ from lamc.design.steps import Connection, SplitBody
 def warn_of_wide_gaps(connections: Sequence[Connection], bodies: Sequence[SplitBody]) -> None:
     """Compares half of each gap with how far the two bodies reach from the line."""
     corners = {body.name: _corners(body) for body in bodies}
-    for connection in connections:
+    lines = [connection.hinge.line for connection in connections]
+    starts, ends = shapely.get_coordinates(lines).reshape(-1, 2, 2).transpose(1, 0, 2)
+    across = (ends - starts)[:, ::-1] * [-1.0, 1.0] / shapely.length(lines)[:, None]
+    for connection, start, normal in zip(connections, starts, across, strict=True):
         hinge = connection.hinge
-        start, end = np.array(hinge.line.coords)
-        normal = np.array([start[1] - end[1], end[0] - start[0]]) / hinge.line.length
         for name in (connection.parent, connection.child):
             reach = float(np.abs((corners[name] - start) @ normal).max())
             if reach < hinge.properties.width:

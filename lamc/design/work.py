@@ -7,7 +7,7 @@ Overlays of lines cost as many steps as these have crossings, and every crossing
 n lines may cross n² times. What is overlaid again and again costs its corners each time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +35,7 @@ MOST_LAYERS = 200  # every hinge is looked for in every layer
 _LOOKS = 200
 _GROWN = 10
 _LINES_GROWN = 0.5
+_FEW = 100  # sides whose boxes are compared all with all, sooner than a tree is made of them
 _AT_ONCE = 200_000  # pairs that one query may give: some 30 MB with what is computed of them
 _ROUGH = 0.01  # of a distance: how far GEOS simplifies what is grown by it
 
@@ -54,9 +55,9 @@ class Account:
     def overlay(self, shapes: Sequence[BaseGeometry], what: str) -> None:
         """Counts an overlay of areas that do not cross themselves, lines and points. Raises DesignError, naming `what`
         (in the plural), where the file's overlays are too much work."""
-        parts = [shapely.get_parts(shapely.get_parts(shape)) for shape in shapes]
-        self._add_corners(sum(int(shapely.get_num_coordinates(each).sum()) for each in parts), what)
-        found = _crossings(*_numbered_sides(parts), MOST_CROSSINGS - self.crossings)
+        parts, shape = _parts(shapes)
+        self._add_corners(int(shapely.get_num_coordinates(parts).sum()), what)
+        found = _crossings(*_numbered_sides(parts, shape), MOST_CROSSINGS - self.crossings)
         self._add_crossings(found, "cross each other", what)
 
     def growth(self, shape: BaseGeometry, distance: float, what: str) -> None:
@@ -117,24 +118,42 @@ def check_overlaps(overlaps: Geometries, place: Place | None) -> None:
         )
 
 
-def _numbered_sides(shapes: Sequence[Geometries]) -> tuple[Geometries, Numbers]:
-    """Every side of every ring and line, as lines, and for each an ascending number: one for all areas of a shape, but
-    one for each side of lines, which may cross themselves."""
-    sides, owners, last = [np.zeros(0, dtype=object)], [np.zeros(0, dtype=np.int64)], 0
-    for parts in shapes:
-        is_area = shapely.get_dimensions(parts) == 2
-        of_areas, of_lines = _sides(shapely.get_rings(parts[is_area])), _sides(parts[~is_area])
-        sides += [of_areas, of_lines]
-        owners += [np.full(len(of_areas), last + 1), np.arange(len(of_lines)) + last + 2]
-        last += 1 + len(of_lines)
-    return np.concatenate(sides), np.concatenate(owners)
+def _parts(shapes: Sequence[BaseGeometry]) -> tuple[Geometries, Numbers]:
+    """All parts of shapes, and of which shape each is, by its index."""
+    some, outer = shapely.get_parts(np.asarray(shapes, dtype=object), return_index=True)
+    parts, inner = shapely.get_parts(some, return_index=True)
+    return parts, outer[inner]
+
+
+def _numbered_sides(parts: Geometries, shape: Numbers) -> tuple[Array, Numbers]:
+    """The ends of every side of every ring and line, (n, 2, 2), and for each an ascending number: one for all areas of
+    a shape, but one for each side of lines, which may cross themselves."""
+    is_area = shapely.get_dimensions(parts) == 2
+    rings, part = shapely.get_rings(parts[is_area], return_index=True)
+    ends, ring = _ends(rings)
+    owner = shape[is_area][part][ring]
+    if is_area.all():
+        return ends, owner
+    of_lines, line = _ends(parts[~is_area])
+    # Areas of shape k come before its lines, and these before the areas of shape k + 1.
+    shapes = np.concatenate([owner, shape[~is_area][line]])
+    is_line = np.arange(len(shapes)) >= len(owner)
+    order = np.lexsort([is_line, shapes])
+    begins = is_line[order]
+    begins[1:] |= np.diff(shapes[order]) > 0
+    return np.concatenate([ends, of_lines])[order], np.cumsum(begins)
+
+
+def _ends(lines: Geometries) -> tuple[Array, Numbers]:
+    """The ends of the sides of rings and lines, (n, 2, 2), in order, and of which line each is; points have none."""
+    coordinates, line = shapely.get_coordinates(lines, return_index=True)
+    inside = line[1:] == line[:-1]
+    return np.stack([coordinates[:-1], coordinates[1:]], axis=1)[inside], line[1:][inside]
 
 
 def _sides(lines: Geometries) -> Geometries:
     """The sides of rings and lines, in order; points have none."""
-    coordinates, line = shapely.get_coordinates(lines, return_index=True)
-    inside = line[1:] == line[:-1]
-    sides: Geometries = shapely.linestrings(np.stack([coordinates[:-1], coordinates[1:]], axis=1)[inside])
+    sides: Geometries = shapely.linestrings(_ends(lines)[0])
     return sides
 
 
@@ -144,9 +163,12 @@ def _meetings(
     """Pairs of indices (k, 2), a < b, sorted, of shapes that meet as a predicate says, or whose boxes do; no further
     ones once they are more than `most`."""
     tree, found, count = shapely.STRtree(shapes), [np.zeros((0, 2), dtype=np.int64)], 0
-    # In no order, so that the next shapes meet about as many as the last ones, and their number can be chosen by that.
-    order = np.random.default_rng(0).permutation(len(shapes))
     start, step = 0, max(1, _AT_ONCE // max(1, len(shapes)))
+    order = np.arange(len(shapes))
+    if step < len(shapes):
+        # In no order, so that the next shapes meet about as many as the last ones, and their number can be chosen by
+        # that.
+        order = np.random.default_rng(0).permutation(len(shapes))
     while start < len(shapes) and count <= most:
         rows = order[start : start + step]
         first, second = tree.query(shapes[rows], predicate=predicate, **distance)
@@ -159,23 +181,35 @@ def _meetings(
     return pairs[np.lexsort([pairs[:, 1], pairs[:, 0]])]
 
 
-def _crossings(sides: Geometries, owner: Numbers, most: int) -> int:
-    """How many pairs of sides of different owners cross within both, or lie on one line and share a part of it; and the
-    pairs that were looked at, at their cost. Counted until they are more than `most`."""
+def _crossings(ends: Array, owner: Numbers, most: int) -> int:
+    """How many pairs of sides (n, 2, 2) of different owners cross within both, or lie on one line and share a part of
+    it; and the pairs that were looked at, at their cost. Counted until they are more than `most`."""
     if not len(owner) or owner[0] == owner[-1]:
         return 0
-    ends = shapely.get_coordinates(sides).reshape(-1, 2, 2)
-    tree, found, seen = shapely.STRtree(sides), 0, 0
-    step = max(1, _AT_ONCE // len(sides))
-    for start in range(0, len(sides), step):
-        first, second = tree.query(sides[start : start + step])
-        others = owner[first + start] < owner[second]
-        a, b = ends[first[others] + start], ends[second[others]]
+    found, seen = 0, 0
+    for first, second in _near(ends):
+        others = owner[first] < owner[second]
+        a, b = ends[first[others]], ends[second[others]]
         seen += len(first)
         found += int(np.count_nonzero((_parted(a, b) & _parted(b, a)) | _share(a, b)))
         if found + seen // _LOOKS > most:
             break
     return found + seen // _LOOKS
+
+
+def _near(ends: Array) -> Iterator[tuple[Numbers, Numbers]]:
+    """Pairs of indices of sides whose boxes meet, itself and either order counted, some at a time."""
+    if len(ends) <= _FEW:
+        low, high = ends.min(axis=1), ends.max(axis=1)
+        meets = (low[:, None] <= high[None]) & (high[:, None] >= low[None])
+        first, second = np.nonzero(meets[..., 0] & meets[..., 1])
+        yield first, second
+        return
+    sides = shapely.linestrings(ends)
+    tree, step = shapely.STRtree(sides), max(1, _AT_ONCE // len(sides))
+    for start in range(0, len(sides), step):
+        first, second = tree.query(sides[start : start + step])
+        yield first + start, second
 
 
 def _parted(lines: Array, others: Array) -> NDArray[np.bool_]:

@@ -269,7 +269,7 @@ def _moved_by_wind(matrix: list[list[float]], own: _Motion, met: _Motion) -> tup
 
     In axes that go with the wind, air rests and accelerations are the same; only velocities differ.
     """
-    fluid = AddedInertia("", 0, np.zeros(3), tuple(tuple(row) for row in matrix))
+    fluid = AddedInertia("", 0, ZERO, tuple(tuple(row) for row in matrix))
     in_wind = fluid.wrench(met.velocity, met.spin, ZERO, ZERO)
     at_rest = fluid.wrench(own.velocity, own.spin, ZERO, ZERO)
     force, moment = (add(scale(-1, a), b) for a, b in zip(in_wind, at_rest, strict=True))

@@ -20,7 +20,15 @@ from pydantic import Field, ValidationError, create_model
 
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError, DesignErrors, LamcError
-from lamc.basics.fields import FOLDER, LENGTH_UNIT, Path, StrictModel, problem_text
+from lamc.basics.fields import (
+    EXPRESSIONS,
+    FOLDER,
+    LENGTH_UNIT,
+    Expressions,
+    Path,
+    StrictModel,
+    problem_text,
+)
 
 MOST_MODELS = 256  # that are remembered
 
@@ -47,9 +55,12 @@ def refusal(where: str, problem: str, path: Path = (), cause: LamcError | None =
     return error
 
 
-def file_context(length_unit: str | None = None, folder: FilePath | None = None) -> Mapping[str, Any]:
-    """What a file knows of its values: the unit of bare lengths (None: m), and from which folder it names others."""
-    return {LENGTH_UNIT: length_unit, FOLDER: folder}
+def file_context(
+    length_unit: str | None = None, folder: FilePath | None = None, expressions: Expressions | None = None
+) -> Mapping[str, Any]:
+    """What a file knows of its values: the unit of bare lengths (None: m), from which folder it names others, and what
+    reads its expressions in parameters."""
+    return {LENGTH_UNIT: length_unit, FOLDER: folder, EXPRESSIONS: expressions}
 
 
 @lru_cache(maxsize=MOST_MODELS)

@@ -8,7 +8,7 @@ from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema
 
 from lamc.basics.checks import checked_name, is_list, shown
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import FOLDER, Unit, is_measured, part
+from lamc.basics.fields import EXPRESSIONS, FOLDER, Expressions, Unit, is_measured, part
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.hinges import stiffness_claim
 from lamc.effects.registered import RegisteredEffect
@@ -55,24 +55,34 @@ def _laws(laws: Any, info: ValidationInfo) -> ReadOnlyDict[str, LawData]:
             raise DesignError(
                 f"nonlinear_stiffness is {shown(laws)}; give a law for each joint, such as {{h1: [0.1, 0, 0.3]}}"
             )
-    folder = (info.context or {}).get(FOLDER)
+    context = info.context or {}
     found: dict[str, LawData] = {}
     for joint, data in sorted(laws.items(), key=lambda item: str(item[0])):
         with part():
             checked_name(joint, "the joint of a nonlinear stiffness")
-        plain = _plain(data, joint)
+        plain = _plain(data, joint, context)
         with part(joint):
-            found[joint] = law_of(plain, f"the stiffness of hinge {joint!r}", folder).data
+            found[joint] = law_of(plain, f"the stiffness of hinge {joint!r}", context.get(FOLDER)).data
     return ReadOnlyDict(found)
 
 
-def _plain(data: object, joint: str) -> object:
-    """The law with quantities in SI."""
+def _plain(data: object, joint: str, context: Mapping[str, Any]) -> object:
+    """The law with quantities in SI, and expressions with values for parameters of the file."""
+    expressions: Expressions | None = context.get(EXPRESSIONS)
+
+    def quantity(value: object, unit: str, *path: str | int) -> float:
+        with part(*path):
+            return Unit(unit).number(value, {"rad": "angle", "N*m": "torque"}.get(unit, "stiffness"), context)
+
+    def torque(text: str) -> object:
+        drive = text if expressions is None else expressions.in_drive(text)
+        return (quantity(text, "N*m/rad", joint),) if is_measured(text) or drive is None else drive
+
     if isinstance(data, str):
-        return (_quantity(data, "N*m/rad", joint),) if is_measured(data) else data
+        return torque(data)
     if isinstance(data, list | tuple):
         return tuple(
-            _quantity(value, "N*m/rad" if power == 1 else f"N*m/rad^{power}", joint, power - 1)
+            quantity(value, "N*m/rad" if power == 1 else f"N*m/rad^{power}", joint, power - 1)
             for power, value in enumerate(data, start=1)
         )
     if isinstance(data, Mapping) and isinstance(data.get("table"), list | tuple):
@@ -82,14 +92,11 @@ def _plain(data: object, joint: str) -> object:
                 if not is_list(row) or len(row) != 2:
                     raise DesignError(f"the row is {shown(row)}; give [angle, torque]")
             path = (joint, "table", k)
-            rows.append((_quantity(row[0], "rad", *path, 0), _quantity(row[1], "N*m", *path, 1)))
+            rows.append((quantity(row[0], "rad", *path, 0), quantity(row[1], "N*m", *path, 1)))
         return {**data, "table": tuple(rows)}
+    if isinstance(data, Mapping) and isinstance(data.get("energy"), str) and expressions is not None:
+        return {**data, "energy": expressions.in_drive(data["energy"]) or data["energy"]}
     return data
-
-
-def _quantity(value: object, unit: str, *path: str | int) -> float:
-    with part(*path):
-        return Unit(unit).number(value, {"rad": "angle", "N*m": "torque"}.get(unit, "stiffness"))
 
 
 @dataclass(frozen=True)

@@ -94,6 +94,12 @@ def _check_ranges(simulator: Simulator, program: Program) -> None:
         check_range(float(motion.constants[k]), "a number that follows from the parameters")
 
 
+def mark_of(program: Program, options: ExportOptions) -> list[int]:
+    """Sixteen bytes by which an export knows what is its own; those of all designs of one structure are alike."""
+    layout = (program.structure, __version__, options.integrator, options.precision, str(options.real_time))
+    return list(hashlib.sha256("\0".join(layout).encode()).digest()[:16])
+
+
 def _needs_smooth(simulator: Simulator) -> bool:
     """Whether an effect differentiates an expression in time."""
     return any(drive.smooth for effect in simulator.effects for drive in hooked(effect).drives())
@@ -109,8 +115,6 @@ def _context(
     stable_step: float | None,
 ) -> dict[str, object]:
     run = run_fields(runtime_files(program, options)["lamc.h"])
-    layout = (program.digest, __version__, options.integrator, options.precision, str(options.real_time))
-    mark = hashlib.sha256("\0".join(layout).encode())
     return {
         "P": prefix,
         "PU": prefix.upper(),
@@ -119,7 +123,7 @@ def _context(
         "version": __version__,
         "title": comment(program.name),
         "digest": program.digest,
-        "mark": list(mark.digest()[:16]),
+        "mark": mark_of(program, options),
         "joints": [comment(j) for j in program.joints],
         "other_coordinates": other_entries(program, program.coordinates),
         "other_rates": other_entries(program, program.rates),
@@ -134,7 +138,7 @@ def _context(
             "coordinates": len(program.coordinates),
             "rates": len(program.rates),
             "bodies": len(program.bodies),
-            "parameters": len(program.parameters),
+            "parameters": len(program.inputs),
             "energies": len(program.energies),
             "guards": len(program.guards),
             "closure": program.closure_count,
@@ -143,6 +147,8 @@ def _context(
         },
         "sizes": sizes_of(simulator.model, options),
         "start": [literal(float(x), REAL) for x in simulator.start] or ["0"],
+        "geometry_count": len(program.geometry),
+        "geometry_slot": len(program.parameters),
         "reals": run.reals,
         "integers": run.integers,
         "place_of": {

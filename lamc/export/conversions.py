@@ -25,11 +25,13 @@ from lamc.export.cuts.creases import crease_of, lines_of_sheet, lost_in_drawing,
 from lamc.export.cuts.lines import CutLine, bounds_of
 from lamc.readers.joints_writer import ends, joints_text
 from lamc.readers.mechanism_file import mechanism_text
+from lamc.readers.native import Document
 from lamc.readers.native_writer import design_text
 from lamc.records.card import Card
 from lamc.records.design import Design, Layer, Material
 from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
+from lamc.report.parameters_text import parameters_line
 
 _FORCE = "--force (in Python force=True)"
 _LAYERS = "`lamc export FILE --to cut` draws each layer in a file of its own"
@@ -70,6 +72,9 @@ def converted(record: Design | Mechanism, path: Path, source: Path) -> Converted
 
     source  the file that the record was read from"""
     made = _maker(path)(record, path.name.partition(".")[0])
+    if record.origin is not None and isinstance(record.origin.recipe, Document):
+        said = f"parameters, whose values are written in: {parameters_line(record.parameters)}"
+        made = replace(made, lost=(said, *made.lost))
     if source.suffix.lower() == ".joints":  # the record is a mechanism
         return replace(made, lost=("layers and materials, and where hinge lines end", *made.lost))
     return made

@@ -53,7 +53,7 @@ class CMember:
 
 def members_of(parameters: Sequence[Parameter]) -> tuple[tuple[CMember, ...], tuple[CMember, ...]]:
     """Parameters and inputs."""
-    fields = identifiers(p.name for p in parameters)
+    fields = identifiers((p.name for p in parameters), taken=["geometry", "start"])
     members = [
         CMember(
             field,

@@ -14,7 +14,7 @@ from lamc.codegen.emit import environment
 from lamc.codegen.names import comment, string_literal
 from lamc.codegen.printer import literal
 from lamc.export.bound import step_bound
-from lamc.export.c import CSource, c_source
+from lamc.export.c import CSource, c_source, mark_of
 from lamc.export.driven import run_length, simulator_of
 from lamc.export.markdown import markdown
 from lamc.export.members import table_rows
@@ -32,6 +32,7 @@ _TEMPLATES = {
     "{prefix}.pc.in": "model.pc.in.j2",
     "example_main.c": "example_main.c.j2",
     "README.md": "README.md.j2",
+    "{prefix}_params.h": "params.h.j2",
 }
 # Of decimals: as many as any decimal keeps, and as tell all numbers apart
 DIGITS = {"double": {"few_digits": 15, "most_digits": 17}, "float": {"few_digits": 6, "most_digits": 9}}
@@ -45,7 +46,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
 
 def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
     """Makes the example and runs it; the README has the same line, for who stands in the folder."""
-    (prefix,) = (path.removesuffix(".h") for path in files if path.endswith(".h"))
+    (prefix,) = (path.removesuffix(".pc.in") for path in files if path.endswith(".pc.in"))
     return f"cd {shlex.quote(folder)} && {compile_line(prefix, options)} && ./example"
 
 
@@ -130,6 +131,15 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "cuts": [markdown(name) for name in program.cuts],
         "parameters": table_rows(program, source.parameters),
         "inputs": table_rows(program, source.inputs),
+        "mark": mark_of(program, options),
+        "parameter_numbers": [
+            _initial(program.parameters[m.slot].default, options) for m in source.parameters
+        ],
+        "arrays": [
+            [_initial(value, options) for value in values]
+            for values in ([number.value for number in program.geometry], start or [0.0])
+            if values
+        ],
         "first_parameter": next((member.field for member in source.parameters), ""),
         "bodies": [markdown(name) for name in program.bodies],
         "energies": [markdown(name) for name in program.energies],
@@ -141,6 +151,11 @@ def _context(source: CSource, simulator: Simulator, options: ExportOptions) -> d
         "has_other_coordinates": len(program.rates) > len(program.joints),
         "heading": string_literal(_heading(program)),
     }
+
+
+def _initial(value: float, options: ExportOptions) -> str:
+    """A number in the braces of an initialiser, in the precision of the export."""
+    return repr(float(value)) + ("F" if options.precision == "float" else "")
 
 
 def _heading(program: Program) -> str:

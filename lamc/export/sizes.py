@@ -44,7 +44,7 @@ def _sizes(model: Model, ode: Any, options: ExportOptions) -> Sizes:
         "joints": len(model.joints),
         "bodies": len(model.bodies),
         "energies": len(model.energies),
-        "parameters": len(model.parameters),
+        "parameters": len(model.parameters) + len(model.geometry),
         "constants": model.constant_count,
         "modes": len(model.guards),
         "motion": lib.lamc_motion_work_size(model.handle),

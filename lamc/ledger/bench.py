@@ -20,11 +20,12 @@ import sympy as sp
 
 from lamc.basics._version import __version__
 from lamc.basics.errors import SimulationError
+from lamc.basics.times import Times
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler
-from lamc.pipeline import Times, effects_of, equations_of, sources_of
+from lamc.pipeline import effects_of, equations_of, sources_of
 from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
 from lamc.reference.integrate import simulate
@@ -111,7 +112,7 @@ def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observe
     compiler = find_compiler(options.compiler, flags=options.flags)
     with tempfile.TemporaryDirectory(prefix="lamc-bench-") as folder:
         with times.stage("compile"):
-            _, module, _ = build(tree, program.digest, compiler, options, Cache(Path(folder) / "cache"))
+            _, module, _ = build(tree, program.structure, compiler, options, Cache(Path(folder) / "cache"))
         simulator = Simulator(mechanism, scene, effects, equations, program, module)
         bench = _Measuring(simulator, equations, derive, observer)
         emitting = times.seconds["lower"] + times.seconds["emit"]

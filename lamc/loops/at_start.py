@@ -4,6 +4,8 @@ In: a `Tree` and a `Scene`. Out: a `LoopCount`. Never: looks at loads, which cho
 the count then has the rank of each.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from lamc.basics.errors import DesignError
@@ -11,7 +13,7 @@ from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import Branch, find_branches
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import Misfit
-from lamc.loops.rank import LoopCount, accepted_by_default, check_freedom, count_at
+from lamc.loops.rank import Found, LoopCount, accepted_by_default, check_freedom, count_at
 from lamc.loops.starts import Starter
 from lamc.loops.tangents import NEARLY
 from lamc.mechanism.tree import Tree
@@ -34,6 +36,7 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     geometry = LoopGeometry(tree)
     drawn = np.zeros(len(geometry.names))
     angles: Array | None = drawn
+    exact: Array | None = None
     if any(scene.angles.values()):
         allowed = scene.closure_tolerance
         allowed = accepted_by_default(geometry.size) if allowed is None else allowed
@@ -45,6 +48,8 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
         if angles is not None:
             count = count_at(geometry, angles, scene.closure_tolerance)
     check_freedom(count)
+    if exact is not None and not count.accepted_gap:
+        count = replace(count, start=Found(tuple(sorted(scene.angles.items())), tuple(exact.tolist())))
     if scene.branch is not None:
         return count.on_branch(scene.branch)
     if len(set(count.branch_ranks)) > 1 and angles is not None and any(scene.rates.values()):
@@ -78,4 +83,4 @@ def _along(geometry: LoopGeometry, angles: Array, scene: Scene, count: LoopCount
     except DesignError:
         return count
     found = count_at(geometry, angles, scene.closure_tolerance, rates)
-    return found if found.freedoms else count
+    return replace(found, start=count.start) if found.freedoms else count

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.linear import DENSE, least_changes
 from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
@@ -18,6 +19,11 @@ SMALL = 2e-2  # likewise: below it a singular value may be a misfit, some hundre
 LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
 STILL = 1e-10  # rad: a step that leaves open what it should close is the last, if it is as short
+NEAREST, NEARER, ARRIVED = (
+    40,
+    0.2,
+    1e-9,
+)  # rounds of the search for the nearest place; rad, its longest step and last one
 
 
 def settle(
@@ -38,8 +44,8 @@ def settle(
     columns = np.ones(len(angles), dtype=bool) if free is None else free
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
-    for _ in range(MAX_ITERATIONS):
-        if error <= 1e-2 * CLOSED or not columns.any():
+    for _ in range(MAX_ITERATIONS if columns.any() else 0):
+        if error <= 1e-2 * CLOSED:
             break
         part = linear.columns(columns)
         step = part.least_change(-residual, cutoff if nullity is None else part.amid(nullity))
@@ -52,3 +58,51 @@ def settle(
         if error > 0.5 * before and (error <= CLOSED or longest < STILL):
             break
     return angles, error
+
+
+def settle_all(geometry: LoopGeometry, guesses: Array, free: Mask, cutoff: float) -> tuple[Array, Array]:
+    """`settle` from rows of guesses (s, n) at once: the places (s, n), and their errors (s,)."""
+    places, rows = guesses.copy(), np.arange(len(guesses))
+    errors, longest = np.full((2, len(guesses)), np.inf)
+    for left in range(MAX_ITERATIONS, -1, -1):
+        steps, error = _steps(geometry, places[rows], free, np.zeros((len(rows), int(free.sum()))), cutoff)
+        before, errors[rows] = errors[rows], error
+        over = (error > 0.5 * before) & ((error <= CLOSED) | (longest[rows] < STILL))
+        longest[rows] = np.abs(steps).max(axis=1, initial=0.0)
+        on = ~over & (error > 1e-2 * CLOSED) & (longest[rows] >= 1e-15)
+        rows, steps = rows[on], steps[on]
+        if not len(rows) or not left:
+            break
+        places[np.ix_(rows, free)] += steps * np.minimum(1.0, LONGEST_STEP / longest[rows])[:, None]
+    return places, errors
+
+
+def approach(geometry: LoopGeometry, angles: Array, wanted: Array, free: Mask, cutoff: float) -> Array:
+    """Places (s, n), nearly closed, where the squares of the distance from `wanted` (n,) are least around closed rows
+    of angles (s, n), by what is free."""
+    places, rows = angles.copy(), np.arange(len(angles))
+    for _ in range(NEAREST):
+        steps, _ = _steps(geometry, places[rows], free, (wanted - places[rows])[:, free], cutoff)
+        longest = np.abs(steps).max(axis=1, initial=0.0)
+        places[np.ix_(rows, free)] += steps * np.minimum(1.0, NEARER / np.maximum(longest, NEARER))[:, None]
+        rows = rows[longest >= ARRIVED]
+        if not len(rows):
+            break
+    return places
+
+
+def _steps(
+    geometry: LoopGeometry, places: Array, free: Mask, back: Array, cutoff: float
+) -> tuple[Array, Array]:
+    """Steps (s, f) towards closure by what is free, of least difference from steps `back` (s, f); and how far the
+    places (s, n) are from it, (s,)."""
+    if len(geometry.names) > DENSE:
+        closures = [geometry.closure(place) for place in places]
+        columns = [linear.columns(free) for _, linear in closures]
+        goals = [r + c.matrix @ b for (r, _), c, b in zip(closures, columns, back, strict=True)]
+        changes = np.array([c.least_change(g, cutoff) for c, g in zip(columns, goals, strict=True)])
+        return back - changes, np.array([np.abs(residual).max(initial=0.0) for residual, _ in closures])
+    residual, matrices = geometry.closures(places)
+    matrices = matrices[:, :, free]
+    goal = residual + (matrices @ back[:, :, None])[:, :, 0]
+    return back - least_changes(matrices, goal, cutoff), np.abs(residual).max(axis=1, initial=0.0)

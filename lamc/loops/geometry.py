@@ -1,8 +1,7 @@
 """Kinematics of a mechanism with loops in numbers: poses, closure along short cycles, gaps.
 
-In: a `Tree` and angles of all its joints, those of the tree first, then the cut ones. Out: arrays in world axes, and
-sparse matrices. Never: uses the frames of the tree, sympy, or compiled code, so that it stands beside the derivation
-and not on it.
+In: a `Tree` and angles of all its joints, those of the tree first, then the cut ones. Out: arrays in world axes. Never:
+uses the frames of the tree, sympy, or compiled code, so that it stands beside the derivation and not on it.
 """
 
 from dataclasses import dataclass
@@ -11,10 +10,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from lamc.loops.cycles import Cycle, short_cycles
-from lamc.loops.linear import Linear
+from lamc.loops.linear import DENSE, Linear
 from lamc.loops.rings import Rings, rotations
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array, Joint
+
+RECENT = 64  # closures that are kept: a search comes back to where its last step ended
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class LoopGeometry:
     def __init__(self, tree: Tree) -> None:
         joints = tree.hinges
         self.tree = tree
+        self._recent: dict[bytes, tuple[Array, Linear]] = {}
         self.names = tuple(joint.name for joint in joints)
         self.tree_count, self.loops = len(tree.links), len(tree.cuts)
         self.size = tree.mechanism.size
@@ -72,8 +74,21 @@ class LoopGeometry:
 
     def closure(self, angles: Array) -> tuple[Array, Linear]:
         """What is left open (6 cycles,), rad and parts of lengths, and its Jacobian by the angles."""
-        residual, matrix = self.rings.residual(angles)
-        return residual, Linear(matrix)
+        key = angles.tobytes()
+        found = self._recent.get(key)
+        if found is None:
+            residual, screws = self.rings.residual(angles)
+            if len(self.names) > DENSE:
+                return residual, Linear(self.rings.sparse(screws))
+            if len(self._recent) >= RECENT:
+                self._recent.clear()
+            found = self._recent[key] = residual, Linear(self.rings.dense(screws))
+        return found
+
+    def closures(self, angles: Array) -> tuple[Array, Array]:
+        """The same for rows of angles (s, n) of few joints at once: (s, 6 cycles) and (s, 6 cycles, n)."""
+        residual, screws = self.rings.residual(angles)
+        return residual, self.rings.dense(screws)
 
     def linear(self, angles: Array) -> Linear:
         """The Jacobian of the closure: it leaves free the rates with which all loops stay closed."""

@@ -4,14 +4,13 @@ In: a digest of all that the count follows from, a cache, and how to count. Out:
 or cannot be written costs a count, and nothing else.
 """
 
-import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import asdict
+from typing import Any
 
 from lamc.codegen.cache import Cache
 from lamc.loops.misfit import Misfit
-from lamc.loops.rank import LoopCount
+from lamc.loops.rank import Found, LoopCount
 
 
 def kept_loops(alias: str | None, cache: Cache, count: Callable[[], LoopCount]) -> LoopCount:
@@ -20,29 +19,22 @@ def kept_loops(alias: str | None, cache: Cache, count: Callable[[], LoopCount]) 
     alias: of `loops_digest`; None: there is no telling, so it is counted"""
     if alias is None:
         return count()
-    found = _read(cache.noted(alias))
+    found = _read(cache.kept(alias))
     if found is None:
         found = count()
-        text = json.dumps(asdict(found))
-        cache.note(alias, f"{_digest(text)}\n{text}")
+        cache.keep(alias, asdict(found))
     return found
 
 
-def _read(text: str | None) -> LoopCount | None:
-    digest, _, body = (text or "").partition("\n")
-    if not body or digest != _digest(body):
-        return None
+def _read(values: Any) -> LoopCount | None:
     try:
-        values = json.loads(body)
-        misfit = values.pop("misfit")
+        misfit, start = values.pop("misfit"), values.pop("start")
         for name in ("singular_values", "branch_ranks", "position"):
             values[name] = tuple(values[name])
         if misfit is not None:
             misfit["place"] = tuple(misfit["place"])
-        return LoopCount(**values, misfit=Misfit(**misfit) if misfit is not None else None)
+        if start is not None:
+            start = Found(tuple((name, angle) for name, angle in start["given"]), tuple(start["angles"]))
+        return LoopCount(**values, misfit=None if misfit is None else Misfit(**misfit), start=start)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()

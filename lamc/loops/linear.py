@@ -35,32 +35,38 @@ NOTHING = (
 )
 
 
+def least_changes(matrices: Array, goals: Array, cutoff: float) -> Array:
+    """As `Linear.least_change`, of small matrices (s, m, n) and goals (s, m) at once: (s, n)."""
+    left, values, right = np.linalg.svd(matrices, full_matrices=False)
+    kept = values > cutoff * values[:, :1]
+    parts = (goals[:, None] @ left)[:, 0] * kept / np.where(kept, values, 1.0)
+    return np.asarray((parts[:, None] @ right)[:, 0])
+
+
 class Linear:
     """A matrix J (m, n)."""
 
-    def __init__(self, matrix: "sparse.csr_array") -> None:
-        self.matrix = matrix
-        self.count = matrix.shape[1]
+    def __init__(self, matrix: "Array | sparse.csr_array") -> None:
+        self.count = int(matrix.shape[1])
         self.is_small = self.count <= DENSE
+        self.matrix = matrix if isinstance(matrix, np.ndarray) or not self.is_small else matrix.toarray()
 
     def columns(self, taken: npt.NDArray[np.bool_]) -> "Linear":
         """Those of a mask (n,)."""
-        return Linear(self.matrix[:, np.flatnonzero(taken)])
+        return self if taken.all() else Linear(self.matrix[:, np.flatnonzero(taken)])
 
     @cached_property
     def dense(self) -> tuple[Array, Array, Array]:
-        """U (m, r), columns in the order of numpy; singular values (n,), ascending, zeros included; V (n, n) by rows in
-        their order."""
-        wide = self.matrix.shape[0] < self.count
-        left, values, right = np.linalg.svd(self.matrix.toarray(), full_matrices=wide)
-        missing = self.count - len(values)
-        return left, np.concatenate([np.zeros(missing), values[::-1]]), right[::-1]
+        """U (m, r), singular values (min(m, n),), descending, V (n, n) by rows in their order."""
+        left, values, right = np.linalg.svd(self.matrix, full_matrices=self.matrix.shape[0] < self.count)
+        return left, values, right
 
     @cached_property
     def scale(self) -> float:
         """The largest singular value, to some hundredths; 1 where there is nothing."""
         if self.is_small:
-            return float(self.dense[1].max(initial=0.0)) or 1.0
+            values = self.dense[1]
+            return (float(values[0]) if len(values) else 0.0) or 1.0
         vector = np.random.default_rng(20260104).normal(size=self.count)
         for _ in range(20):
             vector = self.matrix.T @ (self.matrix @ (vector / np.linalg.norm(vector)))
@@ -71,7 +77,10 @@ class Linear:
         """The smallest singular values (k,), relative to the largest, ascending, and their vectors (k, n) by rows: all
         of a small matrix; of a large one those below WEAK, and some more."""
         if self.is_small:
-            return self.dense[1] / self.scale, self.dense[2]
+            _, known, right = self.dense
+            values = np.zeros(self.count)
+            values[self.count - len(known) :] = known[::-1] / self.scale
+            return values, right[::-1]
         size = BLOCK
         block, random = np.zeros((self.count, 0)), np.random.default_rng(20260105)
         while True:
@@ -111,7 +120,7 @@ class Linear:
 
     def nullity(self, cutoff: float = EXACT) -> int:
         """How many singular values are at most `cutoff` times the largest."""
-        return int((self.weak[0] <= cutoff).sum())
+        return int(np.count_nonzero(self.weak[0] <= cutoff))
 
     def rank(self, cutoff: float = EXACT) -> int:
         """How many are larger."""
@@ -144,8 +153,8 @@ class Linear:
         counted as zero."""
         if self.is_small:
             left, values, right = self.dense
-            kept = np.flatnonzero(values > cutoff * self.scale)[::-1]
-            return np.asarray((left[:, : len(kept)].T @ goal / values[kept]) @ right[kept])
+            kept = np.count_nonzero(values > cutoff * self.scale)
+            return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
         found = self._damped(goal)
         found = found + self._damped(goal - self.matrix @ found)
         if cutoff > DAMPING:

@@ -35,6 +35,14 @@ MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfi
 
 
 @dataclass(frozen=True)
+class Found:
+    """The closed position of a start: angles given, rad, by name, sorted; and those of all joints, in their order."""
+
+    given: tuple[tuple[str, float], ...]
+    angles: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class LoopCount:
     """What the loops of a mechanism come to, counted as in the field: six equations for each, all joints unknown.
 
@@ -48,6 +56,7 @@ class LoopCount:
     shakes           rates that hold the loops closed to first order where nothing moves
     position         closed angles, rad, of all joints, at which the rank shows most clearly; empty: none is known
     pushed           the branch that loads chose, whose rank this is; None: not chosen here
+    start            the closed position that was looked for to count there; None: as drawn, or not as these loops close
     """
 
     loops: int
@@ -62,6 +71,7 @@ class LoopCount:
     shakes: int = 0
     position: tuple[float, ...] = ()
     pushed: int | None = None
+    start: Found | None = None
 
     @property
     def redundant(self) -> int:

@@ -13,8 +13,9 @@ import numpy as np
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import Branch, Lead, find_branches, moved_out
-from lamc.loops.closing import CLOSED, Mask, settle
+from lamc.loops.closing import CLOSED, Mask, approach, settle, settle_all
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.leading import led_along
 from lamc.loops.linear import EXACT
 from lamc.loops.pushed import Push, pushed_branch
 from lamc.loops.rank import LoopCount
@@ -31,7 +32,6 @@ LED, FAR = (
     0.1,
     10.0,
 )  # rad, their length; others may move as many times as much
-NEAREST = 40  # rounds of the search for the nearest one
 CONSISTENT = 1e-8  # of the largest rate: given rates are some motion's if they miss it by less
 ZERO = 1e-12  # rad/s below which a given rate is none
 
@@ -110,6 +110,9 @@ class Starter:
     def position(self, given: Mapping[str, float]) -> Array:
         """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
         that may bend are flat, where there is such a position."""
+        known = self.count.start
+        if known is not None and known.given == tuple(sorted(given.items())):
+            return np.array(known.angles)
         flat = dict.fromkeys(self.geometry.tree.mechanism.facet_creases, 0.0)
         if not flat.keys() <= given.keys():
             try:
@@ -121,24 +124,16 @@ class Starter:
     def _position(self, pairs: tuple[tuple[str, float], ...]) -> Array:
         given = dict(pairs)
         wanted, free = self._given(given)
-        best, best_gap = wanted, np.inf
-        found: list[Array] = []
-        random = np.random.default_rng(20260102)
-        for attempt in range(TRIES):
-            if attempt == 0:
-                angles, gap = self._led_there(wanted, free)
-            else:
-                spread = random.normal(0.0, SPREAD, self.size) * free if attempt > 1 else 0.0
-                angles, gap = self._closed(wanted + spread, free)
-            if gap < best_gap:
-                best, best_gap = angles, gap
-            if gap == 0.0:
-                found.append(self._nearest(angles, wanted, free))
-            if found and (not given or self.size > LARGE):
-                break
-        if not found:
-            raise DesignError(self._no_position(given, best))
-        return min(found, key=lambda angles: float(((angles - wanted) ** 2).sum()))
+        reached = [self._led_there(wanted, free)]
+        one_will_do = not given or self.size > LARGE
+        if not one_will_do or reached[0][1] > 0.0:
+            random = np.random.default_rng(20260102)
+            spread = random.normal(0.0, SPREAD, (TRIES - 2, self.size)) * free
+            reached += self._all_closed(wanted + np.concatenate([np.zeros((1, self.size)), spread]), free)
+        closed = [angles for angles, gap in reached if gap == 0.0]
+        if not closed:
+            raise DesignError(self._no_position(given, min(reached, key=lambda each: each[1])[0]))
+        return self._nearest(np.array(closed[:1] if one_will_do else closed), wanted, free)
 
     @on_one_thread
     def rates(self, angles: Array, given: Mapping[str, float]) -> Array:
@@ -162,16 +157,34 @@ class Starter:
     def _closed(self, guess: Array, free: Mask) -> tuple[Array, float]:
         """The place that `settle` reaches, and the gap there, m; 0 where the loops count as closed."""
         angles, error = settle(self.geometry, guess, free, self.cutoff)
-        gap = float(self.geometry.gaps(angles).max())
-        rotated = (
-            error * self.geometry.size
-        )  # a gap may be nil while a cut hinge is away from its given angle
-        closed = error <= CLOSED or max(gap, rotated) <= self.count.accepted_gap
-        return angles, 0.0 if closed else max(gap, rotated)
+        return angles, self._gap(angles, error)
+
+    def _gap(self, angles: Array, error: float) -> float:
+        if error <= CLOSED:
+            return 0.0
+        # A gap may be nil while a cut hinge is away from its given angle.
+        gap = max(float(self.geometry.gaps(angles).max()), error * self.geometry.size)
+        return gap if gap > self.count.accepted_gap else 0.0
+
+    def _all_closed(self, guesses: Array, free: Mask) -> list[tuple[Array, float]]:
+        """The same of rows of guesses (s, n); of many joints until one is closed."""
+        if self.size <= LARGE:
+            places, errors = settle_all(self.geometry, guesses, free, self.cutoff)
+            return [(a, self._gap(a, e)) for a, e in zip(places, errors.tolist(), strict=True)]
+        reached: list[tuple[Array, float]] = []
+        for guess in guesses:
+            reached.append(self._closed(guess, free))
+            if reached[-1][1] == 0.0:
+                break
+        return reached
 
     def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
-        """As `_closed`, from the drawn position by small steps of what is given: the same way of assembly."""
+        """As `_closed`, from the drawn position by steps of what is given: the same way of assembly."""
         place = np.zeros(self.size)
+        if self.size <= LARGE and not self.count.accepted_gap:
+            led = led_along(self.geometry, place, wanted, free, LED)
+            if led is not None:
+                return led, 0.0
         held = np.logical_not(free)
         count = max(1, min(MOST_LED, math.ceil(float(np.abs(wanted).max(initial=0.0)) / LED)))
         for step in range(1, count + 1):
@@ -182,21 +195,13 @@ class Starter:
         return place, 0.0
 
     def _nearest(self, angles: Array, wanted: Array, free: Mask) -> Array:
-        """The closed position around `angles` with the least squares of its distance from `wanted`, or `angles`."""
-        place = angles
-        for _ in range(NEAREST):
-            residual, linear = self.geometry.closure(place)
-            columns = linear.columns(free)
-            back = (wanted - place)[free]
-            step = back - columns.least_change(residual + columns.matrix @ back, self.cutoff)
-            longest = float(np.abs(step).max(initial=0.0))
-            place = place.copy()
-            place[free] += step * min(1.0, 0.2 / max(longest, 0.2))
-            if longest < 1e-9:
-                break
-        place, gap = self._closed(place, free)
-        nearer = ((place - wanted) ** 2).sum() < ((angles - wanted) ** 2).sum()
-        return place if gap == 0.0 and nearer else angles
+        """The closed position around `angles` (s, n) with the least squares of its distance from `wanted`, or those."""
+        found = []
+        places = approach(self.geometry, angles, wanted, free, self.cutoff)
+        for old, (place, gap) in zip(angles, self._all_closed(places, free), strict=True):
+            nearer = ((place - wanted) ** 2).sum() < ((old - wanted) ** 2).sum()
+            found.append(place if gap == 0.0 and nearer else old)
+        return min(found, key=lambda each: float(((each - wanted) ** 2).sum()))
 
     def _completed(self, angles: Array, given: Mapping[str, float]) -> tuple[Array, float]:
         """Rates (n,), and by how much, rad/s, closure is missed; 0 for round-off."""

@@ -84,8 +84,14 @@ def survey(
         return Survey(ways, True, free, not generic)
     random = np.random.default_rng(20260101)
     count_of_ways = min(free, 1 if len(start) > LARGE else WALKS)
-    motions = random.normal(size=(count_of_ways, free)) @ local.basis.T
+    motions = _among(random, count_of_ways, local.basis)
     return Survey([_both(geometry, start, row, cutoff, steps) for row in motions], False, free)
+
+
+def _among(random: np.random.Generator, count: int, basis: Array) -> Array:
+    """Random motions (count, n) of a space, the same whichever orthonormal basis (n, d) is given of it: a decomposition
+    gives one or another by its round-off."""
+    return np.asarray(random.normal(size=(count, len(basis))) @ basis @ basis.T)
 
 
 def _both(geometry: LoopGeometry, start: Array, way: Array, cutoff: float, steps: int) -> list[LoopPosition]:
@@ -126,7 +132,7 @@ def _drift(geometry: LoopGeometry, place: LoopPosition, nullity: int, steps: int
     """Walks along motions that leave the `nullity` weakest equations open."""
     weakest = geometry.linear(place.angles).weak[1][:nullity]
     random = np.random.default_rng(20260101)
-    motions = random.normal(size=(min(nullity, WALKS), nullity)) @ weakest
+    motions = _among(random, min(nullity, WALKS), weakest.T)
     ways = [
         walk(geometry, place.angles, sign * row, SOLVE, steps, nullity)
         for row in motions

@@ -8,7 +8,6 @@ force = dp/dt + ω × p, moment = dl/dt + ω × l + v × p, components in axes o
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lamc.basics.checks import Array
 from lamc.symbolic.algebra import Vector3, add, cross, dot
 from lamc.symbolic.scalars import Scalar
 
@@ -17,11 +16,14 @@ Six = tuple[Scalar, ...]
 
 @dataclass(frozen=True)
 class AddedInertia:
-    """matrix (6, 6) at a drawn point, m, in drawn axes of the body: of (velocity of the point, angular velocity)."""
+    """matrix (6, 6) at a point of a body, in drawn axes of it: of (velocity of the point, angular velocity).
+
+    arm  m, from the link's origin, in its frame; of the base from its reference, drawn axes
+    """
 
     effect: str
     link: int  # WORLD for the base
-    point: Array
+    arm: Vector3
     matrix: tuple[Six, ...]
 
     def energy(self, velocity: Vector3, omega: Vector3) -> Scalar:

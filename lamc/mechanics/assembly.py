@@ -29,7 +29,7 @@ from lamc.symbolic.algebra import ZERO, add, dot, scale
 from lamc.symbolic.pattern import Pattern
 from lamc.symbolic.program import Space
 from lamc.symbolic.scalars import Scalar, Value
-from lamc.symbolic.staging import Store
+from lamc.symbolic.staging import LATER, Store
 
 if TYPE_CHECKING:
     from lamc.mechanics.derive import Problem
@@ -92,6 +92,7 @@ def collect(
         with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
             hold(loads)
             effect.contribute(loads)
+    symbols.store.scope = LATER
     return loads
 
 

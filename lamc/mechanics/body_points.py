@@ -41,7 +41,7 @@ class BodyPoints:
         index, drawn = self.link_of(body), drawn_point(point)
         if index == WORLD:
             x, y, z = (float(v) for v in drawn)
-            return self.placement.base.point((x, y, z)) if self.placement.base else (x, y, z)
+            return self.placement.base.point(drawn) if self.placement.base else (x, y, z)
         local = local_point(self.tree.links[index], drawn)
         return self.placement.attached(index, local)
 
@@ -52,8 +52,7 @@ class BodyPoints:
         if index == WORLD:
             if base is None:
                 return ZERO
-            x, y, z = (float(v) for v in drawn)
-            turning = cross(base.velocity.angular, base.arm((x, y, z)))
+            turning = cross(base.velocity.angular, base.arm(drawn))
             return rotate(base.rotation, add(base.velocity.linear, turning))
         motion = self.kinematics.motions(self._u)[index]
         local = local_point(self.tree.links[index], drawn)

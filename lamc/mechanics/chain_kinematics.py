@@ -14,16 +14,16 @@ from lamc.basics.checks import Array
 from lamc.mechanics import chains
 from lamc.mechanics.arrangement import Arrangement, CompliantHinge
 from lamc.mechanics.chains import LinkState, Rotation, Shift, Step, Wrench
+from lamc.mechanics.drawn import of_link
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.kinematics import Kinematics, LinkVelocity
 from lamc.mechanics.moving_base import STILL, MovingBase, Twist
-from lamc.mechanics.placement import numeric, rotate, rotate_back
+from lamc.mechanics.placement import rotate, rotate_back
 from lamc.mechanism.rotations import snap
 from lamc.mechanism.tree import WORLD, Link
 from lamc.symbolic.algebra import (
     ZERO,
     AxisRotation,
-    Matrix3,
     Vector3,
     add,
     cross,
@@ -93,12 +93,13 @@ class ChainKinematics(Kinematics):
     def _chain(self, i: int, link: Link, hinge: CompliantHinge | None) -> Iterator[Step]:
         """From the parent's frame to the link's; from the link's drawn frame on the base, for those on the world."""
         if link.parent != WORLD:
-            yield from self._ride(link)
+            yield from self._ride(i, link)
             if link.twist != (1.0, 0.0):
-                yield Rotation(self._constant_rotation("z", link.twist), {})
+                yield Rotation(self._constant_rotation("twist", i), {})
             if link.fold != (1.0, 0.0):
-                yield Rotation(self._constant_rotation("x", link.fold), {})
-        angle = link.angle_sign * self._q[i] + self.store.constant(link.angle_offset)
+                yield Rotation(self._constant_rotation("fold", i), {})
+        (offset,) = of_link(self.store, "angle offset", i, link)
+        angle = link.angle_sign * self._q[i] + offset
         opened = Rotation(AxisRotation("z", cos(angle), sin(angle)), {i: link.angle_sign})
         if hinge is None:
             yield opened
@@ -109,10 +110,11 @@ class ChainKinematics(Kinematics):
             yield opened
             yield from self._yield(link, hinge)
 
-    def _ride(self, link: Link) -> Iterator[Step]:
+    def _ride(self, index: int, link: Link) -> Iterator[Step]:
         """From the parent's frame to the hinge's origin, which rides on the parent's deflection and its slopes."""
         if link.parent not in self.modes:
-            yield Shift(self._constants(link.offset), {})
+            x, y, z = of_link(self.store, "offset", index, link)
+            yield Shift((x, y, z), {})
             return
         # The slopes are those at the joint's own point: the tree's origin on its line may lie off the plate.
         parent, size = self.tree.links[link.parent], self.tree.mechanism.size
@@ -174,21 +176,12 @@ class ChainKinematics(Kinematics):
         x, y, z = (self.store.constant(float(v)) for v in values)
         return (x, y, z)
 
-    def drawn_frame(self, link: Link) -> Matrix3:
-        """World from the link's frame as drawn."""
-        a, b, c = (self._constants(np.array(row)) for row in numeric(link.frame))
-        return (a, b, c)
-
-    def drawn_origin(self, link: Link) -> Vector3:
-        """Where the link's origin is drawn, m, world."""
-        return self._constants(link.origin)
-
-    def on_base(self, link: Link, wrench: Wrench) -> Wrench:
+    def on_base(self, index: int, wrench: Wrench) -> Wrench:
         """A wrench about the drawn origin of a link on the base, in its drawn frame, about the base's reference."""
         assert self.base is not None
-        frame = self.drawn_frame(link)
+        frame = self.drawn_frame(index)
         force, moment = rotate(frame, wrench[0]), rotate(frame, wrench[1])
-        return force, add(moment, cross(self.base.arm(self.drawn_origin(link)), force))
+        return force, add(moment, cross(self.base.arm(self.tree.links[index].origin, ("arm", index)), force))
 
     def motions(self, u: Sequence[Scalar]) -> list[LinkVelocity]:
         """Angular velocities and velocities of the origins, in the world."""
@@ -217,9 +210,9 @@ class ChainKinematics(Kinematics):
             if link.parent == WORLD:
                 link_state = LinkState(velocity.angular, velocity.linear, base.angular, base.linear)
                 if self.base is not None:
-                    arm = self.base.arm(self._constants(link.origin))
+                    arm = self.base.arm(link.origin, ("arm", i))
                     link_state = chains.through(link_state, Shift(arm, {}), u, udot)
-                frame = self.drawn_frame(link)
+                frame = self.drawn_frame(i)
                 parts = (link_state.omega, link_state.velocity, link_state.alpha, link_state.acceleration)
                 link_state = LinkState(*(rotate_back(frame, part) for part in parts))
             else:
@@ -244,7 +237,7 @@ class ChainKinematics(Kinematics):
                 if link.parent != WORLD:
                     carried[link.parent] = chains.together(carried[link.parent], wrench)
                 elif self.base is not None:
-                    at_base = chains.together(at_base, self.on_base(link, wrench))
+                    at_base = chains.together(at_base, self.on_base(i, wrench))
         return work, at_base
 
     def attached(self, index: int, local: Vector3, place: Array) -> Vector3:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 from lamc.loops.cycles import short_cycles
-from lamc.mechanics.cycle_closure import Shapes, close_cycle
+from lamc.mechanics.cycle_closure import Shapes, close_cycle, lines_of
 from lamc.mechanics.kinematics import Kinematics
 from lamc.mechanics.placement import Placement, rotate
 from lamc.mechanism.tree import WORLD, Cut, Side, Tree
@@ -41,16 +41,17 @@ def close_cycles(tree: Tree, q: Sequence[Value], u: Sequence[Value]) -> Closure:
     residual: list[Scalar] = []
     rows: list[tuple[tuple[int, Scalar], ...]] = []
     bias: list[Scalar] = []
-    cycles, shapes = short_cycles(tree), Shapes(store)
+    shapes = Shapes(store)
+    rings = lines_of(short_cycles(tree), tree.hinges, tree.mechanism.size)
     with store.section("Sines and cosines of hinges in loops"):
-        for joint in sorted({joint for cycle in cycles for joint in cycle.joints}):
+        for joint in sorted({line.joint for ring in rings for line in ring}):
             store.link = joint
             for angle in (q[joint], 0.5 * q[joint]):
                 sin(angle), cos(angle)
     with store.section("Closure of the loops", source="products of exponentials along short cycles"):
-        for number, cycle in enumerate(cycles):
+        for number, ring in enumerate(rings):
             store.link = number
-            closed = close_cycle(shapes, cycle, tree.hinges, tree.mechanism.size, q, u)
+            closed = close_cycle(shapes, ring, q, u)
             residual += closed.residual
             bias += closed.bias
             rows += (tuple(sorted(row, key=itemgetter(0))) for row in closed.jacobian)

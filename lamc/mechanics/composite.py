@@ -14,7 +14,7 @@ from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.modal import ModalInertia
 from lamc.mechanics.moving_base import StagedFloat
 from lamc.mechanics.placement import rotate
-from lamc.mechanism.tree import WORLD, Link
+from lamc.mechanism.tree import WORLD
 from lamc.symbolic.algebra import (
     Matrix3,
     Symmetric,
@@ -64,8 +64,8 @@ def composite_mass_matrix(
                 before = pushing[parent].get(k)
                 pushing[parent][k] = push if before is None else together(before, push)
         elif isinstance(base, StagedFloat):
-            whole = _joined(whole, _on_base(kinematics, base, links[i], body))
-            _with_base(kinematics, base, links[i], pushes, entries)
+            whole = _joined(whole, _on_base(kinematics, base, i, body))
+            _with_base(kinematics, base, i, pushes, entries)
     if isinstance(base, StagedFloat):
         _base_block(entries, base, whole, len(kinematics.arrangement.rates) - 6)
     return entries
@@ -94,12 +94,12 @@ def _passed(step: Step, body: Inertia, pushes: Mapping[int, Wrench], entries: En
 
 
 def _with_base(
-    kinematics: ChainKinematics, base: StagedFloat, link: Link, pushes: Mapping[int, Wrench], entries: Entries
+    kinematics: ChainKinematics, base: StagedFloat, index: int, pushes: Mapping[int, Wrench], entries: Entries
 ) -> None:
     """Entries of the base's rows with the coordinates of a limb."""
     first = len(kinematics.arrangement.rates) - 6
     for k, push in pushes.items():
-        force, moment = kinematics.on_base(link, push)
+        force, moment = kinematics.on_base(index, push)
         for row, value in enumerate((*rotate(base.rotation, force), *moment), first):
             _add(entries, row, k, value)
 
@@ -139,12 +139,12 @@ def _shifted(body: Inertia, r: Vector3) -> Inertia:
     return Inertia(body.mass, hn, second, axial)
 
 
-def _on_base(kinematics: ChainKinematics, base: StagedFloat, link: Link, body: Inertia) -> Inertia:
+def _on_base(kinematics: ChainKinematics, base: StagedFloat, index: int, body: Inertia) -> Inertia:
     """What a link on the base carries, about the base's reference, axes of the base."""
-    axes = kinematics.drawn_frame(link)
+    axes = kinematics.drawn_frame(index)
     second = _rotated(axes, body.second)
     rotated = Inertia(body.mass, rotate(axes, body.first), second, second.xx + second.yy)
-    return _shifted(rotated, base.arm(kinematics.drawn_origin(link)))
+    return _shifted(rotated, base.arm(kinematics.tree.links[index].origin, ("arm", index)))
 
 
 def _rotated(axes: Matrix3, a: Symmetric) -> Symmetric:

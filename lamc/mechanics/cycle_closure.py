@@ -11,17 +11,18 @@ products of sines, never differences of numbers near one.
 Rotations are in rad; displacements are those of what is at the cycle's centre, in units of the mechanism's size.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from lamc.loops.cycles import Cycle
+from lamc.mechanics.drawn import keyed
 from lamc.mechanism.rotations import snap
 from lamc.records.mechanism import Array, Joint
 from lamc.symbolic.algebra import ZERO, Vector3, add, cross, scale
 from lamc.symbolic.scalars import Scalar, Value, cos, reciprocal, sin
-from lamc.symbolic.staging import Store
+from lamc.symbolic.staging import DrawnKey, Store
 
 Quaternion = tuple[Scalar, Scalar, Scalar, Scalar]
 Rows = tuple[Vector3, Vector3, Vector3]
@@ -33,24 +34,99 @@ UNIT: Rows = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 ROUND_OFF = 1e-14  # of a direction, or of an arm in sizes: cycles that are nearer are drawn alike
 
 
+@dataclass(frozen=True)
+class Line:
+    """A joint as it is passed: its screw as drawn, in the cycle's frame.
+
+    joint  index as `Cycle.joints` counts them
+    axis   (3,), unit
+    arm    (3,), from the cycle's centre, across the axis, in sizes
+    key    what it is of the drawing: the cycle whose numbers are taken, and the place in its ring
+    """
+
+    joint: int
+    axis: Array
+    arm: Array
+    key: DrawnKey
+
+
+def _skew(line: Line) -> Array:
+    x, y, z = line.axis
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+OF_LINE: Mapping[str, Callable[[Line], Array]] = {
+    "axis": lambda line: line.axis,
+    "arm": lambda line: line.arm,
+    "moment": lambda line: np.cross(line.arm, line.axis),
+    "across": lambda line: np.cross(line.axis, line.arm),
+    "skew": _skew,
+    "square": lambda line: _skew(line) @ _skew(line),
+}
+
+
+def _of_line(kind: str, line: Line) -> list[float]:
+    """Its numbers of a kind; round-off of a turn into the cycle's frame is none of it, be they nought or one."""
+    values = snap(OF_LINE[kind](line).ravel(), 1.0)
+    one = np.abs(np.abs(values) - 1.0) <= ROUND_OFF
+    return [float(v) for v in np.where(one, np.sign(values), values)]
+
+
 class Shapes:
     """Numbers of cycles as scalars of a store. A cycle that is drawn as an earlier one but for round-off takes all its
-    numbers: vertices alike have equations alike, and code that repeats is one kernel."""
+    numbers, so that they are equal as far as they go: sheets have thousands of vertices and few shapes."""
 
     def __init__(self, store: Store) -> None:
         self._store = store
-        self._known: dict[bytes, Array] = {}
 
-    def taken(self, lines: Array) -> Array:
-        """Axes and arms (k, 6) of a cycle, or those of an earlier one that is alike."""
-        coarse = np.round(lines / (1e5 * ROUND_OFF)) + 0.0
-        known = self._known.setdefault(coarse.tobytes(), lines)
-        return known if np.abs(known - lines).max() <= ROUND_OFF else lines
-
-    def __call__(self, values: Array) -> Vector3:
-        """Three of them; round-off of a turn into the cycle's frame is none of it."""
-        x, y, z = (self._store.constant(float(v)) for v in snap(np.asarray(values), 1.0))
+    def __call__(self, kind: str, line: Line) -> Vector3:
+        """Three of them; see `OF_LINE`."""
+        x, y, z = self.all(kind, line)
         return (x, y, z)
+
+    def all(self, kind: str, line: Line) -> tuple[Scalar, ...]:
+        return keyed(self._store, (kind, *line.key), _of_line(kind, line))
+
+
+def lines_of(cycles: Sequence[Cycle], joints: Sequence[Joint], size: float) -> list[list[Line]]:
+    """The lines of each cycle in the order of its ring, those of its second half as they are passed backwards."""
+    known: dict[bytes, tuple[int, Array]] = {}
+    found: list[list[Line]] = []
+    for number, cycle in enumerate(cycles):
+        numbers = _drawn(cycle, joints, size)
+        coarse = np.round(numbers / (1e5 * ROUND_OFF)) + 0.0
+        first, usual = known.setdefault(coarse.tobytes(), (number, numbers))
+        if np.abs(usual - numbers).max() <= ROUND_OFF:
+            number, numbers = first, usual
+        half = len(cycle.joints) // 2
+        found.append(
+            [
+                Line(joint, row[:3] if place < half else -row[:3], row[3:], (number, place))
+                for place, (joint, row) in enumerate(zip(cycle.joints, numbers, strict=True))
+            ]
+        )
+    return found
+
+
+def _drawn(cycle: Cycle, joints: Sequence[Joint], size: float) -> Array:
+    """Axes and arms (k, 6) of a cycle's joints."""
+    drawn = np.empty((len(cycle.joints), 6))
+    for row, index, sign in zip(drawn, cycle.joints, cycle.signs, strict=True):
+        row[:3] = snap(cycle.frame.T @ (sign * joints[index].axis), 1.0)
+        arm = snap(cycle.frame.T @ (joints[index].point - cycle.centre) / size, 1.0)
+        row[3:] = snap(arm - (arm @ row[:3]) * row[:3], 1.0)
+    return drawn
+
+
+def line_numbers(lines: Sequence[Sequence[Line]]) -> Iterator[tuple[DrawnKey, float]]:
+    """All that equations may hold of the lines of cycles, keys with values."""
+    told: set[DrawnKey] = set()
+    for line in (line for ring in lines for line in ring):
+        if line.key not in told:
+            told.add(line.key)
+            for kind in OF_LINE:
+                for place, value in enumerate(_of_line(kind, line)):
+                    yield (kind, *line.key, place), value
 
 
 @dataclass(frozen=True)
@@ -65,25 +141,10 @@ class CycleClosure:
     bias: tuple[Scalar, ...]
 
 
-@dataclass(frozen=True)
-class _Line:
-    """A joint as it is passed: numbers of its screw as drawn, in the cycle's frame. axis unit; arm in sizes."""
-
-    joint: int
-    axis: Array
-    arm: Array
-
-
-def close_cycle(
-    shapes: Shapes,
-    cycle: Cycle,
-    joints: Sequence[Joint],
-    size: float,
-    q: Sequence[Value],
-    u: Sequence[Value],
-) -> CycleClosure:
-    """Equations of `cycle` that depend on its angles. joints, q, u: of all joints, as `Cycle.joints` counts them."""
-    forth, back = _both_ways(shapes, cycle, joints, size)
+def close_cycle(shapes: Shapes, ring: Sequence[Line], q: Sequence[Value], u: Sequence[Value]) -> CycleClosure:
+    """Equations of a cycle of these lines that depend on its angles. q, u: of all joints, as `Line.joint` counts."""
+    half = len(ring) // 2
+    forth, back = ring[:half], ring[half:][::-1]
     ahead, behind = _screws(shapes, forth, q), _screws(shapes, back, q)
     entries = {line.joint: screw for line, screw in zip(forth, ahead, strict=True)}
     entries |= {line.joint: (_minus(a), _minus(v)) for line, (a, v) in zip(back, behind, strict=True)}
@@ -99,28 +160,13 @@ def close_cycle(
     return CycleClosure(tuple(r[0] for r in rows), tuple(r[1] for r in rows), tuple(r[2] for r in rows))
 
 
-def _both_ways(
-    shapes: Shapes, cycle: Cycle, joints: Sequence[Joint], size: float
-) -> tuple[list[_Line], list[_Line]]:
-    """The lines of the cycle from its first body to a middle one: forwards, and the other way round."""
-    drawn = np.empty((len(cycle.joints), 6))
-    for row, index, sign in zip(drawn, cycle.joints, cycle.signs, strict=True):
-        row[:3] = snap(cycle.frame.T @ (sign * joints[index].axis), 1.0)
-        arm = snap(cycle.frame.T @ (joints[index].point - cycle.centre) / size, 1.0)
-        row[3:] = snap(arm - (arm @ row[:3]) * row[:3], 1.0)
-    numbers = shapes.taken(drawn)
-    lines = [_Line(index, row[:3], row[3:]) for index, row in zip(cycle.joints, numbers, strict=True)]
-    half = len(lines) // 2
-    return lines[:half], [_Line(line.joint, -line.axis, line.arm) for line in reversed(lines[half:])]
-
-
-def _screws(shapes: Shapes, lines: Sequence[_Line], q: Sequence[Value]) -> list[Screw]:
+def _screws(shapes: Shapes, lines: Sequence[Line], q: Sequence[Value]) -> list[Screw]:
     """Where the lines are: direction, and velocity per rad/s of what is at the centre."""
     rotation, shift = UNIT, ZERO
     screws: list[Screw] = []
     for position, line in enumerate(lines):
-        axis = _apply(rotation, shapes(line.axis))
-        moment = _apply(rotation, shapes(np.cross(line.arm, line.axis)))
+        axis = _apply(rotation, shapes("axis", line))
+        moment = _apply(rotation, shapes("moment", line))
         screws.append((axis, add(moment, cross(shift, axis))))
         if position + 1 < len(lines):
             sine, versine = sin(q[line.joint]), 1 - cos(q[line.joint])
@@ -141,7 +187,7 @@ def _bias(screws: Sequence[Screw], rates: Sequence[Value]) -> Screw:
     return turning, moving
 
 
-def _place(shapes: Shapes, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
+def _place(shapes: Shapes, lines: Sequence[Line], q: Sequence[Value]) -> tuple[Quaternion, Vector3]:
     """The end of a chain: its rotation, and where it carries what is drawn at the centre. By half angles: what is
     small of second order has all its digits."""
     rotated: Quaternion = (1, 0, 0, 0)
@@ -151,7 +197,7 @@ def _place(shapes: Shapes, lines: Sequence[_Line], q: Sequence[Value]) -> tuple[
         sine, cosine = sin(half), cos(half)
         step = _displacement(shapes, line, 2 * (sine * cosine), 2 * (sine * sine))
         shift = add(shift, add(step, _moved(rotated, step)))
-        x, y, z = shapes(line.axis)
+        x, y, z = shapes("axis", line)
         rotated = _product(rotated, (cosine, sine * x, sine * y, sine * z))
     return rotated, shift
 
@@ -165,22 +211,16 @@ def _gap(ahead: tuple[Quaternion, Vector3], behind: tuple[Quaternion, Vector3]) 
     return turn, add(apart, cross(behind[1], turn))
 
 
-def _displacement(shapes: Shapes, line: _Line, sine: Scalar, versine: Scalar) -> Vector3:
+def _displacement(shapes: Shapes, line: Line, sine: Scalar, versine: Scalar) -> Vector3:
     """Where a turn about a line carries the centre: (I - E) arm, with the arm across the axis."""
-    across = np.cross(line.axis, line.arm)
-    return add(scale(-sine, shapes(across)), scale(versine, shapes(line.arm)))
+    return add(scale(-sine, shapes("across", line)), scale(versine, shapes("arm", line)))
 
 
-def _turn(shapes: Shapes, line: _Line, sine: Scalar, versine: Scalar) -> Rows:
+def _turn(shapes: Shapes, line: Line, sine: Scalar, versine: Scalar) -> Rows:
     """Rodrigues' rotation about an axis of the drawing."""
-    x, y, z = line.axis
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    square = skew @ skew
-    rows = [
-        [UNIT[a][b] + sine * k + versine * kk for b, (k, kk) in enumerate(zip(*pair, strict=True))]
-        for a, pair in enumerate(zip((shapes(r) for r in skew), (shapes(r) for r in square), strict=True))
-    ]
-    return _rows(rows)
+    both = zip(shapes.all("skew", line), shapes.all("square", line), strict=True)
+    flat = [UNIT[n // 3][n % 3] + sine * k + versine * kk for n, (k, kk) in enumerate(both)]
+    return _rows([flat[:3], flat[3:6], flat[6:]])
 
 
 def _moved(rotated: Quaternion, v: Vector3) -> Vector3:

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 # than this it has lost in every mechanism measured (`python -m benchmarks.solver_crossover`), and is not tried.
 MAX_PAIRS_FOR_MASS_MATRIX = 60
 
+_INERTIA, _PARALLEL = "Inertia about the hinges, base parameters", "parallel axes; Gautier & Khalil 1990"
 # With loops the runtime solves M u̇ = f together with the closure; the equations hold M, f and the closure.
 CONSTRAINED = "constraints"
 
@@ -70,19 +71,27 @@ def _derive_plain(
     inputs: Mapping[str, Input],
 ) -> Equations:
     """Hinges on a fixed world and nothing else."""
-    tree, store, q, u = arrangement.tree, symbols.store, symbols.q, symbols.u
-    with store.section(
-        "Inertia about the hinges, base parameters", source="parallel axes; Gautier & Khalil 1990"
-    ):
-        pairs = [_tagged_inertia(store, i, link, symbols.parameters) for i, link in enumerate(tree.links)]
-        inertias, coms = zip(*pairs, strict=True) if pairs else ((), ())
-        base = regrouped(store, tree, inertias)
-    placement = Placement(Kinematics(store, tree, q))
-    loads = collect(symbols, placement, (), effects)
-    problem = Problem(placement.kinematics, base, u, loads)
+    tree, q, u = arrangement.tree, symbols.q, symbols.u
+    inertias, coms, loads = begin_plain(symbols, arrangement, effects)
+    with symbols.store.section(_INERTIA, source=_PARALLEL):
+        base = regrouped(symbols.store, tree, inertias)
+    problem = Problem(loads.kinematics, base, u, loads)
     solved = _solved(problem, close_cycles(tree, q, u) if tree.cuts else None, symbols.parameters)
     masses = Masses(inertias, coms, {})
     return assemble(symbols, arrangement, loads, masses, solved, loops or count_loops(tree), effects, inputs)
+
+
+def begin_plain(
+    symbols: Symbols, arrangement: Arrangement, effects: "Sequence[Effect]"
+) -> tuple[tuple[Inertia, ...], tuple[Vector3, ...], Loads]:
+    """All that knows numbers of the design: inertias of the links, their centres of mass, and loads. In it every
+    parameter is made, in order; what follows is written in them, and in numbers of the drawing by their keys."""
+    store, tree = symbols.store, arrangement.tree
+    with store.section(_INERTIA, source=_PARALLEL):
+        pairs = [_tagged_inertia(store, i, link, symbols.parameters) for i, link in enumerate(tree.links)]
+    inertias, coms = zip(*pairs, strict=True) if pairs else ((), ())
+    placement = Placement(Kinematics(store, tree, symbols.q))
+    return inertias, coms, collect(symbols, placement, (), effects)
 
 
 def _tagged_inertia(store: Store, index: int, link: Link, parameters: Parameters) -> tuple[Inertia, Vector3]:
@@ -130,12 +139,11 @@ class Problem:
     def _world_accelerations(self, field: Vector3) -> list[Vector3]:
         """A uniform field is an acceleration of the world the other way."""
         links = self.kinematics.tree.links
-        placement = Placement(self.kinematics)
         return [
-            rotate_back(placement.drawn(link), (-field[0], -field[1], -field[2]))
+            rotate_back(self.kinematics.drawn_frame(i), (-field[0], -field[1], -field[2]))
             if link.parent == WORLD
             else (0, 0, 0)
-            for link in links
+            for i, link in enumerate(links)
         ]
 
     def solve(self, how: str) -> list[Scalar]:

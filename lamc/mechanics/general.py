@@ -54,6 +54,27 @@ def derive_general(
 ) -> Equations:
     """Equations of motion of `arrangement` under `effects`; see `derive`."""
     store, q, u = symbols.store, symbols.q, symbols.u
+    masses, seen, loads = begin_general(symbols, arrangement, effects)
+    kinematics, plain = loads.kinematics, len(arrangement.plain_coordinates)
+    assert isinstance(kinematics, ChainKinematics)
+    problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)
+    tree, closure = arrangement.tree, None
+    yields = plain > len(tree.hinges)
+    if tree.cuts:
+        close = partial(close_cuts, seen) if yields else partial(close_cycles, tree)
+        closure = close(q[:plain], u[:plain])
+    count = loops or count_loops(tree)
+    if closure is not None and yields:
+        count = _yielding(count, closure, store, q[:plain], arrangement)
+    solved = Solved(problem, closure, INVERSE_DYNAMICS)
+    return assemble(symbols, arrangement, loads, masses, solved, count, effects, inputs)
+
+
+def begin_general(
+    symbols: Symbols, arrangement: Arrangement, effects: "Sequence[Effect]"
+) -> tuple[Masses, Placement, Loads]:
+    """As `begin_plain`: masses, where links are as seen from the base, and loads."""
+    store, q, u = symbols.store, symbols.q, symbols.u
     base = _staged_base(symbols, arrangement)
     kinematics = ChainKinematics(store, arrangement, q, base)
     masses = _masses(kinematics, symbols.parameters)
@@ -66,17 +87,7 @@ def derive_general(
     hold = partial(_hold, arrangement=arrangement, bushings=[amounts for amounts, _ in held], q=q, u=u)
     bushings = [hinge for _, hinge in held]
     loads = collect(symbols, Placement(kinematics, base), bushings, effects, hold)
-    problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)
-    tree, closure = arrangement.tree, None
-    yields = plain > len(tree.hinges)
-    if tree.cuts:
-        close = partial(close_cuts, seen) if yields else partial(close_cycles, tree)
-        closure = close(q[:plain], u[:plain])
-    count = loops or count_loops(tree)
-    if closure is not None and yields:
-        count = _yielding(count, closure, store, q[:plain], arrangement)
-    solved = Solved(problem, closure, INVERSE_DYNAMICS)
-    return assemble(symbols, arrangement, loads, masses, solved, count, effects, inputs)
+    return masses, seen, loads
 
 
 def _staged_base(symbols: Symbols, arrangement: Arrangement) -> MovingBase | None:

@@ -12,6 +12,7 @@ parent (and by the world in the end) without changing any acceleration; base par
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
+from lamc.mechanics.drawn import of_link
 from lamc.mechanism.rotations import ROUND_OFF
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.symbolic.algebra import Symmetric, Vector3
@@ -131,8 +132,8 @@ def regrouped(
         m, h, j = mass[index], first[index], second[index]
         if link.parent != WORLD:
             p = link.parent
-            offset = _triple([store.constant(float(v)) for v in link.offset])
-            axis = _triple([store.constant(v) for v in _hinge_axis_in_parent(link)])
+            offset = _triple(of_link(store, "offset", index, link))
+            axis = _triple(of_link(store, "axis", index, link))
             line = _triple(
                 [a * h[2] for a in axis]
             )  # first moment of the mass moved, about the child's origin
@@ -151,12 +152,6 @@ def regrouped(
     return [Inertia(m, h, j, j.xx + j.yy) for m, h, j in zip(mass, first, second, strict=True)]
 
 
-def _hinge_axis_in_parent(link: Link) -> tuple[float, float, float]:
-    """The link's hinge in its parent's frame: Rz(twist) Rx(fold) e_z."""
-    (ct, st), (cf, sf) = link.twist, link.fold
-    return (st * sf, -ct * sf, cf)
-
-
-def _triple(values: list[Scalar]) -> Vector3:
+def _triple(values: Sequence[Scalar]) -> Vector3:
     x, y, z = values
     return (x, y, z)

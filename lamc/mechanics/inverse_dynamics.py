@@ -17,7 +17,7 @@ from lamc.mechanics.kinematics import Bias, acceleration_gradient
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.modal import ModalInertia
 from lamc.mechanics.moving_base import StagedFloat
-from lamc.mechanics.placement import local_point, rotate, rotate_back
+from lamc.mechanics.placement import rotate, rotate_back
 from lamc.mechanics.powers import point_motion
 from lamc.mechanism.tree import WORLD
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, cross, dot
@@ -121,18 +121,16 @@ class InverseDynamics:
         return together(rigid, modal.wrench(link_state, rates, changes))
 
     def _added_on_link(self, added: AddedInertia, link_state: LinkState) -> Wrench:
-        link = self.kinematics.tree.links[added.link]
-        arm = local_point(link, added.point)
+        arm = added.arm
         field = rotate_back(self._loads.placement.carrier(added.link), self._loads.field)
-        axes = self.kinematics.drawn_frame(link)
+        axes = self.kinematics.drawn_frame(added.link)
         force, moment = _added_wrench(added, link_state, arm, field, axes)
         return force, add(moment, cross(arm, force))
 
     def _added_on_base(self, added: AddedInertia, accelerations: Sequence[Scalar] | None) -> Wrench:
         base = self.kinematics.base
         assert base is not None
-        x, y, z = (float(v) for v in added.point)
-        arm, prescribed = base.arm((x, y, z)), base.acceleration(accelerations)
+        arm, prescribed = added.arm, base.acceleration(accelerations)
         link_state = LinkState(
             base.velocity.angular, base.velocity.linear, prescribed.angular, prescribed.linear
         )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lamc.basics.checks import Array
+from lamc.mechanics.drawn import of_link
 from lamc.mechanism.tree import WORLD, Link, Tree
 from lamc.symbolic.algebra import (
     ZERO,
@@ -84,35 +85,48 @@ class Kinematics:
         with store.section("Rotation about the hinges", source="eq. 1-4"):
             for i, link in enumerate(tree.links):
                 store.link = i
-                angle = link.angle_sign * q[i] + store.constant(link.angle_offset)
+                (offset,) = of_link(store, "angle offset", i, link)
+                angle = link.angle_sign * q[i] + offset
                 if link.parallel:
                     angle = heading[link.parent] + angle
                 heading.append(angle)
-                self._place(link, self.in_run[i], AxisRotation("z", cos(angle), sin(angle)))
+                self._place(i, link, self.in_run[i], AxisRotation("z", cos(angle), sin(angle)))
 
-    def _place(self, link: Link, in_run: bool, own: AxisRotation) -> None:
+    def _place(self, index: int, link: Link, in_run: bool, own: AxisRotation) -> None:
         parent_spin = None if link.parent == WORLD else self.spin[link.parent]
         self.spin.append(own if in_run else None)
         rotations: list[AxisRotation] = []
         if not link.parallel:
             twist = (
-                _join(parent_spin, self._constant_rotation("z", link.twist))
+                _join(parent_spin, self._constant_rotation("twist", index))
                 if link.twist != (1.0, 0.0)
                 else parent_spin
             )
             if twist is not None:
                 rotations.append(twist)
             if link.fold != (1.0, 0.0):
-                rotations.append(self._constant_rotation("x", link.fold))
+                rotations.append(self._constant_rotation("fold", index))
             if not in_run:
                 rotations.append(own)
         self.rotations.append(tuple(rotations))
-        x, y, z = (self.store.constant(float(v)) for v in link.offset)
+        x, y, z = of_link(self.store, "offset", index, link)
         offset: Vector3 = (x, y, z)
         self.offset.append(inward(parent_spin, offset) if parent_spin else offset)
 
-    def _constant_rotation(self, axis: str, cos_sin: tuple[float, float]) -> AxisRotation:
-        return AxisRotation(axis, self.store.constant(cos_sin[0]), self.store.constant(cos_sin[1]))
+    def _constant_rotation(self, kind: str, index: int) -> AxisRotation:
+        """The link's "twist", about z, or "fold", about x."""
+        c, s = of_link(self.store, kind, index, self.tree.links[index])
+        return AxisRotation("z" if kind == "twist" else "x", c, s)
+
+    def drawn_frame(self, index: int) -> Matrix3:
+        """World from the link's frame as drawn."""
+        xx, xy, xz, yx, yy, yz, zx, zy, zz = of_link(self.store, "frame", index, self.tree.links[index])
+        return ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz))
+
+    def drawn_origin(self, index: int) -> Vector3:
+        """Where the link's origin is drawn, m, world."""
+        x, y, z = of_link(self.store, "origin", index, self.tree.links[index])
+        return (x, y, z)
 
     def to_child(self, index: int, v: Vector3) -> Vector3:
         """Components in the link's carrier of a vector given in its parent's."""

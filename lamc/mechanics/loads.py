@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 from lamc.basics.errors import DesignError
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.body_points import BodyPoints, drawn_point
+from lamc.mechanics.drawn import keyed
 from lamc.mechanics.guards import Guard
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, local_point, rotate_back
@@ -109,7 +110,7 @@ class Loads(BodyPoints):
         """What is contributed inside belongs to this effect; the compiler opens one around each effect."""
         outer, self._effect = self._effect, name
         try:
-            with self._store.section(title, effect=name, source=source):
+            with self._store.section(title, effect=name, source=source), self._store.numbers_of(name):
                 yield
         finally:
             self._effect = outer
@@ -242,8 +243,12 @@ class Loads(BodyPoints):
         rows = tuple(tuple(self._scalar(v) for v in row) for row in matrix)
         if len(rows) != 6 or any(len(row) != 6 for row in rows):
             raise DesignError(f"effect {self._effect!r} adds an inertia to body {body!r} that is not 6 by 6")
-        if index != WORLD or self.placement.base is not None:
-            self.added.append(AddedInertia(self._effect, index, drawn, rows))
+        base = self.placement.base
+        if index != WORLD:
+            x, y, z = keyed(self._store, (), local_point(self.tree.links[index], drawn))
+            self.added.append(AddedInertia(self._effect, index, (x, y, z), rows))
+        elif base is not None:
+            self.added.append(AddedInertia(self._effect, index, base.arm(drawn), rows))
 
     def _scalar(self, value: "Scalar | sp.Expr") -> Scalar:
         """Sympy expressions are staged; their symbols are t, inputs, and q_<joint> and u_<joint> by joint name."""
@@ -274,8 +279,7 @@ class Loads(BodyPoints):
             if base is not None:
                 force, moment = rotate_back(base.rotation, force), rotate_back(base.rotation, moment)
                 if drawn is not None:
-                    x, y, z = (float(v) for v in drawn)
-                    moment = add(moment, cross(base.arm((x, y, z)), force))
+                    moment = add(moment, cross(base.arm(drawn), force))
                 self._add_at_origin(WORLD, force, moment)
             return
         carrier = self.placement.carrier(index)

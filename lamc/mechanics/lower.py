@@ -6,6 +6,7 @@ that run at every step and read what it left. No sympy, no text, no file.
 
 import hashlib
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 from lamc.codegen.lowering import Lowering, canonical
@@ -13,9 +14,9 @@ from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.program import Function, Guard, Program, Space
+from lamc.symbolic.program import DrawnNumber, Function, Guard, Program, Space, design_digest
 from lamc.symbolic.scalars import Scalar, Value
-from lamc.symbolic.staging import TABLE, Level, Store, table_place
+from lamc.symbolic.staging import TABLE, DrawnKey, Level, Store, table_place
 
 INPUT = "from outside"
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
@@ -84,7 +85,12 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
         Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
         for (name, purpose, reads), outputs in jobs
     ]
-    setup = Lowering(store, Level.NUMBER, {}).function(
+    if equations.closure is not None:
+        for key, value in (("size", equations.tree.mechanism.size), ("gap", equations.loops.accepted_gap)):
+            constants[store.drawn_number(value, (key,)).index] = len(constants)
+    drawn = _drawn_numbers(store, constants)
+    places = {index: len(equations.parameters) + place for place, index in enumerate(drawn.values())}
+    setup = Lowering(store, Level.NUMBER, {}, places).function(
         "setup",
         "everything that depends on parameters only; once per change of parameters",
         (Space.PARAMETER,),
@@ -97,6 +103,7 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
         rates=equations.rates,
         bodies=equations.bodies,
         parameters=equations.parameters,
+        geometry=tuple(DrawnNumber(key, float(store.payloads[index])) for key, index in drawn.items()),  # type: ignore[arg-type]
         constant_count=len(constants),
         energies=tuple(equations.energies),
         cuts=equations.cut_joints,
@@ -110,13 +117,17 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.rank,
         pattern=equations.pattern,
-        tolerance=equations.loops.accepted_gap,
-        size=equations.tree.mechanism.size,
         functions=MappingProxyType({f.name: f for f in (setup, *functions)}),
         notes=(_solver_note(equations),),
         tables=MappingProxyType(_tables(store, (setup, *functions))),
     )
-    return _with_digest(program)
+    return _with_digests(program)
+
+
+def _drawn_numbers(store: Store, constants: Iterable[int]) -> dict[DrawnKey, int]:
+    """The numbers of the drawing that `setup` needs for its constants, in the order in which they were asked for."""
+    live = set(store.live([Value(store, index, 1) for index in constants]))
+    return {key: index for key, index in store.drawn.items() if index in live}
 
 
 def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
@@ -201,17 +212,19 @@ def _solver_note(equations: Equations) -> str:
     return f"Accelerations by {equations.solver} (operations: {flops})."
 
 
-def _with_digest(program: Program) -> Program:
+def _with_digests(program: Program) -> Program:
     text = hashlib.sha256()
     for part in _canonical(program):
         text.update(part.encode())
         text.update(b"\n")
-    fields = {name: getattr(program, name) for name in Program.__dataclass_fields__ if name != "digest"}
-    return Program(**fields, digest=text.hexdigest())
+    structure = text.hexdigest()
+    return replace(
+        program, structure=structure, digest=design_digest(structure, program.inputs, program.drawn)
+    )
 
 
 def _canonical(program: Program) -> Iterable[str]:
-    """Every fact of the program as text, one line each, in a fixed order."""
+    """Every fact of the program but numbers of its design, as text, one line each, in a fixed order."""
     yield repr(
         (
             program.name,
@@ -226,17 +239,16 @@ def _canonical(program: Program) -> Iterable[str]:
             program.closure_count,
             program.rank,
             program.guards,
-            program.drawn,
             program.powers,
             program.jacobian_cost,
-            program.tolerance,
-            program.size,
+            [number.key for number in program.geometry],
         )
     )
     if program.pattern is not None:
         yield repr(program.pattern)
     for parameter in program.parameters:
-        yield f"{parameter!r} {INPUT}" if parameter.is_input else repr(parameter)
+        unnumbered = replace(parameter, default=0.0)
+        yield f"{unnumbered!r} {INPUT}" if parameter.is_input else repr(unnumbered)
     for number, table in program.tables.items():
         yield f"{number} {table!r}"
     for function in program.functions.values():

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 from lamc.basics.checks import Array
 from lamc.mechanics.arrangement import FloatingBase, PrescribedBase
+from lamc.mechanics.drawn import keyed
 from lamc.mechanics.inertia import ParameterMaker
 from lamc.mechanics.placement import rotate, rotate_back
 from lamc.symbolic.algebra import ZERO, Matrix3, Symmetric, Vector3, add, total
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.scalars import Scalar, Value, cos, reciprocal, sin
-from lamc.symbolic.staging import Store
+from lamc.symbolic.staging import DrawnKey, Store
 
 
 @dataclass(frozen=True)
@@ -31,13 +32,14 @@ STILL = Twist(ZERO, ZERO)
 
 @dataclass(frozen=True)
 class MovingBase(ABC):
-    """A base at one place. `reference` is the drawn point that is at `position`, m.
+    """A base at one place. `reference` (3,), m, is the drawn point that is at `position`, m.
 
     rotation  world from drawn axes
     velocity  of the reference, drawn axes of the base
     """
 
-    reference: Vector3
+    store: Store
+    reference: Array
     rotation: Matrix3
     position: Vector3
     velocity: Twist
@@ -46,13 +48,14 @@ class MovingBase(ABC):
     def acceleration(self, accelerations: Sequence[Scalar] | None) -> Twist:
         """Of the reference, axes of the base; a floating base's for u̇ (nu,), None: nothing accelerates."""
 
-    def point(self, drawn: Vector3) -> Vector3:
-        """World position, m, of a drawn point."""
-        return add(self.position, rotate(self.rotation, self.arm(drawn)))
+    def point(self, drawn: Array, key: DrawnKey = ()) -> Vector3:
+        """World position, m, of a drawn point (3,); key: what it is of the drawing."""
+        return add(self.position, rotate(self.rotation, self.arm(drawn, key)))
 
-    def arm(self, drawn: Vector3) -> Vector3:
-        """From the reference to a drawn point, m, axes of the base."""
-        return (drawn[0] - self.reference[0], drawn[1] - self.reference[1], drawn[2] - self.reference[2])
+    def arm(self, drawn: Array, key: DrawnKey = ()) -> Vector3:
+        """From the reference to a drawn point (3,), m, axes of the base."""
+        x, y, z = keyed(self.store, key, (drawn - self.reference).tolist())
+        return (x, y, z)
 
 
 @dataclass(frozen=True)
@@ -103,8 +106,7 @@ def float_base(
         else 0
         for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     ]
-    reference = constant_vector(store, base.com)
-    return StagedFloat(reference, rotation, (x, y, z), velocity, mass, Symmetric(*inertia), rates)
+    return StagedFloat(store, base.com, rotation, (x, y, z), velocity, mass, Symmetric(*inertia), rates)
 
 
 def prescribe_base(
@@ -128,7 +130,7 @@ def prescribe_base(
                 (axis[0] * turning, axis[1] * turning, axis[2] * turning), rotate_back(rotation, (x, y, z))
             )
 
-        return StagedMotion(point, rotation, position, twist(rates), twist(seconds))
+        return StagedMotion(store, base.point, rotation, position, twist(rates), twist(seconds))
 
 
 def quaternion_rotation(quaternion: Sequence[Scalar]) -> Matrix3:

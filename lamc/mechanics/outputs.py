@@ -59,8 +59,9 @@ def poses_of(placement: Placement, coms: Sequence[Vector3], arrangement: Arrange
                 yield from row
         if arrangement.base is not None and placement.base is not None:
             for name in arrangement.base.bodies:
-                x, y, z = (float(v) for v in arrangement.tree.mechanism.body(name).com)
-                yield from placement.base.point((x, y, z))
+                yield from placement.base.point(
+                    arrangement.tree.mechanism.body(name).com, ("base body", name)
+                )
                 for row in placement.base.rotation:
                     yield from row
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.mechanics.kinematics import Kinematics
-from lamc.mechanism.rotations import ROUND_OFF
 from lamc.mechanism.tree import WORLD, Link
 from lamc.records.mechanism import Array
 from lamc.symbolic.algebra import ZERO, AxisRotation, Matrix3, Vector3, add, dot
@@ -34,7 +33,7 @@ class Placement:
         for i in self._path(index):
             if i not in self._carriers:
                 link = self.links[i]
-                matrix = self._on_base(link) if link.parent == WORLD else self._carriers[link.parent]
+                matrix = self._on_base(i) if link.parent == WORLD else self._carriers[link.parent]
                 for turn in self.kinematics.rotations[i]:
                     matrix = _rotated(matrix, turn)
                 self._carriers[i] = matrix
@@ -46,11 +45,14 @@ class Placement:
             if i not in self._origins:
                 link = self.links[i]
                 if link.parent == WORLD:
-                    x, y, z = (self.kinematics.store.constant(float(v)) for v in link.origin)
-                    self._origins[i] = self.base.point((x, y, z)) if self.base else (x, y, z)
+                    self._origins[i] = (
+                        self.base.point(link.origin, ("arm", i))
+                        if self.base
+                        else self.kinematics.drawn_origin(i)
+                    )
                     step = self.kinematics.offset[i]
                     if step != ZERO:
-                        self._origins[i] = add(self._origins[i], rotate(self._on_base(link), step))
+                        self._origins[i] = add(self._origins[i], rotate(self._on_base(i), step))
                 else:
                     step = rotate(self.carrier(link.parent), self.kinematics.offset[i])
                     self._origins[i] = add(self._origins[link.parent], step)
@@ -72,23 +74,16 @@ class Placement:
         spin = self.kinematics.spin[index]
         if spin is not None:
             matrix = _rotated(matrix, spin)
-        store = self.kinematics.store
-        axes = numeric(self.links[index].frame)
+        axes = self.kinematics.drawn_frame(index)
         rows: list[Vector3] = []
         for row in matrix:
-            x, y, z = (dot(row, [store.constant(v) for v in axes[j]]) for j in range(3))
+            x, y, z = (dot(row, axes[j]) for j in range(3))
             rows.append((x, y, z))
         return (rows[0], rows[1], rows[2])
 
-    def drawn(self, link: Link) -> Matrix3:
-        """World from the link's frame as drawn."""
-        constant = self.kinematics.store.constant
-        a, b, c = ((constant(r[0]), constant(r[1]), constant(r[2])) for r in numeric(link.frame))
-        return (a, b, c)
-
-    def _on_base(self, link: Link) -> Matrix3:
+    def _on_base(self, index: int) -> Matrix3:
         """World from the frame, as drawn, of a link on the base."""
-        drawn = self.drawn(link)
+        drawn = self.kinematics.drawn_frame(index)
         return product(self.base.rotation, drawn) if self.base else drawn
 
     def _path(self, index: int) -> list[int]:
@@ -130,15 +125,7 @@ def rotate_back(matrix: Matrix3, v: Vector3) -> Vector3:
     return (x, y, z)
 
 
-def numeric(matrix: Array) -> tuple[tuple[float, float, float], ...]:
-    """A rotation matrix of plain numbers, with zeros and ±1 exact where they are so but for round-off."""
-    rows = np.where(
-        np.abs(matrix) < ROUND_OFF, 0.0, np.where(np.abs(matrix) > 1 - ROUND_OFF, np.sign(matrix), matrix)
-    )
-    return tuple((float(r[0]), float(r[1]), float(r[2])) for r in rows)
-
-
-def local_point(link: Link, point: Array) -> Vector3:
+def local_point(link: Link, point: Array) -> tuple[float, float, float]:
     """A point of the body, given in the drawn configuration (m, world), in the link's own frame."""
     x, y, z = (float(v) for v in link.frame.T @ (point - link.origin))
     return (x, y, z)

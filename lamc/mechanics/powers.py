@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.placement import Placement, local_point, rotate, rotate_back
+from lamc.mechanics.placement import Placement, rotate, rotate_back
 from lamc.mechanism.tree import WORLD
 from lamc.symbolic.algebra import ZERO, Vector3, add, cross, dot, scale
 from lamc.symbolic.derivative import derivatives
@@ -146,10 +146,9 @@ def point_motion(
     base = placement.base
     if added.link == WORLD:
         assert base is not None
-        x, y, z = (float(v) for v in added.point)
         twist = base.velocity
-        return add(twist.linear, cross(twist.angular, base.arm((x, y, z)))), twist.angular
-    link, motion = placement.links[added.link], motions[added.link]
-    velocity = add(motion.velocity, cross(motion.omega, local_point(link, added.point)))
-    axes = placement.drawn(link)
+        return add(twist.linear, cross(twist.angular, added.arm)), twist.angular
+    motion = motions[added.link]
+    velocity = add(motion.velocity, cross(motion.omega, added.arm))
+    axes = placement.kinematics.drawn_frame(added.link)
     return rotate(axes, velocity), rotate(axes, motion.omega)

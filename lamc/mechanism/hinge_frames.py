@@ -101,8 +101,8 @@ def _points_back(normal: Array, previous: Array | None) -> bool:
     """The one of two opposite normals that is wanted: near the parent's, else near the first axis it leans to."""
     if previous is not None and abs(normal @ previous) > 1e-6:
         return bool(normal @ previous < 0)
-    lean = int(np.argmax(np.abs(np.round(normal, 9))))
-    return bool(normal[lean] < 0)
+    leaning = [abs(round(each * 1e9)) for each in normal.tolist()]
+    return bool(normal[leaning.index(max(leaning))] < 0)
 
 
 def perpendicular(z: Array, previous: Array | None) -> Array:

@@ -12,12 +12,23 @@ from lamc.mechanism.tree import WORLD, Cut, Link, Side, Tree
 from lamc.records.mechanism import Array, Joint, Mechanism
 from lamc.records.network import loose_ends
 
+_latest: list[Tree] = []  # the last one: five stages of one compile ask for the same
+
 
 def plan(mechanism: Mechanism) -> Tree:
     """The tree of `mechanism`.
 
     Raises TopologyError if a body has no path to the world or a hinge joins two fixed bodies.
     """
+    for tree in _latest:
+        if tree.mechanism is mechanism:
+            return tree
+    tree = _planned(mechanism)
+    _latest[:] = [tree]
+    return tree
+
+
+def _planned(mechanism: Mechanism) -> Tree:
     fault = next(loose_ends(mechanism.bodies, mechanism.joints), None)
     if fault is not None:
         raise fault.error

@@ -5,8 +5,6 @@ In: a mechanism. Out: `Step`s, one tree edge each, parents before children. Neve
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from lamc.mechanism.tree import WORLD
 from lamc.records.mechanism import Joint, Mechanism
 
@@ -20,11 +18,11 @@ class Step:
     parent: int
 
 
-def geometric_key(joint: Joint, size: float) -> tuple[tuple[float, ...], str]:
-    """Sort key by place and direction, so that the order of the input does not matter; the name breaks ties."""
-    place = np.round(joint.point / size, 9) + 0.0
-    direction = np.round(joint.axis, 9) + 0.0
-    return (tuple(map(float, (*place, *direction))), joint.name)
+def geometric_key(joint: Joint, size: float) -> tuple[tuple[int, ...], str]:
+    """Sort key by place and direction to nine digits, so that the order of the input does not matter; the name breaks
+    ties. Python's numbers: numpy's take five times as long for so few."""
+    place = tuple(round(each / size * 1e9) for each in joint.point.tolist())
+    return (*place, *(round(each * 1e9) for each in joint.axis.tolist())), joint.name
 
 
 def least_depth(mechanism: Mechanism) -> dict[str, Joint]:

@@ -19,6 +19,7 @@ Path = tuple[str | int, ...]
 CHOICE = (
     "one of: "  # begins the name of a part of a union, which pydantic puts into places and a file has not
 )
+QUOTE = 'in a list, quote an expression with a comma: ["max(a, b)", 0]'
 T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
@@ -92,6 +93,12 @@ class Problems:
 
 def validate(model: type[M], node: Node, context: Mapping[str, Any] | None = None) -> M:
     """`node` as `model`. Raises DesignErrors with every problem."""
+    check_tags(node)
+    return validated(model, node, plain(node), context)
+
+
+def check_tags(node: Node) -> None:
+    """Raises DesignErrors for tags that mean nothing in lamc's own files, and for what is no map."""
     problems = Problems(node)
     for tagged in _tagged(node):
         problems.add(
@@ -100,8 +107,13 @@ def validate(model: type[M], node: Node, context: Mapping[str, Any] | None = Non
     problems.raise_if_any()
     if not isinstance(node, MapNode):
         raise node.error(f"a {_kind(node)} stands where a map of keys and values is expected")
+
+
+def validated(model: type[M], node: Node, data: Any, context: Mapping[str, Any] | None = None) -> M:
+    """`data`, which `node` holds, as `model`. Raises DesignErrors with every problem."""
+    problems = Problems(node)
     try:
-        return model.model_validate(plain(node), context=dict(context or {}))
+        return model.model_validate(data, context=dict(context or {}))
     except ValidationError as error:
         for item in error.errors(include_url=False):
             path: Path = tuple(step for step in item["loc"] if not str(step).startswith(CHOICE))
@@ -170,7 +182,10 @@ def _message(model: type[BaseModel], path: Path, item: Any) -> str:
         return "a value is missing here"
     if kind == "missing":
         return "this key is missing, and it is required"
-    return problem_text(item)
+    text = problem_text(item)
+    if kind == "too_long" and any(isinstance(each, str) and "(" in each for each in item["input"]):
+        return f"{text}; {QUOTE}"  # an expression that YAML took apart
+    return text
 
 
 def _fields_at(model: type[BaseModel], path: Path) -> list[str]:

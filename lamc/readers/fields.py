@@ -7,13 +7,13 @@ which comes in as validation context; a bare number of any other kind is SI.
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSchema
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
+from lamc.basics.fields import EXPRESSIONS, Unit, is_measured
 from lamc.basics.fields import LENGTH_UNIT as LENGTH_UNIT
 from lamc.basics.fields import StrictModel as StrictModel
-from lamc.basics.fields import Unit, is_measured
 from lamc.basics.fields import custom as custom
 from lamc.basics.units import length_unit
 
@@ -36,8 +36,10 @@ def _length_unit(value: Any) -> str:
         raise custom(error) from error
 
 
-def _material_stiffness(value: Any) -> Any:
-    if isinstance(value, str) and value != FROM_MATERIAL and not is_measured(value):
+def _material_stiffness(value: Any, info: ValidationInfo) -> Any:
+    expressions = (info.context or {}).get(EXPRESSIONS)
+    is_expression = isinstance(value, str) and expressions is not None and expressions.takes(value)
+    if isinstance(value, str) and value != FROM_MATERIAL and not is_measured(value) and not is_expression:
         text = f"it is {value[:40]!r}; write a number and a unit, such as '1e-3 N*m/rad', or {FROM_MATERIAL}"
         raise custom(DesignError(text))
     return value

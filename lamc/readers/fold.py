@@ -10,16 +10,19 @@ from lamc.basics.errors import LamcError, Place, warn
 from lamc.readers.fold_file import read_frame
 from lamc.readers.fold_sheet import sheet_mechanism
 from lamc.readers.inert import Limits
+from lamc.readers.mechanism_as_such import SheetAsSuch
 from lamc.records.card import SheetOptions
 from lamc.records.mechanism import Mechanism
+from lamc.records.parameters import with_origin
 
 
 def read_fold(text: str, file: str, options: SheetOptions, limits: Limits) -> Mechanism:
     """The mechanism in a FOLD text. Raises DesignError with edge, face or vertex for what cannot be."""
     try:
-        made, notes = sheet_mechanism(read_frame(text, file, limits), options, PurePath(file).stem)
+        frame, stem = read_frame(text, file, limits), PurePath(file).stem
+        made, notes = sheet_mechanism(frame, options, stem)
     except LamcError as error:
         raise (type(error)(error.message, Place(file)) if error.place is None else error) from error
     for note in notes:
         warn(note, Place(file))
-    return made
+    return with_origin(made, SheetAsSuch(frame, options, stem))

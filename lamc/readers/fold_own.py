@@ -44,19 +44,23 @@ class Own:
 
 def own_of(data: Data, faces: int, edges: int) -> Own:
     """Raises DesignError for what lamc would not write."""
-    card = None
-    if CARD in data:
-        given = _map(data[CARD], CARD, ("thickness", "density"))
-        card = Card(given["thickness"], given["density"])
     bodies = _list(data, BODIES, faces, "faces")
     fixed = _list(data, FIXED)
     hinges = _list(data, HINGES, edges, "edges")
     return Own(
-        card,
+        own_card(data),
         bodies and tuple(checked_name(each, f"an entry of {BODIES}") for each in bodies),
         fixed and tuple(checked_name(each, f"an entry of {FIXED}") for each in fixed),
         hinges and tuple(None if each is None else _hinge(each) for each in hinges),
     )
+
+
+def own_card(data: Data) -> Card | None:
+    """The card that it says. Raises as `own_of`."""
+    if CARD not in data:
+        return None
+    given = _map(data[CARD], CARD, ("thickness", "density"))
+    return Card(given["thickness"], given["density"])
 
 
 def _hinge(value: Any) -> Hinge:

@@ -67,6 +67,24 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
     return bent, told
 
 
+def unit_of(frame: FoldFrame, options: SheetOptions, notes: list[str]) -> float:
+    """m of the file's unit; what is assumed is added to `notes`."""
+    if options.units is not None:
+        return to_si(f"1 {options.units}", LENGTH)
+    if frame.unit is not None:
+        return frame.unit
+    corners = frame.vertices[np.unique(np.array(frame.edges))]
+    longest = float(np.ptp(corners, axis=0).max())
+    if not longest or HAND[0] <= 1e-3 * longest <= HAND[1]:
+        notes.append("the file says no unit: 1 is taken for 1 mm (--units says another)")
+        return 1e-3
+    notes.append(
+        f"the file says no unit: its longer side, {longest:g}, is taken for {1e3 * USUAL:g} mm (--units says what "
+        "1 is)"
+    )
+    return USUAL / longest
+
+
 @dataclass(frozen=True)
 class _Facets:
     """Faces with what is beside them; corners in the plane, m; angles at the start, rad, by joined edge."""
@@ -84,7 +102,7 @@ class _Sheet:
     def __init__(self, frame: FoldFrame, options: SheetOptions) -> None:
         self.frame, self.options = frame, options
         self.notes = list(frame.notes)
-        self.points = frame.vertices * self._scale()
+        self.points = frame.vertices * unit_of(frame, options, self.notes)
         used = self.points[np.unique(np.array(frame.edges))]
         self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
 
@@ -127,23 +145,6 @@ class _Sheet:
             start = fitted(flat, start, self.notes)
         scene = Scene(angles=start, closure_tolerance=OFF * self.size)
         return replace(flat, scene=scene), self.notes
-
-    def _scale(self) -> float:
-        """m of the file's unit."""
-        if self.options.units is not None:
-            return to_si(f"1 {self.options.units}", LENGTH)
-        if self.frame.unit is not None:
-            return self.frame.unit
-        corners = self.frame.vertices[np.unique(np.array(self.frame.edges))]
-        longest = float(np.ptp(corners, axis=0).max())
-        if not longest or HAND[0] <= 1e-3 * longest <= HAND[1]:
-            self.notes.append("the file says no unit: 1 is taken for 1 mm (--units says another)")
-            return 1e-3
-        self.notes.append(
-            f"the file says no unit: its longer side, {longest:g}, is taken for {1e3 * USUAL:g} mm (--units says what "
-            "1 is)"
-        )
-        return USUAL / longest
 
     def facets(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""

@@ -16,11 +16,13 @@ from lamc.basics.errors import DesignError
 from lamc.design import shapes
 from lamc.readers.inert import ListNode, MapNode, Node, ScalarNode
 from lamc.readers.joint_definition import DefinedBody, DefinedJoint, JointDefinition, assemble, checked_pair
+from lamc.readers.mechanism_as_such import JointsAsSuch
 from lamc.readers.objects import MM, attribute, items, number, object_id, optional, refuse_stored_code, word
 from lamc.readers.popupcad_layers import LayerSpec, degrees, read_material
 from lamc.readers.popupcad_sketch import is_construction, is_text, shape, vertex
 from lamc.records.design import Line
 from lamc.records.mechanism import Mechanism
+from lamc.records.parameters import with_origin
 
 OLD_PROPERTIES = 6  # stiffness, damping, preload, lower limit, upper limit, z
 # Only kinds that do not nest: GEOS reads nested collections by recursion, which a file could exhaust.
@@ -40,7 +42,8 @@ def read_joints(node: Node) -> Mechanism:
     Raises DesignError for a damaged file, TopologyError for an impossible mechanism.
     """
     try:
-        return assemble(read_definition(node))
+        definition = read_definition(node)
+        return with_origin(assemble(definition), JointsAsSuch(definition))
     except DesignError as error:
         raise (type(error)(error.message, node.place) if error.place is None else error) from error
 

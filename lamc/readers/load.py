@@ -54,6 +54,7 @@ def load(
     roles: Mapping[str, Role] | None = None,
     heal: float | str | None = None,
     facets: Facets | None = None,
+    set: Mapping[str, float | str] | None = None,  # noqa: A002  what the command line calls --set
 ) -> Design | Mechanism:
     """The design or mechanism in the file at `path`.
 
@@ -62,6 +63,7 @@ def load(
     limits     what the file may cost; a file beyond them is refused with the limit's name
     fixed, card, crease, units, roles, heal, facets  of a sheet of creases: see `SheetOptions`; None: what the file
                says, else a default with a warning
+    set        values of its `parameters` in the place of their defaults, SI or text: {"length": "50 mm"}
 
     Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
     or impossible, and UnsupportedError for one that is well formed and beyond this version.
@@ -70,9 +72,21 @@ def load(
         raise DesignError(f"the path is {shown(path)}; it must be a string or a pathlib.Path")
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
-    beside = Beside(Path(path), limits, _text)
-    sheet = SheetOptions(fixed, card, crease, units, roles, heal, facets)
-    data, file = read_bytes(Path(path), limits.bytes), str(path)
+    record = _loaded(
+        Path(path), materials, progress, limits, SheetOptions(fixed, card, crease, units, roles, heal, facets)
+    )
+    return record if set is None else record.with_parameters(set)
+
+
+def _loaded(
+    path: Path,
+    materials: Mapping[str, Material] | None,
+    progress: Progress | None,
+    limits: Limits,
+    sheet: SheetOptions,
+) -> Design | Mechanism:
+    beside = Beside(path, limits, _text)
+    data, file = read_bytes(path, limits.bytes), str(path)
     drawing = drawing_in(data, file, sheet, limits, progress)
     if drawing is None:
         return _read(_text(data, file), file, materials or {}, progress, limits, beside, sheet)
@@ -196,6 +210,8 @@ def _native(node: Node, beside: Beside) -> Design | Mechanism:
         raise DesignError(
             "the file holds a plate problem, not a design; `lamc plate` solves it", kind_node.place
         )
+    if kind == "study":
+        raise DesignError("the file holds a study, not a design; `lamc sweep` runs it", kind_node.place)
     shown = repr(kind[:40]) if kind is not None else "this"
     raise DesignError(f"kind: {shown} is unknown; it is 'design' or 'mechanism'", kind_node.place)
 

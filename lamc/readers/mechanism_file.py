@@ -16,12 +16,14 @@ from lamc.design import shapes
 from lamc.readers.checking import Problems, validate
 from lamc.readers.fields import LENGTH_UNIT
 from lamc.readers.inert import Node
+from lamc.readers.mechanism_as_such import MechanismAsSuch
 from lamc.readers.mechanism_schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.readers.native import length_unit_of
 from lamc.readers.scene_file import check_joints, read_scenes
 from lamc.readers.scene_writer import scenes_data
 from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism, Slab
 from lamc.records.network import faults, loose_ends
+from lamc.records.parameters import with_origin
 
 
 def read_mechanism(node: Node) -> Mechanism:
@@ -52,7 +54,7 @@ def read_mechanism(node: Node) -> Mechanism:
     )
     problems.raise_if_any()
     assert mechanism is not None
-    return mechanism
+    return with_origin(mechanism, MechanismAsSuch(mechanism))
 
 
 def write_mechanism(mechanism: Mechanism, path: FilePath | str) -> None:

@@ -1,53 +1,97 @@
-"""Native design files: from a validated model to the `Design` record.
+"""Native design files, which may be made again with other values of their parameters.
 
-In: nodes of a design file. Out: a Design, or DesignErrors with every problem of the file and its place.
-Checks here are those that need more than one entry (a layer's material exists) and geometry.
+In: nodes of a design file. Out: a Design that knows its `Document`, or DesignErrors with every problem of the file and
+its place.
 """
 
-import math
-from collections.abc import Sequence
-from functools import partial
-from pathlib import PurePath
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any
 
-from shapely.geometry import MultiPolygon, Point
-
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, Place
+from lamc.basics.fields import EXPRESSIONS
 from lamc.basics.units import length_unit
-from lamc.design import shapes
-from lamc.design.work import MOST_LAYERS, Account
-from lamc.readers.checking import Path, Problems, did_you_mean, validate
-from lamc.readers.fields import ALL_LAYERS, LENGTH_UNIT
-from lamc.readers.inert import MapNode, Node, ScalarNode
+from lamc.readers.checking import Problems, check_tags, validated
+from lamc.readers.fields import LENGTH_UNIT
+from lamc.readers.inert import MapNode, Node, ScalarNode, plain
 from lamc.readers.native_drawings import Drawings
-from lamc.readers.native_hinges import (
-    check_angles,
-    check_line_names,
-    check_size,
-    line_names,
-    stiffened,
-    tell_old_names,
-)
-from lamc.readers.native_shapes import Region, drawn, sheet_of_regions
+from lamc.readers.native_reader import DesignReader
+from lamc.readers.native_shapes import Kept
+from lamc.readers.numbers import Numbers
+from lamc.readers.parameters import SECTION, Parameters
+from lamc.readers.parameters_section import read_parameters
 from lamc.readers.popupcad_beside import Beside
-from lamc.readers.scene_file import read_scenes
-from lamc.readers.schema import (
-    DesignModel,
-    DrawnModel,
-    HingeModel,
-    LayerModel,
-    NamedBodyModel,
-    OutlineModel,
-    ShapeModel,
-)
-from lamc.records.design import BodyName, Design, HingeLine, HingeSet, Layer, Line, Material, Places
-from lamc.records.mechanism import checked_name
+from lamc.readers.schema import DesignModel
+from lamc.records.design import Design
+from lamc.records.parameters import DesignParameter, with_origin
 
 
 def read_design(node: Node, beside: Beside | None = None) -> Design:
     """The design in `node`; beside: the folder of its drawings. Raises DesignErrors with every problem."""
     unit = length_unit_of(node)
-    model = validate(DesignModel, node, {LENGTH_UNIT: unit})
-    return _Reader(model, Problems(node), node.place.file, unit, beside or Beside()).design()
+    document = Document(node, read_parameters(node, unit), unit, Kept(Drawings(beside or Beside())))
+    check_tags(node)
+    design, used = document.read()
+    document.check_used(used)
+    return with_origin(design, document) if document.declared.declared else design
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A design's file as it was read, with values of its parameters: see `lamc.records.parameters.Recipe`.
+
+    kept   what was read and made before
+    given  SI, those that are not the defaults
+    """
+
+    node: Node
+    declared: Parameters
+    length_unit: str | None
+    kept: Kept
+    given: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def parameters(self) -> Mapping[str, DesignParameter]:
+        return self.declared.records(self.declared.values(self.given))
+
+    @property
+    def told(self) -> Mapping[str, DesignParameter]:
+        return self.parameters
+
+    @cached_property
+    def _data(self) -> Any:
+        return plain(self.node)
+
+    def made(self, values: Mapping[str, float]) -> Design:
+        """Raises DesignErrors, with places, for a drawing that is impossible with these values."""
+        document = replace(self, given={**self.given, **values})
+        document.__dict__["_data"] = self._data  # of the same nodes
+        return with_origin(document.read()[0], document)
+
+    def __getstate__(self) -> dict[str, object]:
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    def place(self, name: str) -> Place | None:
+        return self.declared.by_name[name].place
+
+    def read(self) -> tuple[Design, set[str]]:
+        """The design, and which parameters it follows from."""
+        numbers = Numbers(self.declared, self.given)
+        context = {LENGTH_UNIT: self.length_unit, EXPRESSIONS: numbers}
+        model = validated(DesignModel, self.node, self._data, context)
+        problems = Problems(self.node)
+        reader = DesignReader(model, problems, self.node.place.file, self.length_unit, numbers, self.kept)
+        return reader.design(), numbers.used
+
+    def check_used(self, used: Iterable[str]) -> None:
+        """Raises DesignErrors for parameters that nothing follows from."""
+        problems, needed = Problems(self.node), self.declared.needed_by(used)
+        for name in self.declared.listed:
+            if name not in needed:
+                text = f"nothing of the design follows from {name!r}; write it into an expression, or take it away"
+                problems.add((SECTION, name), text, self.declared.by_name[name].of_name)
+        problems.raise_if_any()
 
 
 def length_unit_of(node: Node) -> str | None:
@@ -59,232 +103,3 @@ def length_unit_of(node: Node) -> str | None:
         return length_unit(unit.text)
     except DesignError:
         return None  # the schema says so, once; every length of the file need not
-
-
-class _Reader:
-    """One design file on its way to a record; every step adds to `problems` and goes on."""
-
-    def __init__(
-        self, model: DesignModel, problems: Problems, file: str, length_unit: str | None, beside: Beside
-    ) -> None:
-        self.model = model
-        self.problems = problems
-        self.file = file
-        self.length_unit = length_unit
-        self.layer_names = [layer.name for layer in model.layers]
-        self.account = Account()
-        self.drawings = Drawings(beside)
-        self.hinge_names: set[str] = set()
-
-    def design(self) -> Design:
-        model, problems = self.model, self.problems
-        name = model.name or PurePath(self.file).stem or "design"
-        problems.attempt(("name",), lambda: checked_name(name, "the design"))
-        self._check_names()
-        geometry = self._draw()
-        fixed = self._fixed()
-        found = [self._hinge(i, hinge) for i, hinge in enumerate(model.hinges)]
-        hinges = tuple(hinge for hinge in found if hinge is not None)
-        names = tuple(self._body_name(name, body) for name, body in model.bodies.items())
-        scene, scenes = read_scenes(model.scene, model.scenes, problems, self.length_unit)
-        problems.raise_if_any()
-        materials = {
-            name: Material(
-                name, m.density, m.E1, m.E2, m.poisson, m.rigid, m.flexible, m.adhesive, m.conductive, m.G12
-            )
-            for name, m in model.materials.items()
-        }
-        layers = tuple(
-            Layer(entry.name, materials[entry.material], entry.thickness, sheet, entry.angle)
-            for entry, sheet in zip(model.layers, geometry, strict=True)
-        )
-        source = PurePath(self.file).name
-        tell_old_names(model.hinges, problems)
-        check_angles(model.hinges, problems)
-        design = Design(
-            name,
-            layers,
-            hinges,
-            tuple(fixed),
-            names,
-            scene,
-            source,
-            model.story.strip(),
-            self._places(),
-            scenes,
-            tuple(model.contact_points),
-            facet_creases=model.facet_creases.record() if model.facet_creases else None,
-            beside=tuple(sorted(self.drawings.beside.digests.items())),
-            mends=tuple(self.drawings.mends),
-        )
-        check_size(design, self.length_unit)
-        return stiffened(design, model.hinges, problems)
-
-    def _places(self) -> Places:
-        """The places that a message about the whole drawing may need."""
-        paths: list[Path] = [(), ("fixed",), ("hinges",)]
-        paths += [("layers", index) for index in range(len(self.layer_names))]
-        found = [(path, self.problems.place(path)) for path in paths]
-        bodies = self.problems.places(("bodies",))
-        return Places((*found, *((("bodies", name), bodies[name]) for name in self.model.bodies)))
-
-    def _check_names(self) -> None:
-        model, problems = self.model, self.problems
-        if len(model.layers) > MOST_LAYERS:
-            problems.add(
-                ("layers",),
-                f"the design has {len(model.layers)} layers; at most {MOST_LAYERS} are split: join neighbours of one "
-                "material",
-            )
-            problems.raise_if_any()  # every shape and hinge would be looked for in all of them
-        if not model.layers:
-            problems.add(("layers",), "the design has no layers; list at least one, from the bottom up")
-        if not model.shapes:
-            problems.add(("shapes",), "the design has no shapes; draw at least one")
-        for index, layer in enumerate(model.layers):
-            self._check_layer(index, layer)
-        for section, entries in (("materials", model.materials), ("bodies", model.bodies)):
-            for name in entries:
-                problems.attempt((section, name), partial(checked_name, name, f"an entry of {section}"))
-
-    def _check_layer(self, index: int, layer: LayerModel) -> None:
-        path: Path = ("layers", index)
-        self.problems.attempt((*path, "name"), lambda: checked_name(layer.name, "a layer"))
-        if layer.name == ALL_LAYERS:
-            self.problems.add(
-                (*path, "name"), f"{ALL_LAYERS!r} means every layer and cannot name one; rename it"
-            )
-        if layer.name in self.layer_names[:index]:
-            self.problems.add((*path, "name"), f"two layers are named {layer.name!r}; names must differ")
-        if layer.material not in self.model.materials:
-            hint = did_you_mean(layer.material, sorted(self.model.materials))
-            self.problems.add((*path, "material"), f"no material is named {layer.material[:40]!r}; {hint}")
-
-    def _draw(self) -> list[MultiPolygon]:
-        """The sheets: shapes in order, each added to or cut from the layers it names."""
-        drawn_in: list[list[int]] = [[] for _ in self.layer_names]
-        regions: list[Region | None] = []
-        for index, shape in enumerate(self.model.shapes):
-            path: Path = ("shapes", index)
-            regions.append(self._region(path, shape))
-            for layer in self._layers(shape.layers, (*path, "layers")):
-                if regions[-1] is not None:
-                    drawn_in[layer].append(index)
-        cuts = [shape.cut is not None for shape in self.model.shapes]
-        sheets = self._overlaid(("shapes",), drawn_in, regions, cuts)
-        is_drawn = any(shape.cut is None for shape in self.model.shapes)
-        if self.model.shapes and not is_drawn:
-            self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
-        elif is_drawn and self.problems.none and all(s.is_empty for s in sheets):
-            self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
-        return sheets
-
-    def _region(self, path: Path, shape: OutlineModel) -> Region | None:
-        if isinstance(shape, ShapeModel) and shape.cut is not None:
-            return self._region((*path, "cut"), shape.cut)
-        if shape.shape is None:
-            return self.problems.attempt(path, partial(drawn, shape))
-        at: Path = (*path, "shape")
-        return self.problems.attempt(at, partial(self.drawings.region, shape.shape, self.problems.place(at)))
-
-    def _fixed(self) -> list[MultiPolygon]:
-        drawn_in: list[list[int]] = [[] for _ in self.layer_names]
-        regions = []
-        for index, entry in enumerate(self.model.fixed):
-            regions.append(self._region(("fixed", index), entry))
-            for layer in self._layers(entry.layers, ("fixed", index, "layers")):
-                if regions[-1] is not None:
-                    drawn_in[layer].append(index)
-        return self._overlaid(("fixed",), drawn_in, regions, [False] * len(regions))
-
-    def _overlaid(
-        self,
-        path: Path,
-        drawn_in: Sequence[Sequence[int]],
-        regions: Sequence[Region | None],
-        cuts: Sequence[bool],
-    ) -> list[MultiPolygon]:
-        """For each layer the regions drawn in it, or cut from it, by index; layers are mostly drawn alike."""
-        made: dict[tuple[int, ...], MultiPolygon] = {}
-        for name, indices in zip(self.layer_names, map(tuple, drawn_in), strict=True):
-            if indices not in made:
-                entries = [(region, cuts[k]) for k in indices if (region := regions[k])]
-                sheet = self.problems.attempt(path, partial(sheet_of_regions, entries, name, self.account))
-                made[indices] = MultiPolygon() if sheet is None else sheet
-        return [made[tuple(indices)] for indices in drawn_in]
-
-    def _body_name(self, name: str, body: NamedBodyModel) -> BodyName:
-        found = [] if body.layer is None else self._layers([body.layer], ("bodies", name, "layer"))
-        return BodyName(name, Point(body.at), found[0] if len(found) == 1 else None)
-
-    def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
-        path: Path = ("hinges", index)
-        ends, line_paths = self._lines(path, hinge)
-        names = line_names(hinge, len(ends))
-        check_line_names(names, self.hinge_names, path, self.problems)
-        lines: list[HingeLine] = []
-        for at, (start, end), name in zip(line_paths, ends, names, strict=True):
-            line = self.problems.attempt(at, partial(shapes.line, start, end))
-            if line is not None:
-                lines.append(HingeLine(line, name, self.problems.place(at)))
-        layer = self._hinge_layer(path, hinge.layer)
-        through = self._layers(hinge.layers, (*path, "layers"))
-        if layer is None or not lines:
-            return None
-        limits = hinge.limits or (-math.pi, math.pi)
-        return HingeSet(
-            tuple(lines),
-            hinge.half_gap,
-            layer,
-            tuple(through),
-            0.0 if isinstance(hinge.stiffness, str) else hinge.stiffness,
-            hinge.damping,
-            hinge.rest_angle,
-            limits,
-            from_material=isinstance(hinge.stiffness, str),
-        )
-
-    def _lines(self, path: Path, hinge: HingeModel) -> tuple[Sequence[Line], list[Path]]:
-        """Its lines as drawn, and where each stands in the file."""
-        if hinge.line is not None:
-            return [hinge.line], [(*path, "line")]
-        at: Path = (*path, "lines")
-        if not isinstance(hinge.lines, DrawnModel):
-            return hinge.lines or [], [(*at, i) for i in range(len(hinge.lines or []))]
-        take = partial(self.drawings.lines, hinge.lines, self.problems.place(at))
-        found = self.problems.attempt(at, take) or ()
-        return found, [at] * len(found)
-
-    def _hinge_layer(self, path: Path, name: str | None) -> int | None:
-        """Index of the layer that bends: the named one, or the only flexible one."""
-        if name is not None:
-            found = self._layers([name], (*path, "layer"))
-            return found[0] if found and name != ALL_LAYERS else None
-        materials = self.model.materials
-        flexible = [
-            i
-            for i, layer in enumerate(self.model.layers)
-            if layer.material in materials and materials[layer.material].flexible
-        ]
-        if len(flexible) == 1:
-            return flexible[0]
-        if any(layer.material not in materials for layer in self.model.layers):
-            return None  # a problem already, and perhaps the cause
-        self.problems.add(
-            path,
-            f"the hinge names no layer, and {len(flexible)} layers are flexible; say which bends: layer: …",
-        )
-        return None
-
-    def _layers(self, names: Sequence[str], path: Path) -> list[int]:
-        """Indices of the named layers, ascending; unknown names become problems."""
-        if list(names) == [ALL_LAYERS]:
-            return list(range(len(self.layer_names)))
-        indices: set[int] = set()
-        for name in names:
-            if name in self.layer_names:
-                indices.add(self.layer_names.index(name))
-            else:
-                hint = did_you_mean(name, self.layer_names)
-                self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
-        return sorted(indices)

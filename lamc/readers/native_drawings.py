@@ -5,7 +5,7 @@ told at the entry. Never: reads a file from elsewhere than the design's own fold
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -27,31 +27,42 @@ _AS_KEYS = (
 # What notes say of lines without a role: of other layers than one whose lines have theirs from the design.
 _OTHERS = (" is for nothing (", "neither layer nor colour says what for")
 
+_Key = tuple[Any, ...]
+
 
 class Drawings:
-    """The drawings of one design, each read once; `mends` grows as shapes are taken."""
+    """The drawings of one design, each read once, and what is taken from them, each found and told once."""
 
     def __init__(self, beside: Beside) -> None:
         self.beside = beside
-        self.mends: list[Mend] = []
-        self._read: dict[tuple[Any, ...], Drawing] = {}
-        self._told: set[int] = set()  # ids of those in `_read`
+        self._read: dict[_Key, Drawing] = {}
+        self._told: set[_Key] = set()  # those in `_read`
+        self._found: dict[_Key, tuple[Any, Sequence[Mend]]] = {}
 
-    def region(self, entry: DrawnModel, place: Place) -> MultiPolygon:
-        """Raises DesignError, naming the drawing and the line in it."""
+    def region(self, entry: DrawnModel, place: Place, mends: list[Mend]) -> MultiPolygon:
+        """What outlines enclose; what was mended is added to `mends`. Raises DesignError, naming the drawing and the
+        line in it."""
         from lamc.readers.drawings.layer_shape import shape_of  # few designs need it
 
-        found: MultiPolygon = self._taken(shape_of, "border", entry, place)
+        found: MultiPolygon = self._once(shape_of, "border", entry, place, mends)
         return found
 
-    def lines(self, entry: DrawnModel, place: Place) -> tuple[Line, ...]:
-        """Raises as `region` does."""
+    def lines(self, entry: DrawnModel, place: Place, mends: list[Mend]) -> tuple[Line, ...]:
+        """As `region`, of hinge lines."""
         from lamc.readers.drawings.layer_shape import lines_of
 
-        found: tuple[Line, ...] = self._taken(lines_of, "hinge", entry, place)
+        found: tuple[Line, ...] = self._once(lines_of, "hinge", entry, place, mends)
         return found
 
-    def _taken(self, take: Any, role: Role, entry: DrawnModel, place: Place) -> Any:
+    def _once(self, take: Any, role: Role, entry: DrawnModel, place: Place, mends: list[Mend]) -> Any:
+        key = (role, entry.layer, place, *_key(entry, entry.roles or {}))
+        if key not in self._found:
+            self._found[key] = self._taken(take, role, entry, place)
+        found, mended = self._found[key]
+        mends += mended
+        return found
+
+    def _taken(self, take: Any, role: Role, entry: DrawnModel, place: Place) -> tuple[Any, Sequence[Mend]]:
         from lamc.readers.drawings.layer_shape import told_of
 
         try:
@@ -62,8 +73,7 @@ class Drawings:
             raise DesignError(in_keys(said)) from error
         for note in told_of(mends, entry.heal, drawing):
             warn(f"{entry.file}: {note}", place)
-        self.mends += [replace(mend, source=f"{entry.file}: {mend.source}") for mend in mends]
-        return found
+        return found, [replace(mend, source=f"{entry.file}: {mend.source}") for mend in mends]
 
     def _drawing(self, entry: DrawnModel, role: Role, place: Place) -> Drawing:
         """The drawing; where nothing says what the lines of the layer are for, this entry does: `role`.
@@ -74,11 +84,12 @@ class Drawings:
         says = entry.layer is not None and "ignore" not in roles.values() and not self._has(entry, roles)
         named = {**roles, str(entry.layer): role}
         says = says and self._has(entry, named)
-        drawing = self._as(entry, named if says else roles)
-        for note in drawing.notes if id(drawing) not in self._told else ():
+        roles = named if says else roles
+        drawing, key = self._as(entry, roles), _key(entry, roles)
+        for note in drawing.notes if key not in self._told else ():
             if not (says and any(words in note for words in _OTHERS)):
                 warn(f"{entry.file}: {in_keys(note)}", place)
-        self._told.add(id(drawing))
+        self._told.add(key)
         return drawing
 
     def _has(self, entry: DrawnModel, roles: Mapping[str, Role]) -> bool:
@@ -93,7 +104,7 @@ class Drawings:
         """The drawing with those roles, read once."""
         from lamc.readers.drawings.reading import drawing_in  # svgelements and ezdxf, which few designs need
 
-        key = (entry.file, entry.units, tuple(sorted(roles.items())), entry.heal)
+        key = _key(entry, roles)
         if key not in self._read:
             options = SheetOptions(units=entry.units, roles=roles or None, heal=entry.heal)
             data = self.beside.data_of(entry.file)
@@ -102,6 +113,11 @@ class Drawings:
                 raise DesignError("it is no drawing; lamc takes shapes from SVG and DXF")
             self._read[key] = drawing
         return self._read[key]
+
+
+def _key(entry: DrawnModel, roles: Mapping[str, Role]) -> _Key:
+    """By what a drawing is read."""
+    return (entry.file, entry.units, tuple(sorted(roles.items())), entry.heal)
 
 
 def in_keys(message: str) -> str:

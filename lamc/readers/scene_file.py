@@ -15,6 +15,7 @@ from lamc.effects.data import DataError, file_context
 from lamc.effects.registry import by_name
 from lamc.readers.checking import Path, Problems, did_you_mean, shown
 from lamc.readers.effect_calls import Called, effects_called, make_effect
+from lamc.readers.numbers import Numbers
 from lamc.readers.scene_inputs import read_inputs
 from lamc.readers.scene_schema import OutputPointModel, SceneModel
 from lamc.records.effect import Effect
@@ -53,12 +54,16 @@ def read_scenes(
     problems: Problems,
     length_unit: str | None = None,
     at: Path = ("scene",),
+    numbers: Numbers | None = None,
+    kept: dict[Path, Effect] | None = None,
 ) -> Scenes:
     """The scenes of a validated file; every problem is added to `problems`, and what has one is left out.
 
     length_unit  of bare lengths; at  where `scene` stands in the file
+    numbers      reads expressions in parameters of the design; None: there are none
+    kept         effects that follow from no parameter, by their paths; those that are not there yet are added
     """
-    return _Reader(scene, scenes, problems, length_unit, at).scenes()
+    return _Reader(scene, scenes, problems, length_unit, at, numbers, {} if kept is None else kept).scenes()
 
 
 def check_joints(
@@ -85,12 +90,16 @@ class _Reader:
         problems: Problems,
         length_unit: str | None,
         at: Path,
+        numbers: Numbers | None,
+        kept: dict[Path, Effect],
     ) -> None:
         self.scene = scene
         self.models = scenes
         self.problems = problems
         self.length_unit = length_unit
         self.at = at
+        self.numbers = numbers
+        self.kept = kept
         self.said: dict[str, _Said | None] = {}
         self.effects: dict[Path, Effect | None] = {}  # each is made once, however many scenes have it
         self.places: dict[
@@ -215,7 +224,7 @@ class _Reader:
         effects = None if said.effects is None else [(self._effect(each), each) for each in said.effects]
         added = [(self._effect(each), each) for each in said.added]
         called = [(effect, call.path) for effect, call in [*(effects or ()), *added]]
-        inputs = read_inputs(said.inputs, said.path, called, problems)
+        inputs = read_inputs(said.inputs, said.path, called, problems, self.numbers)
         if inputs is None:
             return None
         made = [(effect, problems.place(path)) for effect, path in called]
@@ -257,11 +266,16 @@ class _Reader:
     def _effect(self, called: Called) -> Effect | None:
         """The effect, or None after noting what is wrong with it, at the part of it that is wrong."""
         path, name, value = called
+        if path in self.kept:
+            return self.kept[path]
         if path not in self.effects:
             self.effects[path] = None
-            context = file_context(self.length_unit, self.problems.folder)
+            read = self.numbers.read if self.numbers is not None else 0
+            context = file_context(self.length_unit, self.problems.folder, self.numbers)
             try:
-                self.effects[path] = make_effect(name, value, shown(path), context)
+                made = self.effects[path] = make_effect(name, value, shown(path), context)
+                if self.numbers is not None and self.numbers.read == read:
+                    self.kept[path] = made
             except DesignErrors as errors:
                 for each in errors.problems:
                     self._note(path, each)

@@ -10,6 +10,7 @@ from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.si_units import measured
 from lamc.readers.checking import Path, Problems
+from lamc.readers.numbers import Numbers
 from lamc.records.effect import Effect
 from lamc.records.inputs import Input, check_inputs, check_name, check_read, inputs_of
 
@@ -21,6 +22,7 @@ def read_inputs(
     own: Path,
     effects: Sequence[tuple[Effect | None, Path]],
     problems: Problems,
+    numbers: Numbers | None = None,
 ) -> dict[str, Input] | None:
     """The inputs of one scene; None after noting what is wrong with them, or with names in expressions.
 
@@ -28,6 +30,7 @@ def read_inputs(
              of this one reads them
     own      where the scene stands
     effects  None: one that could not be made; then nothing is said to be unread
+    numbers  reads expressions in parameters of the design; None: there are none
     """
     whole = all(effect is not None for effect, _ in effects)
     made = [(effect, path) for effect, path in effects if effect is not None]
@@ -36,7 +39,7 @@ def read_inputs(
     inputs: dict[str, Input] = {}
     fine = True
     for name, (value, path) in kept.items():
-        found = problems.attempt(path, lambda n=name, v=value: input_of(n, v))  # type: ignore[misc]
+        found = problems.attempt(path, lambda n=name, v=value: input_of(n, v, numbers))  # type: ignore[misc]
         if found is not None:
             inputs[name] = found
         fine = fine and found is not None
@@ -49,7 +52,7 @@ def read_inputs(
     return inputs if fine else None
 
 
-def input_of(name: str, value: object) -> Input:
+def input_of(name: str, value: object, numbers: Numbers | None = None) -> Input:
     """The input of a file's data: a number, text with a unit, or a map of default, unit and meaning.
 
     Raises DesignError for a name that it cannot have, and for data that does not fit.
@@ -67,7 +70,10 @@ def input_of(name: str, value: object) -> Input:
             f"an input is {shown(value)}; give its default with its unit, such as 0 N*mm, or a map of default, "
             "unit and meaning"
         )
-    number, own = measured(default if isinstance(default, str) else repr(default))
+    if isinstance(default, str) and numbers is not None and numbers.takes(default):
+        number, own = numbers.measured(default)
+    else:
+        number, own = measured(default if isinstance(default, str) else repr(default))
     if unit and own == "1":
         number, own = measured(f"{number!r} {unit}")
     elif unit and measured(f"1 {unit}")[1] != own:

@@ -12,21 +12,23 @@ from lamc.basics.fields import StrictModel
 from lamc.effects.registry import by_name
 from lamc.readers.plates.problem_schema import PlateFileModel
 from lamc.readers.schema import FILES, json_schema
+from lamc.readers.study_file import StudyModel
 
-WHOLE: Mapping[str, type[StrictModel]] = {**FILES, "PlateProblem": PlateFileModel}
+WHOLE: Mapping[str, type[StrictModel]] = {**FILES, "PlateProblem": PlateFileModel, "Study": StudyModel}
 
 # Name for people: (definition, an example in YAML)
 _PARTS: Mapping[str, tuple[str, str]] = {
     "design": (
         "Design",
         "units: mm\n"
+        "parameters: {length: {default: 40 mm, min: 25 mm}, width: length/2}\n"
         "materials: {card: {density: 700, rigid: true}, film: {density: 1390, flexible: true}}\n"
         "layers:\n"
         "  - {name: film, material: film, thickness: 25 um}\n"
         "  - {name: card, material: card, thickness: 0.3 mm}\n"
-        "shapes: [{rect: [0, 0, 40, 20]}]\n"
-        "hinges: [{name: fold, line: [[15, 0], [15, 20]], gap: 0.4, stiffness: 0.5 N*mm/rad}]\n"
-        "fixed: [{rect: [0, 0, 5, 20]}]",
+        "shapes: [{rect: [0, 0, length, width]}]\n"
+        "hinges: [{name: fold, line: [[15, 0], [15, width]], gap: 0.4, stiffness: 0.5 N*mm/rad}]\n"
+        "fixed: [{rect: [0, 0, 5, width]}]",
     ),
     "material": ("MaterialModel", "{density: 1390, E1: 4.9 GPa, poisson: 0.38, flexible: true}"),
     "layer": ("LayerModel", "{name: film, material: film, thickness: 25 um}"),
@@ -83,6 +85,15 @@ _PARTS: Mapping[str, tuple[str, str]] = {
         "supports: [{clamped: left}]\n"
         "loads: [{edge: right, total: -0.1 N}]",
     ),
+    "study": (
+        "Study",
+        "kind: study\n"
+        "example: flaps\n"
+        "vary: {left.stiffness: log:1e-4:1e-2:7, angles.left: [10 deg, 20 deg]}\n"
+        "measure: {swing: max(abs(left)), back: time_of(left < 0)}\n"
+        "run: {t_end: 2 s}",
+    ),
+    "study_run": ("StudyRunModel", "{t_end: 500 ms, rtol: 1e-6}"),
     "plate_material": ("PlateMaterialModel", "{E: 4.9 GPa, nu: 0.38, density: 1390}"),
     "laminate": ("LaminateModel", "{material: T300/5208, layup: '[0/90/±45]s', ply: 125 um}"),
     "ply": ("PlyModel", "{material: Kapton HN, thickness: 25 um, angle: 0 deg}"),

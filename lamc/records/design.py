@@ -19,6 +19,7 @@ from lamc.basics.errors import Place
 from lamc.basics.places import Places as Places
 from lamc.basics.seen import Viewable
 from lamc.records.drawing import Mend
+from lamc.records.parameters import Origin, Varied
 from lamc.records.scene import Scene, checked_scenes
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ class FacetCreases:
 
 
 @dataclass(frozen=True)
-class Design(Viewable):
+class Design(Viewable, Varied):
     """A laminate device before splitting.
 
     fixed         per layer, the region held by the world; a body that overlaps it in any layer is fixed
@@ -141,6 +142,9 @@ class Design(Viewable):
     beside        files beside its own that it was read from too: name and SHA-256
     facet_creases  how facets bend along their diagonals; None: they are rigid
     mends         what healing changed in drawings that shapes and hinge lines were taken from
+    origin        what it is made of again with other `parameters`; None: it is a drawing as such
+
+    Designs are equal that have the same drawing and scenes, whatever they are made of.
     """
 
     name: str
@@ -158,6 +162,9 @@ class Design(Viewable):
     beside: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     facet_creases: FacetCreases | None = None
     mends: tuple[Mend, ...] = field(default=(), compare=False, repr=False)
+    origin: Origin | None = field(default=None, compare=False, repr=False)
+
+    _carried = ("name", "scene", "scenes", "story", "source", "places", "notes", "beside", "mends")
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scenes", checked_scenes(self.scenes, f"design {self.name!r}"))

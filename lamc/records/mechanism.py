@@ -27,6 +27,7 @@ from lamc.basics.once import lazy
 from lamc.basics.seen import Viewable
 from lamc.records.drawing import Mend
 from lamc.records.network import faults, listed_names
+from lamc.records.parameters import Origin, Varied
 from lamc.records.scene import Scene, checked_scenes
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism(Viewable):
+class Mechanism(Viewable, Varied):
     """Bodies and joints; what `split` gives, or written by hand.
 
     scene   what runs call for if nothing else is said; None: what the joints ask for, and gravity
@@ -188,6 +189,7 @@ class Mechanism(Viewable):
             in files of mechanisms. It takes no part in comparisons
     facet_creases  names of joints along which facets bend; a start leaves them flat where it can
     mends  what healing changed in the drawing that it was read from
+    origin  what it is made of again with other `parameters`; None: its file, or whoever made it by hand, has none
 
     Raises DesignError for duplicate names and wrong types, and TopologyError for a joint to a body that is not
     there, for one hinge given twice, and where nothing is fixed.
@@ -203,6 +205,9 @@ class Mechanism(Viewable):
     design: "Design | None" = field(default=None, compare=False, repr=False)
     facet_creases: tuple[str, ...] = ()
     mends: tuple[Mend, ...] = field(default=(), compare=False, repr=False)
+    origin: Origin | None = field(default=None, compare=False, repr=False)
+
+    _carried = ("name", "scene", "scenes", "story", "design", "mends")
 
     def __post_init__(self) -> None:
         put = _setter(self)

@@ -45,6 +45,7 @@ class Interpreter:
             if name not in known:
                 raise DesignError(f"no parameter is named {name!r}; there are {', '.join(known[:8])}")
         values = [float(given.get(p.name, p.default)) for p in self.program.parameters]
+        values += [number.value for number in self.program.geometry]
         listing = self._scalar["setup"]
         memory = run(listing, {Space.PARAMETER: values})
         constants = np.zeros(self.program.constant_count)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import LamcError
-from lamc.pipeline import Times
+from lamc.basics.times import Times
 from lamc.plates.answers.buckling import Buckling
 from lamc.plates.answers.convergence import QuantityError
 from lamc.plates.answers.corner_fields import CornerFields, Extreme

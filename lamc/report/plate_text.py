@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from lamc.basics.numbers import duration, place_text, prefixed, shortened, shown_number
-from lamc.pipeline import Times
+from lamc.basics.times import Times
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.report import corner_angles

@@ -4,17 +4,19 @@ In: a `RunReport`. Out: plain text. It measures nothing and prints nothing.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from lamc.basics.numbers import duration, shortened
+from lamc.basics.times import Times
 from lamc.effects.registry import Choice
 from lamc.mechanism.limits import outside_limits
-from lamc.pipeline import Times
+from lamc.records.parameters import DesignParameter
 from lamc.report.loops_text import branch_lines, loops_line
+from lamc.report.parameters_text import parameters_line
 from lamc.run.outputs import outputs_of
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -32,6 +34,7 @@ class RunReport:
     scene    what the scene was called on the command line; None: the design's own
     beside   files that the design was read from besides `source`: name and SHA-256
     remarks  what else the user should know
+    dimensions  parameters of the design
     """
 
     source: str
@@ -44,6 +47,7 @@ class RunReport:
     scene: str | None = None
     beside: tuple[tuple[str, str], ...] = ()
     remarks: tuple[str, ...] = ()
+    dimensions: Mapping[str, DesignParameter] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -76,6 +80,7 @@ def energy_drift(result: Result) -> float | None:
 def summary(report: RunReport, folder: Path, files: Sequence[str], *, verbose: bool = False) -> str:
     """The whole summary, a labelled line for each matter; `verbose`: one for each effect that is not in, too."""
     rows = [("device", _device(report))]
+    rows += [("params", parameters_line(report.dimensions))] if report.dimensions else []
     rows += _loops(report)
     rows += _scene(report)
     rows += _effects(report.account, verbose=verbose)

@@ -76,7 +76,7 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
         jacobian = result.motion.closures(state)[0, model.closure_count :].reshape(-1, width)
         values = np.linalg.svd(jacobian, compute_uv=False)
         met = max(met, int((values > _INDEPENDENT * values[0]).sum()) if len(values) else 0)
-    if met > model.rank and not model.tolerance:  # a misfit that is accepted has a rank of its own
+    if met > model.rank and not result.motion.gap:  # a misfit that is accepted has a rank of its own
         return [
             f"the loops have {met} independent equations at some of the {len(rows)} rows that were looked at, and the "
             f"run took {model.rank}, as at its start: it has left the motion that it began with; compare with a run "

@@ -77,7 +77,7 @@ def common_digest(mechanism: Mechanism, effects: tuple[Effect, ...]) -> bytes | 
 def _digest(texts: Iterable[str], common: bytes | None, more: Iterable[object]) -> str | None:
     if common is None:
         return None
-    reported = [part.encode() for part in (__version__, _own_sources(), *texts)]
+    reported = [part.encode() for part in (__version__, own_sources(), *texts)]
     try:
         return _hash([*reported, common, *_pieces(tuple(more))]).hexdigest()
     except _NoTellingError:
@@ -145,7 +145,7 @@ def _kind(of: type) -> tuple[str, tuple[tuple[str, bytes], ...]]:
 
 
 @cache
-def _own_sources() -> str:
+def own_sources() -> str:
     """Names, sizes and times of the files that shape the C, so that work on lamc itself never meets stale code."""
     shaping = (
         "basics",
@@ -159,5 +159,5 @@ def _own_sources() -> str:
         "plates",
         "effects",
     )
-    data = [data_dir("templates"), data_dir("runtime_c") / "include", data_dir("runtime_c") / "src"]
+    data = [data_dir("templates"), *(data_dir("runtime_c") / part for part in ("include", "src", "ensemble"))]
     return own_stamps(*shaping) + stamps(data)

@@ -5,6 +5,7 @@ Out: arrays. Never: integrates; interprets names or physics.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -16,7 +17,7 @@ from lamc.run.opened import Opened, OpenedPool
 from lamc.run.parameters import checked_parameters
 from lamc.run.remaking import Recipe, remade_model, remember
 from lamc.run.request import Array
-from lamc.symbolic.program import Coordinate
+from lamc.symbolic.program import Coordinate, design_digest
 
 
 class CompiledModule(Protocol):
@@ -51,8 +52,22 @@ class Unchanging:
         )
 
 
+@dataclass(frozen=True)
+class DesignNumbers:
+    """What tells a design from others of its structure.
+
+    inputs  defaults of parameters, then numbers of the drawing, as the model's C takes them
+    drawn   the state as drawn, (nq + nu,); empty: all zero
+    """
+
+    inputs: tuple[float, ...]
+    drawn: tuple[float, ...] = ()
+
+
 class Motion(Unchanging):
     """A model with one set of parameters: what an integrator evaluates and a `Result` asks for more.
+
+    parameters  of the model in its order, then the numbers of the drawing
 
     States are rows y = [q, u], shape (m, nq + nu): coordinates, then rates; of joints first, rad and rad/s.
     Threads may share one: every call has memory of its own.
@@ -67,6 +82,11 @@ class Motion(Unchanging):
         constants.flags.writeable = False
         self.constants = constants
         self._pool = OpenedPool(model, constants, baumgarte)
+
+    @property
+    def gap(self) -> float:
+        """The gap, m, that loops may keep where their equations disagree; 0: none."""
+        return float(self.constants[-1]) if self.model.closure_count else 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Motion, (self.model, self.parameters, self._baumgarte)
@@ -172,17 +192,25 @@ class Motion(Unchanging):
 class Model(Unchanging):
     """The names, counts and defaults of a compiled mechanism.
 
-    recipe  what it was made from; None: by hand, and it cannot be pickled. tells: whether it tells powers
+    recipe   what it was made from; None: by hand, and it cannot be pickled. tells: whether it tells powers
+    numbers  of the design; None: those that the C was printed with
+    structure, digest  of the program without numbers, which the C has, and with them
     """
 
-    def __init__(self, module: CompiledModule, recipe: Recipe | None = None, *, tells: bool = False) -> None:
+    def __init__(
+        self,
+        module: CompiledModule,
+        recipe: Recipe | None = None,
+        *,
+        tells: bool = False,
+        numbers: "DesignNumbers | None" = None,
+    ) -> None:
         self._recipe, self._tells, self._entry = recipe, tells, str(module.source_dir)
         self.ffi: Any = module.ffi
         self.lib: Any = module.lib
         self.handle: Any = self.lib.lamc_this_model()
         handle = self.handle
         self.name = self._text(handle.name)
-        self.digest = self._text(handle.digest)
         self.joints = self._names(handle.joint_names, handle.joint_count)
         self.coordinates = self._named(
             handle.coordinate_names, handle.coordinate_units, handle.coordinate_count, "rad"
@@ -191,9 +219,7 @@ class Model(Unchanging):
         self.powers = self._names(handle.power_names, handle.power_count)
         self.cuts = self.joints[len(self.joints) - int(handle.cut_count) :]
         self.closure_count = int(handle.closure_count)
-        self.size = float(handle.size)
         self.rank = int(handle.rank)
-        self.tolerance = float(handle.tolerance)
         self.guards = self._names(handle.guard_names, handle.guard_count)
         self.has_impacts = any(handle.guard_modes[i] < 0 for i in range(handle.guard_count))
         self.bodies = self._names(handle.body_names, handle.body_count)
@@ -201,8 +227,14 @@ class Model(Unchanging):
         self.parameters = self._names(handle.parameter_names, handle.parameter_count)
         self.parameter_units = self._names(handle.parameter_units, handle.parameter_count)
         self.constant_count = int(handle.constant_count)
-        self.defaults = tuple(float(handle.parameter_defaults[i]) for i in range(handle.parameter_count))
-
+        own = [
+            float(handle.parameter_defaults[i]) for i in range(handle.parameter_count + handle.geometry_count)
+        ]
+        numbers = numbers or DesignNumbers(tuple(own))
+        self.defaults = numbers.inputs[: len(self.parameters)]
+        self.geometry = numbers.inputs[len(self.parameters) :]
+        self.structure = self._text(handle.digest)
+        self.digest = design_digest(self.structure, numbers.inputs, numbers.drawn)
         if recipe is not None:
             remember(self, self._entry)
 
@@ -226,8 +258,8 @@ class Model(Unchanging):
         values = dict(zip(self.parameters, self.defaults, strict=True))
         units = dict(zip(self.parameters, self.parameter_units, strict=True))
         values |= checked_parameters(parameters, units)
-        padding = [0.0] if not values else []
-        return Motion(self, np.array([*values.values(), *padding]), baumgarte)
+        inputs = [*values.values(), *self.geometry]
+        return Motion(self, np.array(inputs or [0.0]), baumgarte)
 
     def read(self, array: Array) -> Any:
         """The address of a contiguous array, for C to read. The caller keeps the array alive."""

@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lamc.basics.checks import did_you_mean
+from lamc.records.scene import OutputPoint
 from lamc.run.request import Array
 
 if TYPE_CHECKING:
     from lamc.run.result import Result
+    from lamc.run.simulator import Simulator
 
 AXES = ("x", "y", "z")
 ENERGY = "energy"
@@ -38,6 +40,24 @@ def quantity_of(result: "Result", name: str) -> Quantity:
 def names(result: "Result") -> list[str]:
     """Everything that `quantity_of` knows, each name once."""
     return list(dict.fromkeys(known for known, _, _ in _all(result)))
+
+
+def units_of(simulator: "Simulator") -> dict[str, str]:
+    """Everything that `quantity_of` will know of the simulator's runs, with its SI unit, before one has run."""
+    joints = {joint.name for joint in simulator.mechanism.joints}
+    hinges = [c.name for c in simulator.coordinates if c.name in joints]
+    points = [each.name for each in simulator.scene.outputs or () if isinstance(each, OutputPoint)]
+    found = [(hinge, "rad") for hinge in hinges]
+    found += [(f"{point}.{axis}", "m") for point in points for axis in AXES]
+    found += [(c.name, c.unit) for c in simulator.coordinates]
+    found += [(f"{hinge}.rate", "rad/s") for hinge in hinges]
+    found += [(rate.name, rate.unit) for rate in simulator.rates[len(simulator.joints) :]]
+    found += [(f"{body}.{axis}", "m") for body in simulator.bodies for axis in AXES]
+    found += [(ENERGY, "J"), *((name, "J") for name in simulator.model.energies), ("constraint_error", "m")]
+    units: dict[str, str] = {}
+    for name, unit in found:
+        units.setdefault(name, unit)
+    return units
 
 
 def _all(result: "Result") -> Iterator[tuple[str, str, Callable[[], Array]]]:

@@ -6,7 +6,7 @@ another program, which another version of lamc may make, for the one that a resu
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
@@ -18,6 +18,7 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 
 if TYPE_CHECKING:
+    from lamc.records.design import Design
     from lamc.run.model import Model, Motion
     from lamc.run.simulator import Simulator
 
@@ -35,11 +36,17 @@ class Recipe:
     options: CompileOptions
     cache: Cache
 
-    def simulator(self) -> "Simulator":
-        """A simulator of it. Raises as `lamc.compile` does."""
-        made: Simulator = drawer("Simulator", "remake")(
-            self.mechanism, self.scene, self.options, cache=self.cache
-        )
+    def in_passing(self) -> "Recipe":
+        """The same, of which the cache keeps nothing that is of one design alone."""
+        return replace(self, cache=Cache(self.cache.root, passing=True))
+
+    def simulator(
+        self, design: "Design | Mechanism | None" = None, scene: Scene | None = None
+    ) -> "Simulator":
+        """A simulator of it, or of another design in a scene (None: the design's own). Raises as `lamc.compile`
+        does."""
+        of = (self.mechanism, self.scene) if design is None else (design, scene)
+        made: Simulator = drawer("Simulator", "remake")(*of, self.options, cache=self.cache)
         return made
 
 

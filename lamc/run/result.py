@@ -229,7 +229,7 @@ class Result(GivenOut, Viewable, Unchanging):
             angle = np.arctan2(
                 np.linalg.norm(np.cross(axes[0], axes[1]), axis=1), (axes[0] * axes[1]).sum(axis=1)
             )
-            worst = np.maximum(worst, np.maximum(distance, self.motion.model.size * angle))
+            worst = np.maximum(worst, np.maximum(distance, self.mechanism.size * angle))
         return worst
 
     def pose(self, body: str) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import RequestError, UnsupportedError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
@@ -41,7 +41,7 @@ from lamc.run.defaults import DURATION
 from lamc.run.ending import gap_text, message
 from lamc.run.energy_balance import Kept
 from lamc.run.evaluations import NO_PARAMETERS, Evaluations
-from lamc.run.model import CompiledModule, Model, Motion
+from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.pushes import lead_of, push_of
@@ -50,9 +50,12 @@ from lamc.run.request import Array, Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.start_checks import check_run, check_start, refuse_branch
+from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
+    from lamc.records.design import Design
+    from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
 
 logger = logging.getLogger("lamc")
@@ -84,18 +87,22 @@ class Simulator(Evaluations, Viewable):
         equations: "Equations | Callable[[], Equations]",
         program: "Program | Callable[[], Program]",
         module: CompiledModule,
+        numbers: DesignNumbers | None = None,
         loops: LoopCount | None = None,
-        energy_balance: Callable[[], CompiledModule] | None = None,
+        energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         recipe: Recipe | None = None,
+        lanes: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
+        numbers: of the design; None: those that the C was printed with.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
         energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
+        lanes: makes the module that runs ensembles; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
-        super().__init__(Model(module, recipe))
+        super().__init__(Model(module, recipe, numbers=numbers))
         self._recipe = recipe
         self.mechanism = mechanism
         self.scene = scene
@@ -105,6 +112,7 @@ class Simulator(Evaluations, Viewable):
         self._module = module
         self._loops = loops
         self._energy_balance = energy_balance
+        self._lanes = lanes
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -115,6 +123,31 @@ class Simulator(Evaluations, Viewable):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return super().__reduce__() if self._recipe is None else (remade_simulator, (self._recipe,))
+
+    @property
+    def structure(self) -> str:
+        """Digest of the equations without the numbers of the design; simulators of one structure share their code."""
+        return self._model.structure
+
+    def with_design(self, design: "Design | Mechanism", scene: Scene | None = None) -> "Simulator":
+        """A simulator of another drawing, such as `design.with_parameters(length=0.05)`: of one of the same topology
+        within milliseconds, by the same compiled code.
+
+        Where the topology is another, or numbers vanish that did not, it is derived and compiled anew: a warning of the
+        log "lamc" says so, and `structure` differs.
+
+        scene: None: this one's; where that is the design's own, the new design's own
+
+        Raises as `lamc.compile` does; UnsupportedError where this simulator was made by hand.
+        """
+        if self._recipe is None:
+            raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
+        given = None if self.scene is self.mechanism.scene else self.scene
+        made = self._recipe.in_passing().simulator(design, scene or given)
+        if made.structure != self.structure:
+            what = changes(self.mechanism, made.mechanism)
+            logger.warning("%r is compiled anew, as its topology is not that of %r: %s", made, self, what)
+        return made
 
     @lazy
     def loops(self) -> LoopCount:
@@ -156,23 +189,28 @@ class Simulator(Evaluations, Viewable):
 
         Raises DesignError where they cannot be had.
         """
-        near = self.scene.angles
-        if self._model.cuts:
-            scene = self._rigid_scene
-            start = self._starter.state(replace(scene, branch=scene.branch or self.pushed_branch))
-        else:
-            with located_at(self.scene.places):
-                refuse_branch(self.scene)
-            if len(self.joints) < len(self.mechanism.joints):
-                start, near = yielding_start(plan(self.mechanism), self.scene)
-            else:
-                start = drawn_start(self.scene, self.joints)
-        if len(self.coordinates) > len(self.joints):
-            q, u = np.split(start, 2)
-            start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
+        start = self.start_of(self.scene)
         start.flags.writeable = False
         with located_at(self.scene.places):
             check_start(self.effects, self.mechanism, self._default_motion, start)
+        return start
+
+    def start_of(self, scene: Scene) -> Array:
+        """As `start`, of a scene that differs from this one in angles and rates; no effect is shown it."""
+        near = scene.angles
+        if self._model.cuts:
+            rigid = self._rigid_scene if scene is self.scene else self._rigid(scene)
+            start = self._starter.state(replace(rigid, branch=rigid.branch or self.pushed_branch))
+        else:
+            with located_at(scene.places):
+                refuse_branch(scene)
+            if len(self.joints) < len(self.mechanism.joints):
+                start, near = yielding_start(plan(self.mechanism), scene)
+            else:
+                start = drawn_start(scene, self.joints)
+        if len(self.coordinates) > len(self.joints):
+            q, u = np.split(start, 2)
+            start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
         return start
 
     @property
@@ -298,6 +336,80 @@ class Simulator(Evaluations, Viewable):
             return run(integrator, request)[0]
         return reach(wanted, integrator, motion, request, run, self.scene)
 
+    def ensemble(
+        self,
+        t_end: float | str | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
+        t_eval: npt.ArrayLike | None = None,
+        integrator: str = "auto",
+        parameters: Mapping[str, npt.ArrayLike] = NO_PARAMETERS,
+        angles: Mapping[str, npt.ArrayLike] = NO_PARAMETERS,
+        rates: Mapping[str, npt.ArrayLike] = NO_PARAMETERS,
+        *,
+        max_steps: int = 1_000_000,
+        max_step: float | str | None = None,
+        progress: Progress | bool | None = None,
+        threads: int | None = None,
+        side_by_side: bool = True,
+    ) -> "Ensemble":
+        """Many runs at once, each with values of its own, several side by side on each processor. Every instance is the
+        run that `run` makes with its values, to the last bit where the compiler contracts nothing.
+
+        parameters  by name, in the units of `parameter_units`: an array with a value for each instance, or one number,
+                    or text with a unit, for all; the others keep their defaults
+        angles, rates  at the start, by joint, rad and rad/s, likewise, in place of the scene's; loops are closed around
+                    them as `start` is, which takes milliseconds for an instance
+        t_eval      times of the rows, s, as for `run`; None: the start and t_end. All rows are kept in memory
+        progress    called with (instances begun, instances) now and then; True: a bar
+        threads     None: one for each processor
+        side_by_side  False: one run after the other on each thread, for comparison
+
+        t_end, rtol, atol, integrator, max_steps and max_step as for `run`; of integrators lamc's own. Implicit ones,
+        and mechanisms with loops, run one after the other on each thread; `Ensemble.stats` says so. An instance that
+        fails is one with its `status`, and NaN in the rows that it did not reach; Ctrl-C keeps what there is. The first
+        call compiles code for this very machine.
+
+        Raises RequestError for arguments that make no ensemble, BuildError where the compiler fails."""
+        from lamc.run.ensembles import ensemble_of
+
+        if isinstance(progress, bool):
+            with bar("ensemble") if progress else nullcontext((None, None)) as (_, told):
+                return self.ensemble(
+                    t_end,
+                    rtol,
+                    atol,
+                    t_eval,
+                    integrator,
+                    parameters,
+                    angles,
+                    rates,
+                    max_steps=max_steps,
+                    max_step=max_step,
+                    progress=told,
+                    threads=threads,
+                    side_by_side=side_by_side,
+                )
+        if t_end is None:
+            t_end = self.scene.duration or DURATION
+        tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
+        request = checked_request(self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress)
+        given = (parameters, angles, rates)
+        return ensemble_of(self, request, integrator, given, threads, side_by_side=side_by_side)
+
+    @lazy
+    def lanes(self) -> CompiledModule:
+        """The module that runs ensembles, compiled when it is first asked for."""
+        if self._lanes is None:
+            raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
+        return self._lanes()[0]
+
+    def integrated(
+        self, motion: Motion, parameters: Mapping[str, float | str], request: Request, integrator: str
+    ) -> Result:
+        """A run of `motion`, which has these parameters, from a start of its own. Checks nothing."""
+        return self._integrated(integrator, request, motion, Telling(self, self._recipe, parameters, 0.0))[0]
+
     def _integrated(
         self, integrator: str, request: Request, motion: Motion, telling: Callable[[], Motion]
     ) -> tuple[Result, float]:
@@ -348,7 +460,10 @@ class Simulator(Evaluations, Viewable):
     def _rigid_scene(self) -> Scene:
         """The scene by the joints that no bushing holds: where it gives angles or rates of others, theirs are such that
         those are had."""
-        return rigid_scene(plan(self.mechanism), self._arrangement.tree, self.scene)
+        return self._rigid(self.scene)
+
+    def _rigid(self, scene: Scene) -> Scene:
+        return rigid_scene(plan(self.mechanism), self._arrangement.tree, scene)
 
     @lazy
     def _starter(self) -> Starter:
@@ -366,7 +481,8 @@ class Simulator(Evaluations, Viewable):
         """The model that tells powers."""
         if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        return Model(self._energy_balance(), self._recipe, tells=True)
+        module, numbers = self._energy_balance()
+        return Model(module, self._recipe, tells=True, numbers=numbers)
 
     @lazy
     def _arrangement(self) -> Arrangement:

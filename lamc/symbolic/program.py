@@ -4,7 +4,8 @@ A program is a handful of functions of straight-line assignments over numbered s
 no name from the design outside the string tables, and no text in any language.
 """
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -130,6 +131,14 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class DrawnNumber:
+    """A number of the drawing that `setup` is given behind the parameters, in SI units."""
+
+    key: tuple[str | int, ...]  # what it is of the drawing
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
 class Coordinate:
     """A coordinate or a rate: its name and unit."""
 
@@ -150,7 +159,8 @@ class Program:
     """Everything there is to emit.
 
     functions, by name:
-      "setup"         parameters → constants, shape (constant_count,)
+      "setup"         parameters, then `geometry` → constants, shape (constant_count,); with loops the last two are the
+                      mechanism's size, m, and the gap, m, that loops may keep where their equations disagree
       "rates"         where q̇ is not u: q, u → q̇, shape (nq,)
       "acceleration"  t, q, u → u̇, shape (nu,); joints on a fixed world, without loops
                       other mechanisms have instead of it:
@@ -182,6 +192,7 @@ class Program:
     constant_count: int
     energies: tuple[str, ...]
     functions: Mapping[str, Function]
+    geometry: tuple[DrawnNumber, ...] = ()
     notes: tuple[str, ...] = ()  # what a reader of the C should know, e.g. the solver chosen and why
     cuts: tuple[str, ...] = ()  # names of the last joints, which close loops
     closure_count: int = 0  # m, equations that hold the loops
@@ -191,11 +202,10 @@ class Program:
     drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
     powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
     jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
-    tolerance: float = 0.0  # m, how far a loop may stay open where its equations disagree
-    size: float = 1.0  # m, the mechanism's length scale
     tables: "Mapping[int, Piecewise]" = field(
         default_factory=lambda: MappingProxyType({})
     )  # by number, those that the functions look up
+    structure: str = ""  # digest of what is above without defaults, `drawn` and values of `geometry`
     digest: str = ""  # of everything above
 
     @property
@@ -207,10 +217,23 @@ class Program:
         return {next(name for name in known if name in self.functions): 1}
 
     @property
+    def inputs(self) -> list[float]:
+        """What `setup` is given unless something is changed: defaults of parameters, then numbers of the drawing."""
+        return [*(p.default for p in self.parameters), *(number.value for number in self.geometry)]
+
+    @property
     def motion_operations(self) -> Operations:
         """Of one evaluation of the accelerations, without what the runtime solves."""
         counted = (self.functions[name].operations.times(count) for name, count in self.motion.items())
         return sum(counted, start=Operations())
+
+
+def design_digest(structure: str, inputs: Iterable[float], drawn: Iterable[float] = ()) -> str:
+    """The digest of a program of this structure with these numbers: what `setup` is given, and the state as drawn."""
+    text = hashlib.sha256(structure.encode())
+    for part in (inputs, drawn):
+        text.update(b"\n" + " ".join(map(float.hex, map(float, part))).encode())
+    return text.hexdigest()
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ class Value:
                 return NotImplemented
             if term == 0:
                 return self
-            constant = store.number(term if term > 0 else -term)
+            constant = store.literal(term if term > 0 else -term)
             if (term > 0) == (self.sign > 0):
                 return Value(store, store.operation("+", self.index, constant), self.sign)
             return Value(store, store.operation("-", self.index, constant), self.sign)
@@ -141,8 +141,11 @@ def _scale(value: Value, factor: Number) -> Scalar:
             inner = store.payloads[first]
             assert isinstance(inner, Number)
             return _scale(Value(store, second, sign), inner * factor)
+        if first in store.factors:  # as above, once per change of the drawing
+            both = store.factor("*", store.literal(factor), first)
+            return Value(store, store.operation("*", both, second), sign)
     # The number goes first, so that the pattern above finds it whatever the two indices are.
-    return Value(store, store.operation("*", store.number(factor), index), sign)
+    return Value(store, store.operation("*", store.literal(factor), index), sign)
 
 
 def reciprocal(x: Scalar) -> Scalar:

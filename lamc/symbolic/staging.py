@@ -25,9 +25,13 @@ SYMBOL = "symbol"
 LEAVES = (NUMBER, CONSTANT, SYMBOL)
 BINARY = ("+", "-", "*")
 NO_LINK = -1
+EQUATIONS, LATER = "equations", "later"  # what a store is for, before and after effects have had their turn
 TABLE = (
     "table_"  # begins the names of operations that look a table up: table_<number>_<order of the derivative>
 )
+
+
+ALIKE = 2.0**-44  # of a number, some 6e-14: what a few turns and sums of a drawing's numbers leave
 
 
 class Level(IntEnum):
@@ -36,6 +40,9 @@ class Level(IntEnum):
     NUMBER = 0
     PARAMETER = 1
     STATE = 2
+
+
+DrawnKey = tuple[str | int, ...]  # what a number is of the drawing, as ("offset", link, axis)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +65,17 @@ class Store:
         self.link_of: list[int] = []
         self.link = NO_LINK  # nodes made from now on belong to this link of the tree; see `section`
         self.payloads: dict[int, Number | Symbol] = {}
+        self.drawn: dict[
+            DrawnKey, int
+        ] = {}  # numbers of the drawing, in the order in which they were asked for
         self.sections: list[Section] = [Section("", "", "")]
         self.tables: list[Piecewise] = []
         self.is_frozen = False  # equations that are finished: what is to be added is added to a copy
+        self.factors: set[int] = (
+            set()
+        )  # numbers of the drawing that met values as factors or terms, and their products
+        self.scope = EQUATIONS  # whose numbers come without a key; see `numbers_of`
+        self._unnamed: dict[str, dict[tuple[int, int], int]] = {}
         self._known: dict[object, int] = {}
         self._section = 0
 
@@ -70,6 +85,8 @@ class Store:
         for name in ("operations", "arguments", "levels", "section_of", "link_of", "sections", "tables"):
             setattr(copied, name, list(getattr(self, name)))
         copied.payloads, copied._known = dict(self.payloads), dict(self._known)
+        copied.drawn, copied.factors = dict(self.drawn), set(self.factors)
+        copied._unnamed = {scope: dict(known) for scope, known in self._unnamed.items()}
         return copied
 
     def __len__(self) -> int:
@@ -103,16 +120,61 @@ class Store:
             raise OverflowError(f"a constant of the equations became {value}")
         return self._node((NUMBER, value), NUMBER, (), Level.NUMBER, value)
 
-    def constant(self, value: float) -> Scalar:
+    def constant(self, value: float, key: DrawnKey = ()) -> Scalar:
         """A number of the design, such as a length, as something that equations do not look into.
 
         It is neither folded nor does its sign move, so that like links give like equations whatever their
         dimensions; `setup` keeps it with the parameter-only values. Zeros and ±1 are structure and stay plain.
+
+        key: what the number is of the drawing, so that numbers of two keys are two nodes, though they be equal. Without
+        one, equal numbers are one, and the key is which of them came first.
         """
         value = float(value)
         if value in (0.0, 1.0, -1.0):
             return int(value)
-        return Value(self, self._node((CONSTANT, value), CONSTANT, (), Level.PARAMETER, value), 1)
+        return self.drawn_number(value, key or (self.scope, self._place(value)))
+
+    def drawn_number(self, value: float, key: DrawnKey) -> Value:
+        """The same of any number, zeros and ones too: `setup` is given it beside the parameters, and another drawing
+        has another value there."""
+        index = self._node((CONSTANT, key), CONSTANT, (), Level.PARAMETER, float(value))
+        self.drawn.setdefault(key, index)
+        return Value(self, index, 1)
+
+    def _place(self, value: float) -> int:
+        """Which of the numbers without keys it is, in the order in which they came, in the present scope. Numbers that
+        round-off tells apart are one: which of them are equal to the last bit, another drawing changes."""
+        known = self._unnamed.setdefault(self.scope, {})
+        mantissa, exponent = math.frexp(value)
+        bucket = round(mantissa / ALIKE)
+        for near in (bucket, bucket - 1, bucket + 1):
+            if (near, exponent) in known:
+                return known[near, exponent]
+        return known.setdefault((bucket, exponent), len(known))
+
+    def literal(self, value: Number) -> int:
+        """Index of the node of a number that meets a value: within `numbers_of` a number of the drawing, unless it is
+        whole or a few halves, as those of formulas are."""
+        if self.scope in (EQUATIONS, LATER) or not isinstance(value, float) or (4.0 * value).is_integer():
+            return self.number(value)
+        index = self.drawn_number(value, (self.scope, self._place(value))).index
+        self.factors.add(index)
+        return index
+
+    def factor(self, name: str, *arguments: int) -> int:
+        """An operation on numbers of the drawing that `literal` gave, which may join others in turn."""
+        index = self.operation(name, *arguments)
+        self.factors.add(index)
+        return index
+
+    @contextmanager
+    def numbers_of(self, scope: str) -> Iterator[None]:
+        """Numbers that meet values inside are those of what is named, and of the drawing: no literals."""
+        outer, self.scope = self.scope, scope
+        try:
+            yield
+        finally:
+            self.scope = outer
 
     def call(self, name: str, *arguments: Scalar) -> Scalar:
         """A function of `FUNCTIONS`; folded when all arguments are numbers."""

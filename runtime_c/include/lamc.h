@@ -60,7 +60,6 @@ typedef struct lamc_pattern {
 typedef struct lamc_model {
   const char *name;               /* of the mechanism */
   const char *digest;             /* of the program that the C was printed from, hexadecimal */
-  lamc_real size;                 /* m, length scale: closure is judged relative to it */
   int joint_count;                /* joints that are coordinates; the first ones */
   int coordinate_count;           /* nq: joints, and what effects add, such as the pose of a free base */
   int rate_count;                 /* nu <= nq; fewer where a quaternion is among the coordinates */
@@ -68,10 +67,12 @@ typedef struct lamc_model {
   int closure_count;              /* m: equations that hold the loops, redundant ones included */
   int rank;                       /* of the closure at a generic position: no more equations are taken */
   const lamc_pattern *pattern;    /* of J; NULL: a tree */
-  lamc_real tolerance;            /* m: gap that loops may keep where their equations disagree; 0: none */
   int body_count;                 /* moving bodies */
   int parameter_count;            /* numbers that can change without recompiling */
-  int constant_count;             /* numbers that depend on parameters only */
+  int geometry_count;             /* numbers of the drawing, behind them */
+  int constant_count;             /* numbers that depend on those only. With loops the last two are the mechanism's
+                                   * size, m, which closure is judged by, and the gap, m, that loops may keep where
+                                   * their equations disagree */
   int energy_count;               /* kinetic first, then one for each effect that stores energy */
   int guard_count;                /* conditions whose passing of zero is an event */
   int power_count;                /* effects whose power is told; 0: none */
@@ -87,10 +88,10 @@ typedef struct lamc_model {
   const char *const *energy_names;     /* (energy_count,), UTF-8 */
   const char *const *guard_names;      /* (guard_count,), UTF-8 */
   const char *const *power_names;      /* (power_count,), UTF-8 */
-  const lamc_real *parameter_defaults; /* (parameter_count,), in parameter_units */
+  const lamc_real *parameter_defaults; /* (parameter_count + geometry_count,), in parameter_units, then SI */
   const int *guard_modes;  /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
   lamc_real jacobian_cost; /* operations of jacobian over those of an acceleration */
-  /* parameters (parameter_count,) -> constants (constant_count,); once per change of parameters */
+  /* parameters (parameter_count + geometry_count,) -> constants (constant_count,); once per change of parameters */
   void (*setup)(const lamc_real *parameters, lamc_real *constants);
   /* q, u -> dq/dt (nq,), linear in u. NULL: dq/dt = u */
   void (*rates)(const lamc_real *constants, const lamc_real *q, const lamc_real *u, lamc_real *qdot);

@@ -5,6 +5,7 @@
  *
  * E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.10, with
  * the coefficients and the error norm of its code DOP853. */
+#include "dop853.h"
 #include "method.h"
 
 enum {
@@ -15,86 +16,6 @@ enum {
   SLOT_DENSE = SLOT_K_EXTRA + 3, /* seven vectors of the continuous extension */
   OWN_SLOTS = 11 + 3 + 7
 };
-
-/* c_i; stages 13 to 15 serve the dense output */
-static const lamc_real C[16] = {0.0,
-                                0.05260015195876773,
-                                0.0789002279381516,
-                                0.1183503419072274,
-                                0.2816496580927726,
-                                0.3333333333333333,
-                                0.25,
-                                0.3076923076923077,
-                                0.6512820512820513,
-                                0.6,
-                                0.8571428571428571,
-                                1.0,
-                                1.0,
-                                0.1,
-                                0.2,
-                                0.7777777777777778};
-
-/* a_ij; row 13 holds the weights b_i of the new state */
-static const lamc_real A[16][15] = {
-    {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-    {0.05260015195876773, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-    {0.0197250569845379, 0.0591751709536137, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-    {0.02958758547680685, 0.0, 0.08876275643042054, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-     0.0},
-    {0.2413651341592667, 0.0, -0.8845494793282861, 0.924834003261792, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-     0.0, 0.0, 0.0},
-    {0.037037037037037035, 0.0, 0.0, 0.17082860872947386, 0.12546768756682242, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-     0.0, 0.0, 0.0, 0.0},
-    {0.037109375, 0.0, 0.0, 0.17025221101954405, 0.06021653898045596, -0.017578125, 0.0, 0.0, 0.0, 0.0, 0.0,
-     0.0, 0.0, 0.0, 0.0},
-    {0.03709200011850479, 0.0, 0.0, 0.17038392571223998, 0.10726203044637328, -0.015319437748624402,
-     0.008273789163814023, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-    {0.6241109587160757, 0.0, 0.0, -3.3608926294469414, -0.868219346841726, 27.59209969944671,
-     20.154067550477894, -43.48988418106996, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-    {0.47766253643826434, 0.0, 0.0, -2.4881146199716677, -0.590290826836843, 21.230051448181193,
-     15.279233632882423, -33.28821096898486, -0.020331201708508627, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-    {-0.9371424300859873, 0.0, 0.0, 5.186372428844064, 1.0914373489967295, -8.149787010746927,
-     -18.52006565999696, 22.739487099350505, 2.4936055526796523, -3.0467644718982196, 0.0, 0.0, 0.0, 0.0,
-     0.0},
-    {2.273310147516538, 0.0, 0.0, -10.53449546673725, -2.0008720582248625, -17.9589318631188,
-     27.94888452941996, -2.8589982771350235, -8.87285693353063, 12.360567175794303, 0.6433927460157636, 0.0,
-     0.0, 0.0, 0.0},
-    {0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585,
-     0.3111643669578199, -0.1521609496625161, 0.20136540080403034, 0.04471061572777259, 0.0, 0.0, 0.0},
-    {0.056167502283047954, 0.0, 0.0, 0.0, 0.0, 0.0, 0.25350021021662483, -0.2462390374708025,
-     -0.12419142326381637, 0.15329179827876568, 0.00820105229563469, 0.007567897660545699, -0.008298, 0.0,
-     0.0},
-    {0.03183464816350214, 0.0, 0.0, 0.0, 0.0, 0.028300909672366776, 0.053541988307438566,
-     -0.05492374857139099, 0.0, 0.0, -0.00010834732869724932, 0.0003825710908356584, -0.00034046500868740456,
-     0.1413124436746325, 0.0},
-    {-0.42889630158379194, 0.0, 0.0, 0.0, 0.0, -4.697621415361164, 7.683421196062599, 4.06898981839711,
-     0.3567271874552811, 0.0, 0.0, 0.0, -0.0013990241651590145, 2.9475147891527724, -9.15095847217987}};
-
-/* errors of order 3 and 5 */
-static const lamc_real E3[12] = {-0.18980075407240762,
-                                 0.0,
-                                 0.0,
-                                 0.0,
-                                 0.0,
-                                 4.450312892752409,
-                                 1.8915178993145003,
-                                 -5.801203960010585,
-                                 -0.4226823213237919,
-                                 -0.1521609496625161,
-                                 0.20136540080403034,
-                                 0.02265179219836082};
-static const lamc_real E5[12] = {0.01312004499419488,
-                                 0.0,
-                                 0.0,
-                                 0.0,
-                                 0.0,
-                                 -1.2251564463762044,
-                                 -0.4957589496572502,
-                                 1.6643771824549864,
-                                 -0.35032884874997366,
-                                 0.3341791187130175,
-                                 0.08192320648511571,
-                                 -0.022355307863886294};
 
 /* d_ij of the continuous extension */
 static const lamc_real D[4][16] = {
@@ -136,7 +57,7 @@ static void combine(const lamc_run *run, const lamc_real *weights, int count, co
 static void argument(const lamc_run *run, int row, lamc_real h, const lamc_real *y, const lamc_real *begin,
                      const lamc_real *end, lamc_real *LAMC_RESTRICT out) {
   const int m = run->stride;
-  combine(run, A[row], row, begin, end, out);
+  combine(run, DOP853_A[row], row, begin, end, out);
   for (int b = 0; b < m; b += LANES)
     for (int i = b; i < b + LANES; i++) out[i] = y[i] + h * out[i];
 }
@@ -146,13 +67,13 @@ static lamc_real attempt(lamc_run *run, lamc_real h) {
   lamc_real *y_new = y_there(run), *s = slot(run, SLOT_STAGE), *error = slot(run, SLOT_DENSE);
   for (int k = 1; k < STAGES; k++) {
     argument(run, k, h, y, begin, begin, s);
-    evaluate(run, run->t + C[k] * h, s, slot(run, SLOT_K + k - 1));
+    evaluate(run, run->t + DOP853_C[k] * h, s, slot(run, SLOT_K + k - 1));
   }
   argument(run, STAGES, h, y, begin, begin, y_new);
   if (!all_finite(run, y_new)) return HUGE_VAL;
-  combine(run, E5, STAGES, begin, begin, error);
+  combine(run, DOP853_E5, STAGES, begin, begin, error);
   const lamc_real fifth = weighed(run, error);
-  combine(run, E3, STAGES, begin, begin, error);
+  combine(run, DOP853_E3, STAGES, begin, begin, error);
   const lamc_real third = weighed(run, error);
   const lamc_real both = fifth + 0.01 * third;
   return both > 0.0 ? h * h * fifth * fifth / (both * run->ode.n) : 0.0;
@@ -165,7 +86,7 @@ static void make_dense(lamc_run *run) {
   lamc_real *s = slot(run, SLOT_DENSE); /* not SLOT_STAGE, of which eigenvalue() asks later */
   for (int k = STAGES + 1; k < ALL_STAGES; k++) {
     argument(run, k, h, y, begin, end, s);
-    evaluate(run, run->t_old + C[k] * h, s, slot(run, SLOT_K_EXTRA + k - STAGES - 1));
+    evaluate(run, run->t_old + DOP853_C[k] * h, s, slot(run, SLOT_K_EXTRA + k - STAGES - 1));
   }
   lamc_real *f0 = slot(run, SLOT_DENSE), *f1 = slot(run, SLOT_DENSE + 1), *f2 = slot(run, SLOT_DENSE + 2);
   for (int k = 0; k < 4; k++) combine(run, D[k], ALL_STAGES, begin, end, slot(run, SLOT_DENSE + 3 + k));

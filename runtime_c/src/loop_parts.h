@@ -117,13 +117,18 @@ static void lamc_loop_divide(const lamc_loop_parts *p, lamc_real least) {
   }
 }
 
+/* The gap that loops may keep, in sizes: see `constant_count`. */
+static lamc_real lamc_loop_gap(const lamc_motion *motion) {
+  const lamc_real *last = motion->constants + motion->model->constant_count - 2;
+  return last[1] / last[0];
+}
+
 /* Rows of J that are short or long, and what is in `extra` with them, divided by their largest entry: an equation that
  * fades in a flat position, with all its digits, is as good as any. What is left of a misfit is not made large,
  * nor is what fades without its digits, to be let go; and what round-off leaves is no equation: right on a singular position
  * its row would point anywhere. */
 static void lamc_loop_normalise(const lamc_loop_parts *p, const lamc_real *q) {
-  const lamc_model *model = p->motion->model;
-  const lamc_real misfit = OF_MISFIT * model->tolerance / model->size;
+  const lamc_real misfit = OF_MISFIT * lamc_loop_gap(p->motion);
   const lamc_real least = misfit > NO_EQUATION ? misfit : NO_EQUATION;
   int fades = 0, odd = 0;
   for (int i = 0; i < p->m; i++) {

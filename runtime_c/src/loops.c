@@ -140,7 +140,7 @@ static lamc_status settle(const lamc_motion *motion, lamc_loop_parts *p, lamc_re
     gap = openness(p, count);
     if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
   }
-  const lamc_real tolerance = model->tolerance / model->size;
+  const lamc_real tolerance = lamc_loop_gap(motion);
   if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
   /* Rates, by what of them opens the loops: the rest keeps its last digit */
   for (int i = 0; i < p->m; i++) p->goal[i] = lamc_loop_row(p, i, u);

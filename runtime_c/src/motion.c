@@ -82,7 +82,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
     ode.integrands = lamc_powers_integrands;
     ode.jump = lamc_powers_jump;
   }
-  if (model->cut_count > 0) lamc_loops_begin(motion);
+  if (model->cut_count > 0 && motion->work != NULL) lamc_loops_begin(motion); /* NULL: for sizes only */
   return ode;
 }
 

@@ -9,6 +9,7 @@
  * Coefficients: J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19-26, table 2, "RK5(4)7M"; continuous
  * extension: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section
  * II.6, as in its code DOPRI5, whose PI control and steps these are. */
+#include "rk45.h"
 #include "method.h"
 
 enum {
@@ -17,22 +18,6 @@ enum {
   OWN_SLOTS = 9
 };
 
-/* c_i */
-static const lamc_real C2 = 1.0 / 5.0, C3 = 3.0 / 10.0, C4 = 4.0 / 5.0, C5 = 8.0 / 9.0;
-/* a_ij */
-static const lamc_real A21 = 1.0 / 5.0;
-static const lamc_real A31 = 3.0 / 40.0, A32 = 9.0 / 40.0;
-static const lamc_real A41 = 44.0 / 45.0, A42 = -56.0 / 15.0, A43 = 32.0 / 9.0;
-static const lamc_real A51 = 19372.0 / 6561.0, A52 = -25360.0 / 2187.0, A53 = 64448.0 / 6561.0,
-                       A54 = -212.0 / 729.0;
-static const lamc_real A61 = 9017.0 / 3168.0, A62 = -355.0 / 33.0, A63 = 46732.0 / 5247.0, A64 = 49.0 / 176.0,
-                       A65 = -5103.0 / 18656.0;
-/* b_i, the row of order 5, also a_7i */
-static const lamc_real B1 = 35.0 / 384.0, B3 = 500.0 / 1113.0, B4 = 125.0 / 192.0, B5 = -2187.0 / 6784.0,
-                       B6 = 11.0 / 84.0;
-/* b_i - b^_i, the difference from the row of order 4 */
-static const lamc_real E1 = 71.0 / 57600.0, E3 = -71.0 / 16695.0, E4 = 71.0 / 1920.0,
-                       E5 = -17253.0 / 339200.0, E6 = 22.0 / 525.0, E7 = -1.0 / 40.0;
 /* d_i of the continuous extension */
 static const lamc_real D1 = -12715105075.0 / 11282082432.0, D3 = 87487479700.0 / 32700410799.0,
                        D4 = -10690763975.0 / 1880347072.0, D5 = 701980252875.0 / 199316789632.0,
@@ -53,19 +38,22 @@ static void take_stages(lamc_run *run, lamc_real h) {
   lamc_real *LAMC_RESTRICT k6 = slot(run, SLOT_K2 + 4);
   lamc_real *LAMC_RESTRICT s = slot(run, SLOT_STAGE);
 
-  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A21 * k1[i]);
-  evaluate(run, t + C2 * h, s, k2);
-  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A31 * k1[i] + A32 * k2[i]);
-  evaluate(run, t + C3 * h, s, k3);
-  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A41 * k1[i] + A42 * k2[i] + A43 * k3[i]);
-  evaluate(run, t + C4 * h, s, k4);
-  for (int i = 0; i < n; i++) s[i] = y[i] + h * (A51 * k1[i] + A52 * k2[i] + A53 * k3[i] + A54 * k4[i]);
-  evaluate(run, t + C5 * h, s, k5);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (RK45_A21 * k1[i]);
+  evaluate(run, t + RK45_C2 * h, s, k2);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (RK45_A31 * k1[i] + RK45_A32 * k2[i]);
+  evaluate(run, t + RK45_C3 * h, s, k3);
+  for (int i = 0; i < n; i++) s[i] = y[i] + h * (RK45_A41 * k1[i] + RK45_A42 * k2[i] + RK45_A43 * k3[i]);
+  evaluate(run, t + RK45_C4 * h, s, k4);
   for (int i = 0; i < n; i++)
-    s[i] = y[i] + h * (A61 * k1[i] + A62 * k2[i] + A63 * k3[i] + A64 * k4[i] + A65 * k5[i]);
+    s[i] = y[i] + h * (RK45_A51 * k1[i] + RK45_A52 * k2[i] + RK45_A53 * k3[i] + RK45_A54 * k4[i]);
+  evaluate(run, t + RK45_C5 * h, s, k5);
+  for (int i = 0; i < n; i++)
+    s[i] = y[i] +
+           h * (RK45_A61 * k1[i] + RK45_A62 * k2[i] + RK45_A63 * k3[i] + RK45_A64 * k4[i] + RK45_A65 * k5[i]);
   evaluate(run, t + h, s, k6);
   for (int i = 0; i < n; i++)
-    y_new[i] = y[i] + h * (B1 * k1[i] + B3 * k3[i] + B4 * k4[i] + B5 * k5[i] + B6 * k6[i]);
+    y_new[i] =
+        y[i] + h * (RK45_B1 * k1[i] + RK45_B3 * k3[i] + RK45_B4 * k4[i] + RK45_B5 * k5[i] + RK45_B6 * k6[i]);
   evaluate(run, t + h, y_new, k7);
 }
 
@@ -89,8 +77,8 @@ static lamc_real squared_error(const lamc_run *run, lamc_real h) {
   for (int b = 0; b < m; b += LANES)
     for (int j = 0; j < LANES; j++) {
       const int i = b + j;
-      const lamc_real error =
-          E1 * k1[i] + E3 * k3[i] + E4 * k4[i] + E5 * k5[i] + E6 * k6[i] + E7 * k7[i]; /* over h */
+      const lamc_real error = RK45_E1 * k1[i] + RK45_E3 * k3[i] + RK45_E4 * k4[i] + RK45_E5 * k5[i] +
+                              RK45_E6 * k6[i] + RK45_E7 * k7[i]; /* over h */
       const lamc_real old_size = fabs(y[i]), new_size = fabs(y_new[i]);
       const lamc_real ratio = h * error / (atol + rtol * (new_size > old_size ? new_size : old_size));
       sum[j] += ratio * ratio;

@@ -13,6 +13,7 @@
 #include "events.h"
 #include "integrals.h"
 #include "rows.h"
+#include "steps.h"
 #include "watch.h"
 
 #include <limits.h>
@@ -98,35 +99,38 @@ static void reject(lamc_run *run, lamc_real h, lamc_real factor, lamc_real least
   run->rejected++;
 }
 
-/* After an accepted step: the new state brought back to what must hold, and its slope. */
-static lamc_status settle(lamc_run *run, const method *m) {
-  lamc_real moved = 0.0;
-  lamc_status status = LAMC_OK;
-  if (run->ode.settle != NULL) status = run->ode.settle(run->ode.context, run->t, y_here(run), &moved);
-  if (status == LAMC_OK && (moved > 0.0 || !m->gives_slope))
-    evaluate(run, run->t, y_here(run), slope_here(run));
-  return status;
-}
-
-lamc_status lamc_run_take(lamc_run *run, lamc_real h, int is_last, lamc_real *squared) {
-  const method *m = METHODS[run->method];
-  run->dense = LAMC_DENSE_NONE;
-  run->steps++;
-  *squared = m->attempt(run, h);
-  run->was_finite = is_finite(*squared);
-  if (!run->was_finite || *squared > 1.0) return LAMC_PAUSED;
+lamc_status lamc_run_land(lamc_run *run, lamc_real h, int is_last, lamc_real squared, int *wants_slope) {
+  run->was_finite = is_finite(squared);
+  if (!run->was_finite || squared > 1.0) return LAMC_PAUSED;
   move_on(run, is_last ? run->t_end : run->t + h, h);
-  const lamc_status settled = settle(run, m);
+  lamc_real moved = 0.0;
+  lamc_status settled = LAMC_OK;
+  if (run->ode.settle != NULL) settled = run->ode.settle(run->ode.context, run->t, y_here(run), &moved);
   run->was_closed = settled != LAMC_CLOSURE_LOST;
   if (!run->was_closed) {
     lamc_run_move_back(run);
     return LAMC_PAUSED;
   }
-  if (settled != LAMC_OK) return settled;
+  *wants_slope = moved > 0.0 || !METHODS[run->method]->gives_slope;
+  return settled;
+}
+
+lamc_status lamc_run_stand(lamc_run *run) {
   run->was_finite = all_finite(run, slope_here(run));
   if (run->was_finite) return LAMC_OK;
   lamc_run_move_back(run);
   return LAMC_PAUSED;
+}
+
+lamc_status lamc_run_take(lamc_run *run, lamc_real h, int is_last, lamc_real *squared) {
+  int wants_slope;
+  run->dense = LAMC_DENSE_NONE;
+  run->steps++;
+  *squared = METHODS[run->method]->attempt(run, h);
+  const lamc_status landed = lamc_run_land(run, h, is_last, *squared, &wants_slope);
+  if (landed != LAMC_OK) return landed;
+  if (wants_slope) evaluate(run, run->t, y_here(run), slope_here(run));
+  return lamc_run_stand(run);
 }
 
 /* What follows from a step that holds. */
@@ -144,20 +148,20 @@ static void accept(lamc_run *run, const method *m, lamc_real h, lamc_real log_er
   }
 }
 
-/* Tries one step. LAMC_OK if it was accepted, LAMC_PAUSED if it was not and a shorter one should be tried. */
-static lamc_status try_step(lamc_run *run) {
+lamc_status lamc_run_next(lamc_run *run, lamc_real *h, int *is_last) {
   lamc_watch_switch(run);
-  const method *m = METHODS[run->method];
   const lamc_real rest = run->t_end - run->t;
-  const int is_last = 1.01 * run->h >= rest; /* stretched a little, so that no sliver remains */
-  const lamc_real h = is_last ? rest : (run->t + run->h) - run->t; /* what t really moves by */
-  if (!is_last && h <= 16.0 * LAMC_EPSILON * fabs(run->t) + LAMC_LEAST) {
+  *is_last = 1.01 * run->h >= rest;                  /* stretched a little, so that no sliver remains */
+  *h = *is_last ? rest : (run->t + run->h) - run->t; /* what t really moves by */
+  if (!*is_last && *h <= 16.0 * LAMC_EPSILON * fabs(run->t) + LAMC_LEAST) {
     if (!run->was_closed) return LAMC_CLOSURE_LOST;
     return run->was_finite ? LAMC_STEP_UNDERFLOW : LAMC_NOT_FINITE;
   }
-  if (run->steps >= run->options.max_steps) return LAMC_STEP_LIMIT;
-  lamc_real squared;
-  const lamc_status taken = lamc_run_take(run, h, is_last, &squared);
+  return run->steps >= run->options.max_steps ? LAMC_STEP_LIMIT : LAMC_OK;
+}
+
+lamc_status lamc_run_conclude(lamc_run *run, lamc_status taken, lamc_real h, lamc_real squared) {
+  const method *m = METHODS[run->method];
   const lamc_real log_error = 0.5 * lamc_control_log2(squared);
   if (taken == LAMC_PAUSED) {
     if (run->was_finite && run->was_closed) {
@@ -173,6 +177,16 @@ static lamc_status try_step(lamc_run *run) {
   if (status == LAMC_OK) status = lamc_events_after_step(run);
   if (status == LAMC_OK && run->watch.is_auto) lamc_watch_step(run);
   return status;
+}
+
+/* Tries one step. LAMC_OK if it was accepted, LAMC_PAUSED if it was not and a shorter one should be tried. */
+static lamc_status try_step(lamc_run *run) {
+  lamc_real h, squared;
+  int is_last;
+  const lamc_status status = lamc_run_next(run, &h, &is_last);
+  if (status != LAMC_OK) return status;
+  const lamc_status taken = lamc_run_take(run, h, is_last, &squared);
+  return lamc_run_conclude(run, taken, h, squared);
 }
 
 /* ---- Dense output ------------------------------------------------------------------------------------------ */

@@ -123,7 +123,6 @@ static inline lamc_model free_body(int is_analytic, int bounces) {
   memset(&model, 0, sizeof model);
   model.name = "free body";
   model.digest = "0";
-  model.size = 1.0;
   model.coordinate_count = NQ;
   model.rate_count = NU;
   model.body_count = 1;

@@ -42,7 +42,6 @@ static const char *const ENERGIES[] = {"kinetic", "gravity"};
 static const double DEFAULTS[] = {0.5, 9.81, 2.0};
 static const lamc_model PENDULUM = {.name = "pendulum",
                                     .digest = "0",
-                                    .size = 0.5,
                                     .joint_count = 1,
                                     .coordinate_count = 1,
                                     .rate_count = 1,

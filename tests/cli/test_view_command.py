@@ -9,12 +9,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 import lamc
+from lamc.basics.times import Times
 from lamc.cli import main
 from lamc.commands.finished import finished_run
 from lamc.commands.inputs import Source
 from lamc.commands.terminal import Silent
 from lamc.export.wasm_module import INSTALL_HINT
-from lamc.pipeline import Times
 from tests.support.ctools import needs_cc
 
 pytestmark = [needs_cc, pytest.mark.usefixtures("unpainted")]

@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 86caf7265f14396e0c15fa83c5a0c479355ff658b93a01a246981d26d0a7f825
+ * Structure d1de86cadd50d8cab6e44c16dd0a84c1dedfd029710c8ee6a9387ced86740037
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -32,24 +32,26 @@ enum {
   driven_closure_count = 0,
   driven_body_count = 1,
   driven_parameter_count = 4,
-  driven_constant_count = 3,
+  driven_geometry_count = 3,
+  driven_constant_count = 6,
   driven_energy_count = 1,
   driven_guard_count = 0
 };
 
 /* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
- * array of driven_parameter_count doubles in this order. */
+ * array of driven_parameter_count + driven_geometry_count doubles in this order. */
 typedef struct driven_parameters {
-  double flap_mass; /* flap.mass: mass, kg; 0.25 */
-  double flap_com_y; /* flap.com_y: centre of mass from the hinge, along y of the link's frame, m; (-0.5) */
-  double flap_inertia_xx; /* flap.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.02 */
-  double flap_inertia_zz; /* flap.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.02 */
+  double flap_mass; /* flap.mass: mass, kg */
+  double flap_com_y; /* flap.com_y: centre of mass from the hinge, along y of the link's frame, m */
+  double flap_inertia_xx; /* flap.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2 */
+  double flap_inertia_zz; /* flap.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2 */
+  double geometry[3]; /* numbers of the drawing, SI: another design of this topology has others */
 } driven_parameters;
 
-/* The values of the design. */
+/* Fills in the values of the design. */
 void driven_default_parameters(driven_parameters *parameters);
 
-/* -> constants (3,): everything that depends on parameters only. Call it once per change. */
+/* -> constants (6,): everything that depends on parameters only. Call it once per change. */
 void driven_setup(const driven_parameters *parameters, double *constants);
 
 /* t s, q (1,) rad, u (1,) rad/s -> udot (1,) rad/s^2 */

@@ -1,7 +1,7 @@
 /* measured: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest d674975e55c6341edabd3101c5d8fb7dd1f1a5b503454eafef67e3e0e3052859
+ * Structure 4302442b2cfd103391327b9e1c30ae3a5101379447143d9e52d4f4ffe41e1691
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -32,23 +32,24 @@ enum {
   measured_closure_count = 0,
   measured_body_count = 1,
   measured_parameter_count = 6,
+  measured_geometry_count = 0,
   measured_constant_count = 5,
   measured_energy_count = 2,
   measured_guard_count = 0
 };
 
 /* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
- * array of measured_parameter_count doubles in this order. */
+ * array of measured_parameter_count + measured_geometry_count doubles in this order. */
 typedef struct measured_parameters {
-  double flap_mass; /* flap.mass: mass, kg; 0.25 */
-  double flap_com_y; /* flap.com_y: centre of mass from the hinge, along y of the link's frame, m; (-0.5) */
-  double flap_inertia_xx; /* flap.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.02 */
-  double flap_inertia_zz; /* flap.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.02 */
-  double hinge_rest_angle; /* hinge.rest_angle: angle at which the hinge rests, rad; 0.25 */
-  double hinge_stiffness_factor; /* hinge.stiffness_factor: what the hinge's torque is multiplied by, 1; 1.0 */
+  double flap_mass; /* flap.mass: mass, kg */
+  double flap_com_y; /* flap.com_y: centre of mass from the hinge, along y of the link's frame, m */
+  double flap_inertia_xx; /* flap.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2 */
+  double flap_inertia_zz; /* flap.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2 */
+  double hinge_rest_angle; /* hinge.rest_angle: angle at which the hinge rests, rad */
+  double hinge_stiffness_factor; /* hinge.stiffness_factor: what the hinge's torque is multiplied by, 1 */
 } measured_parameters;
 
-/* The values of the design. */
+/* Fills in the values of the design. */
 void measured_default_parameters(measured_parameters *parameters);
 
 /* -> constants (5,): everything that depends on parameters only. Call it once per change. */

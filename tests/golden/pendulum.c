@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
+ * Structure 79eae4208fc6293a3f50c9cfe0d4b3944a6e0b95524b8fc03f3168eafa3785ab
  * Accelerations by mass matrix (operations: elimination 118, mass matrix 106).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -41,17 +41,17 @@ void pendulum_setup(const pendulum_parameters *p, double *out) {
   const double z15 = 1.0/z9;
   out[0] = z8;
   out[1] = z9;
-  out[2] = z10;
-  out[3] = z12;
-  out[4] = z13;
-  out[5] = z14;
-  out[6] = p->gravity_z;
-  out[7] = p->h1_damping;
-  out[8] = p->h2_damping;
-  out[9] = p->h3_damping;
-  out[10] = p->h1_stiffness;
-  out[11] = p->h2_stiffness;
-  out[12] = p->h3_stiffness;
+  out[2] = p->gravity_z;
+  out[3] = p->h1_damping;
+  out[4] = p->h2_damping;
+  out[5] = p->h3_damping;
+  out[6] = p->h1_stiffness;
+  out[7] = p->h2_stiffness;
+  out[8] = p->h3_stiffness;
+  out[9] = z10;
+  out[10] = z12;
+  out[11] = z13;
+  out[12] = z14;
   out[13] = z15;
   out[14] = p->link_1_mass;
   out[15] = p->link_1_com_y;
@@ -62,7 +62,8 @@ void pendulum_setup(const pendulum_parameters *p, double *out) {
   out[20] = z7;
   out[21] = p->link_3_mass;
   out[22] = p->link_3_com_y;
-  out[23] = 0.5;
+  out[23] = p->geometry[1];
+  out[24] = p->geometry[0];
 }
 
 /* accelerations of the joints, rad/s^2 */
@@ -78,22 +79,22 @@ void pendulum_acceleration(const double *c, double t, const double *q, const dou
   double z7, z6;
   lamc_turn(z5, &z7, &z6);
   /* Hinge damping (T = -c u, eq. 16) [hinge_damping] */
-  const double z8 = u[0]*c[7];
-  const double z9 = u[1]*c[8];
-  const double z10 = u[2]*c[9];
+  const double z8 = u[0]*c[3];
+  const double z9 = u[1]*c[4];
+  const double z10 = u[2]*c[5];
   /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
-  const double z11 = z8 + q[0]*c[10];
-  const double z12 = z9 + q[1]*c[11];
-  const double z13 = z10 + q[2]*c[12];
+  const double z11 = z8 + q[0]*c[6];
+  const double z12 = z9 + q[1]*c[7];
+  const double z13 = z10 + q[2]*c[8];
   /* Inertia in carrier frames (eq. 7-11) */
-  const double z14 = c[2]*z4;
-  const double z15 = c[2]*z3;
+  const double z14 = z4*c[9];
+  const double z15 = z3*c[9];
   const double z16 = c[0]*z7;
   const double z17 = c[0]*z6;
   /* Velocities and bias accelerations (eq. 13-14) */
   const double z18 = u[0]*u[0];
   const double z19 = z0*z18;
-  const double z20 = c[6] - z1*z18;
+  const double z20 = c[2] - z1*z18;
   const double z21 = u[0] + u[1];
   const double z22 = z21*z21;
   const double z23 = u[2] - z21;
@@ -114,17 +115,17 @@ void pendulum_acceleration(const double *c, double t, const double *q, const dou
   /* Mass matrix (Kane, eq. 19) */
   const double z35 = c[1] - (z29 - z30);
   const double z36 = z35 + (z1*z16 - z0*z17);
-  const double z37 = c[5] - (2.0*z29 - (c[1] + 2.0*z30));
+  const double z37 = c[12] - (2.0*z29 - (c[1] + 2.0*z30));
   /* Solution of M u? = f by L?DL (Kane, eq. 19) */
   const double z38 = c[13]*z35;
   const double z39 = (z37 - (z31 + z32)) - z36*z38;
   const double z40 = c[13]*z36;
-  const double z41 = (c[4] - (2.0*z31 + (2.0*z32 - z37))) - z36*z40;
+  const double z41 = (c[11] - (2.0*z31 + (2.0*z32 - z37))) - z36*z40;
   const double z42 = 1.0/(z37 - z35*z38);
   const double z43 = z39*z42;
   const double z44 = 1.0/(z41 - z39*z43);
   const double z45 = (z12 + z33) + z28*z38;
-  const double z46 = (z11 + (c[6]*(c[3]*z0) + (z33 + z34))) + z28*z40;
+  const double z46 = (z11 + (c[2]*(z0*c[10]) + (z33 + z34))) + z28*z40;
   const double z47 = z44*(z46 - z43*z45);
   const double z48 = z42*z45 - z43*z47;
   const double z49 = (c[13]*z28 + z38*z48) + z40*z47;
@@ -146,8 +147,8 @@ void pendulum_energy(const double *c, double t, const double *q, const double *u
   double z7, z6;
   lamc_turn(z5, &z7, &z6);
   /* Hinge stiffness (T = -k q, eq. 15) [hinge_stiffness] */
-  const double z8 = 0.5*(c[10]*(q[0]*q[0])) + 0.5*(c[11]*(q[1]*q[1]));
-  const double z9 = z8 + 0.5*(c[12]*(q[2]*q[2]));
+  const double z8 = 0.5*(c[6]*(q[0]*q[0])) + 0.5*(c[7]*(q[1]*q[1]));
+  const double z9 = z8 + 0.5*(c[8]*(q[2]*q[2]));
   /* Velocities and bias accelerations (eq. 13-14) */
   const double z10 = u[0] + u[1];
   const double z11 = u[2] - z10;
@@ -165,8 +166,8 @@ void pendulum_energy(const double *c, double t, const double *q, const double *u
   const double z21 = z18 - (z20 - 0.5*(z11*(c[1]*z11)));
   /* Potential energy (-? m a*r) [gravity] */
   const double z22 = z1 - c[23];
-  const double z23 = c[14]*(c[6]*(c[23] - c[15]*z1)) - c[17]*(c[6]*(z22 + c[18]*z4));
-  const double z24 = z23 - c[21]*(c[6]*((z4 + z22) - c[22]*z7));
+  const double z23 = c[14]*(c[2]*(c[23] - c[15]*z1)) - c[17]*(c[2]*(z22 + c[18]*z4));
+  const double z24 = z23 - c[21]*(c[2]*((z4 + z22) - c[22]*z7));
   out[0] = -z21;
   out[1] = z9;
   out[2] = -z24;
@@ -193,7 +194,7 @@ void pendulum_poses(const double *c, double t, const double *q, double *out) {
   const double z13 = (z0 + z3) + c[22]*z6;
   const double z14 = (z4 + z10) - c[22]*z7;
   out[0] = z8;
-  out[1] = c[23];
+  out[1] = c[24];
   out[2] = z9;
   out[3] = z0;
   out[4] = 0.0;
@@ -205,7 +206,7 @@ void pendulum_poses(const double *c, double t, const double *q, double *out) {
   out[10] = 0.0;
   out[11] = z0;
   out[12] = z11;
-  out[13] = c[23];
+  out[13] = c[24];
   out[14] = -z12;
   out[15] = z3;
   out[16] = 0.0;
@@ -217,7 +218,7 @@ void pendulum_poses(const double *c, double t, const double *q, double *out) {
   out[22] = 0.0;
   out[23] = z3;
   out[24] = z13;
-  out[25] = c[23];
+  out[25] = c[24];
   out[26] = -z14;
   out[27] = z6;
   out[28] = 0.0;
@@ -247,14 +248,14 @@ void pendulum_inertia(const double *c, const double *q, double *out) {
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
   const double z10 = z3*z9;
   const double z11 = z4*z8;
-  const double z12 = z0*(c[2]*z3 + z9);
-  const double z13 = z1*(c[2]*z4 - z8);
+  const double z12 = z0*(z3*c[9] + z9);
+  const double z13 = z1*(z4*c[9] - z8);
   /* Mass matrix (Kane, eq. 19) */
   const double z14 = c[1] - (z10 - z11);
   const double z15 = z14 + (z1*z8 - z0*z9);
-  const double z16 = c[5] - (2.0*z10 - (c[1] + 2.0*z11));
+  const double z16 = c[12] - (2.0*z10 - (c[1] + 2.0*z11));
   const double z17 = z16 - (z12 + z13);
-  const double z18 = c[4] - (2.0*z12 + (2.0*z13 - z16));
+  const double z18 = c[11] - (2.0*z12 + (2.0*z13 - z16));
   out[0] = -z18;
   out[1] = -z17;
   out[2] = -z16;
@@ -277,8 +278,8 @@ void pendulum_jacobian(const double *c, double t, const double *q, const double 
   double z7, z6;
   lamc_turn(z5, &z7, &z6);
   /* Inertia in carrier frames (eq. 7-11) */
-  const double z8 = c[2]*z4;
-  const double z9 = c[2]*z3;
+  const double z8 = z4*c[9];
+  const double z9 = z3*c[9];
   const double z10 = c[0]*z7;
   const double z11 = c[0]*z6;
   /* Velocities and bias accelerations (eq. 13-14) */
@@ -289,7 +290,7 @@ void pendulum_jacobian(const double *c, double t, const double *q, const double 
   const double z16 = z15*z15;
   const double z17 = z1*z12 - z0*a[0];
   const double z18 = z0*z12 + z1*a[0];
-  const double z19 = c[6] - z17;
+  const double z19 = c[2] - z17;
   const double z20 = a[0] + a[1];
   const double z21 = z4*z14 - z3*z20;
   const double z22 = z3*z14 + z4*z20;
@@ -304,14 +305,14 @@ void pendulum_jacobian(const double *c, double t, const double *q, const double 
   const double z29 = z10*(z19 - z21);
   const double z30 = (z28 + z10*(z17 + z21)) - (z28 - z29);
   const double z31 = ((z26 - z8*z17) - (z26 + z27)) + z30;
-  const double z32 = c[10] - (c[6]*(c[3]*z1) - z31);
+  const double z32 = c[6] - (c[2]*(z1*c[10]) - z31);
   const double z33 = (z28 + z10*z21) + (z29 - z11*z22);
   const double z34 = (z26 - z27) + z33;
-  const double z35 = c[11] + z34;
+  const double z35 = c[7] + z34;
   const double z36 = z0*((z9*z14 + z8*z20) + z25) + z1*((z8*z14 - z9*z20) - z24);
   const double z37 = z34 - z36;
   const double z38 = z28 + z29;
-  const double z39 = c[12] + z38;
+  const double z39 = c[8] + z38;
   const double z40 = z38 - (z3*z25 - z4*z24);
   const double z41 = z40 + (z1*z24 - z0*z25);
   const double z42 = 2.0*u[0];
@@ -327,10 +328,10 @@ void pendulum_jacobian(const double *c, double t, const double *q, const double 
   const double z52 = z4*z50 + z3*z49;
   const double z53 = (z8*z44 - z9*z43) - (z51 + z52);
   const double z54 = z1*(z9*z45 - z50) - z0*(z8*z45 + z49);
-  const double z55 = c[7] + (z53 + z54);
+  const double z55 = c[3] + (z53 + z54);
   const double z56 = z10*z47 + z11*z46;
   const double z57 = z52 + z56;
-  const double z58 = c[8] - z57;
+  const double z58 = c[4] - z57;
   const double z59 = z54 - z57;
   const double z60 = z52 + (z1*z50 + z0*z49);
   out[0] = z32;
@@ -352,7 +353,7 @@ void pendulum_jacobian(const double *c, double t, const double *q, const double 
   out[16] = z39;
   out[17] = z51;
   out[18] = z56;
-  out[19] = c[9];
+  out[19] = c[5];
   out[20] = 0.0;
 }
 
@@ -424,6 +425,7 @@ static const char *const energy_names[] = {
     "gravity",
 };
 
+/* Numbers of the design: another one of this structure has others, and all else is the same. */
 static const double parameter_defaults[] = {
     0.9999836000000001, /* link_1.mass, kg */
     0.5, /* link_1.com_y, m */
@@ -447,11 +449,13 @@ static const double parameter_defaults[] = {
     100.0, /* h1.stiffness, N*m/rad */
     100.0, /* h2.stiffness, N*m/rad */
     100.0, /* h3.stiffness, N*m/rad */
+    0.5,
+    0.5,
 };
 
 void pendulum_default_parameters(pendulum_parameters *parameters) {
   double *all = (double *)(void *)parameters; /* the struct as the array that it also is */
-  for (int i = 0; i < 22; ++i) all[i] = parameter_defaults[i];
+  for (int i = 0; i < 24; ++i) all[i] = parameter_defaults[i];
 }
 
 /* The struct as the array that it also is. */
@@ -462,8 +466,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *pendulum_model(void) {
   static const lamc_model model = {
       "pendulum",
-      "8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163",
-      2.5000040999935202,
+      "79eae4208fc6293a3f50c9cfe0d4b3944a6e0b95524b8fc03f3168eafa3785ab",
       3,
       3,
       3,
@@ -471,10 +474,10 @@ const lamc_model *pendulum_model(void) {
       0,
       0,
       NULL,
-      0.0,
       3,
       22,
-      24,
+      2,
+      25,
       3,
       0,
       0,

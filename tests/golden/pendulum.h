@@ -1,7 +1,7 @@
 /* pendulum: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Program digest 8745a76c7ae3f2e4352940450cf3fb4ea1f01dbc924fb11317ab5e5896efd163
+ * Structure 79eae4208fc6293a3f50c9cfe0d4b3944a6e0b95524b8fc03f3168eafa3785ab
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -36,42 +36,44 @@ enum {
   pendulum_closure_count = 0,
   pendulum_body_count = 3,
   pendulum_parameter_count = 22,
-  pendulum_constant_count = 24,
+  pendulum_geometry_count = 2,
+  pendulum_constant_count = 25,
   pendulum_energy_count = 3,
   pendulum_guard_count = 0
 };
 
 /* What can change without compiling again. The members are doubles and nothing else, so that the struct is also an
- * array of pendulum_parameter_count doubles in this order. */
+ * array of pendulum_parameter_count + pendulum_geometry_count doubles in this order. */
 typedef struct pendulum_parameters {
-  double link_1_mass; /* link_1.mass: mass, kg; 0.9999836000000001 */
-  double link_1_com_y; /* link_1.com_y: centre of mass from the hinge, along y of the link's frame, m; 0.5 */
-  double link_1_inertia_xx; /* link_1.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.16666120008019952 */
-  double link_1_inertia_yy; /* link_1.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2; 0.16666364533333336 */
-  double link_1_inertia_zz; /* link_1.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.16666091208019948 */
-  double link_2_mass; /* link_2.mass: mass, kg; 0.9999836 */
-  double link_2_com_y; /* link_2.com_y: centre of mass from the hinge, along y of the link's frame, m; 0.5 */
-  double link_2_inertia_xx; /* link_2.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.16666120008019944 */
-  double link_2_inertia_yy; /* link_2.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2; 0.1666636453333333 */
-  double link_2_inertia_zz; /* link_2.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.16666091208019945 */
-  double link_3_mass; /* link_3.mass: mass, kg; 0.9999918 */
-  double link_3_com_y; /* link_3.com_y: centre of mass from the hinge, along y of the link's frame, m; 0.5000040999935202 */
-  double link_3_inertia_xx; /* link_3.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2; 0.16666393335662322 */
-  double link_3_inertia_yy; /* link_3.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2; 0.16666515599999998 */
-  double link_3_inertia_zz; /* link_3.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2; 0.16666378935662324 */
-  double gravity_z; /* gravity.z: gravitational acceleration along world z, m/s^2; (-9.81) */
-  double h1_damping; /* h1.damping: viscous damping of the hinge, N*m*s/rad; 10.0 */
-  double h2_damping; /* h2.damping: viscous damping of the hinge, N*m*s/rad; 10.0 */
-  double h3_damping; /* h3.damping: viscous damping of the hinge, N*m*s/rad; 10.0 */
-  double h1_stiffness; /* h1.stiffness: torsional stiffness of the hinge, N*m/rad; 100.0 */
-  double h2_stiffness; /* h2.stiffness: torsional stiffness of the hinge, N*m/rad; 100.0 */
-  double h3_stiffness; /* h3.stiffness: torsional stiffness of the hinge, N*m/rad; 100.0 */
+  double link_1_mass; /* link_1.mass: mass, kg */
+  double link_1_com_y; /* link_1.com_y: centre of mass from the hinge, along y of the link's frame, m */
+  double link_1_inertia_xx; /* link_1.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2 */
+  double link_1_inertia_yy; /* link_1.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2 */
+  double link_1_inertia_zz; /* link_1.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2 */
+  double link_2_mass; /* link_2.mass: mass, kg */
+  double link_2_com_y; /* link_2.com_y: centre of mass from the hinge, along y of the link's frame, m */
+  double link_2_inertia_xx; /* link_2.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2 */
+  double link_2_inertia_yy; /* link_2.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2 */
+  double link_2_inertia_zz; /* link_2.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2 */
+  double link_3_mass; /* link_3.mass: mass, kg */
+  double link_3_com_y; /* link_3.com_y: centre of mass from the hinge, along y of the link's frame, m */
+  double link_3_inertia_xx; /* link_3.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2 */
+  double link_3_inertia_yy; /* link_3.inertia_yy: moment of inertia about y through the centre of mass, link's frame, kg*m^2 */
+  double link_3_inertia_zz; /* link_3.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2 */
+  double gravity_z; /* gravity.z: gravitational acceleration along world z, m/s^2 */
+  double h1_damping; /* h1.damping: viscous damping of the hinge, N*m*s/rad */
+  double h2_damping; /* h2.damping: viscous damping of the hinge, N*m*s/rad */
+  double h3_damping; /* h3.damping: viscous damping of the hinge, N*m*s/rad */
+  double h1_stiffness; /* h1.stiffness: torsional stiffness of the hinge, N*m/rad */
+  double h2_stiffness; /* h2.stiffness: torsional stiffness of the hinge, N*m/rad */
+  double h3_stiffness; /* h3.stiffness: torsional stiffness of the hinge, N*m/rad */
+  double geometry[2]; /* numbers of the drawing, SI: another design of this topology has others */
 } pendulum_parameters;
 
-/* The values of the design. */
+/* Fills in the values of the design. */
 void pendulum_default_parameters(pendulum_parameters *parameters);
 
-/* -> constants (24,): everything that depends on parameters only. Call it once per change. */
+/* -> constants (25,): everything that depends on parameters only. Call it once per change. */
 void pendulum_setup(const pendulum_parameters *parameters, double *constants);
 
 /* t s, q (3,) rad, u (3,) rad/s -> udot (3,) rad/s^2 */

@@ -98,7 +98,9 @@ def test_a_miura_sheet_folds_as_its_creases_ask(tmp_path: Path) -> None:
     assert result.success, result.message
     for q, u in zip(result.q, result.u, strict=True):
         missed = sim.closure(q)[1] @ u
-        assert np.abs(missed).max() <= 1e-8 * np.abs(u).max() + 1e-12  # as `NOISE` of tolerances.h, and at rest
+        assert (
+            np.abs(missed).max() <= 1e-8 * np.abs(u).max() + 1e-12
+        )  # as `NOISE` of tolerances.h, and at rest
 
 
 def test_forms_by_vertices_have_the_zeros_of_forms_of_all_rates(tmp_path: Path) -> None:

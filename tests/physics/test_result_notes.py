@@ -37,7 +37,7 @@ def test_a_run_that_leaves_the_motion_whose_rank_it_took_says_so() -> None:
     result = sim.run(t_end=0.1)
     assert result.notes == ()
     model = types.SimpleNamespace(**{**vars(result.motion.model), "rank": 2})
-    motion = types.SimpleNamespace(model=model, closures=result.motion.closures)
+    motion = types.SimpleNamespace(model=model, closures=result.motion.closures, gap=result.motion.gap)
     (note,) = notes(dataclasses.replace(result, motion=motion))  # type: ignore[arg-type]
     assert "3 independent equations at some of the 5 rows" in note
     assert "run took 2, as at its start" in note

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from shapely.geometry import Point, Polygon, box
 
 from lamc import plate
+from lamc.basics.times import Times
 from lamc.commands.plate_work import answers
-from lamc.pipeline import Times
 from lamc.plates.answers.convergence import error_of_values
 from lamc.plates.problem import Problem
 from lamc.plates.solving.curves import CurveNodes, curve_nodes

@@ -8,8 +8,8 @@ import pytest
 from shapely.geometry import LineString, Point, Polygon, box
 
 from lamc import plate
+from lamc.basics.times import Times
 from lamc.commands.plate_work import answers
-from lamc.pipeline import Times
 from lamc.readers.plates.problem_file import load_plate
 
 SIDE, THICKNESS, PRESSURE = 0.1, 1e-3, 1e4

@@ -53,7 +53,7 @@ static const char *const names[] = {"length", "gravity", "rod.mass", "growth", "
 static const char *const units[] = {"m", "m/s\\xc2\\xb2", "kg", "1", "s"};
 static const double defaults[] = {@DEFAULTS@, 0.0, 1e300};
 static const lamc_model model = {
-  .name = "rod", .digest = "00ff", .size = 0.3, .joint_count = @JOINTS@, .coordinate_count = @JOINTS@,
+  .name = "rod", .digest = "00ff", .joint_count = @JOINTS@, .coordinate_count = @JOINTS@,
   .rate_count = @JOINTS@, .body_count = @JOINTS@, .parameter_count = 5, .constant_count = 6,
   .energy_count = @ENERGIES@, .joint_names = joints, .coordinate_names = joints, .rate_names = joints,
   .body_names = bodies, .parameter_names = names, .parameter_units = units, .energy_names = energies,

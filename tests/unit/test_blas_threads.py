@@ -30,3 +30,12 @@ def test_an_error_within_gives_the_threads_back() -> None:
         with contextlib.suppress(ValueError):
             fail()
         assert blas_threads() == before
+
+
+def test_one_within_another_gives_no_threads_back_before_the_outer_ends() -> None:
+    inner = on_one_thread(blas_threads)
+    with ThreadpoolController().limit(limits=2, user_api="blas"):
+        before = blas_threads()
+        for counts in on_one_thread(lambda: (inner(), blas_threads()))():
+            assert set(counts) == {1}
+        assert blas_threads() == before

@@ -18,13 +18,13 @@ import pytest
 
 import lamc
 from lamc.basics.errors import BuildError
+from lamc.basics.times import Times
 from lamc.codegen import build, toolchain
 from lamc.codegen import cache as cache_module
 from lamc.codegen.cache import Cache, cache_root, intact
 from lamc.codegen.module import BINDING, LIBRARY
 from lamc.codegen.options import CompileOptions
 from lamc.effects import Gravity, HingeStiffness
-from lamc.pipeline import Times
 from lamc.records.scene import Scene
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain, random_state
@@ -222,17 +222,17 @@ def test_an_entry_with_a_stranger_in_it_is_not_loaded(warm: Path) -> None:
 @pytest.mark.parametrize("text", ["", "0" * 64, "../../etc/passwd", "\udcff\xff", "x" * 64, "0" * 10_000])
 def test_a_damaged_alias_is_ignored(warm: Path, text: str) -> None:
     expected = acceleration()
-    (alias,) = warm.glob("*.key")
-    alias.write_bytes(text.encode("latin-1", "replace"))
+    for alias in warm.glob("*.note"):
+        alias.write_bytes(text.encode("latin-1", "replace"))
     assert (acceleration() == expected).all()
     assert compiled()[1].seconds.keys() == {"load from cache"}  # and mended
 
 
 def test_an_alias_that_is_a_folder_is_ignored(warm: Path) -> None:
     expected = acceleration()
-    (alias,) = warm.glob("*.key")
-    alias.unlink()
-    alias.mkdir()
+    for alias in list(warm.glob("*.note")):
+        alias.unlink()
+        alias.mkdir()
     assert (acceleration() == expected).all()
 
 

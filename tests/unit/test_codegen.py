@@ -511,4 +511,4 @@ def test_parameters_and_sizes_are_documented_in_the_header() -> None:
         assert f"/* {comment(parameter.name)}: " in header
         assert comment(parameter.unit) in header
     assert f"{tree.prefix}_joint_count = 3," in header
-    assert program.digest in header
+    assert program.structure in header

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from lamc.basics import units
+from lamc.basics import si_units, units
 from lamc.basics.common_units import COMMON
 
 QUANTITIES = {
@@ -28,3 +28,8 @@ def test_examples_are_read_without_pint(name: str) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_units_of_any_quantity_are_pints_to_the_last_bit() -> None:
+    for unit, known in si_units._COMMON.items():
+        assert si_units._parsed(si_units._spelled(unit)) == known, unit

@@ -11,10 +11,13 @@ from lamc.codegen.cache import Cache
 from lamc.examples import path
 from lamc.loops.kept import kept_loops
 from lamc.loops.misfit import Misfit
-from lamc.loops.rank import LoopCount
+from lamc.loops.rank import Found, LoopCount
+from lamc.loops.starts import Starter
 from tests.support.ctools import needs_cc
 
-COUNT = LoopCount(1, 6, 3, 1, (1.25, 0.1, 1e-17), Misfit(3, 1.1e-7, "h4"), 1e-6)
+COUNT = LoopCount(
+    1, 6, 3, 1, (1.25, 0.1, 1e-17), Misfit(3, 1.1e-7, "h4"), 1e-6, start=Found((("h1", 0.1),), (0.1, -0.1))
+)
 
 
 def test_a_kept_count_is_the_count_to_the_last_bit(tmp_path: Path) -> None:
@@ -50,3 +53,20 @@ def test_a_warm_start_counts_no_loops(tmp_path: Path, monkeypatch: pytest.Monkey
     assert design.scene is not None
     lamc.compile(design, replace(design.scene, closure_tolerance=1e-5), cache=cache)
     assert len(counted) == 2
+
+
+@needs_cc
+def test_the_position_of_a_start_is_looked_for_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search takes most of the time of a start. Angles of another scene are looked for anew."""
+    searched = []
+    search = Starter._position
+    monkeypatch.setattr(Starter, "_position", lambda *given: searched.append(1) or search(*given))
+    cache, design = Cache(tmp_path / "cache"), lamc.load(path("four_bar"))
+    start = lamc.compile(design, cache=cache).start
+    assert len(searched) == 1
+    assert lamc.compile(design, cache=cache).start == pytest.approx(start, abs=0.0)
+    assert len(searched) == 1
+    assert design.scene is not None
+    other = lamc.compile(design, replace(design.scene, angles={"arm": 0.25}), cache=cache)
+    assert other.start[other.joints.index("arm")] == 0.25
+    assert len(searched) > 1

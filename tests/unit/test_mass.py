@@ -12,7 +12,7 @@ from shapely import affinity
 from shapely.geometry import Point, Polygon, box
 
 from lamc.basics.errors import DesignError
-from lamc.design.mass import body_properties, polygon_moments
+from lamc.design.mass import body_properties, moments_of, polygon_moments
 from lamc.records.mechanism import Slab
 from tests.support.quick import tries
 
@@ -196,3 +196,16 @@ def test_a_disc_with_a_hole_off_centre_leans_away_from_it() -> None:
     area_d, area_h = disc.area, hole.area
     assert m.x == pytest.approx(-0.5 * area_h / (area_d - area_h), rel=1e-12)
     assert not Polygon(disc.exterior.coords, [hole.exterior.coords]).contains(Point(0.5, 0.0))
+
+
+def test_moments_at_once_are_those_of_each_polygon() -> None:
+    """To the last bit, so that a body's mass does not depend on which others are weighed with it."""
+    holes = [[(1.1, 1.1), (1.1, 1.9), (1.9, 1.5)]]
+    shapes = [
+        Polygon([(0, 0), (3, 0.1), (2.7, 2.9), (0.2, 3.1)], holes),
+        box(0.1, 0.2, 0.3, 1e3),
+        regular(1.0, 33),
+    ]
+    together = moments_of(shapes)
+    assert together == [polygon_moments(shape) for shape in shapes]
+    assert together[::-1] == moments_of(shapes[::-1])

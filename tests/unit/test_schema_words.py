@@ -7,7 +7,7 @@ import pytest
 
 from lamc.basics.fields import MEANING, UNIT, StrictModel
 from lamc.effects.registry import by_name
-from lamc.readers import mechanism_schema, native, scene_schema, schema
+from lamc.readers import mechanism_schema, native, scene_schema, schema, study_file
 from lamc.readers.checking import validate
 from lamc.readers.fields import LENGTH_UNIT
 from lamc.readers.inert import compose, plain
@@ -57,12 +57,12 @@ def test_every_part_has_a_name_and_every_name_a_part() -> None:
 def _model(of: str) -> type[StrictModel]:
     if of in schema_files():
         return schema_files()[of]
-    modules = (schema, mechanism_schema, scene_schema, problem_schema, section_schema)
+    modules = (schema, mechanism_schema, scene_schema, problem_schema, section_schema, study_file)
     return next(getattr(module, of) for module in modules if hasattr(module, of))
 
 
 def schema_files() -> dict[str, type[StrictModel]]:
-    return {**schema.FILES, "PlateProblem": problem_schema.PlateFileModel}
+    return {**schema.FILES, "PlateProblem": problem_schema.PlateFileModel, "Study": study_file.StudyModel}
 
 
 @pytest.mark.parametrize("name", sorted(_PARTS))

@@ -13,10 +13,10 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
+from lamc.basics.times import Times
 from lamc.commands.plate_input import PlateSource, load_source
 from lamc.commands.plate_work import answers
 from lamc.export.pages import mechanism_show, result_show
-from lamc.pipeline import Times
 from lamc.view.document import Show, page
 from lamc.view.plates import report_show
 from tests.support.browser import Page, browser, needs_browser

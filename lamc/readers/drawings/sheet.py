@@ -21,9 +21,11 @@ from lamc.readers.drawings.telling import name_of, told
 from lamc.readers.fold_faces import Edge
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
+from lamc.readers.mechanism_as_such import SheetAsSuch
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing, Mend, Role, Stroke
 from lamc.records.mechanism import Array, Mechanism
+from lamc.records.parameters import with_origin
 
 # H is for drawings alone: a crease with a spring, which rests flat.
 _KINDS: dict[Role, str] = {
@@ -50,12 +52,14 @@ def sheet_of(drawing: Drawing, options: SheetOptions) -> Mechanism:
     place = Place(drawing.file)
     try:
         frame, mends, tolerance = _frame(drawing, options)
-        made, notes = sheet_mechanism(frame, replace(options, units=None), drawing.name)
+        options = replace(options, units=None)
+        made, notes = sheet_mechanism(frame, options, drawing.name)
     except LamcError as error:
         raise (type(error)(error.message, place) if error.place is None else error) from error
     for note in [*notes, *told(mends, tolerance)]:
         warn(note, place)
-    return replace(made, mends=mends)
+    recipe = SheetAsSuch(frame, options, drawing.name, mends)
+    return with_origin(replace(made, mends=mends), recipe)
 
 
 def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Mend, ...], float]:

@@ -1,0 +1,159 @@
+"""Ensembles beside one run at a time, MuJoCo's rollout and CasADi's map: `python -m benchmarks.ensembles`.
+
+    python -m benchmarks.ensembles [--quick] [--out FOLDER]
+
+Time per body, evaluation of the accelerations and instance, on one thread, of whole runs (steps, errors and rows are
+in it), for trees of the paper's unit plates; CasADi's is of evaluations alone, of the same equations by its virtual
+machine. MuJoCo takes RK4 steps, of four evaluations. Then 10 000 triple pendulums of 10 s at 1e-6 on as many threads as
+there are processors. The shortest of several repeats in turns; prints tables and writes JSON. Both peers: lamc[bench].
+"""
+
+import argparse
+import importlib
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import lamc
+from benchmarks.devices import CROSSED, OBLIQUE, PARALLEL, SCENE, plates
+from benchmarks.measure import environment, interleaved, table, write_json
+from benchmarks.spine import target
+from lamc.records.mechanism import Mechanism
+from lamc.symbolic.listing import listing_of, run
+from lamc.symbolic.program import Program, Space
+from tests.support.engines import InMujoco, mujoco
+
+casadi: Any = None
+with suppress(ImportError):
+    casadi = importlib.import_module("casadi")
+
+CASES = (
+    ("triple pendulum", 3, PARALLEL),
+    ("6 hinges, right angles", 6, CROSSED),
+    ("6 hinges in space", 6, OBLIQUE),
+    ("24 hinges, right angles", 24, CROSSED),
+    ("24 hinges in space", 24, OBLIQUE),
+)
+INSTANCES = 64  # that a repeat takes: milliseconds, so that some repeat is not disturbed
+T_END = 0.5  # s
+STEP = 1e-3  # s, of MuJoCo
+LIMIT = 10.0  # ns
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="few repeats")
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results")
+    arguments = parser.parse_args()
+    repeats = 5 if arguments.quick else 40
+    report: dict[str, Any] = {"environment": environment()}
+    report["per_evaluation"] = [row(name, plates(n, lines), repeats) for name, n, lines in CASES]
+    heads = list(report["per_evaluation"][0])
+    print("ns per body, evaluation and instance")
+    print(table(heads, [[_text(r[h]) for h in heads] for r in report["per_evaluation"]]))
+    report["pendulums"] = pendulums(2 if arguments.quick else 6)
+    report["targets"] = [
+        *(
+            target(f"{r['case']}: lanes, ns", r["lanes"], LIMIT, at_most=True)
+            for r in report["per_evaluation"]
+            if r["case"] != "triple pendulum"
+        ),
+        target("10 000 triple pendulums, 10 s at 1e-6, s", report["pendulums"]["dop853"], 1.0, at_most=True),
+    ]
+    heads = list(report["targets"][0])
+    print(table(heads, [[_text(r[h]) for h in heads] for r in report["targets"]]))
+    write_json(arguments.out / "ensembles.json", report)
+
+
+def _text(value: Any) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def row(name: str, mechanism: Mechanism, repeats: int) -> dict[str, Any]:
+    """One case: ns per body, evaluation and instance by each of those that are there."""
+    sim = lamc.compile(mechanism, SCENE)
+    rng = np.random.default_rng(1)
+    first = sim.joints[0]
+    asked = partial(
+        sim.ensemble,
+        T_END,
+        1e-6,
+        1e-8,
+        integrator="dop853",
+        parameters={f"{first}.stiffness": rng.uniform(50.0, 150.0, INSTANCES)},
+        angles={first: rng.uniform(-1.0, 1.0, INSTANCES)},
+        threads=1,
+    )
+    made = asked()
+    bodies = len(sim.joints)
+    evaluations = float(made.stats.evaluations.sum())
+    jobs: dict[str, Callable[[], Any]] = {"lanes": asked, "one at a time": partial(asked, side_by_side=False)}
+    counts = {"lanes": evaluations, "one at a time": evaluations}
+    if mujoco is not None:
+        jobs["MuJoCo rollout"], counts["MuJoCo rollout"] = rollout(mechanism)
+    if casadi is not None:
+        jobs["CasADi map"], counts["CasADi map"] = mapped(sim.program)
+    best = interleaved(jobs, repeats)
+    return {
+        "case": name,
+        "lanes side by side": made.stats.lanes,
+        **{job: best[job] / counts[job] / bodies * 1e9 for job in jobs},
+        "one / lanes": best["one at a time"] / best["lanes"],
+    }
+
+
+def rollout(mechanism: Mechanism) -> tuple[Callable[[], Any], float]:
+    """MuJoCo's runs from as many starts, and their evaluations."""
+    runner = importlib.import_module("mujoco.rollout")
+    with tempfile.TemporaryDirectory() as folder:
+        engine = InMujoco(mechanism, SCENE, Path(folder))
+    engine.model.opt.timestep = STEP
+    engine.model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    rng = np.random.default_rng(1)
+    states = np.zeros((INSTANCES, mujoco.mj_stateSize(engine.model, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
+    states[:, 1] = rng.uniform(-1.0, 1.0, INSTANCES)
+    steps = round(0.05 / STEP)
+    return lambda: runner.rollout(engine.model, engine.data, states, nstep=steps), 4.0 * steps * INSTANCES
+
+
+def mapped(program: Program) -> tuple[Callable[[], Any], float]:
+    """CasADi's accelerations of the same equations, at as many states as there are instances, by its own machine."""
+    n, count = len(program.joints), 50 * INSTANCES
+    operations = {
+        "+": lambda a, b: a + b,
+        "-": lambda a, b: a - b,
+        "*": lambda a, b: a * b,
+        "neg": lambda a: -a,
+        "reciprocal": lambda a: 1.0 / a,
+        "sin": casadi.sin,
+        "cos": casadi.cos,
+    }
+    q, u, c = (casadi.SX.sym(name, k) for name, k in (("q", n), ("u", n), ("c", program.constant_count)))
+    listing = listing_of(program.functions["acceleration"], operations)
+    inputs = {Space.ANGLE: q.elements(), Space.RATE: u.elements(), Space.CONSTANT: c.elements()}
+    memory = run(listing, inputs)
+    out = casadi.vertcat(*(sign * memory[address] for sign, address in listing.outputs))
+    evaluate = casadi.Function("udot", [q, u, c], [out]).map(count, "serial")
+    rng = np.random.default_rng(1)
+    states = [casadi.DM(rng.uniform(0.5, 1.0, (k, count))) for k in (n, n, program.constant_count)]
+    return lambda: evaluate(*states), float(count)
+
+
+def pendulums(repeats: int) -> dict[str, float]:
+    """Wall time, s, of 10 000 of them by integrator, on all processors."""
+    sim = lamc.compile(plates(3, PARALLEL), SCENE)
+    rng = np.random.default_rng(2)
+    asked = partial(sim.ensemble, 10.0, 1e-6, 1e-8, angles={"h0": rng.uniform(-1.0, 1.0, 10_000)})
+    return {
+        name: min(asked(integrator=name).stats.wall_time for _ in range(repeats))
+        for name in ("dop853", "auto")
+    }
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""What the cache knows of programs that were compiled: by the digest of a design, and by that of a structure.
+
+In: a cache, digests. Out: the entry of a compiled module, and the numbers that a design gives it, so that nothing is
+derived again. A note that is damaged or cannot be written costs a derivation, and nothing else.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from weakref import WeakValueDictionary
+
+from lamc.basics._version import __version__
+from lamc.codegen.cache import Cache, stamps
+from lamc.codegen.module import Module, load_module
+from lamc.codegen.options import CompileOptions
+from lamc.codegen.toolchain import Compiler
+from lamc.mechanics.survey import Survey
+from lamc.run.input_digest import own_sources
+from lamc.run.model import DesignNumbers
+from lamc.symbolic.program import Program
+from lamc.symbolic.staging import DrawnKey
+
+_opened: "WeakValueDictionary[str, Module]" = WeakValueDictionary()  # by folder, verified
+_stamps: dict[str, tuple[tuple[str, int, int], ...]] = {}  # of their files, then
+
+
+@dataclass(frozen=True)
+class KeptDesign:
+    """entry: the key of its module in the cache. numbers: of the design."""
+
+    entry: str
+    numbers: DesignNumbers
+
+
+@dataclass(frozen=True)
+class KeptStructure:
+    """entry: the key of the module in the cache. parameters, keys: names, and numbers of the drawing, that `setup`
+    takes, in order."""
+
+    entry: str
+    parameters: tuple[str, ...]
+    keys: tuple[DrawnKey, ...]
+
+
+def numbers_of(program: Program) -> DesignNumbers:
+    """The numbers of the design that a program was made of."""
+    return DesignNumbers(tuple(program.inputs), program.drawn)
+
+
+def structure_alias(
+    structure: str, compiler: Compiler, options: CompileOptions, *, energy_balance: bool, lanes: bool
+) -> str:
+    """Under what the cache keeps what is known of a structure (the digest of a `Survey`)."""
+    parts = (structure, __version__, own_sources(), compiler.identity, *options.flags, options.precision)
+    text = "\0".join((*parts, f"powers {energy_balance} lanes {lanes}"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def kept_design(cache: Cache, alias: str) -> KeptDesign | None:
+    found = cache.kept(alias)
+    try:
+        numbers = (tuple(map(float.fromhex, found[name])) for name in ("inputs", "drawn"))
+        return KeptDesign(_entry(found), DesignNumbers(*numbers))
+    except (ValueError, TypeError, KeyError):
+        return None
+
+
+def keep_design(cache: Cache, alias: str, design: KeptDesign) -> None:
+    inputs, drawn = (list(map(float.hex, part)) for part in (design.numbers.inputs, design.numbers.drawn))
+    cache.keep(alias, {"entry": design.entry, "inputs": inputs, "drawn": drawn})
+
+
+def kept_structure(cache: Cache, alias: str) -> KeptStructure | None:
+    found = cache.kept(alias)
+    try:
+        keys = tuple(tuple(key) for key in found["keys"])
+        return KeptStructure(_entry(found), tuple(map(str, found["parameters"])), keys)
+    except (ValueError, TypeError, KeyError):
+        return None
+
+
+def keep_structure(cache: Cache, alias: str, entry: str, program: Program) -> None:
+    keys = [list(number.key) for number in program.geometry]
+    names = [p.name for p in program.parameters]
+    cache.keep(alias, {"entry": entry, "parameters": names, "keys": keys}, of_one_design=False)
+
+
+def opened_entry(cache: Cache, entry: str) -> Module | None:
+    """The module of an entry of the cache, verified and loaded; None where there is none, or it was changed."""
+    folder = cache.find(entry)
+    if folder is None:
+        return None
+    module = load_module(folder)
+    _opened[str(folder)] = module
+    _stamps[str(folder)] = stamps(folder)
+    return module
+
+
+def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, str, DesignNumbers] | None:
+    """The module of a structure, the key of its entry, and the numbers of the design that was surveyed; None where
+    there is none."""
+    known = kept_structure(cache, alias)
+    if known is None or known.parameters != tuple(p.name for p in survey.parameters):
+        return None
+    if not survey.knows(known.keys):
+        return None
+    folder = cache.root / known.entry
+    module = _opened.get(str(folder))
+    if module is None or stamps(folder) != _stamps[str(folder)]:
+        module = opened_entry(cache, known.entry)
+    return None if module is None else (module, known.entry, DesignNumbers(survey.inputs(known.keys)))
+
+
+def _entry(found: dict[str, object]) -> str:
+    """Raises ValueError for what is no key of an entry."""
+    entry = str(found["entry"])
+    if len(entry) != 64 or not set(entry) <= set("0123456789abcdef"):
+        raise ValueError(entry)
+    return entry

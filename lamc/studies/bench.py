@@ -1,0 +1,186 @@
+"""The work of a study at one point: from values to a row.
+
+In: a `Subject`, which travels between processes, and points. Out: `Row`s. What a point gives depends on nothing but the
+point: not on those before it, on the process or the clock. A point that makes no run is a row with its reason.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lamc.basics.errors import BuildError, LamcError
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.codegen.cache import Cache, cache_root
+from lamc.codegen.options import CompileOptions
+from lamc.design.split import split
+from lamc.pipeline import compile as compile_design
+from lamc.records.design import Design
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
+from lamc.run.defaults import DURATION, default_rows
+from lamc.run.request import Array, Status
+from lamc.run.result import Result
+from lamc.run.simulator import Simulator
+from lamc.studies.measures import Measure
+from lamc.studies.targets import ANGLES, RATES, SLOW, Studied, Target, made, started
+
+OK = "ok"
+REFUSED = "refused"  # no such design, start or parameter can be
+FAILED = "failed"  # the run did not reach its end
+UNDEFINED = "undefined"  # a measure is no finite number
+ERROR = "error"  # a function of the user's raised an exception
+DIED = "died"  # the process that computed it ended
+MISSING = "missing"  # not computed
+STATUSES = (OK, REFUSED, FAILED, UNDEFINED, ERROR, DIED, MISSING)
+
+_KEPT = 4  # simulators
+_LONGEST_REASON = 400
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How all runs of a study go, where a point says nothing else. As of `Simulator.run`; rows: of each run, evenly
+    spread, to which times that measures ask for are added."""
+
+    t_end: float | None = None  # s; None: the scene's duration, or 10 s
+    rtol: float | None = None
+    atol: float | None = None
+    max_step: float | None = None  # s
+    integrator: str = "auto"
+    rows: int | None = None  # None: 200 a second, and 2001 at least
+    max_steps: int = 1_000_000
+    parameters: Mapping[str, float | str] = field(default_factory=lambda: ReadOnlyDict({}))
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is studied: a design in a scene, what is varied of it and what is measured.
+
+    scene  None: the design's own; or what gives it of a mechanism
+    """
+
+    design: Studied
+    scene: Scene | Callable[[Mechanism], Scene] | None
+    options: CompileOptions
+    run: RunOptions
+    targets: tuple[Target, ...]  # in the order of a point's values
+    measures: Mapping[str, Measure]
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came of a point. values: of the measures, in their order; NaN where there are none."""
+
+    index: int
+    status: str
+    reason: str
+    values: tuple[float, ...]
+
+
+class Bench:
+    """Works on the points of one subject, one after the other. Points that share what is slow to change are quickest in
+    a row."""
+
+    def __init__(self, subject: Subject) -> None:
+        self.subject = subject
+        self._simulators: dict[tuple[float, ...], Simulator | LamcError] = {}
+        self._slow = [k for k, target in enumerate(subject.targets) if target.kind in SLOW]
+
+    def row(self, index: int, point: Sequence[float]) -> Row:
+        """Raises KeyboardInterrupt if the run is cancelled."""
+        try:
+            result = self.result(point)
+            if result.status == Status.CANCELLED:
+                raise KeyboardInterrupt
+            if not result.success:
+                return self._without(index, FAILED, result.message)
+            values = tuple(measure.value(result) for measure in self.subject.measures.values())
+        except BuildError:
+            raise  # no point would fare better
+        except LamcError as error:
+            return self._without(index, REFUSED, error.message)
+        except Exception as error:  # of a function that the user gave; it shall not end the study
+            return self._without(index, ERROR, f"{type(error).__name__}: {error}")
+        undefined = [
+            f"{name!r} is {value}"
+            for name, value in zip(self.subject.measures, values, strict=True)
+            if not math.isfinite(value)
+        ]
+        return Row(index, UNDEFINED if undefined else OK, ", ".join(undefined), values)
+
+    def _without(self, index: int, status: str, reason: str) -> Row:
+        return without_values(index, status, reason, len(self.subject.measures))
+
+    def result(self, point: Sequence[float]) -> Result:
+        """The run of a point. Raises LamcError where there is none."""
+        simulator, run = self.simulator(point), self.subject.run
+        fast = [(t, v) for t, v in zip(self.subject.targets, point, strict=True) if t.kind not in SLOW]
+        options = {target.name: value for target, value in fast if target.kind == "option"}
+        own = {target.name: value for target, value in fast if target.kind == "parameter"}
+        t_end = options.get("t_end", run.t_end)
+        if t_end is None:
+            t_end = simulator.scene.duration or DURATION
+        return simulator.run(
+            t_end,
+            options.get("rtol", run.rtol),
+            options.get("atol", run.atol),
+            self._times(t_end, len(simulator.start)),
+            run.integrator,
+            {**run.parameters, **own},
+            max_steps=run.max_steps,
+            max_step=options.get("max_step", run.max_step),
+        )
+
+    def _times(self, t_end: float, size: int) -> Array | None:
+        """Times of the rows; None where t_end makes none."""
+        if not (math.isfinite(t_end) and t_end > 0.0):
+            return None
+        rows = default_rows(t_end, size) if self.subject.run.rows is None else self.subject.run.rows
+        even = np.linspace(0.0, t_end, rows)
+        asked = [each for m in self.subject.measures.values() for each in m.times if 0.0 <= each <= t_end]
+        return np.union1d(even, asked) if asked else even
+
+    def simulator(self, point: Sequence[float]) -> Simulator:
+        """The simulator of a point, kept for the next. Raises LamcError where there is none."""
+        key = tuple(point[k] for k in self._slow)
+        found = self._simulators.get(key)
+        if found is None:
+            if len(self._simulators) >= _KEPT:
+                del self._simulators[next(iter(self._simulators))]
+            try:
+                found = self._compiled(
+                    dict(zip((self.subject.targets[k] for k in self._slow), key, strict=True))
+                )
+            except BuildError:
+                raise
+            except LamcError as error:
+                found = error
+            self._simulators[key] = found
+        if isinstance(found, LamcError):
+            raise found
+        return found
+
+    def _compiled(self, values: Mapping[Target, float]) -> Simulator:
+        by_kind: dict[str, dict[str, float]] = {kind: {} for kind in SLOW}
+        for target, value in values.items():
+            name = target.name.removeprefix(ANGLES if target.kind == "angle" else RATES)
+            by_kind[target.kind][target.name if target.kind == "dimension" else name] = value
+        subject = self.subject
+        design = made(subject.design, by_kind["dimension"])
+        scene = subject.scene
+        if callable(scene) or (scene is None and (by_kind["angle"] or by_kind["rate"])):
+            mechanism = split(design) if isinstance(design, Design) else design
+            scene = scene(mechanism) if callable(scene) else mechanism.scene or Scene()
+            design = mechanism
+        if scene is not None:
+            scene = started(scene, by_kind["angle"], by_kind["rate"])
+        return compile_design(design, scene, subject.options, cache=Cache(cache_root(), passing=True))
+
+
+def without_values(index: int, status: str, reason: str, count: int) -> Row:
+    """The row of a point that gives no measures."""
+    text = " ".join(reason.split())
+    short = text if len(text) <= _LONGEST_REASON else f"{text[:_LONGEST_REASON]}…"
+    return Row(index, status, short, (math.nan,) * count)

@@ -1,0 +1,281 @@
+/* ensemble.c, of lamc: takes instances from a queue, several at a time, and steps them side by side.
+ *
+ * In: a lamc_ensemble. Out: rows, statuses, counters. Never: decides how long a step is, or what becomes of it.
+ *
+ * Every lane is a run of its own (lamc_run) with a motion of its own, and does with each step what a run by itself does: it is
+ * accepted or refused, closed, searched for events. Only the stages of explicit methods, which take most of the time, are
+ * evaluated for all lanes at once. What is not such a step, as the first one, an implicit one or the location of an event,
+ * is the run's own. So a lane gives the bits of a run by itself. */
+#include "lamc_ensemble.h"
+
+#include "lanes.h"
+#include "rows.h"
+#include "steps.h"
+
+#include <stdatomic.h>
+#include <string.h>
+
+enum { MOST_LANES = 8, ALIGNMENT = 64 };
+
+typedef struct lane {
+  lamc_motion motion;
+  lamc_run run;
+  lamc_rows rows;
+  lamc_real *run_work;
+  long long instance; /* -1: none */
+} lane;
+
+/* What one thread works with */
+typedef struct bench {
+  const lamc_ensemble *e;
+  const lamc_lane_steps *steps; /* NULL: every step is a run's own */
+  lamc_real *block;
+  lane *lanes[MOST_LANES];
+  lamc_run *runs[MOST_LANES]; /* that take the step side by side; NULL: none in this lane */
+  lamc_real h[MOST_LANES], squared[MOST_LANES];
+  int is_last[MOST_LANES];
+  lamc_status taken[MOST_LANES];
+  int width;
+} bench;
+
+/* ---- Memory ------------------------------------------------------------------------------------------------ */
+
+static const lamc_lane_steps *steps_of(const lamc_ensemble *e) {
+  const int serves = e->method == LAMC_AUTO || lamc_lanes_serve((int)e->method);
+  return e->use_lanes && serves ? lamc_this_lanes() : NULL;
+}
+
+int lamc_ensemble_width(const lamc_ensemble *e) {
+  const lamc_lane_steps *steps = steps_of(e);
+  return steps == NULL ? 1 : steps->width;
+}
+
+/* A multiple of 64 bytes, in numbers */
+static long long whole(long long size) {
+  const long long unit = ALIGNMENT / (long long)sizeof(lamc_real);
+  return (size + unit - 1) / unit * unit;
+}
+
+static long long numbers_of_lane(void) {
+  return whole((long long)((sizeof(lane) + sizeof(lamc_real) - 1) / sizeof(lamc_real)));
+}
+
+static lamc_ode plain_ode(const lamc_motion *motion) {
+  lamc_ode ode = lamc_motion_ode(motion);
+  ode.integral_count = 0;
+  return ode;
+}
+
+/* Numbers for the run of one instance; 0 where it cannot be */
+static long long run_size(const lamc_ensemble *e) {
+  const lamc_motion motion = {e->model, NULL, NULL, 0};
+  const lamc_ode ode = plain_ode(&motion);
+  return lamc_run_work_size(&ode, e->method);
+}
+
+long long lamc_ensemble_work_size(const lamc_ensemble *e) {
+  const lamc_lane_steps *steps = steps_of(e);
+  const long long run = run_size(e);
+  const long long of_lane = numbers_of_lane() + whole(e->model->constant_count + 1) +
+                            whole(lamc_motion_work_size(e->model) + 1) + whole(run) + whole(e->row_count);
+  if (run == 0) return 0;
+  return whole(1) + (steps == NULL ? 0 : whole(steps->size)) + lamc_ensemble_width(e) * of_lane;
+}
+
+static lamc_real *cut(lamc_real **rest, long long size) {
+  lamc_real *part = *rest;
+  *rest += whole(size);
+  return part;
+}
+
+static lamc_real *aligned(lamc_real *work) {
+  const uintptr_t beyond = (uintptr_t)work % ALIGNMENT;
+  return beyond == 0 ? work : work + (ALIGNMENT - beyond) / sizeof(lamc_real);
+}
+
+static void lay_out(bench *b, const lamc_ensemble *e, lamc_real *work) {
+  memset(b, 0, sizeof *b);
+  b->e = e;
+  b->steps = steps_of(e);
+  b->width = lamc_ensemble_width(e);
+  lamc_real *rest = aligned(work);
+  if (b->steps != NULL) {
+    b->block = cut(&rest, b->steps->size);
+    memset(b->block, 0, (size_t)b->steps->size * sizeof *b->block);
+  }
+  const long long run = run_size(e);
+  for (int k = 0; k < b->width; k++) {
+    lane *l = b->lanes[k] = (lane *)(void *)cut(&rest, numbers_of_lane());
+    memset(l, 0, sizeof *l);
+    l->motion.model = e->model;
+    l->motion.constants = cut(&rest, e->model->constant_count + 1);
+    l->motion.work = cut(&rest, lamc_motion_work_size(e->model) + 1);
+    l->run_work = cut(&rest, run);
+    l->rows.t = cut(&rest, e->row_count);
+    l->instance = -1;
+  }
+}
+
+/* ---- One instance ------------------------------------------------------------------------------------------ */
+
+static void tell(const lamc_ensemble *e, const lane *l, lamc_status status) {
+  long long *told = e->told + l->instance * LAMC_TOLD;
+  told[LAMC_TOLD_EVALUATIONS] = l->run.evaluations;
+  told[LAMC_TOLD_ACCEPTED] = l->run.accepted;
+  told[LAMC_TOLD_REJECTED] = l->run.rejected;
+  told[LAMC_TOLD_EVENTS] = l->run.events;
+  told[LAMC_TOLD_SWITCHES] = l->run.switches;
+  told[LAMC_TOLD_SINGULAR] = lamc_motion_singular_steps(&l->motion);
+  told[LAMC_TOLD_METHOD] = l->run.method;
+  e->t_reached[l->instance] = l->run.t;
+  e->status[l->instance] = (int)status;
+}
+
+/* Rows that are due; 1 if the instance has come to its end, which is then told */
+static int is_over(const lamc_ensemble *e, lane *l, lamc_status status) {
+  if (status == LAMC_PAUSED) return 0;
+  if (status == LAMC_OK) status = lamc_rows_write(&l->run, &l->rows);
+  if (status == LAMC_OK && l->run.t < l->run.t_end) return 0;
+  tell(e, l, status);
+  l->instance = -1;
+  return 1;
+}
+
+/* The run of instance k from its start */
+static lamc_status start(const lamc_ensemble *e, lane *l, long long k) {
+  const lamc_model *model = e->model;
+  const int n = model->coordinate_count + model->rate_count;
+  const long long room = lamc_motion_work_size(model);
+  l->instance = k;
+  model->setup(e->parameters + k * e->parameter_stride, l->motion.constants);
+  memset(l->motion.work, 0, (size_t)room * sizeof *l->motion.work);
+  l->rows.y = e->y + k * e->row_count * n;
+  l->rows.capacity = e->row_count;
+  l->rows.count = 0;
+  const lamc_ode ode = plain_ode(&l->motion);
+  return lamc_run_start(&l->run, &ode, e->method, &e->options, 0, e->starts + k * e->start_stride, e->t_end,
+                        e->t_eval, e->row_count, l->run_work);
+}
+
+/* The next instance into a lane; 0 where none is left */
+static int refill(bench *b, int k) {
+  const lamc_ensemble *e = b->e;
+  for (;;) {
+    const long long taken = atomic_fetch_add_explicit((_Atomic(long long) *)e->next, 1, memory_order_relaxed);
+    if (taken >= e->count) return 0;
+    const lamc_status status = start(e, b->lanes[k], taken);
+    if (is_over(e, b->lanes[k], status)) continue;
+    if (b->steps != NULL) b->steps->take_constants(b->block, k, b->lanes[k]->motion.constants);
+    return 1;
+  }
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------- */
+
+/* Whether the run will be asked for states within the step it has just taken */
+static int looks_back(const lamc_run *run) {
+  return run->ode.guard_count > 0 ||
+         (run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] < run->t);
+}
+
+/* Decides on the step just tried in lane k, up to dy/dt where it led. 1: that is still to be evaluated */
+static int land(bench *b, int k, int is_beside) {
+  lamc_run *run = &b->lanes[k]->run;
+  int wants_slope = 0;
+  b->taken[k] = lamc_run_land(run, b->h[k], b->is_last[k], b->squared[k], &wants_slope);
+  if (b->taken[k] != LAMC_OK) return 0;
+  if (is_beside && (run->watch.is_auto || looks_back(run)))
+    b->steps->give_stages(b->block, run->method, k, run, looks_back(run));
+  return wants_slope;
+}
+
+/* What follows from the step; the lane is filled anew where its instance came to an end */
+static void conclude(bench *b, int k) {
+  lane *l = b->lanes[k];
+  if (b->taken[k] == LAMC_OK) b->taken[k] = lamc_run_stand(&l->run);
+  const long long events = l->run.events;
+  const lamc_status status = lamc_run_conclude(&l->run, b->taken[k], b->h[k], b->squared[k]);
+  if (b->steps != NULL && l->run.events != events) b->steps->take_constants(b->block, k, l->motion.constants);
+  if (is_over(b->e, l, status)) (void)refill(b, k);
+}
+
+/* A step by the run alone */
+static void step_alone(bench *b, int k) {
+  lamc_run *run = &b->lanes[k]->run;
+  run->dense = LAMC_DENSE_NONE;
+  run->steps++;
+  b->squared[k] = lamc_method_of(run->method)->attempt(run, b->h[k]);
+  if (land(b, k, 0)) evaluate(run, run->t, y_here(run), slope_here(run));
+  conclude(b, k);
+}
+
+/* The lanes whose next step is one to take side by side, by the method of the first of them; the others take theirs. How
+ * many. */
+static int gather(bench *b, int *which) {
+  int count = 0;
+  *which = 0;
+  for (int k = 0; k < b->width; k++) {
+    lane *l = b->lanes[k];
+    b->runs[k] = NULL;
+    if (l->instance < 0) continue;
+    const lamc_status status = lamc_run_next(&l->run, &b->h[k], &b->is_last[k]);
+    if (status != LAMC_OK) {
+      (void)is_over(b->e, l, status);
+      (void)refill(b, k); /* whose step is for the next time round */
+      continue;
+    }
+    const int used = l->run.method;
+    if (b->steps == NULL || !lamc_lanes_serve(used) || (*which != 0 && *which != used)) {
+      step_alone(b, k);
+      continue;
+    }
+    *which = used;
+    b->runs[k] = &l->run;
+    count++;
+  }
+  return count;
+}
+
+/* The step of all lanes that `gather` found */
+static void step_beside(bench *b, int which) {
+  for (int k = 0; k < b->width; k++) {
+    if (b->runs[k] == NULL) continue;
+    b->runs[k]->dense = LAMC_DENSE_NONE;
+    b->runs[k]->steps++;
+  }
+  b->steps->attempt(b->block, which, b->runs, b->h, b->squared);
+  int count = 0;
+  lamc_run *wanting[MOST_LANES] = {NULL};
+  for (int k = 0; k < b->width; k++) {
+    if (b->runs[k] == NULL || !land(b, k, 1)) continue;
+    wanting[k] = b->runs[k];
+    count++;
+  }
+  if (count > 0) b->steps->slope(b->block, wanting);
+  for (int k = 0; k < b->width; k++) {
+    if (b->runs[k] != NULL) conclude(b, k);
+  }
+}
+
+/* Instances under way end where they are. */
+static lamc_status stop(bench *b) {
+  for (int k = 0; k < b->width; k++) {
+    if (b->lanes[k]->instance >= 0) tell(b->e, b->lanes[k], LAMC_CANCELLED);
+  }
+  return LAMC_CANCELLED;
+}
+
+lamc_status lamc_ensemble_run(const lamc_ensemble *e, lamc_real *work) {
+  if (e == NULL || work == NULL || e->model == NULL || e->next == NULL || e->count < 0 || e->row_count <= 0)
+    return LAMC_BAD_ARGUMENT;
+  bench b;
+  lay_out(&b, e, work);
+  for (int k = 0; k < b.width; k++) (void)refill(&b, k);
+  for (;;) {
+    if (e->cancel != NULL && *e->cancel) return stop(&b);
+    int busy = 0, which;
+    for (int k = 0; k < b.width; k++) busy |= b.lanes[k]->instance >= 0;
+    if (!busy) return LAMC_OK;
+    if (gather(&b, &which) > 0) step_beside(&b, which);
+  }
+}

@@ -1,0 +1,150 @@
+"""One compile per topology: a second drawing gives the same program other numbers, and nothing is derived for it.
+
+The survey of a drawing (`lamc.mechanics.survey`) promises that drawings of one structure have one program. Here every
+program is derived all the same, and the promise held against it: structures, numbers, then motions, to the last bit.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import lamc
+from lamc import examples
+from lamc.basics.times import Times
+from lamc.codegen.cache import Cache
+from lamc.loops.rank import count_loops
+from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.derive import derive
+from lamc.mechanics.lower import lower
+from lamc.mechanics.survey import Survey, can_survey, survey_design
+from lamc.mechanism.plan import plan
+from lamc.records.effect import Effect
+from lamc.records.mechanism import Mechanism
+from lamc.symbolic.program import Program
+from tests.support.closed_mechanisms import ClosedMechanism, closed_mechanisms
+from tests.support.every_effect import SAMPLES
+from tests.support.every_effect import mechanism as two_links
+from tests.support.mechanisms import ALL_PASSIVE, chain, trees
+
+NOT_TOLD = {
+    "flexible_links",
+    "twist_compliance",
+}  # of which numbers come later: their designs are derived again
+FACTORS = st.floats(0.3, 3.0)
+
+
+def scaled(mechanism: Mechanism, length: float, mass: float) -> Mechanism:
+    """All lengths times `length`, all masses times `mass`: a drawing of the same topology, and of the same zeros."""
+    bodies = tuple(
+        replace(b, com=length * b.com, mass=mass * b.mass, inertia=mass * length**2 * b.inertia)
+        for b in mechanism.bodies
+    )
+    joints = tuple(replace(j, point=length * j.point, stiffness=1.3 * j.stiffness) for j in mechanism.joints)
+    return replace(mechanism, bodies=bodies, joints=joints)
+
+
+def shifted(mechanism: Mechanism, seed: int) -> Mechanism:
+    """Each joint's line moved a little along x: lengths change one by one."""
+    rng = np.random.default_rng(seed)
+    joints = tuple(replace(j, point=[*j.point, rng.uniform(-0.05, 0.05), 0.0, 0.0]) for j in mechanism.joints)
+    return replace(mechanism, joints=joints)
+
+
+def taken_apart(mechanism: Mechanism, effects: Sequence[Effect]) -> tuple[Survey, Program]:
+    """The survey, and the program, derived."""
+    tree = plan(mechanism)
+    loops = count_loops(tree) if tree.cuts else None
+    survey = survey_design(arrange(tree, effects), effects, loops, {})
+    return survey, lower(derive(tree, effects, loops))
+
+
+def check(first: Mechanism, second: Mechanism, effects: Sequence[Effect], *, must_agree: bool) -> None:
+    """Where surveys agree, programs do, and the second's numbers are those that its survey tells."""
+    (one, program), (other, derived) = taken_apart(first, effects), taken_apart(second, effects)
+    if must_agree:
+        assert one.structure == other.structure
+    if one.structure == other.structure:
+        assert program.structure == derived.structure
+        assert other.parameters == derived.parameters
+        keys = [number.key for number in program.geometry]
+        if not other.knows(keys):
+            assert {effect.name for effect in effects} & NOT_TOLD
+            return
+        told = other.inputs(keys)
+        assert list(told) == derived.inputs  # to the last bit: nothing rounds on the way
+        assert program.digest != derived.digest or list(one.inputs([])) == list(other.inputs([]))
+
+
+@settings(deadline=None, max_examples=40)
+@given(mechanism=trees(7), length=FACTORS, mass=FACTORS)
+def test_a_scaled_tree_has_the_same_program(mechanism: Mechanism, length: float, mass: float) -> None:
+    first = scaled(mechanism, 0.71, 1.0)  # lengths of exactly 1 m are left out of products: another program
+    check(first, scaled(first, length, mass), ALL_PASSIVE, must_agree=abs(length - 1.0) > 0.01)
+
+
+@settings(deadline=None, max_examples=40)
+@given(mechanism=trees(6), seed=st.integers(0, 2**32 - 1))
+def test_a_tree_of_other_lengths_has_the_same_program_or_another_survey(
+    mechanism: Mechanism, seed: int
+) -> None:
+    check(mechanism, shifted(mechanism, seed), ALL_PASSIVE, must_agree=False)
+
+
+@settings(deadline=None, max_examples=25)
+@given(closed=closed_mechanisms(), length=FACTORS, mass=FACTORS)
+def test_a_scaled_loop_has_the_same_program(closed: ClosedMechanism, length: float, mass: float) -> None:
+    tree = plan(closed.mechanism)
+    if can_survey(arrange(tree, ALL_PASSIVE)):
+        check(closed.mechanism, scaled(closed.mechanism, length, mass), ALL_PASSIVE, must_agree=False)
+
+
+@pytest.mark.parametrize("name", sorted(SAMPLES))
+def test_numbers_of_every_effect_are_told(name: str) -> None:
+    first, effects = scaled(two_links(), 0.97, 1.0), (SAMPLES[name],)
+    check(first, scaled(first, 1.01, 1.2), effects, must_agree=False)
+
+
+def test_a_spatial_chain_of_other_lengths_has_the_same_program() -> None:
+    check(shifted(chain(5), 1), shifted(chain(5), 2), ALL_PASSIVE, must_agree=True)
+
+
+def test_a_hinge_that_becomes_parallel_is_another_structure() -> None:
+    first = two_links()
+    turned = tuple(replace(j, axis=np.array([0.0, 1.0, 0.0])) for j in first.joints)
+    one, _ = taken_apart(first, ALL_PASSIVE)
+    other, _ = taken_apart(replace(first, joints=turned), ALL_PASSIVE)
+    assert one.structure != other.structure
+
+
+def test_the_second_drawing_compiles_and_derives_nothing_and_moves_as_if_it_had(tmp_path: Path) -> None:
+    for name in ("four_bar", "flapping_wing", "limit_stop"):
+        made = lamc.load(examples.path(name))
+        first = made if isinstance(made, Mechanism) else lamc.split(made)
+        second = scaled(replace(first, design=None), 1.1, 1.3)
+        shared, times = Cache(tmp_path / "shared"), Times()
+        lamc.compile(replace(first, design=None), cache=shared)
+        quick = lamc.compile(second, times=times, cache=shared)
+        assert times.from_cache
+        assert "derive" not in times.seconds
+        alone = lamc.compile(second, cache=Cache(tmp_path / f"{name} alone"))
+        a, b = quick.run(0.05), alone.run(0.05)
+        for one, other in ((a.t, b.t), (a.q, b.q), (a.u, b.u)):
+            assert np.array_equal(one, other)
+        assert quick.model.digest == alone.model.digest == alone.program.digest == quick.program.digest
+        assert dict(quick.parameters) == dict(alone.parameters)
+
+
+def test_generated_c_has_no_number_of_the_design_but_its_defaults(tmp_path: Path) -> None:
+    from lamc.codegen.emit import emit, without_numbers
+
+    mechanism = scaled(replace(lamc.split(lamc.load(examples.path("four_bar"))), design=None), 0.9, 1.0)
+    texts = []
+    for each in (mechanism, scaled(mechanism, 1.7, 2.0)):
+        tree = emit(lamc.compile(each, cache=Cache(tmp_path)).program)
+        texts.append({name: without_numbers(tree.files[name]) for name in tree.compiled})
+    assert texts[0] == texts[1]

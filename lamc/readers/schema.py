@@ -110,7 +110,12 @@ class OutlineModel(StrictModel):
         )
         if len(given) != 1:
             said = " and ".join(given) if given else "none of them"
-            raise fields.custom(DesignError(f"a shape has exactly one of {choices}; this one has {said}"))
+            raise fields.custom(
+                DesignError(
+                    f"a shape has exactly one of {choices}; this one has {said}; give one, such as rect: [0, 0, 9, 5], "
+                    "and draw the others as shapes of their own"
+                )
+            )
         if self.holes and self.polygon is None:
             raise fields.custom(DesignError("holes belong to a polygon; subtract from other shapes with cut"))
         return self

@@ -25,7 +25,6 @@ static const lamc_real LOST = 1e-4f;
 static const lamc_real NO_EQUATION = 1e-5f;
 static const lamc_real FADING = 5e-2f;
 static const lamc_real NOISE = 2e-2f;
-static const lamc_real ALL_NOISE = 0.1f;
 static const lamc_real AROUND = 0.1f;
 #else
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
@@ -42,9 +41,7 @@ static const lamc_real LOST = 1e-4;            /* rad, or of the size: no drift 
 static const lamc_real FADING = 3e-3; /* of a row of J: below, accelerations are those of places around */
 static const lamc_real AROUND =
     1e-2; /* rad, between these: digits go by the square, truncation by the sixth power */
-static const lamc_real NOISE = 1e-8; /* of what a row has left: with more round-off a plan is left */
-static const lamc_real ALL_NOISE =
-    1e-3; /* likewise: with more it is no equation; the bound is that of the worst case */
+static const lamc_real NOISE = 1e-8; /* of what a row has left: where it may have more, a plan is left */
 static const lamc_real NO_EQUATION = 1e-12; /* of a row of J: less is left over from rounding the drawing */
 #endif
 /* Times the gap that is accepted, of the size: shorter rows of J are not made longer, or a misfit becomes an equation */

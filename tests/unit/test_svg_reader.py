@@ -608,3 +608,17 @@ def test_a_tolerance_that_is_larger_than_the_drawing_is_refused(tmp_path: Path) 
     (tmp_path / "line.svg").write_text(f'<svg {HEAD} {MM}><path d="M0 0H9" stroke="black"/></svg>')
     with pytest.raises(LamcError, match="enclose no facet, of path 1"):
         lamc.load(tmp_path / "line.svg")
+
+
+def test_css_geometry_goes_before_attributes() -> None:
+    """SVG 2, "Geometry properties": shapes are measured in CSS as well; a length in CSS has a unit."""
+    styles = "<style>.wide { width: 50px; height: 2cm } .far { d: path('M1 2 L3 4') }</style>"
+    rect = only(styles + '<rect class="wide" width="1" height="1" stroke="black"/>')
+    assert rect.points.max(axis=0) == pytest.approx([0.05, 0.0], abs=1e-15)
+    assert rect.points.min(axis=0) == pytest.approx(
+        [0.0, -96.0 / 25.4 * 0.02], abs=1e-12
+    )  # 1 cm is 96 / 2.54 px
+    assert only(styles + '<path class="far" d="M0 0H9" stroke="red"/>').points == mm([[1, 2], [3, 4]])
+    told = drawn('<circle r="3" style="r: 5" stroke="black"/>')
+    assert np.ptp(told.strokes[0].points[:, 0]) == pytest.approx(6e-3, rel=1e-2)  # an inscribed polygon's
+    assert any("has r: 5 in a style, which without a unit is none" in note for note in told.notes)

@@ -11,7 +11,14 @@ from dataclasses import dataclass
 from lamc.readers.drawings.svg_tree import Element
 from lamc.readers.inert import Limits
 
-PROPERTIES = frozenset(
+GEOMETRY_OF = {  # by tag: what CSS gives as well (SVG 2, geometry properties)
+    "rect": ("x", "y", "width", "height", "rx", "ry"),
+    "circle": ("cx", "cy", "r"),
+    "ellipse": ("cx", "cy", "rx", "ry"),
+    "path": ("d",),
+}
+GEOMETRY = frozenset(name for names in GEOMETRY_OF.values() for name in names)
+PROPERTIES = GEOMETRY | frozenset(
     (
         *("stroke", "stroke-opacity", "opacity", "fill", "color", "display", "visibility"),
         *("clip-path", "mask", "transform", "transform-origin"),
@@ -54,7 +61,7 @@ class Sheet:
 
     def declarations(self, element: Element) -> Declarations:
         """What holds for an element by presentation attributes, rules and its own style, in CSS's order."""
-        found = {name: value for name, value in element.attributes.items() if name in PROPERTIES}
+        found = {name: value for name, value in element.attributes.items() if name in PROPERTIES - GEOMETRY}
         own, own_important = parsed(element.get("style")) if "style" in element.attributes else ({}, {})
         rules = sorted(self._matching(element), key=lambda rule: rule.rank)
         for rule in rules:

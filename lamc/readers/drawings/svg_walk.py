@@ -4,6 +4,7 @@ In: a document. Out: `Drawn` shapes in the order of the file, and notes of what 
 follows a link out of the file.
 """
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -11,14 +12,16 @@ import numpy as np
 
 from lamc.basics.checks import shown
 from lamc.readers.drawings.notes import Notes
-from lamc.readers.drawings.svg_css import Sheet
-from lamc.readers.drawings.svg_lengths import Viewport, fitted, length, view_box
+from lamc.readers.drawings.svg_css import GEOMETRY_OF, Declarations, Sheet
+from lamc.readers.drawings.svg_lengths import NUMBER, Viewport, fitted, length, view_box
 from lamc.readers.drawings.svg_shapes import count_of, is_shape, matrix_of
 from lamc.readers.drawings.svg_style import Style, styled
 from lamc.readers.drawings.svg_tree import Document, Element
 from lamc.readers.inert import Limits
 from lamc.records.mechanism import Array
 
+_BARE = re.compile(NUMBER)
+_PATH = re.compile(r"path\(\s*(['\"])(.*)\1\s*\)", re.DOTALL)
 _GROUPS = frozenset(("g", "a", "svg", "switch", "use"))
 _SILENT = frozenset(  # that draw nothing where they stand
     (
@@ -126,7 +129,7 @@ class Walk:
         own = matrix @ matrix_of(element, transform)
         if is_shape(element):
             if style.is_visible:
-                yield Drawn(element, style, own, viewport, element.source)
+                yield Drawn(self._measured(element, declared), style, own, viewport, element.source)
             else:
                 self.notes.add("is hidden (visibility)", element.source)
         elif tag == "use":
@@ -140,6 +143,20 @@ class Walk:
             yield from self._children(element, style, own @ inner, view, depth)
         else:
             yield from self._children(element, style, own, viewport, depth)
+
+    def _measured(self, element: Element, declared: Declarations) -> Element:
+        """The shape with the geometry that CSS gives it, before its own attributes."""
+        given = {}
+        for name in GEOMETRY_OF.get(element.tag, ()):
+            value = declared.get(name, "auto").strip()
+            if _BARE.fullmatch(value) and float(value) != 0.0:
+                self.notes.add(
+                    f"has {name}: {value[:20]} in a style, which without a unit is none", element.source
+                )
+            elif value.lower() not in ("auto", "none"):
+                path = _PATH.fullmatch(value)
+                given[name] = path[2] if path is not None else value
+        return replace(element, attributes=element.attributes | given) if given else element
 
     def _count(self, element: Element, depth: int) -> None:
         self._visited += count_of(element)

@@ -67,6 +67,7 @@ from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
 __all__ = [
@@ -123,6 +124,7 @@ __all__ = [
     "export",
     "load",
     "load_scene",
+    "optimise",
     "split",
     "sweep",
 ]

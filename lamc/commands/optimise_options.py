@@ -28,6 +28,7 @@ METHODS = ("auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evo
 
 @click.command()
 @design
+@click.option("--study", metavar="NAME", help="A study that ships with lamc instead of FILE: jump.")
 @click.option(
     "--vary",
     multiple=True,
@@ -98,6 +99,7 @@ METHODS = ("auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evo
 def optimise(
     file: str | None,
     example: str | None,
+    study: str | None,
     vary: tuple[str, ...],
     minimise: tuple[str, ...],
     subject_to: tuple[str, ...],
@@ -150,8 +152,12 @@ def optimise(
     from lamc.commands.inputs import Source
     from lamc.commands.optimise import OptimiseOrder
     from lamc.commands.optimise import optimise as work
+    from lamc.commands.sweep import study_path
     from lamc.studies.bench import RunOptions
 
+    if study is not None:
+        file = study_path(study, file, example)
+        example = None
     order = OptimiseOrder(
         source=Source(
             file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings

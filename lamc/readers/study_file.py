@@ -140,9 +140,13 @@ def load_study(path: Path) -> StudyFile:
     node = compose(file_text(path), str(path))
     said = validate(StudyModel, node)
     problems = Problems(node)
-    places = {**problems.places(("vary",)), **problems.places(("set",)), **problems.places(("measure",))}
+    places = {
+        **problems.places(("start",)),
+        **problems.places(("vary",)),
+        **problems.places(("set",)),
+        **problems.places(("measure",)),
+    }
     places |= {text: problems.place(("measure", name)) for name, text in said.measure.items()}
-    places |= {**problems.places(("start",))}
     for key in ("sample", "points", "scene", "method"):
         value = getattr(said, key)
         if value is not None:

@@ -151,8 +151,9 @@ class Problem:
             if not math.isfinite(value)
         ]
         residual = found[0][1]
-        if residual is not None and not np.isfinite(residual).all():
+        if not undefined and residual is not None and not np.isfinite(residual).all():
             undefined.append(f"{self.goal.text!r} has residuals that are not finite")
+        residual = None if undefined else residual
         return Row(index, UNDEFINED if undefined else OK, ", ".join(undefined), values), residual
 
     def settle_sizes(self) -> None:

@@ -65,6 +65,7 @@ from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
+from lamc.run.ensemble import Ensemble
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.studies.optimise import optimise
@@ -83,6 +84,7 @@ __all__ = [
     "DesignWarning",
     "Effect",
     "EmitError",
+    "Ensemble",
     "ExportError",
     "ExportOptions",
     "ExpressionError",

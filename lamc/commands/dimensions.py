@@ -68,6 +68,11 @@ def told(record: Design | Mechanism) -> Mapping[str, DesignParameter]:
     return record.origin.recipe.told if record.origin is not None else {}
 
 
+def given(record: Design | Mechanism) -> Mapping[str, float]:
+    """Values that were set, SI, with which the design is made again."""
+    return record.origin.recipe.given if record.origin is not None else {}
+
+
 def _inputs(record: Design | Mechanism) -> Collection[str]:
     """Names of inputs of its scenes, which a run has had for longer than drawings have parameters; a file that declares
     a parameter of that name is refused."""

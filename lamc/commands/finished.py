@@ -36,7 +36,7 @@ def finished_run(
     manifest = _manifest(folder)
     way_out = "run it again, or view the design itself"
     origin = str(manifest["source"])
-    dimensions = {name: each["value"] for name, each in manifest.get("design_parameters", {}).items()}
+    dimensions = manifest.get("design_parameters_set", {})
     loaded = load_source(_source(folder, origin, source), times, progress, more=dimensions)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, SceneChanges(scene=manifest["scene"]))

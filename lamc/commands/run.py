@@ -16,7 +16,7 @@ from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
 from lamc.basics.times import Times
-from lamc.commands.dimensions import of_run, told
+from lamc.commands.dimensions import given, of_run, told
 from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
@@ -169,6 +169,7 @@ def _report(
         scene=scene,
         remarks=(remark,) if remark else (),
         dimensions=told(loaded.record),
+        given=given(loaded.record),
     )
 
 
@@ -255,6 +256,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "rates": dict(simulator.scene.rates),
         "branch": simulator.scene.branch,
         "design_parameters": parameters_data(report.dimensions),
+        "design_parameters_set": dict(report.given),
         "parameters": dict(result.provenance.parameters),
         "parameter_units": dict(simulator.parameter_units),
         "notes": list(report.notes),

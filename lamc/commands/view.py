@@ -143,11 +143,12 @@ def _unused(order: ViewOrder) -> list[str]:
         "--set": order.sources[0].settings, "--t-end": order.t_end,
     }  # fmt: skip
     given = [name for name, value in options.items() if value not in (None, (), [])]
-    if order.fold and "--set" in given:  # of the design, or refused where it is read
-        given.remove("--set")
-    if order.fold and given:
+    of_runs = [
+        name for name in given if name != "--set"
+    ]  # which may be of the design, and is refused if it is not
+    if order.fold and of_runs:
         raise LamcError(
-            f"{', '.join(given)} with --fold: nothing runs, and folding begins as drawn; leave out one"
+            f"{', '.join(of_runs)} with --fold: nothing runs, and folding begins as drawn; leave out one"
         )
     given += ["--fold"] if order.fold else []
     fixed = [source for source in order.sources if given and _kind(source) != DEVICE]

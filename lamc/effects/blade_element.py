@@ -147,6 +147,10 @@ class BladeElementDrag(RegisteredEffect):
 
     def contribute(self, loads: Loads) -> None:
         flat = self.wing(loads.mechanism)
+        with loads.drawing():  # strips are drawn with the wing
+            self._act(loads, flat)
+
+    def _act(self, loads: Loads, flat: Wing) -> None:
         index = loads.link_of(self.body)
         if self.body not in loads.moving_bodies:
             raise DesignError(f"the wing {self.body!r} does not move; name a body that does")

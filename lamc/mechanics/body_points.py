@@ -43,7 +43,8 @@ class BodyPoints:
             x, y, z = (float(v) for v in drawn)
             return self.placement.base.point(drawn) if self.placement.base else (x, y, z)
         local = local_point(self.tree.links[index], drawn)
-        return self.placement.attached(index, local)
+        with self.kinematics.store.drawing():
+            return self.placement.attached(index, local)
 
     def velocity(self, body: str, point: Sequence[float]) -> Vector3:
         """World velocity, m/s, of a point of the body that is at `point` in the drawn configuration."""
@@ -57,8 +58,9 @@ class BodyPoints:
         motion = self.kinematics.motions(self._u)[index]
         local = local_point(self.tree.links[index], drawn)
         place = np.array(local)
-        arm = self.kinematics.attached(index, local, place)
-        velocity = add(motion.velocity, cross(motion.omega, arm))
+        with self.kinematics.store.drawing():
+            arm = self.kinematics.attached(index, local, place)
+            velocity = add(motion.velocity, cross(motion.omega, arm))
         if index in self.kinematics.flexible:
             velocity = add(velocity, self.kinematics.own_velocity(index, place, self._u))
         return rotate(self.placement.carrier(index), velocity)

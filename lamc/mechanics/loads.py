@@ -7,7 +7,7 @@ as lamc's: see `Effect` in `lamc/records/effect.py`.
 
 import numbers
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
@@ -104,6 +104,11 @@ class Loads(BodyPoints):
     def joints(self) -> tuple[str, ...]:
         """Names of the joints: those of q in their order, then those that bushings hold."""
         return (*self._index, *self.bushings)
+
+    def drawing(self) -> AbstractContextManager[None]:
+        """Plain numbers that an effect works with inside are of the drawing: another drawing has others, and compiles
+        nothing anew for them."""
+        return self._store.drawing()
 
     @contextmanager
     def effect(self, name: str, title: str, source: str) -> Iterator[None]:
@@ -287,7 +292,8 @@ class Loads(BodyPoints):
         if drawn is not None:
             local = local_point(self.tree.links[index], drawn)
             bending: dict[int, Scalar] = {}
-            force, moment = self.kinematics.wrench_at_origin(index, force, moment, local, bending)
+            with self._store.drawing():
+                force, moment = self.kinematics.wrench_at_origin(index, force, moment, local, bending)
             for coordinate, value in bending.items():
                 self.generalised_force(coordinate, value)
         self._add_at_origin(index, force, moment)

@@ -4,6 +4,7 @@ In: nodes of a mechanism file, or a Mechanism. Out: a Mechanism, or a file that 
 the last bit. Units are SI unless a number carries its own.
 """
 
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePath
@@ -13,13 +14,14 @@ from lamc.basics.errors import DesignError
 from lamc.basics.files import checked_path, write_text
 from lamc.basics.yaml_text import dump
 from lamc.design import shapes
-from lamc.readers.checking import Problems, validate
+from lamc.readers.checking import Path, Problems, did_you_mean, validate
 from lamc.readers.fields import LENGTH_UNIT
 from lamc.readers.inert import Node
 from lamc.readers.mechanism_as_such import MechanismAsSuch
 from lamc.readers.mechanism_schema import BodyModel, JointModel, MechanismModel, PlateModel
 from lamc.readers.native import length_unit_of
-from lamc.readers.scene_file import check_joints, read_scenes
+from lamc.readers.scene_file import read_scenes
+from lamc.readers.scene_schema import SceneModel
 from lamc.readers.scene_writer import scenes_data
 from lamc.records.mechanism import FREE_LIMITS, Body, Joint, Mechanism, Slab
 from lamc.records.network import faults, loose_ends
@@ -43,7 +45,7 @@ def read_mechanism(node: Node) -> Mechanism:
     problems.raise_if_any()
     for fault in tuple(faults(bodies, joints)) or loose_ends(bodies, joints):
         problems.add(fault.path, fault.error.message)
-    check_joints(model.scene, model.scenes, [joint.name for joint in joints], problems)
+    _check_joints(model.scene, model.scenes, [joint.name for joint in joints], problems)
     problems.raise_if_any()
     name = model.name or PurePath(node.place.file).stem or "mechanism"
     mechanism = problems.attempt(
@@ -55,6 +57,20 @@ def read_mechanism(node: Node) -> Mechanism:
     problems.raise_if_any()
     assert mechanism is not None
     return with_origin(mechanism, MechanismAsSuch(mechanism))
+
+
+def _check_joints(
+    scene: SceneModel | None, scenes: Mapping[str, SceneModel], joints: Sequence[str], problems: Problems
+) -> None:
+    """Notes joints that scenes start and that are not there."""
+    models: list[tuple[Path, SceneModel]] = [(("scenes", name), model) for name, model in scenes.items()]
+    models += [(("scene",), scene)] if scene is not None else []
+    for path, model in models:
+        for section in ("angles", "rates"):
+            for name in getattr(model, section):
+                if name not in joints:
+                    text = f"no joint is named {name[:40]!r}; {did_you_mean(name, joints)}"
+                    problems.add((*path, section, name), text)
 
 
 def write_mechanism(mechanism: Mechanism, path: FilePath | str) -> None:

@@ -1,7 +1,8 @@
 """Native designs as text: a `Design` of any origin as YAML that reads back equal.
 
-In: a Design. Out: text; every number is SI and reads back to the last bit. Shapes are what is left of them: a rectangle
-with a hole cut from it is a polygon with a hole. Never: says a layer's shape twice where layers are drawn alike.
+In: a Design. Out: text; every number is SI and reads back to the last bit. Of parameters the values are written, not
+expressions. Shapes are what is left of them: a rectangle with a hole cut from it is a polygon with a hole. Never: says
+a layer's shape twice where layers are drawn alike.
 """
 
 from collections.abc import Sequence

@@ -7,10 +7,12 @@ import keyword
 import re
 from collections.abc import Container, Iterator, Mapping
 from fractions import Fraction
+from typing import Any
 
 from lamc.basics.common_units import COMMON
 from lamc.basics.dimensions import PLAIN, in_words
 from lamc.basics.errors import DesignError, ExpressionError, Place
+from lamc.basics.fields import UNIT
 from lamc.readers.checking import Path, Problems, did_you_mean
 from lamc.readers.nodes import ListNode, MapNode, Node, ScalarNode
 from lamc.readers.parameters import SECTION, Declared, Parameters, as_float, default_formula, with_hint
@@ -24,6 +26,28 @@ MOST = 1000  # of one design
 LONGEST_NAME = 40
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _OF_UNITS = frozenset(unit for pair in COMMON for unit in pair) | {"s", "V", "A", "K", "W", "J", "Hz"}
+_VALUE = {"type": ["number", "string"], UNIT: "of the parameter"}
+JSON_SCHEMA: dict[str, Any] = {
+    "additionalProperties": {
+        "anyOf": [
+            _VALUE,
+            {
+                "type": "object",
+                "properties": {
+                    "default": {
+                        **_VALUE,
+                        "description": "a number, text with a unit, or an expression in others",
+                    },
+                    "min": {**_VALUE, "description": "lowest value"},
+                    "max": {**_VALUE, "description": "highest value"},
+                    "meaning": {"type": "string", "description": "what it is, in a few words"},
+                },
+                "required": ["default"],
+                "additionalProperties": False,
+            },
+        ]
+    }
+}
 
 
 def read_parameters(node: Node, bare: str | None) -> Parameters:

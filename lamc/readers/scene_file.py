@@ -4,7 +4,7 @@ In: validated models of a `scene:` and a `scenes:` section. Out: `Scene` records
 of it but what it says itself. No effect is known here by name.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -64,20 +64,6 @@ def read_scenes(
     kept         effects that follow from no parameter, by their paths; those that are not there yet are added
     """
     return _Reader(scene, scenes, problems, length_unit, at, numbers, {} if kept is None else kept).scenes()
-
-
-def check_joints(
-    scene: SceneModel | None, scenes: Mapping[str, SceneModel], joints: Sequence[str], problems: Problems
-) -> None:
-    """Notes joints that scenes start and that are not there."""
-    models: list[tuple[Path, SceneModel]] = [(("scenes", name), model) for name, model in scenes.items()]
-    models += [(("scene",), scene)] if scene is not None else []
-    for path, model in models:
-        for section in ("angles", "rates"):
-            for name in getattr(model, section):
-                if name not in joints:
-                    text = f"no joint is named {name[:40]!r}; {did_you_mean(name, joints)}"
-                    problems.add((*path, section, name), text)
 
 
 class _Reader:

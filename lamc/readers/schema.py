@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import UNIT, with_unit
+from lamc.basics.fields import with_unit
 from lamc.readers import fields
 from lamc.readers.checking import CHOICE
 from lamc.readers.effects_schema import with_effects
@@ -32,32 +32,10 @@ from lamc.readers.fields import (
     StrictModel,
 )
 from lamc.readers.mechanism_schema import MechanismModel
+from lamc.readers.parameters_section import JSON_SCHEMA
 from lamc.readers.scene_schema import LoneSceneModel, SceneFileModel, SceneModel, ScenesModel
 from lamc.records.design import FacetCreases
 from lamc.records.drawing import Role
-
-_VALUE = {"type": ["number", "string"], UNIT: "of the parameter"}
-PARAMETERS: dict[str, Any] = {  # read by `parameters`, before everything else
-    "additionalProperties": {
-        "anyOf": [
-            _VALUE,
-            {
-                "type": "object",
-                "properties": {
-                    "default": {
-                        **_VALUE,
-                        "description": "a number, text with a unit, or an expression in others",
-                    },
-                    "min": {**_VALUE, "description": "lowest value"},
-                    "max": {**_VALUE, "description": "highest value"},
-                    "meaning": {"type": "string", "description": "what it is, in a few words"},
-                },
-                "required": ["default"],
-                "additionalProperties": False,
-            },
-        ]
-    }
-}
 
 
 class MaterialModel(StrictModel):
@@ -264,7 +242,7 @@ class DesignModel(StrictModel):
         default={},
         description="dimensions by name, {length: 40 mm, t: {default: 0.3 mm, min: 0.1 mm, max: 1 mm, meaning: …}}; "
         "every number of the file may be an expression in them, such as length/2",
-        json_schema_extra=PARAMETERS,
+        json_schema_extra=JSON_SCHEMA,
     )
     materials: dict[str, MaterialModel] = Field(description="materials of the sheets by name")
     layers: list[LayerModel] = Field(description="the sheets from bottom to top")

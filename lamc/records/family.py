@@ -86,6 +86,10 @@ class _Member:
     parameters: Mapping[str, DesignParameter]
 
     @property
+    def given(self) -> Mapping[str, float]:
+        return {name: each.default for name, each in self.parameters.items()}
+
+    @property
     def told(self) -> Mapping[str, DesignParameter]:
         return self.parameters
 

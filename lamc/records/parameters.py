@@ -98,6 +98,10 @@ class Recipe(Protocol):
         """By name, each with the value that it has in the record as its default."""
 
     @property
+    def given(self) -> Mapping[str, float]:
+        """Those values, SI, that were set: with them the record is made again to the last bit."""
+
+    @property
     def told(self) -> Mapping[str, DesignParameter]:
         """Those of which a summary of the record tells."""
 
@@ -158,6 +162,7 @@ class _Nothing:
     """The recipe of a record that has no parameters."""
 
     parameters: Mapping[str, DesignParameter] = ReadOnlyDict({})
+    given: Mapping[str, float] = ReadOnlyDict({})
     told = parameters
 
     def made(self, values: Mapping[str, float]) -> Any:

@@ -40,8 +40,10 @@ def _start(
 
 
 def is_bare(value: object) -> bool:
-    """Whether a number comes without a unit."""
-    return not isinstance(value, str) or value.strip()[-1:] in set("0123456789.")
+    """Whether a number comes without a unit; an expression has the units of its names."""
+    if not isinstance(value, str):
+        return True
+    return value.strip()[-1:] in set("0123456789.") and not set(value) & set("*/^(")
 
 
 def warn_of_degrees(angle: float, what: str, place: Place | None = None) -> None:

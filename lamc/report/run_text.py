@@ -34,7 +34,7 @@ class RunReport:
     scene    what the scene was called on the command line; None: the design's own
     beside   files that the design was read from besides `source`: name and SHA-256
     remarks  what else the user should know
-    dimensions  parameters of the design
+    dimensions  parameters of the design; given: values of those that were set, SI
     """
 
     source: str
@@ -48,6 +48,7 @@ class RunReport:
     beside: tuple[tuple[str, str], ...] = ()
     remarks: tuple[str, ...] = ()
     dimensions: Mapping[str, DesignParameter] = field(default_factory=dict)
+    given: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -176,7 +176,9 @@ class Bench:
             design = mechanism
         if scene is not None:
             scene = started(scene, by_kind["angle"], by_kind["rate"])
-        return compile_design(design, scene, subject.options, cache=Cache(cache_root(), passing=True))
+        # The cache keeps what all points share; notes of single ones would be thousands of files that nobody reads.
+        cache = Cache(cache_root(), passing=bool(values))
+        return compile_design(design, scene, subject.options, cache=cache)
 
 
 def without_values(index: int, status: str, reason: str, count: int) -> Row:

@@ -19,7 +19,7 @@ from lamc.basics.common_units import COMMON
 from lamc.basics.dimensions import PLAIN, Dimension, dimension_of, in_words, product
 from lamc.basics.errors import DesignError, ExpressionError
 from lamc.basics.si_units import measured
-from lamc.symbolic.functions import FUNCTIONS
+from lamc.symbolic.functions import ARITHMETIC, FUNCTIONS
 from lamc.symbolic.grammar import CONSTANTS, Grammar, Token, check_length, tokens_of
 
 Number = Fraction | float
@@ -191,7 +191,7 @@ class _Typed(Grammar[_Part]):
         else:
             dimension = product(left.dimension, right.dimension, 1 if sign == "*" else -1)
         one, other = left.run, right.run
-        return self._made(dimension, _RUNS[sign](one, other, self, column), left, right)
+        return self._made(dimension, _run_of(sign, one, other, self, column), left, right)
 
     def _alike(self, left: _Part, right: _Part, column: int, verb: str) -> tuple[_Part, _Part]:
         """Both in one dimension: a plain number that is written out takes that of the other, as it would standing
@@ -282,19 +282,11 @@ class _Typed(Grammar[_Part]):
         return _Part(dimension, run)
 
 
-def _sum(one: Run, other: Run, reader: _Typed, column: int) -> Run:
-    return lambda values: _bounded(one(values) + other(values))
+def _run_of(sign: str, one: Run, other: Run, reader: _Typed, column: int) -> Run:
+    if sign != "/":
+        apply = ARITHMETIC[sign]
+        return lambda values: _bounded(apply(one(values), other(values)))
 
-
-def _difference(one: Run, other: Run, reader: _Typed, column: int) -> Run:
-    return lambda values: _bounded(one(values) - other(values))
-
-
-def _product(one: Run, other: Run, reader: _Typed, column: int) -> Run:
-    return lambda values: _bounded(one(values) * other(values))
-
-
-def _quotient(one: Run, other: Run, reader: _Typed, column: int) -> Run:
     def run(values: Values) -> Number:
         divisor = other(values)
         if divisor == 0:
@@ -302,14 +294,6 @@ def _quotient(one: Run, other: Run, reader: _Typed, column: int) -> Run:
         return _bounded(one(values) / divisor)
 
     return run
-
-
-_RUNS: Mapping[str, Callable[[Run, Run, _Typed, int], Run]] = {
-    "+": _sum,
-    "-": _difference,
-    "*": _product,
-    "/": _quotient,
-}
 
 
 def _bounded(value: Number) -> Number:

@@ -75,6 +75,7 @@ class Store:
             set()
         )  # numbers of the drawing that met values as factors or terms, and their products
         self.scope = EQUATIONS  # whose numbers come without a key; see `numbers_of`
+        self._draws = False
         self._unnamed: dict[str, dict[tuple[int, int], int]] = {}
         self._known: dict[object, int] = {}
         self._section = 0
@@ -153,9 +154,9 @@ class Store:
         return known.setdefault((bucket, exponent), len(known))
 
     def literal(self, value: Number) -> int:
-        """Index of the node of a number that meets a value: within `numbers_of` a number of the drawing, unless it is
+        """Index of the node of a number that meets a value: within `drawing` a number of the drawing, unless it is
         whole or a few halves, as those of formulas are."""
-        if self.scope in (EQUATIONS, LATER) or not isinstance(value, float) or (4.0 * value).is_integer():
+        if not self._draws or not isinstance(value, float) or (4.0 * value).is_integer():
             return self.number(value)
         index = self.drawn_number(value, (self.scope, self._place(value))).index
         self.factors.add(index)
@@ -169,12 +170,21 @@ class Store:
 
     @contextmanager
     def numbers_of(self, scope: str) -> Iterator[None]:
-        """Numbers that meet values inside are those of what is named, and of the drawing: no literals."""
+        """Numbers of the drawing without keys are inside those of what is named."""
         outer, self.scope = self.scope, scope
         try:
             yield
         finally:
             self.scope = outer
+
+    @contextmanager
+    def drawing(self) -> Iterator[None]:
+        """Plain numbers that meet values inside are of the drawing, as places of bodies are: no literals."""
+        outer, self._draws = self._draws, True
+        try:
+            yield
+        finally:
+            self._draws = outer
 
     def call(self, name: str, *arguments: Scalar) -> Scalar:
         """A function of `FUNCTIONS`; folded when all arguments are numbers."""

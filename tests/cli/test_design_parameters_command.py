@@ -89,6 +89,7 @@ def test_a_finished_run_is_viewed_with_the_parameters_that_it_had() -> None:
     assert "params  length 56 mm, tilt 30°" in done.output
     manifest = json.loads(Path("out/d/scene/manifest.json").read_text(encoding="utf-8"))
     assert manifest["design_parameters"]["length"]["value"] == 0.056
+    assert manifest["design_parameters_set"] == {"length": 0.056}
     assert manifest["parameters"]["h1.stiffness"] == 1e-3
     assert call("view", "out/d", "--no-live").exit_code == 0
 

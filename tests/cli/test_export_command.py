@@ -63,6 +63,7 @@ def test_options_reach_the_export(tmp_path: Path) -> None:
     assert {p.name for p in (tmp_path / "here").iterdir()} == {
         *("wings.h", "wings.pc.in", "CMakeLists.txt", "example_main.c", "README.md", "mechanism.png"),
         "lamc-export.json",
+        "wings_params.h",
     }
     header = (tmp_path / "here" / "wings.h").read_text(encoding="utf-8")
     assert "wings_step_fixed(" in header

@@ -132,7 +132,9 @@ def test_options_that_change_nothing_are_refused_or_told() -> None:
     finished("--example", "pendulum", "--t-end", "0.2")
     for words, told in (
         (("run", "--t-end", "1"), "--t-end: run is a finished run, which this does not change"),
-        (("run", "--set", "gravity.z=0", "--fold"), "--set with --fold"),
+        (("run", "--set", "gravity.z=0", "--fold"), "--set, --fold: run is a finished run"),
+        (("--example", "pendulum", "--fold", "--set", "gravity.z=0"), "no parameter is named 'gravity.z'"),
+        (("--example", "pendulum", "--fold", "--rate", "h1=1"), "--rate with --fold"),
         (("run", "--fold"), "--fold: run is a finished run"),
         (("--example", "strip", "--angle", "h1=1"), "--angle: strip is a plate"),
         (("--example", "pendulum", "--fold", "--angle", "h1=0.5"), "folding begins as drawn"),

@@ -192,7 +192,7 @@ def test_rates_of_change_outputs_and_derivatives_are_those_of_python(four_bar: E
     for i in range(four_bar.constant("body_count")):
         com, rotation = result.pose(four_bar.ffi.string(four_bar.call("body_name", i)).decode())
         assert list(outputs.pose[i]) == [*com[-1], *rotation[-1].ravel()]
-    assert 0.0 <= outputs.closure < 1e-12 * sim.model.size  # settled to 1e-13 of the size
+    assert 0.0 <= outputs.closure < 1e-12 * sim.mechanism.size  # settled to 1e-13 of the size
     by_q, by_u = four_bar.ffi.new("double[]", n * count), four_bar.ffi.new("double[]", count * count)
     assert four_bar.call("jacobian", it, by_q, by_u, four_bar.ffi.NULL) == 0
     expected = sim.jacobian(state[:n], state[n:], 0.2)

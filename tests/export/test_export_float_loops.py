@@ -48,7 +48,7 @@ class Pair:
             Exported(c_files(mechanism, scene, options), folder / kind) for kind, options in kinds.items()
         )
         self.simulator: Simulator = simulator_of(mechanism, scene, kinds["double"])
-        self.size = float(self.simulator.model.size)  # m
+        self.size = float(self.simulator.mechanism.size)  # m
         self.count = self.double.constant("coordinate_count")
 
     def conditions(self, y: Array) -> Array:

@@ -43,7 +43,7 @@ def double_pendulum(name: str = "pend", joints: tuple[str, str] = ("h1", "h2")) 
 def built(mechanism: lamc.Mechanism, folder: Path, **options: object) -> tuple[str, str]:
     """The prefix, and what the example prints. Builds with all of C's headers around it."""
     files = files_of(mechanism, "c", options=lamc.ExportOptions(**options))  # type: ignore[arg-type]
-    (prefix,) = (name.removesuffix(".h") for name in files if name.endswith(".h"))
+    (prefix,) = (name.removesuffix("_params.h") for name in files if name.endswith("_params.h"))
     put(files, folder)
     (folder / "all.c").write_text(ALL_HEADERS + f'#include "{prefix}.h"\n' + STEP.replace("@", prefix))
     cc(folder, "-std=c99", *STRICT, "-c", f"{prefix}.c", "-o", "model.o")

@@ -51,7 +51,9 @@ def scaled(mechanism: Mechanism, length: float, mass: float) -> Mechanism:
 def shifted(mechanism: Mechanism, seed: int) -> Mechanism:
     """Each joint's line moved a little along x: lengths change one by one."""
     rng = np.random.default_rng(seed)
-    joints = tuple(replace(j, point=[*j.point, rng.uniform(-0.05, 0.05), 0.0, 0.0]) for j in mechanism.joints)
+    joints = tuple(
+        replace(j, point=np.add(j.point, (rng.uniform(-0.05, 0.05), 0.0, 0.0))) for j in mechanism.joints
+    )
     return replace(mechanism, joints=joints)
 
 

@@ -41,7 +41,7 @@ class Best:
     active      bounds and constraints that hold it: "length = 0.06, its most", "max(abs(h1)) < 60 deg"
     multipliers of what is active: how much the value falls for each unit that a constraint or bound gives way
     moves       by name, how far a parameter may move, others kept, until the value is 1 % more (or, of a value that is
-                next to nothing beside what was seen, 1 % of that); inf where nothing is felt; none of choices
+                next to nothing beside what was seen, 1 % of that); inf where it is not felt in all of its range
     known_to    by name, what the last step and the noise of runs leave uncertain
     curvature   eigenvalues (n,) of the value's second derivatives over the ranges, ascending, in parts of the value's
                 own size, and directions (n, n), columns, along the real parameters `names`: the first is the flattest
@@ -171,7 +171,7 @@ def active_of(problem: Problem, optimum: Optimum) -> tuple[dict[str, float], tup
 
 
 def moves_of(problem: Problem, optimum: Optimum) -> dict[str, float]:
-    """How far each real parameter may move until the value is 1 % more."""
+    """How far each real parameter may move until the value is 1 % more; inf beyond its range."""
     if optimum.slopes is None:
         return {}
     trial = problem.at(optimum.places)
@@ -188,7 +188,8 @@ def moves_of(problem: Problem, optimum: Optimum) -> dict[str, float]:
         inner = slope * slope + 2.0 * max(bend, 0.0) * rise
         scale = slope + math.sqrt(inner)
         steep = problem.space.variables[edge].slope(float(optimum.places[edge]))
-        found[problem.space.names[edge]] = 2.0 * rise / scale * steep if scale > 0.0 else math.inf
+        share = 2.0 * rise / scale if scale > 0.0 else math.inf
+        found[problem.space.names[edge]] = share * steep if share < 1.0 else math.inf
     return found
 
 

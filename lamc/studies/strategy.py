@@ -28,7 +28,7 @@ METHODS: Mapping[str, bool] = {  # whether it takes whole numbers and choices
 _LOOKED = 4  # points of a Latin hypercube for each start, of which the best are taken
 _MORE = 60  # points that are tried where no run went well
 _AGAIN = 4  # times that a lower point beside an optimum is gone on from
-_SAME = 1e-4  # of a range: ends of two starts that are one optimum
+_SAME = 5e-3  # of a range: ends of two starts that are one optimum, as methods end before the last digits
 
 
 def default_method(goal: Goal, *, has_levels: bool, is_subject: bool) -> str:

@@ -68,6 +68,7 @@ from lamc.records.scene import OutputPoint, Scene
 from lamc.run.ensemble import Ensemble
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
 __all__ = [
@@ -125,6 +126,7 @@ __all__ = [
     "export",
     "load",
     "load_scene",
+    "optimise",
     "split",
     "sweep",
 ]

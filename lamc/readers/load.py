@@ -211,7 +211,9 @@ def _native(node: Node, beside: Beside) -> Design | Mechanism:
             "the file holds a plate problem, not a design; `lamc plate` solves it", kind_node.place
         )
     if kind == "study":
-        raise DesignError("the file holds a study, not a design; `lamc sweep` runs it", kind_node.place)
+        raise DesignError(
+            "the file holds a study, not a design; `lamc sweep` runs it, and `lamc optimise`", kind_node.place
+        )
     shown = repr(kind[:40]) if kind is not None else "this"
     raise DesignError(f"kind: {shown} is unknown; it is 'design' or 'mechanism'", kind_node.place)
 

@@ -43,7 +43,7 @@ class StudyRunModel(StrictModel):
 
 
 class StudyModel(StrictModel):
-    """A study: a design run at many points, and what is measured of each run."""
+    """A study: a design run at many points, and what is measured of each run, or is to be least."""
 
     kind: Literal["study"] = Field(description="what the file is")
     name: str | None = Field(None, description="of the study; the file's name if not said")
@@ -62,7 +62,19 @@ class StudyModel(StrictModel):
         None, description="METHOD:COUNT of samples, such as lhs:200; a grid if not said"
     )
     seed: int = Field(0, ge=0, description="of the samples")
-    measure: dict[str, str] = Field(description="what is read off each run, by name: max(tip.z)")
+    measure: dict[str, str] = Field({}, description="what is read off each run, by name: max(tip.z)")
+    minimise: str | list[str] | None = Field(
+        None, description="for `lamc optimise`: what is to be least, rms(tip.z - 5 mm); a list makes a front"
+    )
+    subject_to: list[str] = Field(
+        [], description="for `lamc optimise`: what must hold there, max(abs(h1)) < 60 deg"
+    )
+    method: str = Field("auto", description="for `lamc optimise`: as of its --method")
+    start: dict[str, float | str] = Field(
+        {}, description="for `lamc optimise`: where it begins, by name", json_schema_extra=_SET
+    )
+    starts: int = Field(5, ge=1, description="for `lamc optimise`: how many starts")
+    max_runs: int = Field(5000, ge=1, description="for `lamc optimise`: runs after which it ends")
     run: StudyRunModel | None = Field(None, description="how each run goes")
 
     @model_validator(mode="after")
@@ -71,6 +83,12 @@ class StudyModel(StrictModel):
             raise fields.custom(DesignError("a study has exactly one of design: FILE and example: NAME"))
         if bool(self.vary) == (self.points is not None):
             raise fields.custom(DesignError("a study has exactly one of vary: {…} and points: FILE"))
+        if not self.measure and self.minimise is None:
+            raise fields.custom(
+                DesignError(
+                    "a study has measure: {…} for `lamc sweep`, minimise: … for `lamc optimise`, or both"
+                )
+            )
         return self
 
 
@@ -122,10 +140,18 @@ def load_study(path: Path) -> StudyFile:
     node = compose(file_text(path), str(path))
     said = validate(StudyModel, node)
     problems = Problems(node)
-    places = {**problems.places(("vary",)), **problems.places(("set",)), **problems.places(("measure",))}
+    places = {
+        **problems.places(("start",)),
+        **problems.places(("vary",)),
+        **problems.places(("set",)),
+        **problems.places(("measure",)),
+    }
     places |= {text: problems.place(("measure", name)) for name, text in said.measure.items()}
-    for key in ("sample", "points", "scene"):
+    for key in ("sample", "points", "scene", "method"):
         value = getattr(said, key)
         if value is not None:
             places[value] = problems.place((key,))
+    places |= {text: problems.place(("subject_to", k)) for k, text in enumerate(said.subject_to)}
+    goals = [said.minimise] if isinstance(said.minimise, str) else said.minimise or []
+    places |= {text: problems.place(("minimise",)) for text in goals}
     return StudyFile(path, said, places)

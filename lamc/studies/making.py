@@ -47,7 +47,7 @@ def study_of(
             "nothing is measured; name a measure, such as --measure 'max(tip.z)' (measure={…})"
         )
     if isinstance(scene, str):
-        scene = partial(_named_scene, name=scene)
+        scene = partial(named_scene, name=scene)
     first = Bench(Subject(design, scene, options or CompileOptions(), RunOptions(), (), {})).simulator(())
     targets = targets_of(design, first)
     if not isinstance(vary, Mapping):
@@ -80,7 +80,7 @@ def study_of(
     return Study(subject, plan, first.mechanism.name)
 
 
-def _named_scene(mechanism: Mechanism, name: str) -> Scene:
+def named_scene(mechanism: Mechanism, name: str) -> Scene:
     """A scene of the design by its name."""
     if name not in mechanism.scenes:
         hint = did_you_mean(name, list(mechanism.scenes))

@@ -56,6 +56,11 @@ def read(text: str, units: Mapping[str, str], events: Sequence[str]) -> Term:
     return _Reader(text, units, events).whole()
 
 
+def read_part(text: str, units: Mapping[str, str], events: Sequence[str]) -> Term:
+    """The term of a text that has been read as a part of another, and may have a value at every time."""
+    return _Reader(text, units, events).sum()
+
+
 class _Reader:
     """Recursive descent; builds the term as it reads."""
 

@@ -87,7 +87,7 @@ class Study:
         times = []
         for k in points:
             began = time.perf_counter()
-            with _quietly():
+            with quietly():
                 bench.row(k, self.plan.point(k))
             times.append(time.perf_counter() - began)
         whole = duration(min(times) * self.plan.count / workers)
@@ -149,7 +149,7 @@ class Study:
         source = Source(points)
         pool: Pool | None = None
         try:
-            with _quietly():
+            with quietly():
                 bench, began, done = Bench(self.subject), time.monotonic(), 0
                 while pool is None or pool.ready < workers:
                     spent = time.monotonic() - began
@@ -210,7 +210,7 @@ class Study:
 
 
 @contextmanager
-def _quietly() -> Iterator[None]:
+def quietly() -> Iterator[None]:
     """Points are worked on with BLAS on one thread, as in other processes, and without the warnings that the first
     compile has told."""
     with one_thread(), warnings.catch_warnings():

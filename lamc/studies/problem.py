@@ -1,0 +1,210 @@
+"""An optimisation as optimisers see it: numbers at places of the unit box, each run once and kept.
+
+In: a space, goals, constraints, and what runs a point. Out: `Trial`s. A run that fails is a trial with its reason,
+which costs more than all others; no trial is run twice, and a folder of trials is gone through without running any.
+What a trial gives depends on nothing but its point. Never: decides where to go.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lamc.basics.errors import BuildError, LamcError
+from lamc.run.request import Array, Status
+from lamc.run.result import Result
+from lamc.studies.bench import ERROR, FAILED, OK, REFUSED, UNDEFINED, Row, without_values
+from lamc.studies.goals import Constraint, Goal
+from lamc.studies.space import Space
+
+FEASIBLE = 1e-8  # of a constraint's own size: what is violated by less holds, as runs are not known better
+_CEILING = 1e3  # of a value's own size: what trials cost that violate a constraint, or that make no run
+
+
+class SpentError(Exception):
+    """As many runs were made as were granted."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What came of a point.
+
+    cost        the first goal, as methods take it: its square where it is the root of squares
+    violations  of constraints, each by its own size: above zero where it is violated; an equality's may be below
+    residual    (m,) whose squares add up to the cost; None where none is known
+    stage       what was going on
+    """
+
+    index: int
+    point: tuple[float, ...]
+    status: str
+    reason: str
+    goals: tuple[float, ...]
+    constraints: tuple[float, ...]
+    residual: Array | None
+    stage: str
+
+    @property
+    def is_ok(self) -> bool:
+        return self.status == OK
+
+
+@dataclass(eq=False)
+class Problem:
+    """trials: all that were made, in their order."""
+
+    space: Space
+    goals: tuple[Goal, ...]
+    constraints: tuple[Constraint, ...]
+    run: Callable[[tuple[float, ...]], Result]
+    most: int  # runs
+    told: Callable[["Problem"], None] = lambda _: None
+    keep: Callable[[Row], None] = lambda _: None
+    known: dict[int, Row] = field(default_factory=dict)  # rows of a folder, by number
+    trials: list[Trial] = field(default_factory=list)
+    stage: str = ""
+    size: float = 1.0  # of costs
+    sizes: Array = field(init=False)  # of constraints
+    _by_point: dict[tuple[float, ...], Trial] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.sizes = np.ones(len(self.constraints))
+
+    @property
+    def goal(self) -> Goal:
+        return self.goals[0]
+
+    @property
+    def is_smooth_sum(self) -> bool:
+        """Whether costs are sums of squares of residuals that are known."""
+        return len(self.goals) == 1 and any(trial.residual is not None for trial in self.trials)
+
+    def at(self, places: Array) -> Trial:
+        """The trial at a place of the box. Raises SpentError; and BuildError, as no other would fare better."""
+        point = self.space.point(places)
+        found = self._by_point.get(point)
+        if found is None:
+            if len(self.trials) >= self.most:
+                raise SpentError
+            found = self._kept(point) or self._made(point)
+            self.trials.append(found)
+            self._by_point[point] = found
+            self.told(self)
+        return found
+
+    def _made(self, point: tuple[float, ...]) -> Trial:
+        row, residual = self._worked(len(self.trials), point)
+        there = self.known.get(row.index)
+        if there is None or there.values[: len(point)] != point:
+            self.keep(Row(row.index, row.status, row.reason, (*point, *row.values)))
+        return self._trial(row, point, residual)
+
+    def _kept(self, point: tuple[float, ...]) -> Trial | None:
+        """From the folder, where the same was tried as the same one; what has residuals is run again."""
+        row = self.known.get(len(self.trials))
+        if (
+            row is None
+            or row.values[: len(point)] != point
+            or (len(self.goals) == 1 and self._has_residual())
+        ):
+            return None
+        return self._trial(Row(row.index, row.status, row.reason, row.values[len(point) :]), point, None)
+
+    def _has_residual(self) -> bool:
+        return self.goal.is_squares or self.goal.function is not None
+
+    def _trial(self, row: Row, point: tuple[float, ...], residual: Array | None) -> Trial:
+        split = len(self.goals)
+        return Trial(
+            len(self.trials),
+            point,
+            row.status,
+            row.reason,
+            row.values[:split],
+            row.values[split:],
+            residual,
+            self.stage,
+        )
+
+    def _worked(self, index: int, point: tuple[float, ...]) -> tuple[Row, Array | None]:
+        count = len(self.goals) + len(self.constraints)
+        try:
+            result = self.run(point)
+            if result.status == Status.CANCELLED:
+                raise KeyboardInterrupt
+            if not result.success:
+                return without_values(index, FAILED, result.message, count), None
+            found = [goal.of(result) for goal in self.goals]
+            values = (*(each[0] for each in found), *(c.measure.value(result) for c in self.constraints))
+        except BuildError:
+            raise
+        except LamcError as error:
+            return without_values(index, REFUSED, error.message, count), None
+        except Exception as error:  # of a function that the user gave; it shall not end the search
+            return without_values(index, ERROR, f"{type(error).__name__}: {error}", count), None
+        names = [*(goal.text for goal in self.goals), *(each.text for each in self.constraints)]
+        undefined = [
+            f"{name!r} is {value}"
+            for name, value in zip(names, values, strict=True)
+            if not math.isfinite(value)
+        ]
+        residual = found[0][1]
+        if not undefined and residual is not None and not np.isfinite(residual).all():
+            undefined.append(f"{self.goal.text!r} has residuals that are not finite")
+        residual = None if undefined else residual
+        return Row(index, UNDEFINED if undefined else OK, ", ".join(undefined), values), residual
+
+    def settle_sizes(self) -> None:
+        """Takes the sizes of costs and constraints from the trials that there are."""
+        good = [trial for trial in self.trials if trial.is_ok]
+        costs = np.array([self.cost(trial) for trial in good])
+        spread = float(np.ptp(costs)) if len(costs) else 0.0
+        self.size = max(spread, float(np.median(np.abs(costs))) if len(costs) else 0.0) or 1.0
+        values = np.array([trial.constraints for trial in good]).reshape(len(good), len(self.constraints))
+        largest = np.max(np.abs(values), axis=0, initial=0.0)
+        self.sizes = np.where(largest > 0.0, largest, 1.0)
+
+    def cost(self, trial: Trial) -> float:
+        """What methods make small; NaN of a trial that is not ok."""
+        if not trial.is_ok:
+            return math.nan
+        value = trial.goals[0]
+        return value * value if self.is_rooted(trial) else value
+
+    def is_rooted(self, trial: Trial) -> bool:
+        return self.goal.is_root or (self.goal.function is not None and trial.residual is not None)
+
+    def violations(self, trial: Trial) -> Array:
+        """(constraints,), by their sizes: above zero where violated; those of equalities either way."""
+        return np.array(trial.constraints) / self.sizes
+
+    def violation(self, trial: Trial) -> float:
+        """In all; 0 where every constraint holds."""
+        return math.fsum(
+            (abs(v) if c.is_equal else max(v, 0.0))
+            for c, v in zip(self.constraints, self.violations(trial).tolist(), strict=True)
+        )
+
+    def is_feasible(self, trial: Trial) -> bool:
+        return trial.is_ok and self.violation(trial) <= FEASIBLE * max(len(self.constraints), 1)
+
+    def merit(self, trial: Trial) -> float:
+        """A number to compare any two trials by, of order one: costs where constraints hold, then violations, then what
+        made no run (Deb 2000, Comput. Methods Appl. Mech. Eng. 186, 311-338)."""
+        if not trial.is_ok:
+            return _CEILING * _CEILING
+        if self.is_feasible(trial):
+            return min(self.cost(trial) / self.size, _CEILING)
+        return _CEILING * (1.0 + min(self.violation(trial), _CEILING / 2.0))
+
+    def best(self) -> Trial | None:
+        """The best trial that made a run; the first of equal ones."""
+        good = [trial for trial in self.trials if trial.is_ok]
+        return min(good, key=self.merit, default=None)
+
+    def reasons(self) -> str:
+        """Why trials made no run, the most frequent first."""
+        counts = Counter((trial.status, trial.reason) for trial in self.trials if not trial.is_ok)
+        return "; ".join(f"{status} ({count}): {reason}" for (status, reason), count in counts.most_common(2))

@@ -65,6 +65,7 @@ from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
+from lamc.run.ensemble import Ensemble
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.studies.sweep import sweep
@@ -82,6 +83,7 @@ __all__ = [
     "DesignWarning",
     "Effect",
     "EmitError",
+    "Ensemble",
     "ExportError",
     "ExportOptions",
     "ExpressionError",

@@ -39,6 +39,7 @@ from lamc.run.kept_programs import (
     KeptDesign,
     design_of_structure,
     keep_design,
+    keep_opened,
     keep_structure,
     kept_design,
     numbers_of,
@@ -197,6 +198,7 @@ def _compiled(
             tree = emit_lanes(program, tree, options.precision)
         with times.stage("compile"):
             entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
+        keep_opened(cache, entry, made)
         if alias:
             keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
         if survey is not None:

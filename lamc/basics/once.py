@@ -1,4 +1,5 @@
-"""Values that are made once, whichever thread asks first: of an object (`lazy`), of arguments (`remembered`).
+"""Values that are made once, whichever thread asks first: of an object (`lazy`, and for packages of floors above it
+`kept_with`), of arguments (`remembered`).
 
 In: a function. Out: its value, the same object for every thread; who comes while it is made waits. Never: holds a lock
 beyond that, so that objects can be copied, pickled and forked; makes callers of other objects wait.
@@ -75,12 +76,17 @@ class lazy(Generic[_T]):  # noqa: N801  (lower case, as `property` is)
     def __get__(self, instance: object | None, owner: type | None = None) -> Self | _T:
         if instance is None:
             return self
-        values = instance.__dict__
-        with _in_turn((id(instance), self._name)):
-            if self._name not in values:
-                values[self._name] = self._function(instance)
-            made: _T = values[self._name]
-        return made
+        return kept_with(instance, self._name, self._function)
+
+
+def kept_with(owner: Any, name: str, function: Callable[[Any], _T]) -> _T:
+    """The function's value of an object, computed once and kept in its `__dict__` by that name, as `lazy` does."""
+    values = owner.__dict__
+    with _in_turn((id(owner), name)):
+        if name not in values:
+            values[name] = function(owner)
+        made: _T = values[name]
+    return made
 
 
 def remembered(function: Callable[_P, _T]) -> Callable[_P, _T]:

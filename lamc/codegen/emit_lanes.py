@@ -14,6 +14,7 @@ from lamc.basics.resources import data_dir
 from lamc.codegen.emit import SourceTree, declarations_of, environment, look_ups
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifiers
+from lamc.codegen.options import why_alone
 from lamc.codegen.printer import LANES, ShapePrinter
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.program import Program
@@ -24,21 +25,10 @@ MAX_BLOCK = 4000
 EVALUATED = ("rates", "acceleration", "system")  # what makes dy/dt of a tree
 
 
-def why_alone(program: Program, precision: str) -> str:
-    """Why steps of this model are not taken side by side, for people; empty where they are."""
-    if precision == "float":
-        return "accelerations are evaluated in single precision"
-    if program.cuts:
-        return "loops are solved one run at a time"
-    if not program.rates:
-        return "nothing moves"
-    return ""
-
-
 @collector_paused
 def emit_lanes(program: Program, tree: SourceTree, precision: str = "double") -> SourceTree:
     """`tree` with the C of lanes beside it. Raises EmitError where an operation has no C form."""
-    reason = why_alone(program, precision)
+    reason = why_alone(loops=bool(program.cuts), moves=bool(program.rates), precision=precision)
     fields = identifiers(p.name for p in program.parameters)  # only `setup` reads them, which has no lanes
     printer = ShapePrinter(number=LANES)
     functions = [program.functions[name] for name in EVALUATED if name in program.functions]

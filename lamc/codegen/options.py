@@ -12,6 +12,15 @@ PRECISIONS = ("double", "float")
 MACHINE = ("-march=native",)
 
 
+def why_alone(*, loops: bool, moves: bool, precision: str) -> str:
+    """Why steps of a model are not taken side by side, for people; empty where they are."""
+    if precision == "float":
+        return "accelerations are evaluated in single precision"
+    if loops:
+        return "loops are solved one run at a time"
+    return "" if moves else "nothing moves"
+
+
 @dataclass(frozen=True)
 class CompileOptions:
     """How the generated C is compiled.

@@ -11,7 +11,7 @@ import numpy as np
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import Branch, find_branches
-from lamc.loops.geometry import LoopGeometry
+from lamc.loops.geometry import LoopGeometry, geometry_of
 from lamc.loops.misfit import Misfit
 from lamc.loops.rank import Found, LoopCount, accepted_by_default, check_freedom, count_at
 from lamc.loops.starts import Starter
@@ -33,7 +33,7 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     """What the loops of `tree` come to where `scene` starts. Raises DesignError where nothing can move."""
     if not tree.cuts:
         return LoopCount(0, 0, 0, len(tree.links))
-    geometry = LoopGeometry(tree)
+    geometry = geometry_of(tree)
     drawn = np.zeros(len(geometry.names))
     angles: Array | None = drawn
     exact: Array | None = None
@@ -62,7 +62,7 @@ def drawn_loops(tree: Tree, tolerance: float | None = None) -> tuple[LoopCount, 
     """What the loops of `tree` come to, and the branches that part at the drawn position, if it is singular."""
     if not tree.cuts:
         return LoopCount(0, 0, 0, len(tree.links)), ()
-    geometry = LoopGeometry(tree)
+    geometry = geometry_of(tree)
     drawn = np.zeros(len(geometry.names))
     count = count_at(geometry, drawn, tolerance)
     return count, find_branches(geometry, drawn, count.fit) if count.branch_ranks else ()

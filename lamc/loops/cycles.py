@@ -17,6 +17,7 @@ from enum import Enum
 import numpy as np
 
 from lamc.basics.groups import unite
+from lamc.basics.once import kept_with
 from lamc.mechanism.spanning import geometric_key
 from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.mechanism import Array, Joint
@@ -66,7 +67,11 @@ class Edge:
 
 
 def short_cycles(tree: Tree) -> tuple[Cycle, ...]:
-    """A basis of least length of the cycles of `tree`, in an order that the geometry gives."""
+    """A basis of least length of the cycles of `tree`, in an order that the geometry gives; found once for each."""
+    return kept_with(tree, "_short_cycles", _short_cycles)
+
+
+def _short_cycles(tree: Tree) -> tuple[Cycle, ...]:
     joints = [link.joint for link in tree.links] + [cut.joint for cut in tree.cuts]
     place = {link.body.name: index for index, link in enumerate(tree.links)}
     edges = [Edge(place.get(j.parent, WORLD), place.get(j.child, WORLD)) for j in joints]

@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from lamc.basics.once import kept_with
 from lamc.loops.cycles import Cycle, short_cycles
 from lamc.loops.linear import DENSE, Linear
 from lamc.loops.rings import Rings, rotations
@@ -123,6 +124,11 @@ class LoopGeometry:
         """Rotation (n, 3, 3) about each joint's line as drawn, and its shift (n, 3), m."""
         turned = rotations(self.axis, angles)
         return turned, self.point - np.einsum("jab,jb->ja", turned, self.point)
+
+
+def geometry_of(tree: Tree) -> LoopGeometry:
+    """One for each tree: what was evaluated to count its loops is there for its start."""
+    return kept_with(tree, "_loop_geometry", LoopGeometry)
 
 
 def _outward(joint: Joint, body: str) -> float:

@@ -11,7 +11,7 @@ from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
 from lamc.loops.at_start import loops_of
-from lamc.loops.geometry import LoopGeometry
+from lamc.loops.geometry import geometry_of
 from lamc.loops.starts import Starter
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Array, Mechanism
@@ -27,7 +27,7 @@ def posed(mechanism: Mechanism, angles: Mapping[str, float]) -> tuple[Array, Arr
     """
     scene = Scene(angles=angles)
     tree = plan(mechanism)
-    geometry = LoopGeometry(tree)
+    geometry = geometry_of(tree)
     unknown = next((name for name in scene.angles if name not in geometry.names), None)
     if unknown is not None:
         raise DesignError(f"no joint is named {unknown[:40]!r}; {did_you_mean(unknown, geometry.names)}")

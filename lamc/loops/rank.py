@@ -19,7 +19,7 @@ import numpy as np
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
 from lamc.loops.closing import SMALL, SOLVE
-from lamc.loops.geometry import LoopGeometry
+from lamc.loops.geometry import LoopGeometry, geometry_of
 from lamc.loops.linear import EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.surveys import Survey, near_surveys, survey
@@ -110,7 +110,7 @@ def count_loops(tree: Tree, tolerance: float | None = None) -> LoopCount:
     tolerance: the gap, m, that counts as closed; None: `accepted_by_default`."""
     if not tree.cuts:
         return LoopCount(0, 0, 0, len(tree.links))
-    geometry = LoopGeometry(tree)
+    geometry = geometry_of(tree)
     return count_at(geometry, np.zeros(len(geometry.names)), tolerance)
 
 

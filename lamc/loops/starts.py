@@ -13,7 +13,7 @@ import numpy as np
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
 from lamc.loops.branches import Branch, Lead, find_branches, moved_out
-from lamc.loops.closing import CLOSED, Mask, approach, settle, settle_all
+from lamc.loops.closing import ARRIVED, CLOSED, Mask, approach, settle, settle_all
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.leading import led_along
 from lamc.loops.linear import EXACT
@@ -196,11 +196,12 @@ class Starter:
 
     def _nearest(self, angles: Array, wanted: Array, free: Mask) -> Array:
         """The closed position around `angles` (s, n) with the least squares of its distance from `wanted`, or those."""
-        found = []
+        found = list(angles)
         places = approach(self.geometry, angles, wanted, free, self.cutoff)
-        for old, (place, gap) in zip(angles, self._all_closed(places, free), strict=True):
-            nearer = ((place - wanted) ** 2).sum() < ((old - wanted) ** 2).sum()
-            found.append(place if gap == 0.0 and nearer else old)
+        moved = np.flatnonzero(np.abs(places - angles).max(axis=1) > ARRIVED)
+        for k, (place, gap) in zip(moved.tolist(), self._all_closed(places[moved], free), strict=True):
+            if gap == 0.0 and ((place - wanted) ** 2).sum() < ((angles[k] - wanted) ** 2).sum():
+                found[k] = place
         return min(found, key=lambda each: float(((each - wanted) ** 2).sum()))
 
     def _completed(self, angles: Array, given: Mapping[str, float]) -> tuple[Array, float]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.loops.geometry import LoopGeometry
+from lamc.loops.geometry import geometry_of
 from lamc.loops.misfit import rounded_up
 from lamc.loops.rank import count_loops
 from lamc.loops.starts import Starter
@@ -67,4 +67,4 @@ def _rigid(tree: Tree, scene: Scene) -> Starter:
     found = count_loops(tree, scene.closure_tolerance)
     if found.misfit is not None and not found.accepted_gap:
         found = count_loops(tree, rounded_up(found.misfit.gap))
-    return Starter(LoopGeometry(tree), found)
+    return Starter(geometry_of(tree), found)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamc.basics.errors import RequestError
-from lamc.codegen.emit_lanes import why_alone
+from lamc.codegen.options import why_alone
 from lamc.records.effect import overrides
 from lamc.run.ensemble import Ensemble, Instances, run_instances
 from lamc.run.instances import Values, columns, made_instances
@@ -46,7 +46,7 @@ def ensemble_of(
     if request.t_eval is None:
         ends = np.array([0.0, request.t_end] if request.t_end > 0.0 else [0.0])
         request = replace(request, t_eval=ends)
-    alone = why_alone(simulator.program, _precision(simulator)) if side_by_side else "side_by_side is off"
+    alone = _why_alone(simulator) if side_by_side else "side_by_side is off"
     y, status, t_reached, stats = run_instances(
         simulator.lanes, instances, request, integrator, threads, use_lanes=not alone, why_alone=alone
     )
@@ -64,8 +64,10 @@ def ensemble_of(
     )
 
 
-def _precision(simulator: "Simulator") -> str:
-    return "float" if "-DLAMC_FLOAT" in simulator.lanes.flags else "double"
+def _why_alone(simulator: "Simulator") -> str:
+    """As the module was made; without the program, which would be derived anew where all came from the cache."""
+    precision = "float" if "-DLAMC_FLOAT" in simulator.lanes.flags else "double"
+    return why_alone(loops=bool(simulator.cut_joints), moves=bool(simulator.rates), precision=precision)
 
 
 def _instances(simulator: "Simulator", request: Request, given: tuple[Values, Values, Values]) -> Instances:
@@ -94,8 +96,7 @@ def _checker(simulator: "Simulator", t_end: float) -> Callable[[Mapping[str, flo
 
     def check(parameters: Mapping[str, float], start: Array) -> None:
         motion = simulator.model.motion(parameters)
-        limits = {name: value for name, value in parameters.items() if name.endswith("er_limit")}
-        check_start(effects, with_limits(simulator.mechanism, limits), motion, start)
+        check_start(effects, with_limits(simulator.mechanism, parameters), motion, start)
         check_run(effects, simulator.mechanism, motion, start, t_end)
 
     return check

@@ -90,9 +90,15 @@ def opened_entry(cache: Cache, entry: str) -> Module | None:
     if folder is None:
         return None
     module = load_module(folder)
+    keep_opened(cache, entry, module)
+    return module
+
+
+def keep_opened(cache: Cache, entry: str, module: Module) -> None:
+    """The module of an entry that was verified or made just now is not opened again while somebody has it."""
+    folder = cache.root / entry
     _opened[str(folder)] = module
     _stamps[str(folder)] = stamps(folder)
-    return module
 
 
 def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, str, DesignNumbers] | None:

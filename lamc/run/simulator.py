@@ -24,7 +24,7 @@ from lamc.basics.progress import bar
 from lamc.basics.seen import Viewable
 from lamc.loops.at_start import loops_of
 from lamc.loops.branches import Branch
-from lamc.loops.geometry import LoopGeometry
+from lamc.loops.geometry import geometry_of
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter
 from lamc.loops.texts import pushed_note
@@ -453,7 +453,7 @@ class Simulator(Evaluations, Viewable):
 
     def _gap_at(self, angles: Array) -> str:
         """How far loops are open at angles (n,), rad, of the joints, in words."""
-        geometry, known = LoopGeometry(self._arrangement.tree), dict(zip(self.joints, angles, strict=True))
+        geometry, known = geometry_of(self._arrangement.tree), dict(zip(self.joints, angles, strict=True))
         return gap_text(geometry, self.loops, np.array([known.get(name, 0.0) for name in geometry.names]))
 
     @lazy
@@ -468,7 +468,7 @@ class Simulator(Evaluations, Viewable):
     @lazy
     def _starter(self) -> Starter:
         lead = lead_of(self._default_motion, self._arrangement)
-        return Starter(LoopGeometry(self._arrangement.tree), self.loops, lead)
+        return Starter(geometry_of(self._arrangement.tree), self.loops, lead)
 
     def _bending(self) -> tuple[str, ...]:
         """Names of the bodies that bend."""

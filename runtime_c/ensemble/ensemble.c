@@ -35,6 +35,7 @@ typedef struct bench {
   lamc_real h[MOST_LANES], squared[MOST_LANES];
   int is_last[MOST_LANES];
   lamc_status taken[MOST_LANES];
+  int has_dense[MOST_LANES]; /* 1: the continuous extension was worked out side by side */
   int width;
 } bench;
 
@@ -172,10 +173,14 @@ static int refill(bench *b, int k) {
 
 /* ---- Steps ------------------------------------------------------------------------------------------------- */
 
-/* Whether the run will be asked for states within the step it has just taken */
-static int looks_back(const lamc_run *run) {
-  return run->ode.guard_count > 0 ||
-         (run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] < run->t);
+/* Whether rows lie within the step that the run has just taken */
+static int has_rows(const lamc_run *run) {
+  return run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] < run->t;
+}
+
+/* Whether all that the run will be asked for within the step is its continuous extension, which takes evaluations */
+static int wants_dense(const lamc_run *run) {
+  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0 && run->ode.settle == NULL;
 }
 
 /* Decides on the step just tried in lane k, up to dy/dt where it led. 1: that is still to be evaluated */
@@ -184,18 +189,23 @@ static int land(bench *b, int k, int is_beside) {
   int wants_slope = 0;
   b->taken[k] = lamc_run_land(run, b->h[k], b->is_last[k], b->squared[k], &wants_slope);
   if (b->taken[k] != LAMC_OK) return 0;
-  if (is_beside && (run->watch.is_auto || looks_back(run)))
-    b->steps->give_stages(b->block, run->method, k, run, looks_back(run));
+  const int all = run->ode.guard_count > 0 || (has_rows(run) && !wants_dense(run));
+  if (is_beside && (run->watch.is_auto || all)) b->steps->give_stages(b->block, run->method, k, run, all);
   return wants_slope;
 }
 
 /* What follows from the step; the lane is filled anew where its instance came to an end */
 static void conclude(bench *b, int k) {
   lane *l = b->lanes[k];
-  if (b->taken[k] == LAMC_OK) b->taken[k] = lamc_run_stand(&l->run);
   const long long events = l->run.events;
   const lamc_status status = lamc_run_conclude(&l->run, b->taken[k], b->h[k], b->squared[k]);
   if (b->steps != NULL && l->run.events != events) b->steps->take_constants(b->block, k, l->motion.constants);
+  if (b->has_dense[k]) { /* as rows.c, which would have asked for it now */
+    l->run.dense = LAMC_DENSE_READY;
+    l->run.evaluations += 3;
+    l->run.watch.mark_cost += 3;
+    b->has_dense[k] = 0;
+  }
   if (is_over(b->e, l, status)) (void)refill(b, k);
 }
 
@@ -206,6 +216,7 @@ static void step_alone(bench *b, int k) {
   run->steps++;
   b->squared[k] = lamc_method_of(run->method)->attempt(run, b->h[k]);
   if (land(b, k, 0)) evaluate(run, run->t, y_here(run), slope_here(run));
+  if (b->taken[k] == LAMC_OK) b->taken[k] = lamc_run_stand(run);
   conclude(b, k);
 }
 
@@ -252,6 +263,17 @@ static void step_beside(bench *b, int which) {
     count++;
   }
   if (count > 0) b->steps->slope(b->block, wanting);
+  lamc_run *dense[MOST_LANES] = {NULL};
+  count = 0;
+  for (int k = 0; k < b->width; k++) {
+    if (b->runs[k] == NULL || b->taken[k] != LAMC_OK) continue;
+    b->taken[k] = lamc_run_stand(b->runs[k]);
+    b->has_dense[k] = b->taken[k] == LAMC_OK && wants_dense(b->runs[k]);
+    if (!b->has_dense[k]) continue;
+    dense[k] = b->runs[k];
+    count++;
+  }
+  if (count > 0) b->steps->dense(b->block, dense);
   for (int k = 0; k < b->width; k++) {
     if (b->runs[k] != NULL) conclude(b, k);
   }

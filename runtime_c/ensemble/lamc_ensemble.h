@@ -31,13 +31,14 @@ typedef struct lamc_ensemble {
   const lamc_model *model;
   lamc_method method;
   lamc_options options;
-  lamc_real t_end;             /* s; runs start at 0 */
-  const lamc_real *t_eval;     /* (row_count,), s, ascending within 0 .. t_end: the rows of every instance */
-  long long row_count;         /* > 0 */
-  long long count;             /* instances */
-  const lamc_real *parameters; /* instance k: (parameter_count + geometry_count,) at parameters + k * parameter_stride */
-  long long parameter_stride;  /* 0: the same for all */
-  const lamc_real *starts;     /* likewise y = [q, u] (n,) at t = 0 */
+  lamc_real t_end;         /* s; runs start at 0 */
+  const lamc_real *t_eval; /* (row_count,), s, ascending within 0 .. t_end: the rows of every instance */
+  long long row_count;     /* > 0 */
+  long long count;         /* instances */
+  const lamc_real
+      *parameters; /* instance k: (parameter_count + geometry_count,) at parameters + k * parameter_stride */
+  long long parameter_stride; /* 0: the same for all */
+  const lamc_real *starts;    /* likewise y = [q, u] (n,) at t = 0 */
   long long start_stride;
   int use_lanes;              /* 0: one run after the other, for comparison */
   long long *next;            /* the first instance that nobody took; threads raise it one by one */

@@ -15,13 +15,14 @@ enum {
   N = NQ + NU,
   STAGES = 11, /* slopes between the ends of a step: 2 to 12 of DOP853, 2 to 6 of RK45 */
   BEGIN = 11,  /* in `k`: the slope where the step begins */
-  END = 12     /* where it leads */
+  END = 12,    /* where it leads; three more of DOP853's continuous extension */
+  SLOPES = 16
 };
 
 typedef struct lane_block {
   lanes c[NC > 0 ? NC : 1];
   lanes y[N + 1], y_new[N + 1];
-  lanes k[STAGES + 2][N + 1];
+  lanes k[SLOPES][N + 1];
   lanes s[N + 1]; /* argument of the stage being evaluated */
 #if HAS_SYSTEM
   lanes raw[NU * (NU + 1) / 2 + NU + 1], l[NU * NU + 1];
@@ -103,12 +104,17 @@ static void lane_slope(lamc_real *block, lamc_run *const *runs) {
 
 /* ---- DOP853 -------------------------------------------------------------------------------------------------- */
 
+/* Slope of stage k, from 0, as dop853.c counts them */
+LAMC_LANE_FUNCTION const lanes *lane_stage(const lane_block *b, int k) {
+  return b->k[k == 0 ? BEGIN : k <= STAGES ? k - 1 : k];
+}
+
 /* Sum of the first `count` stages of component i by weights, those that are zero left out as in dop853.c. With a constant
  * count the compiler is left with the terms alone. */
 LAMC_LANE_FUNCTION lanes lane_sum(const lane_block *b, const lamc_real *weights, int count, int i) {
   lanes sum = {0};
   LAMC_UNROLLED for (int k = 0; k < count; k++) {
-    if (weights[k] != 0.0) sum += weights[k] * (k == 0 ? b->k[BEGIN] : b->k[k - 1])[i];
+    if (weights[k] != 0.0) sum += weights[k] * lane_stage(b, k)[i];
   }
   return sum;
 }
@@ -120,16 +126,23 @@ LAMC_LANE_FUNCTION void lane_argument(const lane_block *b, int row, lanes h, lan
 
 static void lane_dop853(lane_block *b, const lamc_run *run, lanes t, lanes h, lamc_real *squared) {
   const lamc_real atol = floor_of_scale(run), rtol = run->options.rtol;
-#define STAGE(row)                                                                                           \
-  lane_argument(b, row, h, b->s);                                                                            \
-  lane_rhs(b, t + DOP853_C[row] * h, b->s, b->k[row - 1]);
-  /* clang-format off */
-  STAGE(1) STAGE(2) STAGE(3) STAGE(4) STAGE(5) STAGE(6) STAGE(7) STAGE(8) STAGE(9) STAGE(10) STAGE(11)
-/* clang-format on */
+#define STAGE(row) lane_argument(b, row, h, b->s), lane_rhs(b, t + DOP853_C[row] * h, b->s, b->k[row - 1])
+  STAGE(1);
+  STAGE(2);
+  STAGE(3);
+  STAGE(4);
+  STAGE(5);
+  STAGE(6);
+  STAGE(7);
+  STAGE(8);
+  STAGE(9);
+  STAGE(10);
+  STAGE(11);
 #undef STAGE
-      lane_argument(b, STAGES + 1, h, b->y_new);
   lanes size = {0}, fifth = {0}, third = {0}; /* the latter as `weighed` of method.h */
+  /* The new state and its errors at once: slopes of large models are slow to read. */
   for (int i = 0; i < N; i++) {
+    b->y_new[i] = b->y[i] + h * lane_sum(b, DOP853_A[STAGES + 1], STAGES + 1, i);
     const lanes new_size = lane_fabs(b->y_new[i]);
     const lanes tolerance = atol + rtol * lane_larger(lane_fabs(b->y[i]), new_size);
     const lanes five = lane_sum(b, DOP853_E5, STAGES + 1, i) / tolerance;
@@ -142,6 +155,39 @@ static void lane_dop853(lane_block *b, const lamc_run *run, lanes t, lanes h, la
   const lanes error = h * h * fifth * fifth / (both * (double)N);
   for (int k = 0; k < LAMC_LANES; k++)
     squared[k] = !is_finite(size[k]) ? HUGE_VAL : both[k] > 0.0 ? error[k] : 0.0;
+}
+
+/* The continuous extension of the step just taken, and where runs look for it: make_dense of dop853.c */
+static void lane_dense(lamc_real *block, lamc_run *const *runs) {
+  lane_block *b = (lane_block *)(void *)block;
+  lanes t = {0}, h = {0};
+  for (int k = 0; k < LAMC_LANES; k++) {
+    if (runs[k] == NULL) continue;
+    t[k] = runs[k]->t_old;
+    h[k] = runs[k]->h_last;
+  }
+  lane_argument(b, 13, h, b->s);
+  lane_rhs(b, t + DOP853_C[13] * h, b->s, b->k[13]);
+  lane_argument(b, 14, h, b->s);
+  lane_rhs(b, t + DOP853_C[14] * h, b->s, b->k[14]);
+  lane_argument(b, 15, h, b->s);
+  lane_rhs(b, t + DOP853_C[15] * h, b->s, b->k[15]);
+  for (int i = 0; i < N; i++) {
+    const lanes change = b->y_new[i] - b->y[i], begin = b->k[BEGIN][i], end = b->k[END][i];
+    const lanes terms[7] = {
+        change,
+        h * begin - change,
+        2.0 * change - h * (end + begin),
+        lane_sum(b, DOP853_D[0], SLOPES, i),
+        lane_sum(b, DOP853_D[1], SLOPES, i),
+        lane_sum(b, DOP853_D[2], SLOPES, i),
+        lane_sum(b, DOP853_D[3], SLOPES, i),
+    };
+    for (int k = 0; k < LAMC_LANES; k++) {
+      for (int j = 0; runs[k] != NULL && j < 7; j++)
+        slot(runs[k], SLOT_OWN + DOP853_DENSE + j)[i] = terms[j][k];
+    }
+  }
 }
 
 /* ---- RK45 ---------------------------------------------------------------------------------------------------- */
@@ -218,8 +264,10 @@ static void lane_give_stages(const lamc_real *block, int which, int lane, lamc_r
 
 const lamc_lane_steps *lamc_this_lanes(void) {
   static const lamc_lane_steps steps = {
-      LAMC_LANES, sizeof(lane_block) / sizeof(lamc_real), lane_take_constants, lane_attempt, lane_give_stages,
-      lane_slope,
+      LAMC_LANES,          sizeof(lane_block) / sizeof(lamc_real),
+      lane_take_constants, lane_attempt,
+      lane_give_stages,    lane_slope,
+      lane_dense,
   };
   return &steps;
 }

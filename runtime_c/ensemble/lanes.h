@@ -18,6 +18,8 @@ typedef struct lamc_lane_steps {
   void (*give_stages)(const lamc_real *block, int which, int lane, lamc_run *run, int all);
   /* dy/dt where runs stand, for every lane that has one */
   void (*slope)(lamc_real *block, lamc_run *const *runs);
+  /* The continuous extension of DOP853's last step, into the work of every lane that has a run: three evaluations */
+  void (*dense)(lamc_real *block, lamc_run *const *runs);
 } lamc_lane_steps;
 
 /* Of the model's C. NULL: there are none for its compiler. */

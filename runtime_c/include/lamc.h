@@ -58,26 +58,26 @@ typedef struct lamc_pattern {
 } lamc_pattern;
 
 typedef struct lamc_model {
-  const char *name;               /* of the mechanism */
-  const char *digest;             /* of the program that the C was printed from, hexadecimal */
-  int joint_count;                /* joints that are coordinates; the first ones */
-  int coordinate_count;           /* nq: joints, and what effects add, such as the pose of a free base */
-  int rate_count;                 /* nu <= nq; fewer where a quaternion is among the coordinates */
-  int cut_count;                  /* the last joints, which close loops; 0: a tree */
-  int closure_count;              /* m: equations that hold the loops, redundant ones included */
-  int rank;                       /* of the closure at a generic position: no more equations are taken */
-  const lamc_pattern *pattern;    /* of J; NULL: a tree */
-  int body_count;                 /* moving bodies */
-  int parameter_count;            /* numbers that can change without recompiling */
-  int geometry_count;             /* numbers of the drawing, behind them */
-  int constant_count;             /* numbers that depend on those only. With loops the last two are the mechanism's
+  const char *name;            /* of the mechanism */
+  const char *digest;          /* of the program that the C was printed from, hexadecimal */
+  int joint_count;             /* joints that are coordinates; the first ones */
+  int coordinate_count;        /* nq: joints, and what effects add, such as the pose of a free base */
+  int rate_count;              /* nu <= nq; fewer where a quaternion is among the coordinates */
+  int cut_count;               /* the last joints, which close loops; 0: a tree */
+  int closure_count;           /* m: equations that hold the loops, redundant ones included */
+  int rank;                    /* of the closure at a generic position: no more equations are taken */
+  const lamc_pattern *pattern; /* of J; NULL: a tree */
+  int body_count;              /* moving bodies */
+  int parameter_count;         /* numbers that can change without recompiling */
+  int geometry_count;          /* numbers of the drawing, behind them */
+  int constant_count; /* numbers that depend on those only. With loops the last two are the mechanism's
                                    * size, m, which closure is judged by, and the gap, m, that loops may keep where
                                    * their equations disagree */
-  int energy_count;               /* kinetic first, then one for each effect that stores energy */
-  int guard_count;                /* conditions whose passing of zero is an event */
-  int power_count;                /* effects whose power is told; 0: none */
-  int table_count;                /* piecewise cubics in the equations, whose higher derivatives jump */
-  const char *const *joint_names; /* (joint_count,), UTF-8 */
+  int energy_count;   /* kinetic first, then one for each effect that stores energy */
+  int guard_count;    /* conditions whose passing of zero is an event */
+  int power_count;    /* effects whose power is told; 0: none */
+  int table_count;    /* piecewise cubics in the equations, whose higher derivatives jump */
+  const char *const *joint_names;      /* (joint_count,), UTF-8 */
   const char *const *coordinate_names; /* (nq,), UTF-8 */
   const char *const *coordinate_units; /* (nq,), UTF-8; NULL: all rad */
   const char *const *rate_names;       /* (nu,), UTF-8 */

@@ -13,24 +13,9 @@ enum {
   ALL_STAGES = 16,            /* the 13th is the slope at the new state; three more serve the dense output */
   SLOT_K = SLOT_OWN,          /* stages 2 to 12 */
   SLOT_K_EXTRA = SLOT_K + 11, /* stages 14 to 16 */
-  SLOT_DENSE = SLOT_K_EXTRA + 3, /* seven vectors of the continuous extension */
+  SLOT_DENSE = SLOT_OWN + DOP853_DENSE, /* seven vectors of the continuous extension */
   OWN_SLOTS = 11 + 3 + 7
 };
-
-/* d_ij of the continuous extension */
-static const lamc_real D[4][16] = {
-    {-8.428938276109013, 0.0, 0.0, 0.0, 0.0, 0.5667149535193777, -3.0689499459498917, 2.38466765651207,
-     2.117034582445028, -0.871391583777973, 2.2404374302607883, 0.6315787787694688, -0.08899033645133331,
-     18.148505520854727, -9.194632392478356, -4.436036387594894},
-    {10.427508642579134, 0.0, 0.0, 0.0, 0.0, 242.28349177525817, 165.20045171727028, -374.5467547226902,
-     -22.113666853125306, 7.733432668472264, -30.674084731089398, -9.332130526430229, 15.697238121770845,
-     -31.139403219565178, -9.35292435884448, 35.81684148639408},
-    {19.985053242002433, 0.0, 0.0, 0.0, 0.0, -387.0373087493518, -189.17813819516758, 527.8081592054236,
-     -11.57390253995963, 6.8812326946963, -1.0006050966910838, 0.7777137798053443, -2.778205752353508,
-     -60.19669523126412, 84.32040550667716, 11.99229113618279},
-    {-25.69393346270375, 0.0, 0.0, 0.0, 0.0, -154.18974869023643, -231.5293791760455, 357.6391179106141,
-     93.40532418362432, -37.45832313645163, 104.0996495089623, 29.8402934266605, -43.53345659001114,
-     96.32455395918828, -39.17726167561544, -149.72683625798564}};
 
 /* Stage k (from 0): the slopes at the two ends of a step are stages 0 and 12. `begin` and `end` are those. */
 static const lamc_real *stage(const lamc_run *run, int k, const lamc_real *begin, const lamc_real *end) {
@@ -89,7 +74,8 @@ static void make_dense(lamc_run *run) {
     evaluate(run, run->t_old + DOP853_C[k] * h, s, slot(run, SLOT_K_EXTRA + k - STAGES - 1));
   }
   lamc_real *f0 = slot(run, SLOT_DENSE), *f1 = slot(run, SLOT_DENSE + 1), *f2 = slot(run, SLOT_DENSE + 2);
-  for (int k = 0; k < 4; k++) combine(run, D[k], ALL_STAGES, begin, end, slot(run, SLOT_DENSE + 3 + k));
+  for (int k = 0; k < 4; k++)
+    combine(run, DOP853_D[k], ALL_STAGES, begin, end, slot(run, SLOT_DENSE + 3 + k));
   for (int i = 0; i < n; i++) {
     const lamc_real change = y_new[i] - y[i];
     f0[i] = change;

@@ -12,6 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import lamc
+from lamc.commands.examples import mechanism_of_example
+from lamc.examples import find
 from lamc.run.request import Status
 from lamc.run.simulator import Simulator
 from tests.support.every_effect import SAMPLES
@@ -249,3 +251,41 @@ def test_a_start_that_an_effect_refuses_is_one_instance_without_rows() -> None:
     assert "did not start" in many.message(1)
     with pytest.raises(lamc.RequestError, match="instance 1 did not start"):
         many.result(1)
+
+
+def test_instances_with_loops_run_by_themselves_and_say_so() -> None:
+    """Each is closed around its own angle; one that cannot be is an instance without rows."""
+    mechanism = mechanism_of_example(find("four_bar"))
+    scene = mechanism.scene or lamc.Scene()
+    sim = lamc.compile(mechanism, scene)
+    joint = sim.joints[0]
+    angles = sim.start[0] + np.array([0.0, 0.02, -0.03])
+    many = sim.ensemble(0.1, 1e-7, angles={joint: np.append(angles, -1.0)})
+    assert many.stats.lanes == 1
+    assert "loops" in many.stats.why_alone
+    for k, angle in enumerate(angles):
+        own = replace(scene, angles={**scene.angles, joint: float(angle)})
+        one = lamc.compile(mechanism, own).run(0.1, 1e-7, t_eval=[0.0, 0.1])
+        assert many.q[k].tobytes() == one.q.tobytes()
+        assert many.u[k].tobytes() == one.u.tobytes()
+    assert many.status.tolist() == [0, 0, 0, int(Status.FAILED)]
+    assert joint in many.message(3)
+
+
+def test_another_design_of_the_topology_has_ensembles_of_its_own() -> None:
+    """Numbers of the drawing go with the instances: lanes are compiled once, and each design has its runs' bits."""
+    mechanism = chain(3)
+    moved = replace(
+        mechanism, bodies=tuple(replace(body, com=1.1 * np.asarray(body.com)) for body in mechanism.bodies)
+    )
+    scene = lamc.Scene(effects=ALL_PASSIVE)
+    sims = [lamc.compile(each, scene) for each in (mechanism, moved)]
+    first = sims[0].joints[0]
+    ends = []
+    for sim in sims:
+        parameters = {f"{first}.damping": np.linspace(0.1, 0.3, 9)}
+        how = {"t_end": 0.5, "rtol": 1e-7, "integrator": "dop853"}
+        many = sim.ensemble(t_eval=T, angles={first: sim.start[0]}, parameters=parameters, **how)
+        assert_alike(sim, many, parameters, **how)
+        ends.append(many.q[:, -1])
+    assert np.abs(ends[0] - ends[1]).min(axis=1).max() > 0.0

@@ -22,11 +22,15 @@ MAIN = """
 #include <stdlib.h>
 #include <string.h>
 
-enum {{ COUNT = 13, ROWS = 5, N = {prefix}_coordinate_count + {prefix}_rate_count }};
+enum {{
+  COUNT = 13,
+  ROWS = 5,
+  N = {prefix}_coordinate_count + {prefix}_rate_count,
+  STRIDE = {prefix}_parameter_count + {prefix}_geometry_count + 1
+}};
 
 static const double start[N] = {{{start}}};
-static double y[2][COUNT * ROWS * N], reached[COUNT];
-static double parameters[COUNT * ({prefix}_parameter_count + {prefix}_geometry_count + 1)];
+static double y[2][COUNT * ROWS * N], reached[COUNT], parameters[COUNT * STRIDE];
 static double starts[COUNT * N];
 static int status[2][COUNT];
 static long long told[2][COUNT * LAMC_TOLD];
@@ -46,14 +50,14 @@ static int run(lamc_ensemble *e, int which) {{
 
 int main(void) {{
   const lamc_model *model = {prefix}_model();
-  const int taken = model->parameter_count + model->geometry_count;
   static const double rows[ROWS] = {{0.0, 0.05, 0.1, 0.15, 0.2}};
   const lamc_options options = {{1e-7, 1e-9, 0.0, 0.0, 20000}};
   lamc_ensemble e;
   memset(&e, 0, sizeof e);
   for (int k = 0; k < COUNT; k++) {{
-    for (int i = 0; i < taken; i++)
-      parameters[k * taken + i] = model->parameter_defaults[i] * (i < model->parameter_count ? 1.0 + 0.01 * k : 1.0);
+    for (int i = 0; i < STRIDE - 1; i++)
+      parameters[k * STRIDE + i] =
+          model->parameter_defaults[i] * (i < model->parameter_count ? 1.0 + 0.01 * k : 1.0);
     for (int i = 0; i < N; i++)
       starts[k * N + i] = start[i] + (i < {prefix}_joint_count ? 0.1 * (i + 1) - 0.02 * k : 0.0);
   }}
@@ -65,7 +69,7 @@ int main(void) {{
   e.row_count = ROWS;
   e.count = COUNT;
   e.parameters = parameters;
-  e.parameter_stride = taken;
+  e.parameter_stride = STRIDE;
   e.starts = starts;
   e.start_stride = N;
   e.t_reached = reached;

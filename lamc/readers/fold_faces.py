@@ -17,6 +17,10 @@ from lamc.records.mechanism import Array
 
 SHARE = 1e-6  # of the smaller facet: an overlap by less is rounding of corners to six digits
 NEAR = 1e-9  # of the drawing's size: places that are nearer are one
+# Of the sheet's extent: overlays in floating point take sides that all but coincide for a whole facet or for nothing
+# (shapely issue 1871, JTS issue 1000); nodes on a grid do not. Far above the round-off of places (2e-16 of the extent),
+# far below NEAR, so that it adds no area that counts.
+_GRID = 1e-12
 Edge = tuple[int, int]
 Face = tuple[int, ...]
 
@@ -82,10 +86,13 @@ def polygons_of(points: Array, faces: Sequence[Face]) -> list[shapely.Polygon]:
 def overlap(polygons: Sequence[shapely.Polygon], share: float = SHARE) -> tuple[int, int] | None:
     """The first two facets that lie over one another by more than a share of the smaller one."""
     shapes = np.array(polygons, dtype=object)
+    low, high = shapely.total_bounds(shapes).reshape(2, 2)
+    shapes = shapely.transform(shapes, lambda places: places - low)  # a far place has no digits for the grid
     first, second = STRtree(shapes).query(shapes, predicate="intersects")
     once = first < second
     first, second = first[once], second[once]
-    shared = shapely.area(shapely.intersection(shapes[first], shapes[second]))
+    grid = _GRID * float((high - low).max())
+    shared = shapely.area(shapely.intersection(shapes[first], shapes[second], grid_size=grid))
     over = shared > share * np.minimum(shapely.area(shapes[first]), shapely.area(shapes[second]))
     pairs = sorted(zip(first[over].tolist(), second[over].tolist(), strict=True))
     return pairs[0] if pairs else None

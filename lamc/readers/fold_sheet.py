@@ -26,7 +26,7 @@ from lamc.readers.fold_faces import (
 )
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normals_of
-from lamc.readers.fold_groups import Crease, grouped, joined_edges, pieces_of
+from lamc.readers.fold_groups import IN_LINE, Crease, grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
 from lamc.readers.fold_locked import locked_creases
 from lamc.readers.fold_own import Own, own_of
@@ -250,7 +250,9 @@ class _Sheet:
             middle = shapely.MultiPoint(
                 [c for k in members for c in polygons[k].exterior.coords]
             ).envelope.centroid
-            nearest = min(members, key=lambda k: (polygons[k].distance(middle), k))
+            away = shapely.distance([polygons[k] for k in members], middle)
+            # The lowest of those alike: the middle of a regular sheet is on an edge or a vertex, but for round-off.
+            nearest = members[int(np.argmax(away <= away.min() + IN_LINE * self.size))]
             chosen.append(groups[nearest])
         return chosen
 

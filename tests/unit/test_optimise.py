@@ -330,3 +330,53 @@ def test_the_best_can_be_run_and_made_again() -> None:
     best = lamc.optimise(pendulum, {"length": (0.1, 0.5)}, "last(hip)**2", max_runs=1, starts=1)
     assert best.design.parameters["length"].default == best.parameters["length"] == 0.3
     assert best.result.success
+
+
+def test_a_kink_of_two_parameters_is_not_called_an_optimum() -> None:
+    """The larger of two slopes: in a crease of the value no look along each parameter tells its floor."""
+    quarter = "(time_of(h < 0) / 0.1 s)"
+    goal = f"max(abs({quarter} - 1), abs({quarter} - 3 + 4 * first(h) / 1 rad))"
+    vary: Any = {"h.stiffness": (0.2, 1.0), "angles.h": (0.3, 1.0)}
+    best = lamc.optimise(rotor(), vary, goal, starts=1, max_runs=1500)
+    assert best.value < 1e-6 or not best.converged  # both are zero at T/4 = 0.1 s and 0.5 rad
+
+
+def test_an_interrupted_search_keeps_what_it_has() -> None:
+    runs = 0
+
+    def stopped(result: Result) -> float:
+        nonlocal runs
+        runs += 1
+        if runs == 7:
+            raise KeyboardInterrupt
+        return float(result.angle("h")[-1]) ** 2
+
+    best = lamc.optimise(rotor(), {"h.stiffness": (0.2, 1.0)}, stopped, starts=1)
+    assert best.interrupted
+    assert not best.converged
+    assert best.runs == 6
+
+
+def test_a_least_value_beside_points_without_a_number() -> None:
+    """The start has no crossing within the run, so no number: least squares begins elsewhere."""
+    best = lamc.optimise(
+        rotor(),
+        {"h.stiffness": (0.01, 1.0)},
+        "(time_of(h < 0) - 0.1)**2",
+        start={"h.stiffness": 0.01},
+        t_end=0.5,
+        starts=2,
+    )
+    assert best.problem.trials[0].status == "undefined"
+    assert best.converged
+    assert found(best, "h.stiffness") == pytest.approx(INERTIA * (math.pi / 0.2) ** 2, rel=ACCURATE)
+
+
+@pytest.mark.parametrize("method", ["cma-es"])
+def test_cma_es_finds_the_spring(method: str) -> None:
+    pytest.importorskip("cma")
+    best = lamc.optimise(
+        rotor(), {"h.stiffness": "log:0.02:2"}, "time_of(h < 0)", "max(abs(h.rate)) < 5 rad/s", method=method
+    )
+    assert best.converged
+    assert found(best, "h.stiffness") == pytest.approx(INERTIA * (5.0 / START) ** 2, rel=ACCURATE)

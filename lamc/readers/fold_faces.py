@@ -5,7 +5,7 @@ drawing: crossings, doubled places and overlaps are told, each with its numbers 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
@@ -25,12 +25,14 @@ Edge = tuple[int, int]
 Face = tuple[int, ...]
 
 
-def faces_of(points: Array, edges: Sequence[Edge], kinds: str, notes: list[str]) -> tuple[Face, ...]:
+def faces_of(
+    points: Array, edges: Sequence[Edge], kinds: str, notes: list[str], number: Callable[[int], int] = int
+) -> tuple[Face, ...]:
     """Bounded faces of a planar drawing; edges that bound none are left out, with a note. points: (n, 2).
 
     Raises DesignError where edges cross, run over one another or over a vertex, and where there is no face.
     """
-    _check_planar(points, edges)
+    _check_planar(points, edges, number)
     kept = _pruned(edges)
     if len(kept) < len(edges):
         left = ", ".join(str(k) for k in sorted(set(range(len(edges))) - set(kept))[:8])
@@ -98,12 +100,12 @@ def overlap(polygons: Sequence[shapely.Polygon], share: float = SHARE) -> tuple[
     return pairs[0] if pairs else None
 
 
-def _check_planar(points: Array, edges: Sequence[Edge]) -> None:
+def _check_planar(points: Array, edges: Sequence[Edge], number: Callable[[int], int]) -> None:
     size = float(np.ptp(points, axis=0).max()) or 1.0
     pairs = np.array(edges)
     for index, (a, b) in enumerate(edges):
         if math.dist(points[a], points[b]) <= NEAR * size:
-            raise DesignError(f"edge {index} has no length: vertices {a} and {b} are one place")
+            raise DesignError(f"edge {number(index)} has no length: vertices {a} and {b} are one place")
     lines = shapely.linestrings(points[pairs])
     used = np.unique(pairs)
     dots = shapely.points(points[used])
@@ -116,14 +118,14 @@ def _check_planar(points: Array, edges: Sequence[Edge]) -> None:
                     *sorted((near[0], vertex)), _at(points[vertex])
                 )
                 if near
-                else f"vertex {vertex} at {_at(points[vertex])} lies on edge {edge}: part the edge there"
+                else f"vertex {vertex} at {_at(points[vertex])} lies on edge {number(edge)}: part the edge there"
             )
     first, second = STRtree(lines).query(lines, predicate="crosses")
     for a, b in sorted(zip(first.tolist(), second.tolist(), strict=True)):
         if a < b:
             where = shapely.get_coordinates(shapely.intersection(lines[a], lines[b]))[0]
             raise DesignError(
-                f"edges {a} and {b} cross at {_at(where)}: put a vertex there, or list faces_vertices"
+                f"edges {number(a)} and {number(b)} cross at {_at(where)}: put a vertex there, or list faces_vertices"
             )
 
 

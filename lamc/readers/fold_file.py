@@ -50,6 +50,7 @@ class FoldFrame:
     unit      m; None: not given
     own       fields that lamc writes, "lamc:…", unchecked
     sources   what a drawing calls the line of each edge; none: edges have numbers only
+    numbers   of the edges in the file, where some of its edges are left out; none: as they come
     off       m, by which pieces of one hinge may lie off its line, beside rounding
     """
 
@@ -64,12 +65,20 @@ class FoldFrame:
     notes: tuple[str, ...]
     sources: tuple[str, ...] = ()
     off: float = 0.0
+    numbers: tuple[int, ...] = ()
+
+    def number(self, edge: int) -> int:
+        """The number that the file gives an edge, by its place here; edges that lamc adds come behind the file's."""
+        if not self.numbers:
+            return edge
+        kept = len(self.numbers)
+        return self.numbers[edge] if edge < kept else self.numbers[-1] + edge - kept + 1
 
     def told(self, numbers: Sequence[int]) -> str:
         """Edges as messages name them."""
         if self.sources:
             return listed_names(list(dict.fromkeys(self.sources[k] for k in numbers)))
-        return f"edge{'s' if len(numbers) > 1 else ''} {listed_names([str(k) for k in numbers])}"
+        return f"edge{'s' if len(numbers) > 1 else ''} {listed_names([str(self.number(k)) for k in numbers])}"
 
 
 def is_fold(text: str) -> bool:
@@ -105,12 +114,40 @@ class _Reader:
         if "faceOrders" in data or "edgeOrders" in data:
             self.notes.append("the order of layers (faceOrders) is not used: facets pass through one another")
         kinds = self._kinds(data, len(edges))
+        angles = self._angles(data, len(edges))
+        kept = self._once(edges, kinds, angles)
         title = next((t for t in (data.get("frame_title"), data.get("file_title")) if isinstance(t, str)), "")
         own = {key: value for key, value in data.items() if key.startswith("lamc:")}
-        angles = self._angles(data, len(edges))
         return FoldFrame(
-            title, vertices, edges, kinds, angles, faces, self._unit(data), own, tuple(self.notes)
+            title,
+            vertices,
+            tuple(edges[k] for k in kept),
+            "".join(kinds[k] for k in kept),
+            tuple(angles[k] for k in kept),
+            faces,
+            self._unit(data),
+            own,
+            tuple(self.notes),
+            numbers=tuple(kept) if len(kept) < len(edges) else (),
         )
+
+    def _once(
+        self, edges: Sequence[tuple[int, int]], kinds: str, angles: Sequence[float | None]
+    ) -> list[int]:
+        """Places of the edges, those that are drawn twice with the same fold once. Which of two folds is meant only the
+        user knows."""
+        seen: dict[tuple[int, int], int] = {}
+        for index, ends in enumerate(edges):
+            first = seen.setdefault((min(ends), max(ends)), index)
+            if first == index:
+                continue
+            if (kinds[first], angles[first]) != (kinds[index], angles[index]):
+                raise self.error(
+                    f"edges {first} and {index} both join vertices {min(ends)} and {max(ends)}, and fold otherwise; "
+                    "keep one"
+                )
+            self.notes.append(f"edge {index} is drawn as edge {first} is, and is left out")
+        return sorted(seen.values())
 
     def _check_spec(self) -> None:
         spec = self.data.get("file_spec")
@@ -202,19 +239,12 @@ class _Reader:
             sides = ((min(a, b), max(a, b)) for face in faces for a, b in sides_of(face))
             return tuple(dict.fromkeys(sides))
         edges: list[tuple[int, int]] = []
-        seen: dict[tuple[int, int], int] = {}
         for index, edge in enumerate(self._list(data, "edges_vertices")):
             ends = self._indices(edge, count, f"edge {index}")
             if len(ends) != 2 or ends[0] == ends[1]:
                 raise self.error(
                     f"edge {index} has the vertices {shown(list(ends))}; it needs two that differ"
                 )
-            key = (min(ends), max(ends))
-            if key in seen:
-                raise self.error(
-                    f"edges {seen[key]} and {index} both join vertices {key[0]} and {key[1]}; keep one"
-                )
-            seen[key] = index
             edges.append((ends[0], ends[1]))
         return tuple(edges)
 

@@ -6,7 +6,7 @@ each crease. Never: stretches a facet: a sheet that does not lie flat without a 
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -81,8 +81,10 @@ def laid_flat(
     joined: Sequence[int],
     roots: Sequence[int],
     size: float,
+    number: Callable[[int], int] = int,
 ) -> Corners:
     """Corners in the plane; each root lies where its own plane's axes put it, and pieces side by side along x.
+    number: of an edge, as messages name it.
 
     Raises DesignError where the two sides of a joined edge come to lie apart.
     """
@@ -127,7 +129,7 @@ def laid_flat(
         for f in placed:
             corners[f] = {v: p + np.array([shift - low, 0.0]) for v, p in corners[f].items()}
         shift += high - low + 0.1 * size
-    _check_closed(corners, edges, beside, joined, size)
+    _check_closed(corners, edges, beside, joined, size, number)
     return corners
 
 
@@ -145,7 +147,12 @@ def _placed(
 
 
 def _check_closed(
-    corners: Corners, edges: Sequence[Edge], beside: Beside, joined: Sequence[int], size: float
+    corners: Corners,
+    edges: Sequence[Edge],
+    beside: Beside,
+    joined: Sequence[int],
+    size: float,
+    number: Callable[[int], int],
 ) -> None:
     for k in joined:
         left, right = pair_of(beside, k)
@@ -153,7 +160,7 @@ def _check_closed(
             gap = float(np.linalg.norm(corners[left][vertex] - corners[right][vertex]))
             if gap > ROUNDING * size:
                 raise DesignError(
-                    f"the sheet cannot be laid flat: about vertex {vertex} it tears by {gap:.2g} m at edge {k}, so it "
-                    "is none that was folded from one flat piece; cut it along an edge (assignment C), as nets of "
+                    f"the sheet cannot be laid flat: about vertex {vertex} it tears by {gap:.2g} m at edge "
+                    f"{number(k)}, so it is none that was folded from one flat piece; cut it along an edge (assignment C), as nets of "
                     "boxes are"
                 )

@@ -90,7 +90,7 @@ class Hinges:
     ) -> Joint:
         """lever: kg·m² of the lighter side about the crease."""
         own = self.own.hinges[crease.edges[0]] if self.own.hinges else None
-        name = own.name if own else f"E{crease.edges[0]}"
+        name = own.name if own else f"E{self.frame.number(crease.edges[0])}"
         per_length = self.crease if self.crease is not None else CREASE
         if self.frame.kinds[crease.edges[0]] == FACET:
             per_length *= STIFFER

@@ -154,7 +154,7 @@ class _Sheet:
         if frame.faces is None:
             if not level:
                 raise DesignError("the sheet is folded, in three dimensions, and lists no faces_vertices")
-            faces = faces_of(frame.vertices[:, :2], frame.edges, frame.kinds, self.notes)
+            faces = faces_of(frame.vertices[:, :2], frame.edges, frame.kinds, self.notes, frame.number)
             polygons = polygons_of(points[:, :2], faces)
         elif level:
             faces = tuple(counterclockwise(points[:, :2], face) for face in frame.faces)
@@ -204,7 +204,9 @@ class _Sheet:
                 signs[k] = angle or (1.0 if kind == "V" else -1.0)
         angles = angles_of(self.points, normals, frame.edges, beside, joined, signs)
         roots = _roots(len(faces), [beside[k] for k in joined])
-        corners = laid_flat(self.points, faces, normals, frame.edges, beside, joined, roots, self.size)
+        corners = laid_flat(
+            self.points, faces, normals, frame.edges, beside, joined, roots, self.size, frame.number
+        )
         laid = [shapely.Polygon([corners[k][v] for v in face]) for k, face in enumerate(faces)]
         pair = overlap(laid, _SLIVER)
         if pair is not None:

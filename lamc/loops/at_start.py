@@ -49,7 +49,9 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
             count = count_at(geometry, angles, scene.closure_tolerance)
     check_freedom(count)
     if exact is not None and not count.accepted_gap:
-        count = replace(count, start=Found(tuple(sorted(scene.angles.items())), tuple(exact.tolist())))
+        count = replace(
+            count, start=Found(tuple(sorted(scene.angles.items())), geometry.names, tuple(exact.tolist()))
+        )
     if scene.branch is not None:
         return count.on_branch(scene.branch)
     if len(set(count.branch_ranks)) > 1 and angles is not None and any(scene.rates.values()):

@@ -34,7 +34,10 @@ def _read(values: Any) -> LoopCount | None:
         if misfit is not None:
             misfit["place"] = tuple(misfit["place"])
         if start is not None:
-            start = Found(tuple((name, angle) for name, angle in start["given"]), tuple(start["angles"]))
+            start = Found(
+                tuple((name, angle) for name, angle in start["given"]),
+                *(tuple(start[name]) for name in ("joints", "angles")),
+            )
         return LoopCount(**values, misfit=None if misfit is None else Misfit(**misfit), start=start)
     except (ValueError, TypeError, KeyError, AttributeError):
         return None

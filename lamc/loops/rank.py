@@ -36,9 +36,10 @@ MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfi
 
 @dataclass(frozen=True)
 class Found:
-    """The closed position of a start: angles given, rad, by name, sorted; and those of all joints, in their order."""
+    """The closed position of a start: angles given, rad, by name, sorted; and those of all joints, in this order."""
 
     given: tuple[tuple[str, float], ...]
+    joints: tuple[str, ...]
     angles: tuple[float, ...]
 
 

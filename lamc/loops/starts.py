@@ -111,7 +111,7 @@ class Starter:
         """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
         that may bend are flat, where there is such a position."""
         known = self.count.start
-        if known is not None and known.given == tuple(sorted(given.items())):
+        if known and (known.given, known.joints) == (tuple(sorted(given.items())), self.geometry.names):
             return np.array(known.angles)
         flat = dict.fromkeys(self.geometry.tree.mechanism.facet_creases, 0.0)
         if not flat.keys() <= given.keys():

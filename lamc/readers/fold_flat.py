@@ -161,6 +161,6 @@ def _check_closed(
             if gap > ROUNDING * size:
                 raise DesignError(
                     f"the sheet cannot be laid flat: about vertex {vertex} it tears by {gap:.2g} m at edge "
-                    f"{number(k)}, so it is none that was folded from one flat piece; cut it along an edge (assignment C), as nets of "
-                    "boxes are"
+                    f"{number(k)}, so it is none that was folded from one flat piece; cut it along an edge "
+                    "(assignment C), as nets of boxes are"
                 )

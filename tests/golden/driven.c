@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.c.j2. Do not edit: change the design and build again.
- * Structure d1de86cadd50d8cab6e44c16dd0a84c1dedfd029710c8ee6a9387ced86740037
+ * Structure 2b58f5c82a523c1f15fdf74364494c8baa1ff19ec91692f438f0136efa533d3c
  * Accelerations by elimination (operations: elimination 9, mass matrix 9).
  *
  * Operations per call (+ - *, reciprocals, calls of sine and other functions):
@@ -10,7 +10,7 @@
  *   energy              3 of which 0 reciprocals; 0 calls
  *   poses               2 of which 0 reciprocals; 2 calls
  *   inertia             0 of which 0 reciprocals; 0 calls
- *   jacobian           15 of which 0 reciprocals; 5 calls
+ *   jacobian           14 of which 0 reciprocals; 5 calls
  */
 #include "driven.h"
 
@@ -25,23 +25,20 @@ void driven_setup(const driven_parameters *p, double *out) {
   const double z0 = 0.5*(p->flap_inertia_xx + p->flap_inertia_zz) + p->flap_com_y*(p->flap_mass*p->flap_com_y);
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
   const double z1 = 1.0/z0;
-  out[0] = p->geometry[0];
-  out[1] = p->geometry[1];
-  out[2] = p->geometry[2];
-  out[3] = z1;
-  out[4] = z0;
-  out[5] = p->flap_com_y;
+  out[0] = z1;
+  out[1] = z0;
+  out[2] = p->flap_com_y;
 }
 
 /* accelerations of the joints, rad/s^2 */
 void driven_acceleration(const double *c, double t, const double *q, const double *u, double *out) {
   /* Applied hinge torques (eq. 17) [torque] */
-  const double z0 = lamc_sin(c[0]*t);
+  const double z0 = lamc_sin(314.1592653589793*t);
   const double z1 = fabs(u[0]);
   const double z2 = fmax(q[0], 0.0);
-  const double z3 = (c[1]*z0 - (c[2]*u[0])*z1) + z2*(z2*z2);
+  const double z3 = (0.01*z0 - (0.0001*u[0])*z1) + z2*(z2*z2);
   /* Elimination of the hinges, tips first (Kane, eq. 19) */
-  const double z4 = z3*c[3];
+  const double z4 = z3*c[0];
   out[0] = z4;
 }
 
@@ -50,7 +47,7 @@ void driven_energy(const double *c, double t, const double *q, const double *u, 
   (void)t;
   (void)q;
   /* Kinetic energy (1/2  m v^2 + v*(w x h) + 1/2  w*I w) */
-  const double z0 = 0.5*(u[0]*(u[0]*c[4]));
+  const double z0 = 0.5*(u[0]*(u[0]*c[1]));
   out[0] = z0;
 }
 
@@ -61,8 +58,8 @@ void driven_poses(const double *c, double t, const double *q, double *out) {
   double z1, z0;
   lamc_turn(q[0], &z1, &z0);
   /* Positions and rotations of the links (eq. 1-4) */
-  const double z2 = c[5]*z0;
-  const double z3 = c[5]*z1;
+  const double z2 = c[2]*z0;
+  const double z3 = c[2]*z1;
   out[0] = -z2;
   out[1] = -z3;
   out[2] = 0.0;
@@ -80,16 +77,17 @@ void driven_poses(const double *c, double t, const double *q, double *out) {
 /* mass matrix, lower triangle by rows */
 void driven_inertia(const double *c, const double *q, double *out) {
   (void)q;
-  out[0] = c[4];
+  out[0] = c[1];
 }
 
 /* derivatives by q, u and t of M udot - f - J^T lambda, then of J udot + gamma */
 void driven_jacobian(const double *c, double t, const double *q, const double *u, const double *a, const double *l, double *out) {
+  (void)c;
   (void)a;
   (void)l;
   /* Applied hinge torques (eq. 17) [torque] */
-  const double z0 = c[0]*t;
-  const double z1 = c[2]*u[0];
+  const double z0 = 314.1592653589793*t;
+  const double z1 = 0.0001*u[0];
   const double z2 = fabs(u[0]);
   const double z3 = fmax(q[0], 0.0);
   const double z4 = z3*z3;
@@ -98,9 +96,9 @@ void driven_jacobian(const double *c, double t, const double *q, const double *u
   const double z6 = 0.5*z5 + 0.5;
   const double z7 = z4*z6 + z3*(2.0*(z3*z6));
   const double z8 = (((u[0]) > 0) - ((u[0]) < 0));
-  const double z9 = c[2]*z2 + z1*z8;
+  const double z9 = 0.0001*z2 + z1*z8;
   const double z10 = lamc_cos(z0);
-  const double z11 = c[1]*(c[0]*z10);
+  const double z11 = 3.141592653589793*z10;
   out[0] = -z7;
   out[1] = z9;
   out[2] = -z11;
@@ -138,14 +136,11 @@ static const double parameter_defaults[] = {
     (-0.5), /* flap.com_y, m */
     0.02, /* flap.inertia_xx, kg*m^2 */
     0.02, /* flap.inertia_zz, kg*m^2 */
-    314.1592653589793,
-    0.01,
-    0.0001,
 };
 
 void driven_default_parameters(driven_parameters *parameters) {
   double *all = (double *)(void *)parameters; /* the struct as the array that it also is */
-  for (int i = 0; i < 7; ++i) all[i] = parameter_defaults[i];
+  for (int i = 0; i < 4; ++i) all[i] = parameter_defaults[i];
 }
 
 /* The struct as the array that it also is. */
@@ -156,7 +151,7 @@ static void setup_from_array(const double *parameters, double *constants) {
 const lamc_model *driven_model(void) {
   static const lamc_model model = {
       "driven",
-      "d1de86cadd50d8cab6e44c16dd0a84c1dedfd029710c8ee6a9387ced86740037",
+      "2b58f5c82a523c1f15fdf74364494c8baa1ff19ec91692f438f0136efa533d3c",
       1,
       1,
       1,
@@ -166,8 +161,8 @@ const lamc_model *driven_model(void) {
       NULL,
       1,
       4,
+      0,
       3,
-      6,
       1,
       0,
       0,
@@ -185,7 +180,7 @@ const lamc_model *driven_model(void) {
       NULL,
       parameter_defaults,
       NULL,
-      1.67,
+      1.64,
       setup_from_array,
       NULL,
       driven_acceleration,

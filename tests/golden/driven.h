@@ -1,7 +1,7 @@
 /* driven: equations of motion in C.
  *
  * Made by lamc VERSION from template model.h.j2. Do not edit: change the design and build again.
- * Structure d1de86cadd50d8cab6e44c16dd0a84c1dedfd029710c8ee6a9387ced86740037
+ * Structure 2b58f5c82a523c1f15fdf74364494c8baa1ff19ec91692f438f0136efa533d3c
  *
  * Coordinates. q[i] is the angle of joint i in rad, child relative to parent, zero in the drawn configuration and
  * positive by the right-hand rule about the joint's axis; u[i] is its rate in rad/s. SI units throughout.
@@ -32,8 +32,8 @@ enum {
   driven_closure_count = 0,
   driven_body_count = 1,
   driven_parameter_count = 4,
-  driven_geometry_count = 3,
-  driven_constant_count = 6,
+  driven_geometry_count = 0,
+  driven_constant_count = 3,
   driven_energy_count = 1,
   driven_guard_count = 0
 };
@@ -45,13 +45,12 @@ typedef struct driven_parameters {
   double flap_com_y; /* flap.com_y: centre of mass from the hinge, along y of the link's frame, m */
   double flap_inertia_xx; /* flap.inertia_xx: moment of inertia about x through the centre of mass, link's frame, kg*m^2 */
   double flap_inertia_zz; /* flap.inertia_zz: moment of inertia about z through the centre of mass, link's frame, kg*m^2 */
-  double geometry[3]; /* numbers of the drawing, SI: another design of this topology has others */
 } driven_parameters;
 
 /* Fills in the values of the design. */
 void driven_default_parameters(driven_parameters *parameters);
 
-/* -> constants (6,): everything that depends on parameters only. Call it once per change. */
+/* -> constants (3,): everything that depends on parameters only. Call it once per change. */
 void driven_setup(const driven_parameters *parameters, double *constants);
 
 /* t s, q (1,) rad, u (1,) rad/s -> udot (1,) rad/s^2 */

@@ -17,6 +17,7 @@ from lamc.readers.load import load_text
 from tests.physics.test_fold_motion import CREASE, DENSITY, THICKNESS, by_hand
 from tests.support import dxf_corpus, fold_corpus
 from tests.support.ctools import needs_cc
+from tests.support.four_bar import written_out
 from tests.support.same_motion import assert_same_motion
 
 pytestmark = needs_cc
@@ -64,7 +65,7 @@ def drawn_four_bar(version: str, fmt: str) -> tuple[str, bytes]:
         word = "shape" if corners else "lines"
         return f"{word}: {{file: bar.dxf, layer: {layer}, units: mm}}"
 
-    text = re.sub(r"rect: \[(.*?)\]", drawn, find("four_bar").text)
+    text = re.sub(r"rect: \[(.*?)\]", drawn, written_out())
     text = re.sub(r"line: \[(\[.*?\], \[.*?\])\]", drawn, text)
     assert not re.search(r"\b(?:rect|line): ", text)
     return text, dxf_corpus.data_of(made, fmt)

@@ -18,14 +18,14 @@ from hypothesis import strategies as st
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.cli import main
-from lamc.examples import find
 from lamc.readers.drawings.layer_shape import lines_of, shape_of
 from lamc.readers.load import load_text
 from lamc.records.drawing import ROLES
 from tests.support.drawn_corpus import drawing, line, square
+from tests.support.four_bar import written_out
 from tests.support.quick import tries
 
-FOUR_BAR = find("four_bar").text
+FOUR_BAR = written_out()
 LAYER = '<g inkscape:groupmode="layer" inkscape:label="{}" fill="none" stroke="black">{}</g>'
 
 

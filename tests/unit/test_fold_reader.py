@@ -98,6 +98,26 @@ def test_folded_flat_is_told_by_the_assignment(tmp_path: Path) -> None:
         assert made.scene.angles["E1"] == pytest.approx(sign * math.pi)
 
 
+def test_an_edge_drawn_twice_is_read_once_and_others_keep_their_numbers(tmp_path: Path) -> None:
+    data = corpus.miura(3, 3)
+    at = data["edges_assignment"].index("V")
+    for key, value in (("edges_vertices", data["edges_vertices"][at][::-1]), ("edges_assignment", "V")):
+        data[key] = [*data[key][: at + 1], value, *data[key][at + 1 :]]
+    for key in [
+        key for key in data if key.startswith("edges_") and len(data[key]) < len(data["edges_vertices"])
+    ]:
+        data[key] = [*data[key][: at + 1], data[key][at], *data[key][at + 1 :]]
+    plain = read(tmp_path, corpus.miura(3, 3))
+    twice = read(tmp_path, data)
+    assert len(twice.joints) == len(plain.joints)
+    assert f"edge {at + 1} is drawn as edge {at} is, and is left out" in " ".join(notes(tmp_path, data))
+    moved = {f"E{k}": f"E{k + (k > at)}" for k in range(len(data["edges_vertices"]))}
+    assert {moved[j.name] for j in plain.joints} == {j.name for j in twice.joints}
+    data["edges_assignment"][at + 1] = "M"
+    with pytest.raises(LamcError, match=f"edges {at} and {at + 1} both join .* fold otherwise; keep one"):
+        read(tmp_path, data)
+
+
 def test_units_are_those_of_the_file_the_user_or_such_that_one_can_fold_it(tmp_path: Path) -> None:
     for unit, options, scale in (
         ("cm", {}, 0.01),

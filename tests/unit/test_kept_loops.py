@@ -16,7 +16,14 @@ from lamc.loops.starts import Starter
 from tests.support.ctools import needs_cc
 
 COUNT = LoopCount(
-    1, 6, 3, 1, (1.25, 0.1, 1e-17), Misfit(3, 1.1e-7, "h4"), 1e-6, start=Found((("h1", 0.1),), (0.1, -0.1))
+    1,
+    6,
+    3,
+    1,
+    (1.25, 0.1, 1e-17),
+    Misfit(3, 1.1e-7, "h4"),
+    1e-6,
+    start=Found((("h1", 0.1),), ("h1", "h2"), (0.1, -0.1)),
 )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import RequestError, UnsupportedError
+from lamc.basics.errors import RequestError, UnsupportedError, warn
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
 from lamc.basics.places import located_at
@@ -133,8 +133,8 @@ class Simulator(Evaluations, Viewable):
         """A simulator of another drawing, such as `design.with_parameters(length=0.05)`: of one of the same topology
         within milliseconds, by the same compiled code.
 
-        Where the topology is another, or numbers vanish that did not, it is derived and compiled anew: a warning of the
-        log "lamc" says so, and `structure` differs.
+        Where the topology is another, or numbers vanish that did not, it is derived and compiled anew: a DesignWarning
+        says so, and `structure` differs.
 
         scene: None: this one's; where that is the design's own, the new design's own
 
@@ -146,7 +146,8 @@ class Simulator(Evaluations, Viewable):
         made = self._recipe.in_passing().simulator(design, scene or given)
         if made.structure != self.structure:
             what = changes(self.mechanism, made.mechanism)
-            logger.warning("%r is compiled anew, as its topology is not that of %r: %s", made, self, what)
+            text = f"{made!r} is compiled anew, as its topology is not that of {self!r}: {what}"
+            warn(text)
         return made
 
     @lazy

@@ -150,3 +150,15 @@ def test_generated_c_has_no_number_of_the_design_but_its_defaults(tmp_path: Path
         tree = emit(lamc.compile(each, cache=Cache(tmp_path)).program)
         texts.append({name: without_numbers(tree.files[name]) for name in tree.compiled})
     assert texts[0] == texts[1]
+
+
+def test_another_topology_is_compiled_anew_and_says_so(tmp_path: Path) -> None:
+    made = lamc.load(examples.path("four_bar"))
+    sim = lamc.compile(made, cache=Cache(tmp_path))
+    assert isinstance(made, lamc.Design)
+    longer = sim.with_design(made.with_parameters(arm_length=0.045))  # of one topology: nothing is said
+    assert longer.structure == sim.structure
+    assert longer.model.digest != sim.model.digest
+    with pytest.warns(lamc.DesignWarning, match=r"compiled anew.*bodies gone: .*joints gone: "):
+        other = sim.with_design(two_links(), lamc.Scene(effects=()))
+    assert other.structure != sim.structure

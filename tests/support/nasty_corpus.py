@@ -45,6 +45,8 @@ def fold_file(seed: int) -> tuple[str, str]:
         at = chance.randrange(len(edges))
         edges.append(edges[at][::-1])  # drawn twice
         kinds.append(kinds[at])
+        if "edges_foldAngle" in data:
+            data["edges_foldAngle"] = [*data["edges_foldAngle"], data["edges_foldAngle"][at]]
     if chance.random() < 0.3:
         kinds = [kind.lower() if chance.random() < 0.2 else kind for kind in kinds]
     if chance.random() < 0.3:

@@ -167,6 +167,12 @@ class Arrangement:
             return np.concatenate(replace(self, base=placed).start(still_joints, still_joints))
         return np.zeros(len(self.coordinates) + len(self.rates))
 
+    @property
+    def displaced(self) -> tuple[float, ...]:
+        """`drawn` as numbers; empty where all are zero, as they are without a base that floats."""
+        state = tuple(self.drawn.tolist())
+        return state if any(state) else ()
+
     def start(
         self, q_joints: Sequence[float], u_joints: Sequence[float], near: Mapping[str, float] | None = None
     ) -> tuple[Array, Array]:

@@ -112,7 +112,7 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
             Guard(g.name, constants[g.mode.index] if g.mode is not None else -1)
             for g in (terms.guard for terms in equations.guards)
         ),
-        drawn=_drawn(equations),
+        drawn=() if equations.arrangement is None else equations.arrangement.displaced,
         powers=tuple(equations.powers) if energy_balance else (),
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.rank,
@@ -175,11 +175,6 @@ def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space,
         restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]
         jobs.append((IMPACTS, [*restitutions, *(v for t in terms for v in (t.gradient or nothing))]))
     return jobs
-
-
-def _drawn(equations: Equations) -> tuple[float, ...]:
-    state = () if equations.arrangement is None else tuple(equations.arrangement.drawn.tolist())
-    return state if any(state) else ()
 
 
 def _lower_triangle(equations: Equations) -> list[Scalar]:

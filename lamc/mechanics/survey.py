@@ -44,11 +44,13 @@ class Survey:
     structure   digest of all but numbers
     parameters  in the order of the program's
     values      of the numbers of the drawing, by their keys, in SI units; more than a program may hold
+    drawn       state at rest as drawn, (nq + nu,); empty: all zero
     """
 
     structure: str
     parameters: tuple[Parameter, ...]
     values: Mapping[DrawnKey, float]
+    drawn: tuple[float, ...]
 
     def knows(self, keys: Sequence[DrawnKey]) -> bool:
         """Whether it tells all of these; equations of bodies that bend hold numbers that come of solving."""
@@ -93,7 +95,7 @@ def survey_design(
         text.update(b"\n")
     values = drawn | {key: float(store.payloads[index]) for key, index in store.drawn.items()}  # type: ignore[arg-type]
     values |= {("size",): tree.mechanism.size, ("gap",): loops.accepted_gap if loops is not None else 0.0}
-    return Survey(text.hexdigest(), parameters, MappingProxyType(values))
+    return Survey(text.hexdigest(), parameters, MappingProxyType(values), arrangement.displaced)
 
 
 def _of_base(loads: Loads, tree: Tree) -> Iterator[tuple[DrawnKey, float]]:

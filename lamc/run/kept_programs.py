@@ -117,7 +117,11 @@ def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Modul
     if not survey.knows(known.keys):
         return None
     module = opened_entry(cache, known.entry)
-    return None if module is None else (module, known.entry, DesignNumbers(survey.inputs(known.keys)))
+    return (
+        None
+        if module is None
+        else (module, known.entry, DesignNumbers(survey.inputs(known.keys), survey.drawn))
+    )
 
 
 def _entry(found: dict[str, object]) -> str:

@@ -79,6 +79,7 @@ def check(first: Mechanism, second: Mechanism, effects: Sequence[Effect], *, mus
             return
         told = other.inputs(keys)
         assert list(told) == derived.inputs  # to the last bit: nothing rounds on the way
+        assert other.drawn == derived.drawn
         assert program.digest != derived.digest or list(one.inputs([])) == list(other.inputs([]))
 
 
@@ -162,3 +163,13 @@ def test_another_topology_is_compiled_anew_and_says_so(tmp_path: Path) -> None:
     with pytest.warns(lamc.DesignWarning, match=r"compiled anew.*bodies gone: .*joints gone: "):
         other = sim.with_design(two_links(), lamc.Scene(effects=()))
     assert other.structure != sim.structure
+
+
+def test_a_free_base_has_the_digest_of_a_compile_of_its_own(tmp_path: Path) -> None:
+    """The state as drawn has numbers of the drawing too: where the base's centre of mass is."""
+    scene = lamc.Scene(effects=(SAMPLES["free_base"],))
+    first, shared, times = scaled(two_links(), 0.97, 1.0), Cache(tmp_path / "shared"), Times()
+    lamc.compile(first, scene, cache=shared)
+    quick = lamc.compile(scaled(first, 1.1, 1.2), scene, times=times, cache=shared)
+    assert "derive" not in times.seconds
+    assert quick.model.digest == quick.program.digest

@@ -7,6 +7,7 @@ It never changes; runs share nothing but the compiled code.
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -97,7 +98,7 @@ class Simulator(Running, Viewable):
         self._equations = equations
         self._program = program
         self._lanes = lanes
-        self._columns = None if columns is None else remembered(columns)
+        self._columns = None if columns is None else remembered(partial(_model_of, columns))
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -261,8 +262,7 @@ class Simulator(Running, Viewable):
         """The model that also has derivatives by these, and the keys of its numbers of the drawing."""
         if self._columns is None:
             raise RequestError("this simulator was made by hand and has no derivatives; use lamc.compile")
-        module, numbers, keys = self._columns(columns)
-        return Model(module, numbers=numbers), keys
+        return self._columns(columns)
 
     def _request(
         self,
@@ -346,6 +346,14 @@ class Simulator(Running, Viewable):
         if self._lanes is None:
             raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
         return self._lanes()[0]
+
+
+def _model_of(
+    modules: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]]",
+    columns: "Columns",
+) -> "tuple[Model, tuple[DrawnKey, ...]]":
+    module, numbers, keys = modules(columns)
+    return Model(module, numbers=numbers), keys
 
 
 def _settled(value: _T | Callable[[], _T]) -> _T:

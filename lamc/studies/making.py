@@ -24,7 +24,7 @@ from lamc.studies.targets import Made, Studied, check_axes, check_within, family
 SceneGiven = Scene | str | Callable[[Mechanism], Scene] | None
 
 AS_EVER = RunOptions()
-_TAKEN = ("point", "status", "reason")  # columns of the table
+_TAKEN = ("point", "structure", "status", "reason")  # columns of the table
 
 
 def study_of(

@@ -95,6 +95,10 @@ class Bench:
         """Raises KeyboardInterrupt if the run is cancelled."""
         return replace(self._row(index, point), structure=self.structure(point))
 
+    def given(self, point: Sequence[float]) -> dict[str, float]:
+        """What was varied, SI, by name."""
+        return {target.name: value for target, value in zip(self.subject.targets, point, strict=True)}
+
     def structure(self, point: Sequence[float]) -> str:
         """As of `Row`, of the point that was worked on last; empty where it has no simulator."""
         found = self._simulators.get(self._key(point))
@@ -107,7 +111,8 @@ class Bench:
                 raise KeyboardInterrupt
             if not result.success:
                 return self._without(index, FAILED, result.message)
-            values = tuple(measure.value(result) for measure in self.subject.measures.values())
+            given = self.given(point)
+            values = tuple(measure.value(result, given) for measure in self.subject.measures.values())
         except BuildError:
             raise  # no point would fare better
         except LamcError as error:

@@ -61,7 +61,8 @@ def study_of(
                 check_within(target, float(plan.values[:, k].min()), float(plan.values[:, k].max()))
     else:
         check_axes(plan.axes, targets)
-    measures = checked_measures(measure, outputs_of(first))
+    varied = {target.name: target.unit for target in chosen}
+    measures = checked_measures(measure, replace(outputs_of(first), varied=varied))
     for name in measures:
         if name in plan.names or name in _TAKEN:
             raise RequestError(f"a measure is named {name!r}, as another column of the table is; rename it")

@@ -141,8 +141,12 @@ class Problem:
                 raise KeyboardInterrupt
             if not result.success:
                 return without_values(index, FAILED, result.message, count), None
-            found = [goal.of(result) for goal in self.goals]
-            values = (*(each[0] for each in found), *(c.measure.value(result) for c in self.constraints))
+            given = self.space.numbers(point)
+            found = [goal.of(result, given) for goal in self.goals]
+            values = (
+                *(each[0] for each in found),
+                *(c.measure.value(result, given) for c in self.constraints),
+            )
         except BuildError:
             raise
         except LamcError as error:

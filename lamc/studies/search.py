@@ -157,7 +157,8 @@ def search_of(
     first = Bench(Subject(chosen, scene, compiler, RunOptions(), (), {})).simulator(())
     targets = targets_of(chosen, first)
     space = space_of(vary, targets, words)
-    outputs = outputs_of(first)
+    varied = {v.name: v.unit for v in space.variables if not v.has_words}
+    outputs = replace(outputs_of(first), varied=varied)
     several = isinstance(minimise, list | tuple) and not _has_unit(minimise)
     if not minimise:
         raise RequestError(

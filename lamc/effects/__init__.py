@@ -12,6 +12,7 @@ from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
+from lamc.effects.servo import Servo
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
@@ -33,6 +34,7 @@ __all__ = [
     "NonlinearStiffness",
     "PiezoBender",
     "RestAngle",
+    "Servo",
     "Spring",
     "Torque",
     "TwistCompliance",

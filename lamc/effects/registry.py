@@ -19,6 +19,7 @@ from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.registered import RegisteredEffect
+from lamc.effects.servo import Servo
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
@@ -35,6 +36,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     JointLimits,
     LinearMotor,
     NonlinearStiffness,
+    Servo,
     Spring,
     Torque,
     GroundContact,

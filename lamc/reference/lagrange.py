@@ -104,6 +104,8 @@ class Lagrange:
             if push.moment is not None:
                 force += _turns(placed.poses[push.body]) @ push.moment
         self._add_fluid(placed, mass, force)
+        for _, k, inertia in self._loads.reflected:
+            mass[self._slots[k], self._slots[k]] += inertia
         for spring in self._elastic.at(q, u, held):
             force -= spring.force()
         seconds = [
@@ -124,6 +126,8 @@ class Lagrange:
             moved, normal = _pair(placed, fluid.body, fluid.moving, fluid.normal)
             speed = float(normal.value @ moved.first)
             values[fluid.effect] += 0.5 * fluid.mass * speed**2
+        for effect, k, inertia in self._loads.reflected:
+            values[effect] += 0.5 * inertia * float(u[self._slots[k]]) ** 2
         for spring in self._elastic.at(q, u, sides[len(self.cuts) :]):
             values[spring.effect] = values.get(spring.effect, 0.0) + spring.energy()
         return values

@@ -19,6 +19,7 @@ from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import Link, TreeState
 from lamc.reference.point_loads import BodyState, PointLoad, Push, spring, wrenches
+from lamc.reference.servo import place, servo
 from lamc.reference.wing import FluidMass, wing_in_air
 
 Array = npt.NDArray[np.float64]
@@ -38,6 +39,8 @@ class NumericLoads:
     laws         (name of the effect, index of the joint, formula of the energy that goes with such a torque, J)
     at_points    what acts on points of bodies
     fluid        mass of the air that goes with bodies; only cross-checks that know it may take such loads
+    reflected    (effect that books its energy, index of the joint, inertia that its rate feels besides, kg·m²), of
+                 rotors behind gears; as for `fluid`
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -51,6 +54,7 @@ class NumericLoads:
     laws: tuple[tuple[str, int, Formula], ...]
     at_points: tuple[PointLoad, ...]
     fluid: tuple[FluidMass, ...]
+    reflected: tuple[tuple[str, int, float], ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -97,6 +101,7 @@ KNOWN = (
     "nonlinear_stiffness",
     "piezo_bender",
     "rest_angle",
+    "servo",
     "spring",
     "torque",
 )
@@ -131,6 +136,7 @@ def numeric_loads(
     laws: list[tuple[str, int, Formula]] = []
     at_points: list[PointLoad] = []
     fluid: list[FluidMass] = []
+    reflected: list[tuple[str, int, float]] = []
     energies: list[str] = []
     effects = tuple(effects)
     linear = np.array([j.stiffness if j.name not in _bent(effects) else 0.0 for j in records])
@@ -168,6 +174,11 @@ def numeric_loads(
                 energies += ["joint_limits"] * bool(stored)
             case "linear_motor":
                 torques.append(_motor(effect, records))
+            case "servo":
+                torques.append((place(effect, records), servo(effect)))
+                if effect.gear_inertia:
+                    reflected.append(("servo", place(effect, records), effect.gear_inertia))
+                    energies.append("servo")
             case "spring":
                 at_points.append(spring(mechanism, effect))
                 energies.append("spring")
@@ -203,6 +214,7 @@ def numeric_loads(
         tuple(laws),
         tuple(at_points),
         tuple(fluid),
+        tuple(reflected),
         tuple(dict.fromkeys(energies)),
     )
 
@@ -217,6 +229,11 @@ def rigid_loads(
         raise UnsupportedError(
             f"this cross-check has no mass of the air around body {loads.fluid[0].body!r}; take `Lagrange` of "
             "lamc.reference.lagrange, or set added_mass to false"
+        )
+    if loads.reflected:
+        raise UnsupportedError(
+            f"this cross-check has no inertia of gears, such as that of joint {joints[loads.reflected[0][1]]!r}; take "
+            "`Lagrange` of lamc.reference.lagrange, or set it to 0"
         )
     return loads
 

@@ -53,6 +53,16 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 "a", (0.1, 0.0, 0.0), "b", (1.2, 0.0, 0.0), (0, 0, 1), 0.1, BIMORPH, (1, -1), "9*cos(t)", 0.01
             ),
             lamc.RestAngle(),
+            lamc.Servo(
+                "h2",
+                "0.4*sin(5*t)",
+                3.0,
+                0.05,
+                stall_torque=0.6,
+                no_load_speed=20.0,
+                dead_band=0.1,
+                gear_inertia=0.02,
+            ),
             lamc.Spring("ground", (0.0, 0.0, 0.5), "b", (2.0, 0.0, 0.0), 4.0, 0.3, 0.1),
             lamc.Torque({"h1": 0.02, "h2": "0.1*sin(t) - rate"}),
             lamc.BaseMotion(

@@ -294,7 +294,9 @@ def test_a_gear_on_a_joint_that_closes_a_loop_is_refused() -> None:
         lamc.compile(four_bar, Scene(added=(servo(0.3, cut, gear_inertia=1e-7),)))
 
 
-@pytest.mark.parametrize(("field", "value"), [("stall_torque", 0.0), ("dead_band", -0.1), ("stiffness", -1.0)])
+@pytest.mark.parametrize(
+    ("field", "value"), [("stall_torque", 0.0), ("dead_band", -0.1), ("stiffness", -1.0)]
+)
 def test_sweeps_refuse_what_no_servo_has(field: str, value: float) -> None:
     sim = simulator(pendulum(), servo(stall_torque=STALL, dead_band=BAND))
     with pytest.raises(RequestError, match=rf"'hip\.servo\.{field}' is "):

@@ -168,6 +168,10 @@ class Loads(BodyPoints):
             raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
         return Hinge(self.tree.hinges[index], self._q[index], self._u[index])
 
+    def coordinate(self, place: int) -> tuple[Scalar, Scalar]:
+        """A coordinate with a rate of its own at the same place, by its place in q: its value and its rate."""
+        return self._q[place], self._u[place]
+
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""
         for name in self.joints:
@@ -257,23 +261,6 @@ class Loads(BodyPoints):
             self.added.append(AddedInertia(self._effect, index, (x, y, z), rows))
         elif base is not None:
             self.added.append(AddedInertia(self._effect, index, base.arm(drawn), rows))
-
-    def reflected_inertia(self, joint: str, inertia: Scalar) -> None:
-        """Adds kinetic energy ½ inertia u², kg·m², of the joint's own rate u: of a rotor behind a gear, whose inertia
-        counts by the square of the gear ratio; that it turns with its parent too is of the order of the ratio, and left
-        out. The effect's `arrange` has to ask for `inverse_dynamics`. The energy is booked under the effect."""
-        index = self._index.get(self.hinge(joint).joint.name)
-        if index is None or index >= len(self.tree.links):  # whose rate is taken to move no mass, everywhere
-            raise DesignError(
-                f"joint {joint!r} closes a loop, and its rate follows from the others', so that no gear's inertia can "
-                "act on it: set that to 0, or give the inertia to another joint of the loop"
-            )
-        if self.kinematics.arrangement is None:
-            raise DesignError(
-                f"effect {self._effect!r} adds inertia to joint {joint!r}, but its arrange(arranging) does not call "
-                "arranging.inverse_dynamics(); let it do so"
-            )
-        self.reflected.setdefault(index, []).append((self._effect, inertia))
 
     def _scalar(self, value: "Scalar | sp.Expr") -> Scalar:
         """Sympy expressions are staged; their symbols are t, inputs, and q_<joint> and u_<joint> by joint name."""

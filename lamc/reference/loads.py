@@ -19,7 +19,7 @@ from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import Link, TreeState
 from lamc.reference.point_loads import BodyState, PointLoad, Push, spring, wrenches
-from lamc.reference.servo import place, servo
+from lamc.reference.servo import LooseGear, loose_gear, place, servo
 from lamc.reference.wing import FluidMass, wing_in_air
 
 Array = npt.NDArray[np.float64]
@@ -41,6 +41,7 @@ class NumericLoads:
     fluid        mass of the air that goes with bodies; only cross-checks that know it may take such loads
     reflected    (effect that books its energy, index of the joint, inertia that its rate feels besides, kg·m²), of
                  rotors behind gears; as for `fluid`
+    gears        with play, of servos; as for `fluid`
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -55,6 +56,7 @@ class NumericLoads:
     at_points: tuple[PointLoad, ...]
     fluid: tuple[FluidMass, ...]
     reflected: tuple[tuple[str, int, float], ...]
+    gears: tuple[LooseGear, ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -137,6 +139,7 @@ def numeric_loads(
     at_points: list[PointLoad] = []
     fluid: list[FluidMass] = []
     reflected: list[tuple[str, int, float]] = []
+    gears: list[LooseGear] = []
     energies: list[str] = []
     effects = tuple(effects)
     linear = np.array([j.stiffness if j.name not in _bent(effects) else 0.0 for j in records])
@@ -174,6 +177,9 @@ def numeric_loads(
                 energies += ["joint_limits"] * bool(stored)
             case "linear_motor":
                 torques.append(_motor(effect, records))
+            case "servo" if effect.backlash:
+                gears.append(loose_gear(effect, records))
+                energies.append("servo")
             case "servo":
                 torques.append((place(effect, records), servo(effect)))
                 if effect.gear_inertia:
@@ -215,6 +221,7 @@ def numeric_loads(
         tuple(at_points),
         tuple(fluid),
         tuple(reflected),
+        tuple(gears),
         tuple(dict.fromkeys(energies)),
     )
 
@@ -230,9 +237,10 @@ def rigid_loads(
             f"this cross-check has no mass of the air around body {loads.fluid[0].body!r}; take `Lagrange` of "
             "lamc.reference.lagrange, or set added_mass to false"
         )
-    if loads.reflected:
+    geared = [joints[k] for _, k, _ in loads.reflected] + [gear.joint for gear in loads.gears]
+    if geared:
         raise UnsupportedError(
-            f"this cross-check has no inertia of gears, such as that of joint {joints[loads.reflected[0][1]]!r}; take "
+            f"this cross-check has no inertia of gears, such as that of joint {geared[0]!r}; take "
             "`Lagrange` of lamc.reference.lagrange, or set it to 0"
         )
     return loads

@@ -5,6 +5,7 @@ effect.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -42,3 +43,42 @@ def servo(effect: Any) -> Formula:
         return float(effect.stall_torque * (share - induced))
 
     return torque
+
+
+@dataclass(frozen=True)
+class LooseGear:
+    """A gear with play: its coordinate is the joint's name with ".gear".
+
+    motor  torque on the gear, by its own angle and rate
+    """
+
+    joint: str
+    place: int  # of the joint
+    inertia: float  # kg·m²
+    half: float  # rad, of the play
+    stiffness: float  # N·m/rad
+    damping: float  # N·m·s/rad
+    motor: Formula
+
+    def push(self, ahead: float, opening: float) -> float:
+        """Torque on the joint, N·m, and back on the gear, which is ahead by that."""
+        if abs(ahead) <= self.half:
+            return 0.0
+        return float(self.stiffness * (ahead - np.copysign(self.half, ahead)) + self.damping * opening)
+
+    def energy(self, ahead: float, rate: float) -> float:
+        """Of the flanks and of the gear's turning, J."""
+        pressed = max(abs(ahead) - self.half, 0.0)
+        return 0.5 * self.stiffness * pressed**2 + 0.5 * self.inertia * rate**2
+
+
+def loose_gear(effect: Any, joints: Sequence[Joint]) -> LooseGear:
+    return LooseGear(
+        effect.joint,
+        place(effect, joints),
+        effect.gear_inertia,
+        0.5 * effect.backlash,
+        effect.gear_stiffness,
+        effect.gear_damping,
+        servo(effect),
+    )

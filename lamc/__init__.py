@@ -35,6 +35,7 @@ from lamc.design.split import split
 from lamc.effects import (
     BaseMotion,
     BladeElementDrag,
+    Cable,
     Effect,
     ExternalTorque,
     FlexibleLinks,
@@ -77,6 +78,7 @@ __all__ = [
     "BladeElementDrag",
     "Body",
     "BuildError",
+    "Cable",
     "Card",
     "CompileOptions",
     "Design",

@@ -3,6 +3,7 @@
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.cable import Cable
 from lamc.effects.external_torque import ExternalTorque
 from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
@@ -21,6 +22,7 @@ from lamc.records.effect import Effect
 __all__ = [
     "BaseMotion",
     "BladeElementDrag",
+    "Cable",
     "Effect",
     "ExternalTorque",
     "FlexibleLinks",

@@ -9,6 +9,7 @@ from lamc.basics.errors import DesignError, about
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.cable import Cable
 from lamc.effects.external_torque import ExternalTorque
 from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
@@ -35,6 +36,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     HingeDamping,
     JointLimits,
     LinearMotor,
+    Cable,
     NonlinearStiffness,
     Servo,
     Spring,

@@ -15,6 +15,7 @@ from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference import hinge_laws
 from lamc.reference.bender import folding_bender, pushing_bender
+from lamc.reference.cable import cable
 from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import Link, TreeState
@@ -94,6 +95,7 @@ class NumericLoads:
 KNOWN = (
     "external_torque",
     "blade_element_drag",
+    "cable",
     "gravity",
     "ground_contact",
     "hinge_damping",
@@ -188,6 +190,9 @@ def numeric_loads(
             case "spring":
                 at_points.append(spring(mechanism, effect))
                 energies.append("spring")
+            case "cable":
+                at_points.append(cable(mechanism, effect))
+                energies.append("cable")
             case "ground_contact":
                 at_points.append(ground(mechanism, effect, moving))
                 energies.append("ground_contact")

@@ -181,6 +181,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
     assert bare == {
         "base_motion": (False, "the fixed bodies stay where they are"),
         "blade_element_drag": (False, "no air is called for"),
+        "cable": (False, "no cable is called for"),
         "external_torque": (False, "no torque comes from outside"),
         "flexible_links": (False, "bodies are rigid"),
         "free_base": (False, "the fixed bodies stay where they are"),

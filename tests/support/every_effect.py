@@ -34,6 +34,15 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 leading=(0.0, 1.0),
                 outline=((1.0, -0.3), (2.0, -0.2), (2.0, 0.2), (1.0, 0.2)),
             ),
+            lamc.Cable(
+                ("ground", "a", "b"),
+                ((0.0, 0.0, 0.4), (1.0, 0.0, 0.2), (2.0, 0.05, 0.1)),
+                30.0,
+                length="2 - 0.3*sin(t)",
+                damping=0.2,
+                friction=0.1,
+                slip_speed=0.3,
+            ),
             lamc.ExternalTorque(("h2",)),
             lamc.Gravity((0.1, 0.2, -9.7)),
             lamc.GroundContact(

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Name, Unit, Vector
+from lamc.basics.fields import NamesInARow, Unit, Vector
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
@@ -52,7 +52,7 @@ class Cable(RegisteredEffect):
     """
 
     bodies: Annotated[
-        tuple[Name, ...], Field(description="the body of each point, in the order in which the cable runs")
+        NamesInARow, Field(description="the body of each point, in the order in which the cable runs")
     ]
     points: Annotated[
         tuple[Vector, ...],

@@ -29,6 +29,7 @@ from lamc.run.arguments import check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.model import CompiledModule, DesignNumbers, Motion
+from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.remaking import Recipe, Telling, remade_simulator
@@ -50,7 +51,7 @@ _T = TypeVar("_T")
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
-class Simulator(Running, Viewable):
+class Simulator(Running, OperatingPoints, Viewable):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from

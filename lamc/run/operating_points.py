@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from lamc.run.equilibrium import Equilibrium
     from lamc.run.linear_model import LinearModel
     from lamc.run.simulator import Simulator
+    from lamc.run.vibration import Modes
 
 
 class OperatingPoints:
@@ -92,3 +93,12 @@ class OperatingPoints:
         from lamc.run.linear_model import linear_model_of
 
         return linear_model_of(self._simulator, point, inputs, outputs, independent)
+
+    def modes(self, point: "Equilibrium | None" = None, *, damping: bool = True) -> "Modes":
+        """Frequencies, damping ratios and shapes of the small motions about an equilibrium; None: the one next to the
+        scene's start. damping: False: without it, as if nothing were lost.
+
+        Raises as `equilibrium` does, and RequestError for what is no equilibrium of this simulator."""
+        from lamc.run.vibration import modes_of
+
+        return modes_of(self._simulator, point, damping=damping)

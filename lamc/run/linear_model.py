@@ -6,15 +6,16 @@ x holds deviations of k independent positions, then of their rates. At rest in b
 positions may be taken as it stands: what its turning would add is multiplied by rates and accelerations that are zero.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lamc.basics.brief import brief
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import LamcError, RequestError, SimulationError
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.run.at_rest import Stand
 from lamc.run.chart import Chart, chart_of
 from lamc.run.equilibrium import Equilibrium
@@ -24,6 +25,8 @@ from lamc.run.request import Array
 from lamc.run.ridders import derivative, derivative_any
 
 if TYPE_CHECKING:
+    from scipy.signal import StateSpace
+
     from lamc.run.simulator import Simulator
 
 _WIDTH = 0.01  # rad, or of the size: of the widest difference of accelerations
@@ -54,7 +57,7 @@ class LinearModel(Unchanging):
     outputs: tuple[str, ...]
     output_units: tuple[str, ...]
     offset: Array
-    errors: dict[str, float]
+    errors: Mapping[str, float]
     point: Equilibrium = field(repr=False)
 
     def __post_init__(self) -> None:
@@ -64,9 +67,9 @@ class LinearModel(Unchanging):
     def __repr__(self) -> str:
         pairs = zip(self.states, self.state_units, strict=True)
         states = ", ".join(f"{name} {unit}" for name, unit in pairs)
-        return brief("LinearModel", f"states {states}", f"inputs {', '.join(self.inputs) or 'none'}")
+        return brief("LinearModel", "", f"states {states}", f"inputs {', '.join(self.inputs) or 'none'}")
 
-    def state_space(self) -> Any:
+    def state_space(self) -> "StateSpace":
         """A `scipy.signal.StateSpace`; for python-control: `control.ss(m.A, m.B, m.C, m.D)`, or `to_control`."""
         from scipy.signal import StateSpace
 
@@ -74,7 +77,7 @@ class LinearModel(Unchanging):
             raise RequestError("a state space needs an input and an output; linearise with inputs=[…]")
         return StateSpace(self.A, self.B, self.C, self.D)
 
-    def to_control(self) -> Any:
+    def to_control(self) -> object:
         """A `control.StateSpace` of python-control, with all names, where it has no dots: "h1_rate". Raises LamcError
         where it is not installed."""
         try:
@@ -113,7 +116,7 @@ def linear_model_of(
         outputs=told.names,
         output_units=told.units,
         offset=told.values(),
-        errors={"A": a_error, "B": b_error, "C": c_error, "D": d_error},
+        errors=ReadOnlyDict({"A": a_error, "B": b_error, "C": c_error, "D": d_error}),
         point=point,
     )
 

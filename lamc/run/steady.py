@@ -35,8 +35,8 @@ def check_time(rest: Rest, q: Array, duration: float) -> None:
         worst = int(np.abs(found - found[0]).max(axis=0).argmax())
         raise RequestError(
             f"loads of this scene depend on time (the acceleration of {rest.motion.model.rates[worst].name!r} from "
-            f"rest changes within {duration:g} s), and nothing balances for good; give t=… to hold them as they are "
-            "then, or leave the load out"
+            f"rest changes within {duration:g} s), and nothing balances for good; give t=… (--at) to hold them as they "
+            "are then, or leave the load out"
         )
 
 

@@ -68,8 +68,11 @@ from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.ensemble import Ensemble
+from lamc.run.equilibrium import Equilibrium
+from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.run.vibration import Modes
 from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
@@ -88,6 +91,7 @@ __all__ = [
     "Effect",
     "EmitError",
     "Ensemble",
+    "Equilibrium",
     "ExportError",
     "ExportOptions",
     "ExpressionError",
@@ -104,9 +108,11 @@ __all__ = [
     "JointLimits",
     "LamcError",
     "Limits",
+    "LinearModel",
     "LinearMotor",
     "Material",
     "Mechanism",
+    "Modes",
     "NonlinearStiffness",
     "OutputPoint",
     "PiezoBender",

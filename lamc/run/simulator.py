@@ -30,6 +30,7 @@ from lamc.run.arguments import check_differentiable, check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
+from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.remaking import Recipe, Telling, remade_simulator
@@ -54,7 +55,7 @@ _T = TypeVar("_T")
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
-class Simulator(Running, Viewable):
+class Simulator(Running, OperatingPoints, Viewable):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from

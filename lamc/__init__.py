@@ -65,6 +65,7 @@ from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
+from lamc.records.series import Series
 from lamc.run.ensemble import Ensemble
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -111,6 +112,7 @@ __all__ = [
     "RestAngle",
     "Result",
     "Scene",
+    "Series",
     "SimulationError",
     "Simulator",
     "Slab",

@@ -47,7 +47,11 @@ def input_digest(
     closure = f"{loops.rank} {loops.accepted_gap!r} {loops.position!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)
     texts = (*parts, "with books" if energy_balance else "without books")
-    return _digest(texts, common or common_digest(mechanism, effects), inputs.items())
+    # A series is data that runs bring: only that there is one shapes the C.
+    told = [
+        (name, each.default, each.unit, each.meaning, each.series is None) for name, each in inputs.items()
+    ]
+    return _digest(texts, common or common_digest(mechanism, effects), told)
 
 
 def loops_digest(

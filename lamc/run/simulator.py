@@ -28,6 +28,7 @@ from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
+from lamc.run.following import with_series
 from lamc.run.model import CompiledModule, DesignNumbers, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
@@ -41,6 +42,7 @@ from lamc.run.topology import changes
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
     from lamc.records.design import Design
+    from lamc.records.series import Series
     from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
 
@@ -173,6 +175,7 @@ class Simulator(Running, Viewable):
         baumgarte: float | None = None,
         energy_balance: bool = False,
         accuracy: float | None = None,
+        series: "Mapping[str, Series] | None" = None,
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -202,6 +205,7 @@ class Simulator(Running, Viewable):
                     to five times the work of the last. The tightest is the result, with `Result.error_estimate` and
                     `Result.accuracy`. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the
                     message says so, and what was
+        series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -212,6 +216,7 @@ class Simulator(Running, Viewable):
             superseded("run(books=...)", "run(energy_balance=...)")
             energy_balance = books
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
+        parameters = with_series(parameters, series, self._model.series, self.parameters)
         with part_told("run", progress) as told:
             request = self._request(t_end, rtol, atol, t_eval, max_steps, max_step, told)
             request = replace(request, energy_balance=energy_balance)
@@ -250,7 +255,9 @@ class Simulator(Running, Viewable):
     def _check_run(self, parameters: Mapping[str, float | str], motion: Motion, t_end: float) -> None:
         """Whether effects can do what is asked for, at the line of the scene that says so."""
         with located_at(self.scene.places):
-            limited = with_limits(self.mechanism, checked_parameters(parameters, self.parameter_units))
+            motion.following.check_run(t_end)
+            plain = {name: each for name, each in parameters.items() if name not in self._model.series}
+            limited = with_limits(self.mechanism, checked_parameters(plain, self.parameter_units))
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
             check_run(self.effects, self.mechanism, motion, self.start, t_end)

@@ -6,6 +6,7 @@
 
 #include "impacts.h"
 #include "motion.h"
+#include "series.h"
 
 long long lamc_guards_work(const lamc_model *model) {
   const long long k = model->guard_count, impacts = lamc_impacts_work(model);
@@ -16,6 +17,7 @@ void lamc_guards_sense(const void *context, lamc_real t, const lamc_real *y) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
   lamc_real *values = lamc_motion_guard_work(motion);
+  lamc_series_put(motion, t);
   model->guards(motion->constants, t, y, y + model->coordinate_count, values);
   for (int g = 0; g < model->guard_count; g++) {
     if (model->guard_modes[g] >= 0) motion->constants[model->guard_modes[g]] = values[g] > 0 ? 1 : 0;
@@ -25,6 +27,7 @@ void lamc_guards_sense(const void *context, lamc_real t, const lamc_real *y) {
 void lamc_guards_values(const void *context, lamc_real t, const lamc_real *y, lamc_real *guards) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
+  lamc_series_put(motion, t);
   model->guards(motion->constants, t, y, y + model->coordinate_count, guards);
   for (int g = 0; g < model->guard_count; g++) {
     if (model->guard_modes[g] >= 0 && motion->constants[model->guard_modes[g]] > LAMC_R(0.5)) {

@@ -1,6 +1,7 @@
 """Inputs that follow series: closed forms, orders of the methods across kinks, steps, and three cross-checks."""
 
 import math
+import pickle
 import warnings
 from collections.abc import Callable
 
@@ -16,6 +17,7 @@ from lamc.basics.errors import DesignError, DesignWarning, RequestError
 from lamc.effects import HingeDamping
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.external_torque import ExternalTorque
+from lamc.reference.check import check
 from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
@@ -325,3 +327,51 @@ def test_c_looks_up_what_numpy_does(rows: int, even: bool) -> None:
     got = sim.acceleration(np.zeros((len(wanted), 1)), np.zeros((len(wanted), 1)), wanted)[:, 0] * ABOUT
     place = np.searchsorted(t, wanted, side="right") - 1
     assert got == pytest.approx(series.values[np.maximum(place, 0)], rel=1e-14)  # a quotient and a product
+
+
+@pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])
+def test_all_cross_checks_follow_a_series(hold: str) -> None:
+    sim = driven(Series(TIMES, VALUES, hold), Gravity((0.0, 0.0, -G)), text="2*command*cos(angle)")
+    assert check(sim, states=5, t_end=1.0).passed
+
+
+def test_all_cross_checks_follow_a_base_and_torques_from_outside() -> None:
+    mechanism = chain(3)
+    moved = BaseMotion(displacement=("path", 0.0, "0.5*path"), angle="path")
+    scene = Scene(
+        effects=(Gravity(), moved, ExternalTorque()),
+        inputs={
+            "path": Input(unit="m", series=Series(TIMES, 0.1 * VALUES, "cubic")),
+            f"{mechanism.joints[1].name}.torque": Input(unit="N*m", series=Series(TIMES, VALUES)),
+        },
+    )
+    report = check(lamc.compile(mechanism, scene), states=5, t_end=1.0)
+    assert report.passed
+    assert {"Lagrange", "Newton-Euler"} <= {c.cross_checks[1] for c in report.comparisons}
+
+
+def test_what_a_base_does_along_a_series_is_booked() -> None:
+    moved = BaseMotion(displacement=("path", 0.0, 0.0))
+    series = Series(TIMES, 0.1 * VALUES, "cubic")
+    scene = Scene(effects=(Gravity((0.0, 0.0, -G)), moved), inputs={"path": Input(unit="m", series=series)})
+    result = lamc.compile(pendulum(), scene).run(t_end=1.0, energy_balance=True)
+    total = result.energy.sum(axis=1) if result.energy.ndim > 1 else result.energy
+    # all that the pendulum has gained is the work of its base; as the states, to 1e-9 of it
+    assert np.abs(total - total[0] - result.work["base_motion"]).max() < 1e-7 * np.ptp(total)
+
+
+def test_a_result_goes_to_another_process_with_its_series() -> None:
+    sim = driven(Series(TIMES, VALUES))
+    result = sim.run(t_end=1.0, series={"command": Series(TIMES, 2.0 * VALUES)})
+    again = pickle.loads(pickle.dumps(result))
+    assert np.array_equal(
+        again.motion.accelerations(result.t, np.hstack([result.q, result.u])),
+        result.motion.accelerations(result.t, np.hstack([result.q, result.u])),
+    )
+
+
+def test_an_accuracy_is_reached_with_a_series() -> None:
+    sim = driven(Series(TIMES, VALUES), Gravity((0.0, 0.0, -G)))
+    result = sim.run(t_end=1.1, accuracy=1e-7)
+    exact = pendulum_by_hand(table("linear"), TIMES, 1.1, 0.0)
+    assert result.q[-1, 0] == pytest.approx(exact[0], abs=1e-7 * np.ptp(result.q))

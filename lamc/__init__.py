@@ -67,6 +67,7 @@ from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
+from lamc.records.series import Series
 from lamc.run.ensemble import Ensemble
 from lamc.run.equilibrium import Equilibrium
 from lamc.run.linear_model import LinearModel
@@ -120,6 +121,7 @@ __all__ = [
     "RestAngle",
     "Result",
     "Scene",
+    "Series",
     "Servo",
     "SimulationError",
     "Simulator",

@@ -54,6 +54,7 @@ from lamc.effects import (
 )
 from lamc.export import convert, export
 from lamc.export.options import ExportOptions
+from lamc.fitting.fit import fit
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
@@ -64,6 +65,7 @@ from lamc.records.family import Family
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
+from lamc.records.recording import Camera, Free, Marker, Recording
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.ensemble import Ensemble
 from lamc.run.result import Result
@@ -76,6 +78,7 @@ __all__ = [
     "BladeElementDrag",
     "Body",
     "BuildError",
+    "Camera",
     "Card",
     "CompileOptions",
     "Design",
@@ -91,6 +94,7 @@ __all__ = [
     "ExternalTorque",
     "Family",
     "FlexibleLinks",
+    "Free",
     "FreeBase",
     "Gravity",
     "GroundContact",
@@ -102,11 +106,13 @@ __all__ = [
     "LamcError",
     "Limits",
     "LinearMotor",
+    "Marker",
     "Material",
     "Mechanism",
     "NonlinearStiffness",
     "OutputPoint",
     "PiezoBender",
+    "Recording",
     "RequestError",
     "RestAngle",
     "Result",
@@ -124,6 +130,7 @@ __all__ = [
     "compile",
     "convert",
     "export",
+    "fit",
     "load",
     "load_scene",
     "optimise",

@@ -33,6 +33,7 @@ from lamc.records.effect import Effect
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
+from lamc.records.scene_values import with_values
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
 from lamc.run.kept_programs import (
@@ -48,6 +49,7 @@ from lamc.run.kept_programs import (
 )
 from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
+from lamc.run.scene_numbers import scene_numbers, scene_program
 from lamc.run.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -124,7 +126,9 @@ def compile(  # noqa: A001  the public name is lamc.compile
             mechanism = design
         scene = scene or mechanism.scene or Scene()
         with located_at(scene.places):
-            made = _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
+            made = _compiled(
+                with_values(mechanism, scene), scene, options, times, cache or Cache(cache_root())
+            )
     logger.info("%r is compiled%s", made, ", from the cache" if times.from_cache else "")
     return made
 
@@ -162,6 +166,10 @@ def _compiled(
             )
 
     def module(*, energy_balance: bool = False, lanes: bool = False) -> tuple[Module, DesignNumbers]:
+        made, numbers = as_drawn(energy_balance=energy_balance, lanes=lanes)
+        return made, scene_numbers(made, numbers, scene.parameters)
+
+    def as_drawn(*, energy_balance: bool, lanes: bool) -> tuple[Module, DesignNumbers]:
         maker = find_machine_compiler(options) if lanes else compiler
         alias = None  # of this design alone
         if common is not None:
@@ -214,7 +222,7 @@ def _compiled(
         scene,
         effects,
         equations,
-        lambda: sources(energy_balance=False)[0],
+        lambda: scene_program(sources(energy_balance=False)[0], scene.parameters),
         *module(),
         loops,
         lambda: module(energy_balance=True),

@@ -13,6 +13,8 @@ import numpy.typing as npt
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
+from lamc.records.scene_values import left_to_model
 from lamc.reference.check_general import check_general
 from lamc.reference.check_loops import closures, kept_closed
 from lamc.reference.check_motion import Budget, Progress, motions
@@ -48,6 +50,8 @@ class Subject(Protocol):
 
     @property
     def mechanism(self) -> Mechanism: ...
+    @property
+    def scene(self) -> Scene: ...
     @property
     def program(self) -> Program: ...
     @property
@@ -85,6 +89,7 @@ def check(
     constants = interpreter.constants()
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
     known, unknown = known_effects(with_inputs(simulator.mechanism, simulator.effects, inputs))
+    unknown = unknown or ", ".join(left_to_model(simulator.mechanism, simulator.scene))
     newton = NewtonEuler(simulator.mechanism, known, joints)
     cross_checks: dict[str, Acceleration] = {
         "C": simulator.acceleration,

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lamc.records.scene_values import left_to_model
 from lamc.reference.check_motion import Progress
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.general_states import general_states, regular
@@ -57,6 +58,7 @@ def check_general(
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
     effects = with_inputs(simulator.mechanism, simulator.effects, inputs)
     known, unknown = known_effects(effects, ARRANGED)
+    unknown = unknown or ", ".join(left_to_model(simulator.mechanism, simulator.scene))
     names = tuple(rate.name for rate in program.rates)
     lagrange = Lagrange(simulator.mechanism, effects, program.joints, names, known)
     cross_checks: dict[str, CrossCheck] = {"Lagrange": lagrange}

@@ -16,6 +16,7 @@ from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import Run, Setting
 from lamc.fitting.solve import Solved
 from lamc.fitting.uncertainty import Account, Combination
+from lamc.records.recording import Recording
 from lamc.records.scene import Scene
 from lamc.run.request import Array, Request
 from lamc.run.result import Result
@@ -152,6 +153,12 @@ class Fit:
         return task.simulator.integrated(
             task.simulator.model.motion(task.parameters), task.parameters, request, "auto"
         )
+
+    def held_back(self, recording: Recording) -> Compared:
+        """A recording that the fit was not made of, beside the model: cross-validation. Its own ranges are found."""
+        from lamc.fitting.holding import held_back
+
+        return held_back(self, recording)
 
     def _run(self, which: int | str) -> tuple[Run, int]:
         for place, run in enumerate(self.setting.runs):

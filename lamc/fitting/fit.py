@@ -5,6 +5,7 @@ In: as its docstring says. Out: a `Fit`. It arranges: what is unknown (`setting`
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.codegen.options import CompileOptions
 from lamc.fitting.answer import Fit, compared_of, remarks
+from lamc.fitting.cameras import camera_starts
 from lamc.fitting.flights import Differences
 from lamc.fitting.objective import Objective, first_sigmas
 from lamc.fitting.predictions import Predictor
@@ -19,6 +21,7 @@ from lamc.fitting.setting import setting_of
 from lamc.fitting.simulators import Simulators
 from lamc.fitting.solve import LOSSES, Solved, left_over, solve
 from lamc.fitting.uncertainty import account_of, correlated
+from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.records.mechanism import Mechanism
 from lamc.records.recording import Recording
 from lamc.records.scene import Scene
@@ -48,7 +51,7 @@ def fit(
     design   Design, Mechanism or Family; or a function of dimensions, with defaults, that gives one
     data     a Recording, or several; each with its own start, delay, gains, camera
     free     name → range, in SI or text: (1e-4, 1e-1), "log:1e-4:1e-1", "3 N*mm/rad ± 0.5 N*mm/rad" (a prior), None (no
-             bounds, and a positive number within 1e4 times either way), or lamc.Free(…); or names alone. Parameters of
+             bounds, and a positive number within 1e8 times either way), or lamc.Free(…); or names alone. Parameters of
              the model ("h1.stiffness") and dimensions of the design. Positive numbers whose range spans a decade are
              sought by their logarithms
     scene    a Scene, or the name of one of the design's; None: the design's own
@@ -60,14 +63,38 @@ def fit(
     RequestError for what makes no fit: unknown names, fewer data than unknowns, a number that changes nothing that was
     recorded; DesignError for what cannot be simulated; SimulationError if the run fails from where the fit begins.
     """
-    recordings = _checked(data, loss, starts)
     simulators = Simulators(family_of(design), _scene(scene), options)
+    return answered(simulators, data, free, parameters, loss, starts, seed, integrator)
+
+
+def answered(
+    simulators: Simulators,
+    data: Recording | Sequence[Recording],
+    free: Mapping[str, object] | Sequence[str],
+    parameters: Mapping[str, float | str],
+    loss: str,
+    starts: int,
+    seed: int,
+    integrator: str = "auto",
+) -> Fit:
+    """The fit of a design that is compiled, as of `fit`."""
+    recordings = _checked(data, loss, starts)
     setting = setting_of(simulators, recordings, _ranges(free), parameters)
     runs = Differences(integrator)
-    predictor = Predictor(setting, runs)
+    predictor = placed(Predictor(setting, runs))
     objective = Objective(predictor, first_sigmas(predictor))
     solved = solve(objective, loss, starts, seed)
     return answer(predictor, solved, loss)
+
+
+def placed(predictor: Predictor) -> Predictor:
+    """The predictor with cameras where the first run says."""
+    starts = camera_starts(predictor)
+    if not starts:
+        return predictor
+    setting = predictor.setting
+    unknowns = Unknowns(begun_at(setting.unknowns.all, starts))
+    return Predictor(replace(setting, unknowns=unknowns), predictor.runs)
 
 
 def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:

@@ -74,6 +74,11 @@ class Predictor:
                 )
         return Prediction(told, slopes)
 
+    def seen(self, which: int, at: Mapping[str, float]) -> tuple[Array, Flight]:
+        """Signals (m, K) of a recording's run at numbers of the unknowns, and the flight."""
+        found, flight, _, _ = self._seen(which, at, sloped=False)
+        return found, flight
+
     def signals(self, which: int, simulator: Simulator) -> Signals:
         key = (which, id(simulator))
         if key not in self._signals:

@@ -79,8 +79,10 @@ def setting_of(
     data: Sequence[Recording],
     free: Mapping[str, object],
     parameters: Mapping[str, float | str],
+    *,
+    held: bool = False,
 ) -> Setting:
-    """All of a fit, checked."""
+    """All of a fit, checked. held: nothing need be free."""
     first = simulators.usual
     targets = targets_of(simulators.design, first)
     named = [replace(each, name=each.name or f"run{k + 1}") for k, each in enumerate(data)]
@@ -94,7 +96,7 @@ def setting_of(
         runs.append(run)
         unknowns += [each for each in own if each.name not in {u.name for u in unknowns}]
     setting = Setting(simulators, tuple(runs), Unknowns(tuple(unknowns)), tuple(notes), given)
-    if not unknowns:
+    if not unknowns and not held:
         raise RequestError(
             "nothing is free; name what is to be found: free={'h1.stiffness': (1e-4, 1e-1)}, --free h1.stiffness"
         )

@@ -7,7 +7,6 @@ In: an objective, a start. Out: a `Solved`. The solver is scipy's (Branch, Colem
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import optimize
 
 from lamc.basics.errors import LamcError, RequestError, SimulationError
 from lamc.fitting.objective import Objective, groups_of, told_sigmas
@@ -16,6 +15,7 @@ from lamc.run.request import Array
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 _FTOL = _XTOL = 1e-8  # relative: a thousandth of a thousandth of what noise leaves uncertain
 _POOR = 0.1  # share of the data's variance that is left, above which other starts are looked at
+_FAR_OFF = 3.0  # of logarithms: a factor of twenty either way, from where a fit begins
 _SAME = 1.01  # times the best cost: another way to the same place
 _ROUNDS = 4  # of weights
 _SCREENED = 8  # places that are looked at for each start that is gone from
@@ -106,6 +106,8 @@ def check_felt(objective: Objective, begin: Array) -> None:
 
 
 def _once(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
+    from scipy import optimize  # `import lamc` does without it
+
     unknowns = objective.predictor.setting.unknowns
     low, high = unknowns.bounds
     steps = 0
@@ -182,11 +184,8 @@ def _other_starts(first: Solved, loss: str, starts: int, seed: int, max_steps: i
     objective = first.objective
     unknowns = objective.predictor.setting.unknowns
     low, high = unknowns.bounds
-    reach = np.array([1.0 if each.log else each.size for each in unknowns.all])
-    bottom, top = (
-        np.where(np.isfinite(end), end, unknowns.start + sign * reach)
-        for sign, end in ((-1.0, low), (1.0, high))
-    )
+    reach = np.array([_FAR_OFF if each.log else each.size for each in unknowns.all])
+    bottom, top = np.maximum(low, unknowns.start - reach), np.minimum(high, unknowns.start + reach)
     from scipy.stats import qmc  # half a second to load, and most fits do not need it
 
     sampler = qmc.LatinHypercube(len(reach), seed=seed)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.special import stdtrit
 
 from lamc.fitting.unknowns import Unknown, Unknowns
 from lamc.run.request import Array
@@ -131,6 +130,8 @@ def _intervals(
     held: "np.ndarray[tuple[int], np.dtype[np.bool_]]",
     freedom: int,
 ) -> Array:
+    from scipy.special import stdtrit  # `import lamc` does without it
+
     reach = float(stdtrit(freedom, 0.5 + 0.5 * LEVEL)) * errors
     found = np.zeros((len(inner), 2))
     for k, each in enumerate(unknowns.all):

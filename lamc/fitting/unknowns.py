@@ -6,7 +6,7 @@ positive and spans a decade, else the numbers themselves. Raises RequestError of
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,7 +19,7 @@ from lamc.run.request import Array
 from lamc.studies.axes import axis_of
 
 _DECADE = 10.0
-_WIDE = 1e4  # a positive number without bounds is looked for from a part to as many times of where it begins
+_WIDE = 1e8  # a positive number without bounds is looked for from a part to as many times of where it begins
 _PRIOR = re.compile(r"\s*(.*?)\s*(?:±|\+-)\s*(.*?)\s*\Z")
 
 
@@ -131,7 +131,7 @@ def is_range(given: object) -> bool:
     return (
         isinstance(given, Free)
         or (is_list(given) and len(given) == 2)
-        or (isinstance(given, str) and ":" in given)
+        or (isinstance(given, str) and bool(set(given) & set(":±")))
     )
 
 
@@ -181,7 +181,7 @@ def _middle(low: float, high: float, *, log: bool) -> float:
     return low if math.isfinite(low) else high if math.isfinite(high) else 0.0
 
 
-def begun_at(unknowns: Sequence[Unknown], starts: dict[str, float]) -> tuple[Unknown, ...]:
+def begun_at(unknowns: Sequence[Unknown], starts: Mapping[str, float]) -> tuple[Unknown, ...]:
     """The unknowns, some with other starts, as far as bounds let them."""
     return tuple(
         replace(each, start=min(max(starts[each.name], each.free.low), each.free.high))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from lamc.basics.checks import checked_array, checked_kind, checked_name, checked_number, is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.basics.units import DURATION, LENGTH, to_si
+from lamc.basics.units import LENGTH, to_si
 
 Array = npt.NDArray[np.float64]
 
@@ -224,8 +224,6 @@ class Recording:
         )
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "values", ReadOnlyDict(values))
-        if isinstance(self.delay, str):
-            object.__setattr__(self, "delay", to_si(self.delay, DURATION))
 
     def __repr__(self) -> str:
         return f"<Recording {self.name or '?'}: {len(self.t)} rows of {', '.join(self.values)}>"

@@ -96,7 +96,7 @@ class Fit:
     predictor: Predictor = field(repr=False)
     solved: Solved = field(repr=False)
     account: Account = field(repr=False)
-    derivatives: str = "differences of runs, of fourth order at the end"
+    derivatives: str = ""
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.4g}" for name, value in list(self.values.items())[:6])

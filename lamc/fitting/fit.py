@@ -14,7 +14,7 @@ from lamc.basics.errors import RequestError
 from lamc.codegen.options import CompileOptions
 from lamc.fitting.answer import Fit, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
-from lamc.fitting.flights import Differences
+from lamc.fitting.exact import Exact
 from lamc.fitting.objective import Objective, first_sigmas
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
@@ -80,7 +80,7 @@ def answered(
     """The fit of a design that is compiled, as of `fit`."""
     recordings = _checked(data, loss, starts)
     setting = setting_of(simulators, recordings, _ranges(free), parameters)
-    runs = Differences(integrator)
+    runs = Exact(integrator)
     predictor = placed(Predictor(setting, runs))
     objective = Objective(predictor, first_sigmas(predictor))
     solved = solve(objective, loss, starts, seed)
@@ -108,7 +108,7 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
     )
     compared = compared_of(predictor, solved)
     values = dict(zip(unknowns.names, unknowns.values(inner).tolist(), strict=True))
-    notes = [*setting.notes, *solved.notes, *remarks(compared)]
+    notes = [*setting.notes, *predictor.runs.notes, *solved.notes, *remarks(compared)]
     share = left_over(objective, inner)
     if share > _POOR:
         notes.append(f"the model leaves {share:.0%} of the data's variance: it does not describe them")
@@ -135,6 +135,7 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
         message=solved.message,
         notes=tuple(notes),
         runs=predictor.runs.count,
+        derivatives=predictor.runs.told,
         compared=compared,
         setting=setting,
         predictor=predictor,

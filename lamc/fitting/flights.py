@@ -56,7 +56,17 @@ class Flight:
 class Runs(Protocol):
     """Makes flights."""
 
-    count: int  # runs that were made
+    @property
+    def count(self) -> int:
+        """Runs that were made."""
+
+    @property
+    def told(self) -> str:
+        """How derivatives are had."""
+
+    @property
+    def notes(self) -> list[str]:
+        """Where they may not hold."""
 
     def flight(self, task: Task) -> Flight:
         """States alone."""
@@ -72,8 +82,13 @@ class Differences:
         self, integrator: str = "auto", rtol: float = RTOL, atol: float = ATOL, max_steps: int = 1_000_000
     ) -> None:
         self.count = 0
+        self.notes: list[str] = []
         self._how = integrator
         self._rtol, self._atol, self._max_steps = rtol, atol, max_steps
+
+    @property
+    def told(self) -> str:
+        return "differences of runs, of fourth order at the end"
 
     def flight(self, task: Task) -> Flight:
         motion = task.simulator.model.motion(task.parameters)

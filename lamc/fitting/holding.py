@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from lamc.fitting.answer import Compared, Fit, compared_of
+from lamc.fitting.exact import Exact
 from lamc.fitting.fit import placed
-from lamc.fitting.flights import Differences
 from lamc.fitting.objective import Objective, first_sigmas
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
@@ -27,7 +27,7 @@ def held_back(fit: Fit, recording: Recording) -> Compared:
         recording = replace(recording, camera=_known(fit, recording.camera))
     parameters = {**fit.setting.parameters, **fit.parameters}
     setting = setting_of(simulators, [recording], {}, parameters, held=True)
-    predictor = placed(Predictor(setting, Differences()))
+    predictor = placed(Predictor(setting, Exact()))
     objective = Objective(predictor, first_sigmas(predictor))
     if setting.unknowns.all:
         solved = solve(objective, "linear", 1, 0)

@@ -35,6 +35,7 @@ from lamc.design.split import split
 from lamc.effects import (
     BaseMotion,
     BladeElementDrag,
+    Cable,
     Effect,
     ExternalTorque,
     FlexibleLinks,
@@ -48,6 +49,7 @@ from lamc.effects import (
     NonlinearStiffness,
     PiezoBender,
     RestAngle,
+    Servo,
     Spring,
     Torque,
     TwistCompliance,
@@ -66,8 +68,11 @@ from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.ensemble import Ensemble
+from lamc.run.equilibrium import Equilibrium
+from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.run.vibration import Modes
 from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
@@ -76,6 +81,7 @@ __all__ = [
     "BladeElementDrag",
     "Body",
     "BuildError",
+    "Cable",
     "Card",
     "CompileOptions",
     "Design",
@@ -85,6 +91,7 @@ __all__ = [
     "Effect",
     "EmitError",
     "Ensemble",
+    "Equilibrium",
     "ExportError",
     "ExportOptions",
     "ExpressionError",
@@ -101,9 +108,11 @@ __all__ = [
     "JointLimits",
     "LamcError",
     "Limits",
+    "LinearModel",
     "LinearMotor",
     "Material",
     "Mechanism",
+    "Modes",
     "NonlinearStiffness",
     "OutputPoint",
     "PiezoBender",
@@ -111,6 +120,7 @@ __all__ = [
     "RestAngle",
     "Result",
     "Scene",
+    "Servo",
     "SimulationError",
     "Simulator",
     "Slab",

@@ -378,6 +378,12 @@ def _names(value: Any, what: str) -> tuple[str, ...]:
     return names
 
 
+def _names_in_a_row(value: Any, what: str) -> tuple[str, ...]:
+    if not is_list(value) or not len(value):
+        raise DesignError(f"{what} are {shown(value)}; give a list of names")
+    return tuple(checked_name(name, f"an entry of {what}") for name in value)
+
+
 def _whole(value: Any, what: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise DesignError(f"{what} is {shown(value)}; it must be a whole number")
@@ -386,6 +392,7 @@ def _whole(value: Any, what: str) -> int:
 
 Name = Annotated[str, checked(checked_name)]
 Names = Annotated[tuple[str, ...], checked(_names)]  # none twice
+NamesInARow = Annotated[tuple[str, ...], checked(_names_in_a_row)]  # one may stand there again
 Flag = Annotated[bool, checked(checked_flag)]
 Whole = Annotated[int, checked(_whole)]
 Vector = tuple[float, float, float]

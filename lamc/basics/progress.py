@@ -4,7 +4,7 @@ In: a title, what is done of how much. Out: a bar, taken away when the work ends
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from typing import Any
 
@@ -33,6 +33,16 @@ def bar(title: str) -> Iterator[tuple[Callable[[str], None], Part]]:
             shown.update((done / total if total > 0.0 else 1.0) - shown.n)
 
         yield stage, part
+
+
+@contextmanager
+def part_told(title: str, progress: Part | bool | None) -> Iterator[Part | None]:
+    """What is told how much of how much is done: `progress` itself, or for True a bar while it lasts."""
+    if progress is None or callable(progress):
+        yield progress
+        return
+    with bar(title) if progress else nullcontext((None, None)) as (_, part):
+        yield part
 
 
 def _by_rich(title: str) -> Iterator[tuple[Callable[[str], None], Part]]:

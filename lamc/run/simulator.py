@@ -5,58 +5,49 @@ It never changes; runs share nothing but the compiled code.
 """
 
 import logging
-import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
 import numpy.typing as npt
 
-from lamc.basics._version import __version__
 from lamc.basics.errors import RequestError, UnsupportedError, warn
 from lamc.basics.moved import superseded
-from lamc.basics.once import lazy
+from lamc.basics.once import lazy, remembered
 from lamc.basics.places import located_at
-from lamc.basics.progress import bar
+from lamc.basics.progress import part_told
 from lamc.basics.seen import Viewable
-from lamc.loops.at_start import loops_of
-from lamc.loops.branches import Branch
-from lamc.loops.geometry import geometry_of
 from lamc.loops.rank import LoopCount
-from lamc.loops.starts import Starter
 from lamc.loops.texts import pushed_note
-from lamc.loops.yielding import rigid_scene, yielding_start
-from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanism.plan import plan
-from lamc.records.effect import Effect, PlaneMark, marks_of, notes_of, overrides
+from lamc.records.effect import Effect, notes_of
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.run import integrators
 from lamc.run.accuracy import checked_accuracy, reach
-from lamc.run.arguments import check_names, checked_rate, drawn_start
+from lamc.run.arguments import check_differentiable, check_names, checked_rate
 from lamc.run.defaults import DURATION
-from lamc.run.ending import gap_text, message
-from lamc.run.energy_balance import Kept
-from lamc.run.evaluations import NO_PARAMETERS, Evaluations
+from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
+from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
-from lamc.run.pushes import lead_of, push_of
 from lamc.run.remaking import Recipe, Telling, remade_simulator
-from lamc.run.request import Array, Progress, Request, checked_request
+from lamc.run.request import Progress, Request, checked_request
 from lamc.run.result import Result
-from lamc.run.run_record import Event, Provenance, RunStats
-from lamc.run.start_checks import check_run, check_start, refuse_branch
+from lamc.run.running import Running
+from lamc.run.sensitivities import differentiated
+from lamc.run.start_checks import check_run, check_start
 from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
+    from lamc.mechanics.tangents import Columns
     from lamc.records.design import Design
     from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
+    from lamc.symbolic.staging import DrawnKey
 
 logger = logging.getLogger("lamc")
 _T = TypeVar("_T")
@@ -64,7 +55,7 @@ _T = TypeVar("_T")
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
-class Simulator(Evaluations, Viewable):
+class Simulator(Running, OperatingPoints, Viewable):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from
@@ -92,6 +83,7 @@ class Simulator(Evaluations, Viewable):
         energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         recipe: Recipe | None = None,
         lanes: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
+        columns: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]] | None" = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         numbers: of the design; None: those that the C was printed with.
@@ -99,20 +91,15 @@ class Simulator(Evaluations, Viewable):
         energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
         lanes: makes the module that runs ensembles; None: there is none to be had.
+        columns: makes the module with derivatives by what it is given; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
-        super().__init__(Model(module, recipe, numbers=numbers))
-        self._recipe = recipe
-        self.mechanism = mechanism
-        self.scene = scene
-        self.effects = tuple(effects)
+        super().__init__(module, recipe, numbers, energy_balance, mechanism, scene, effects, loops)
         self._equations = equations
         self._program = program
-        self._module = module
-        self._loops = loops
-        self._energy_balance = energy_balance
         self._lanes = lanes
+        self._columns = None if columns is None else remembered(partial(_model_of, columns))
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -149,70 +136,6 @@ class Simulator(Evaluations, Viewable):
             text = f"{made!r} is compiled anew, as its topology is not that of {self!r}: {what}"
             warn(text)
         return made
-
-    @lazy
-    def loops(self) -> LoopCount:
-        """Loops, equations, rank, redundancy, degrees of freedom and misfit."""
-        return self._loops or loops_of(self._arrangement.tree, self._rigid_scene)
-
-    @lazy
-    def branches(self) -> tuple[Branch, ...]:
-        """The ways out of a singular start, such as a flat one, as `Scene.branch` numbers them; empty where the start
-        is regular. Raises DesignError where no position has the scene's angles."""
-        return self._starter.branches(self._rigid_scene) if self._model.cuts else ()
-
-    @lazy
-    def pushed_branch(self) -> int | None:
-        """The number of the branch that a singular start at rest takes, as loads do most work on it; None where the
-        start is regular, or the scene says its way."""
-        if not self._model.cuts:
-            return None
-        if self._loops is not None and self._loops.pushed is not None:
-            # Equations of this branch's rank say nothing of the others; where the start has that rank it is regular.
-            return self._loops.pushed if self._starter.is_undecided(self._rigid_scene) else None
-        return self._starter.pushed_branch(
-            self._rigid_scene, push_of(self._default_motion, self._arrangement)
-        )
-
-    def loops_taken(self) -> tuple[LoopCount, int | None]:
-        """What the loops come to on the branch that the start takes, and its number; None where none part."""
-        known = len(self.loops.branch_ranks)
-        number = (self.scene.branch or self.pushed_branch) if self._model.cuts and known else None
-        if number is None or not known < abs(number) <= len(self.branches):
-            return self.loops.on_branch(number or 0), number
-        return self.loops.of_rank(self._starter.rank_on(self._rigid_scene, number)), number
-
-    @lazy
-    def start(self) -> Array:
-        """Initial state (nq + nu,): the scene's angles and rates; those left out follow from closure, or are zero.
-        What effects add to the coordinates starts as they say. Out of a singular position at rest, such as a flat one,
-        it is a thousandth of a radian along the scene's branch, or `pushed_branch`.
-
-        Raises DesignError where they cannot be had.
-        """
-        start = self.start_of(self.scene)
-        start.flags.writeable = False
-        with located_at(self.scene.places):
-            check_start(self.effects, self.mechanism, self._default_motion, start)
-        return start
-
-    def start_of(self, scene: Scene) -> Array:
-        """As `start`, of a scene that differs from this one in angles and rates; no effect is shown it."""
-        near = scene.angles
-        if self._model.cuts:
-            rigid = self._rigid_scene if scene is self.scene else self._rigid(scene)
-            start = self._starter.state(replace(rigid, branch=rigid.branch or self.pushed_branch))
-        else:
-            with located_at(scene.places):
-                refuse_branch(scene)
-            if len(self.joints) < len(self.mechanism.joints):
-                start, near = yielding_start(plan(self.mechanism), scene)
-            else:
-                start = drawn_start(scene, self.joints)
-        if len(self.coordinates) > len(self.joints):
-            q, u = np.split(start, 2)
-            start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
-        return start
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -258,6 +181,7 @@ class Simulator(Evaluations, Viewable):
         baumgarte: float | None = None,
         energy_balance: bool = False,
         accuracy: float | None = None,
+        sensitivities: Sequence[str] = (),
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -287,6 +211,10 @@ class Simulator(Evaluations, Viewable):
                     to five times the work of the last. The tightest is the result, with `Result.error_estimate` and
                     `Result.accuracy`. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the
                     message says so, and what was
+        sensitivities  names of parameters, of dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start:
+                    the run is differentiated by them, for `Result.sensitivity`. The derivatives are those of what the
+                    run computes, at the steps that it takes, which are the same to the last bit with and without. The
+                    first time a list takes a compile of its own
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -296,46 +224,74 @@ class Simulator(Evaluations, Viewable):
         if books is not None:
             superseded("run(books=...)", "run(energy_balance=...)")
             energy_balance = books
+        wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
+        with part_told("run", progress) as told:
+            asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
+            request = self._request(*asked, energy_balance=energy_balance)
+            rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
+            if len(sensitivities):
+                check_differentiable(integrator, rate, accuracy, energy_balance=energy_balance)
+                return self._differentiated(integrator, request, parameters, sensitivities)
+            motion = (
+                self.telling.motion(parameters, rate) if energy_balance else self._motion(parameters, rate)
+            )
+            self._check_run(parameters, motion, request.t_end)
+            telling = Telling(self, self._recipe, parameters, rate)
+
+            def run(name: str, asked: Request) -> tuple[Result, float]:
+                return self._integrated(name, asked, motion, telling)
+
+            if wanted is None:
+                return run(integrator, request)[0]
+            return reach(wanted, integrator, motion, request, run, self.scene)
+
+    def _differentiated(
+        self,
+        integrator: str,
+        request: Request,
+        parameters: Mapping[str, float | str],
+        names: Sequence[str],
+    ) -> Result:
+        """A run with its derivatives."""
+        found = differentiated(self, names, parameters)
+        motion = self._motion(parameters)
+        self._check_run(parameters, motion, request.t_end)
+        telling = Telling(self, self._recipe, parameters, 0.0)
+        return self._integrated(integrator, replace(request, along=found.along), motion, telling, found)[0]
+
+    def with_columns(self, columns: "Columns") -> "tuple[Model, tuple[DrawnKey, ...]]":
+        """The model that also has derivatives by these, and the keys of its numbers of the drawing."""
+        if self._columns is None:
+            raise RequestError("this simulator was made by hand and has no derivatives; use lamc.compile")
+        return self._columns(columns)
+
+    def _request(
+        self,
+        t_end: float | str | None,
+        rtol: float | None,
+        atol: float | None,
+        t_eval: npt.ArrayLike | None,
+        max_steps: int,
+        max_step: float | str | None,
+        progress: Progress | None,
+        *,
+        energy_balance: bool = False,
+    ) -> Request:
+        """What `run` and `ensemble` are asked for, checked."""
         if t_end is None:
             t_end = self.scene.duration or DURATION
-        if isinstance(progress, bool):
-            with bar("run") if progress else nullcontext((None, None)) as (_, told):
-                return self.run(
-                    t_end,
-                    rtol,
-                    atol,
-                    t_eval,
-                    integrator,
-                    parameters,
-                    max_steps=max_steps,
-                    max_step=max_step,
-                    progress=told,
-                    baumgarte=baumgarte,
-                    energy_balance=energy_balance,
-                    accuracy=accuracy,
-                )
-        wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
         tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
-        request = checked_request(
+        return checked_request(
             self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, energy_balance
         )
-        rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
-        motion = (
-            self._motion(parameters, rate) if not energy_balance else self.telling.motion(parameters, rate)
-        )
+
+    def _check_run(self, parameters: Mapping[str, float | str], motion: Motion, t_end: float) -> None:
+        """Whether effects can do what is asked for, at the line of the scene that says so."""
         with located_at(self.scene.places):
             limited = with_limits(self.mechanism, checked_parameters(parameters, self.parameter_units))
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
-            check_run(self.effects, self.mechanism, motion, self.start, request.t_end)
-        telling = Telling(self, self._recipe, parameters, rate)
-
-        def run(name: str, asked: Request) -> tuple[Result, float]:
-            return self._integrated(name, asked, motion, telling)
-
-        if wanted is None:
-            return run(integrator, request)[0]
-        return reach(wanted, integrator, motion, request, run, self.scene)
+            check_run(self.effects, self.mechanism, motion, self.start, t_end)
 
     def ensemble(
         self,
@@ -374,29 +330,16 @@ class Simulator(Evaluations, Viewable):
         Raises RequestError for arguments that make no ensemble, BuildError where the compiler fails."""
         from lamc.run.ensembles import ensemble_of
 
-        if isinstance(progress, bool):
-            with bar("ensemble") if progress else nullcontext((None, None)) as (_, told):
-                return self.ensemble(
-                    t_end,
-                    rtol,
-                    atol,
-                    t_eval,
-                    integrator,
-                    parameters,
-                    angles,
-                    rates,
-                    max_steps=max_steps,
-                    max_step=max_step,
-                    progress=told,
-                    threads=threads,
-                    side_by_side=side_by_side,
-                )
-        if t_end is None:
-            t_end = self.scene.duration or DURATION
-        tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
-        request = checked_request(self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress)
-        given = (parameters, angles, rates)
-        return ensemble_of(self, request, integrator, given, threads, side_by_side=side_by_side)
+        with part_told("ensemble", progress) as told:
+            request = self._request(t_end, rtol, atol, t_eval, max_steps, max_step, told)
+            given = (parameters, angles, rates)
+            return ensemble_of(self, request, integrator, given, threads, side_by_side=side_by_side)
+
+    def integrated(
+        self, motion: Motion, parameters: Mapping[str, float | str], request: Request, integrator: str
+    ) -> Result:
+        """A run of `motion`, which has these parameters, from a start of its own. Checks nothing."""
+        return self._integrated(integrator, request, motion, Telling(self, self._recipe, parameters, 0.0))[0]
 
     @lazy
     def lanes(self) -> CompiledModule:
@@ -405,115 +348,13 @@ class Simulator(Evaluations, Viewable):
             raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
         return self._lanes()[0]
 
-    def integrated(
-        self, motion: Motion, parameters: Mapping[str, float | str], request: Request, integrator: str
-    ) -> Result:
-        """A run of `motion`, which has these parameters, from a start of its own. Checks nothing."""
-        return self._integrated(integrator, request, motion, Telling(self, self._recipe, parameters, 0.0))[0]
 
-    def _integrated(
-        self, integrator: str, request: Request, motion: Motion, telling: Callable[[], Motion]
-    ) -> tuple[Result, float]:
-        """One run, and what it took in evaluations. telling: makes the motion that tells powers."""
-        started = time.perf_counter()
-        used, trajectory = integrators.integrate(integrator, motion, request)
-        wall_time = time.perf_counter() - started
-        provenance, marks = self._circumstances(motion)
-        result = Result(
-            t=trajectory.t,
-            q=trajectory.q,
-            u=trajectory.u,
-            status=trajectory.status,
-            message=message(trajectory, request, motion, self._gap_at if self.cut_joints else None),
-            events=tuple(Event(t, self._model.guards[k]) for t, k in trajectory.events),
-            stats=RunStats(
-                integrator=used,
-                switches=trajectory.switches,
-                rtol=request.rtol,
-                atol=request.atol,
-                steps=trajectory.accepted + (trajectory.rejected or 0),
-                accepted=trajectory.accepted,
-                rejected=trajectory.rejected,
-                evaluations=trajectory.evaluations,
-                last_step=trajectory.last_step,
-                singular_steps=trajectory.singular_steps,
-                wall_time=wall_time,
-                real_time_factor=trajectory.t_reached / wall_time if wall_time > 0.0 else float("inf"),
-                max_step=None if request.max_step == float("inf") else request.max_step,
-            ),
-            provenance=provenance,
-            mechanism=self.mechanism,
-            motion=motion,
-            telling=telling,
-            kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
-            marks=marks,
-            outputs=tuple(self.scene.outputs or ()),
-        )
-        logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
-        return result, trajectory.effort
-
-    def _gap_at(self, angles: Array) -> str:
-        """How far loops are open at angles (n,), rad, of the joints, in words."""
-        geometry, known = geometry_of(self._arrangement.tree), dict(zip(self.joints, angles, strict=True))
-        return gap_text(geometry, self.loops, np.array([known.get(name, 0.0) for name in geometry.names]))
-
-    @lazy
-    def _rigid_scene(self) -> Scene:
-        """The scene by the joints that no bushing holds: where it gives angles or rates of others, theirs are such that
-        those are had."""
-        return self._rigid(self.scene)
-
-    def _rigid(self, scene: Scene) -> Scene:
-        return rigid_scene(plan(self.mechanism), self._arrangement.tree, scene)
-
-    @lazy
-    def _starter(self) -> Starter:
-        lead = lead_of(self._default_motion, self._arrangement)
-        return Starter(geometry_of(self._arrangement.tree), self.loops, lead)
-
-    def _bending(self) -> tuple[str, ...]:
-        """Names of the bodies that bend."""
-        if not any(overrides(effect, "arrange") for effect in self.effects):
-            return ()
-        return tuple(each.body for each in self._arrangement.flexible)
-
-    @lazy
-    def telling(self) -> Model:
-        """The model that tells powers."""
-        if self._energy_balance is None:
-            raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        module, numbers = self._energy_balance()
-        return Model(module, self._recipe, tells=True, numbers=numbers)
-
-    @lazy
-    def _arrangement(self) -> Arrangement:
-        return arrange(plan(self.mechanism), self.effects)
-
-    def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
-        """Where a result comes from, and what its pictures show besides the bodies."""
-        if motion is self._default_motion:
-            provenance, marks = self._usual_circumstances
-            return replace(provenance, parameters=dict(provenance.parameters)), marks
-        provenance = self._provenance(motion)
-        return provenance, marks_of(self.effects, provenance.parameters)
-
-    @lazy
-    def _usual_circumstances(self) -> tuple[Provenance, tuple[PlaneMark, ...]]:
-        """The same where all parameters have their defaults."""
-        provenance = self._provenance(self._default_motion)
-        return provenance, marks_of(self.effects, provenance.parameters)
-
-    def _provenance(self, motion: Motion) -> Provenance:
-        names = self._model.parameters
-        return Provenance(
-            design=self._model.name,
-            digest=self._model.digest,
-            lamc_version=__version__,
-            compiler=self._module.compiler,
-            flags=tuple(self._module.flags),
-            effects=tuple(effect.name for effect in self.effects),
-            parameters=dict(zip(names, motion.parameters[: len(names)].tolist(), strict=True)),
-        )
+def _model_of(
+    modules: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]]",
+    columns: "Columns",
+) -> "tuple[Model, tuple[DrawnKey, ...]]":
+    module, numbers, keys = modules(columns)
+    return Model(module, numbers=numbers), keys
 
 
 def _settled(value: _T | Callable[[], _T]) -> _T:

@@ -249,6 +249,7 @@ const lamc_model *measured_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

@@ -1,0 +1,134 @@
+"""Runs of a simulator: one after the other, each with where it comes from.
+
+In: a motion, a checked request. Out: a `Result`, with its provenance. Never: looks at arguments of a user.
+"""
+
+import logging
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from lamc.basics._version import __version__
+from lamc.basics.errors import RequestError
+from lamc.basics.once import lazy
+from lamc.loops.rank import LoopCount
+from lamc.records.effect import Effect, PlaneMark, marks_of
+from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
+from lamc.run import integrators
+from lamc.run.ending import message
+from lamc.run.energy_balance import Kept
+from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
+from lamc.run.remaking import Recipe
+from lamc.run.request import Request
+from lamc.run.result import Result
+from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.sensitivities import Differentiated
+from lamc.run.starting import Starting
+
+logger = logging.getLogger("lamc")
+
+
+class Running(Starting):
+    """The part of a `Simulator` that makes results of motions."""
+
+    def __init__(
+        self,
+        module: CompiledModule,
+        recipe: Recipe | None,
+        numbers: DesignNumbers | None,
+        energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None,
+        mechanism: Mechanism,
+        scene: Scene,
+        effects: Sequence[Effect],
+        loops: LoopCount | None,
+    ) -> None:
+        super().__init__(Model(module, recipe, numbers=numbers), mechanism, scene, effects, loops)
+        self._module = module
+        self._recipe = recipe
+        self._energy_balance = energy_balance
+
+    def _integrated(
+        self,
+        integrator: str,
+        request: Request,
+        motion: Motion,
+        telling: Callable[[], Motion],
+        differentiated: Differentiated | None = None,
+    ) -> tuple[Result, float]:
+        """One run, and what it took in evaluations. telling: makes the motion that tells powers; differentiated: what
+        the run's derivatives are by."""
+        started = time.perf_counter()
+        carrier = motion if differentiated is None else differentiated.motion
+        used, trajectory = integrators.integrate(integrator, carrier, request)
+        wall_time = time.perf_counter() - started
+        provenance, marks = self._circumstances(motion)
+        result = Result(
+            t=trajectory.t,
+            q=trajectory.q,
+            u=trajectory.u,
+            status=trajectory.status,
+            message=message(trajectory, request, motion, self._gap_at if self.cut_joints else None),
+            events=tuple(Event(t, self._model.guards[k]) for t, k in trajectory.events),
+            stats=RunStats(
+                integrator=used,
+                switches=trajectory.switches,
+                rtol=request.rtol,
+                atol=request.atol,
+                steps=trajectory.accepted + (trajectory.rejected or 0),
+                accepted=trajectory.accepted,
+                rejected=trajectory.rejected,
+                evaluations=trajectory.evaluations,
+                last_step=trajectory.last_step,
+                singular_steps=trajectory.singular_steps,
+                wall_time=wall_time,
+                real_time_factor=trajectory.t_reached / wall_time if wall_time > 0.0 else float("inf"),
+                max_step=None if request.max_step == float("inf") else request.max_step,
+            ),
+            provenance=provenance,
+            mechanism=self.mechanism,
+            motion=motion,
+            telling=telling,
+            kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
+            marks=marks,
+            outputs=tuple(self.scene.outputs or ()),
+            sensitivities=None
+            if differentiated is None or trajectory.along is None
+            else differentiated.sensitivities(trajectory.along, trajectory.lost),
+        )
+        logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
+        return result, trajectory.effort
+
+    @lazy
+    def telling(self) -> Model:
+        """The model that tells powers."""
+        if self._energy_balance is None:
+            raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
+        module, numbers = self._energy_balance()
+        return Model(module, self._recipe, tells=True, numbers=numbers)
+
+    def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
+        """Where a result comes from, and what its pictures show besides the bodies."""
+        if motion is self._default_motion:
+            provenance, marks = self._usual_circumstances
+            return replace(provenance, parameters=dict(provenance.parameters)), marks
+        provenance = self._provenance(motion)
+        return provenance, marks_of(self.effects, provenance.parameters)
+
+    @lazy
+    def _usual_circumstances(self) -> tuple[Provenance, tuple[PlaneMark, ...]]:
+        """The same where all parameters have their defaults."""
+        provenance = self._provenance(self._default_motion)
+        return provenance, marks_of(self.effects, provenance.parameters)
+
+    def _provenance(self, motion: Motion) -> Provenance:
+        names = self._model.parameters
+        return Provenance(
+            design=self._model.name,
+            digest=self._model.digest,
+            lamc_version=__version__,
+            compiler=self._module.compiler,
+            flags=tuple(self._module.flags),
+            effects=tuple(effect.name for effect in self.effects),
+            parameters=dict(zip(names, motion.parameters[: len(names)].tolist(), strict=True)),
+        )

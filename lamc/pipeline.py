@@ -36,6 +36,7 @@ from lamc.records.effect import Effect
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
+from lamc.records.scene_values import with_values
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
 from lamc.run.kept_programs import (
@@ -53,6 +54,7 @@ from lamc.run.kept_programs import (
 )
 from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
+from lamc.run.scene_numbers import scene_numbers, scene_program
 from lamc.run.simulator import Simulator
 from lamc.symbolic.staging import DrawnKey
 
@@ -132,7 +134,9 @@ def compile(  # noqa: A001  the public name is lamc.compile
             mechanism = design
         scene = scene or mechanism.scene or Scene()
         with located_at(scene.places):
-            made = _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
+            made = _compiled(
+                with_values(mechanism, scene), scene, options, times, cache or Cache(cache_root())
+            )
     logger.info("%r is compiled%s", made, ", from the cache" if times.from_cache else "")
     return made
 
@@ -185,6 +189,10 @@ def _compiled(
 
     def keyed_module(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
         """The module, and the numbers of the design; with columns, the keys of those of the drawing too."""
+        made, numbers, keys = as_drawn(extras)
+        return made, scene_numbers(made, numbers, scene.parameters), keys
+
+    def as_drawn(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
         maker = find_machine_compiler(options) if extras.lanes or extras.columns else compiler
         alias = None  # of this design alone
         if common is not None and extras.columns is None:
@@ -231,7 +239,7 @@ def _compiled(
         scene,
         effects,
         equations,
-        lambda: sources(PLAIN)[0],
+        lambda: scene_program(sources(PLAIN)[0], scene.parameters),
         *module(),
         loops,
         lambda: module(Extras(energy_balance=True)),

@@ -10,6 +10,7 @@
 #include "impacts.h"
 #include "loops.h"
 #include "motion.h"
+#include "series.h"
 #include "tolerances.h"
 
 #include <math.h>
@@ -58,6 +59,7 @@ void lamc_guards_sense(const void *context, lamc_real t, const lamc_real *y) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
   lamc_real *values = lamc_motion_guard_work(motion);
+  lamc_series_put(motion, t);
   plain_values(motion, t, y, values);
   for (int g = 0; g < model->guard_count; g++) {
     if (model->guard_modes[g] >= 0) motion->constants[model->guard_modes[g]] = values[g] > 0 ? 1 : 0;
@@ -67,6 +69,7 @@ void lamc_guards_sense(const void *context, lamc_real t, const lamc_real *y) {
 void lamc_guards_values(const void *context, lamc_real t, const lamc_real *y, lamc_real *guards) {
   const lamc_motion *motion = (const lamc_motion *)context;
   const lamc_model *model = motion->model;
+  lamc_series_put(motion, t);
   plain_values(motion, t, y, guards);
   if (model->guard_changes != NULL) add_changes(motion, t, y, guards + model->guard_count);
   for (int g = 0; g < model->guard_count; g++) {

@@ -22,7 +22,9 @@ from lamc.symbolic.functions import FUNCTIONS
 LONGEST_NAME = 40
 MOST = 1000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
-_STAGED = re.compile(r"z[0-9]+|mode_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+")  # what `Equations` calls its own
+_STAGED = re.compile(
+    r"z[0-9]+|mode_[0-9]+|tick_[0-9]+|held_[0-9]+_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+"
+)  # what `Equations` calls its own
 _MEANS = {
     "t": "the time",
     "angle": "the angle of the driven joint",

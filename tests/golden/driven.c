@@ -198,6 +198,13 @@ const lamc_model *driven_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
+      0,
+      0,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
   };
   return &model;
 }

@@ -92,6 +92,7 @@ def collect(
         with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
             hold(loads)
             effect.contribute(loads)
+    symbols.parameters.check_asked()
     symbols.store.scope = LATER
     return loads
 

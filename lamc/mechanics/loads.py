@@ -76,7 +76,9 @@ class Loads(BodyPoints):
         super().__init__(placement, u)
         tree = self.tree
         self.time = time
-        self.inputs: Mapping[str, Scalar] = inputs or {}  # of the scene, by name; constant within a run
+        self.inputs: Mapping[str, Scalar] = (
+            inputs or {}
+        )  # of the scene, by name; constant, or they follow a series
         self.hinge_torques: list[Scalar] = [0] * len(tree.hinges)
         self.field: Vector3 = ZERO
         self.wrenches: dict[
@@ -144,7 +146,8 @@ class Loads(BodyPoints):
         stands still in between, so that force times switch is smooth to them. `name` tells people which guard it is.
         """
         index = sum(1 for guard in self.guards if guard.mode is not None)
-        mode = self._store.symbol(f"mode_{index}", Space.CONSTANT, index)
+        slot = self._parameters.first_mode + index
+        mode = self._store.symbol(f"mode_{index}", Space.CONSTANT, slot)
         self.guards.append(Guard(name, self._scalar(guard), mode=mode))
         return mode
 

@@ -11,6 +11,7 @@
 #include "impacts.h"
 #include "loops.h"
 #include "motion.h"
+#include "series.h"
 #include "tolerances.h"
 
 #include <math.h>
@@ -43,6 +44,7 @@ static void sample(const lamc_motion *motion, lamc_real t, const lamc_real *y, c
   const lamc_model *model = motion->model;
   if (model->clock_count == 0) return;
   lamc_real *samples = jumping_room(motion) + 3 * (ptrdiff_t)model->guard_count + model->rate_count;
+  lamc_series_put(motion, t);
   model->samples(motion->constants, t, y, y + model->coordinate_count, samples);
   for (int c = 0; c < model->clock_count; c++) {
     if (struck != NULL && !(struck[model->clock_guards[c]] > 0)) continue;
@@ -57,6 +59,7 @@ static void sample(const lamc_motion *motion, lamc_real t, const lamc_real *y, c
 
 /* Guards as the model has them, whatever the modes, with their rates */
 static void plain_values(const lamc_motion *motion, lamc_real t, const lamc_real *y, lamc_real *guards) {
+  lamc_series_put(motion, t);
   motion->model->guards(motion->constants, t, y, y + motion->model->coordinate_count, guards);
 }
 

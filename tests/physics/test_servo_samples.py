@@ -120,6 +120,40 @@ def test_two_clocks_tick_by_themselves() -> None:
     assert len(found) == 8  # both at 0.15 s
 
 
+@pytest.mark.parametrize("period", [None, PERIOD, 0.03])
+@pytest.mark.parametrize("hold", ["previous", "linear"])
+def test_its_command_follows_a_series(hold: str, period: float | None) -> None:
+    """Steps and kinks of a table at some of the samples: those of a step have its new value."""
+    t, values = 0.06 * np.arange(8), np.array([0.1, -0.4, 0.5, 0.2, 0.9, -0.3, 0.0, 0.4])
+    series = lamc.Series(t, values, hold=hold)
+    scene = Scene(
+        effects=(servo("goal", stall_torque=STALL, period=period),),
+        inputs={"goal": lamc.Input(unit="rad", series=series)},
+    )
+    result = lamc.compile(pendulum(), scene).run(t_end=0.42, t_eval=[0.42], energy_balance=True, **FINE)
+
+    def command(at: float) -> float:
+        if hold == "linear":
+            return float(np.interp(at, t, values))
+        return float(values[np.searchsorted(t, at + 1e-9, side="right") - 1])
+
+    def torque(at: float, x: np.ndarray) -> float:
+        return float(np.clip(K * (command(at) - x[0]) - C * x[1], -STALL, STALL))
+
+    step, x = 1e-5, np.zeros(2)  # s; divides all times
+    for k in range(42000):
+        at = k * step
+        if period is None or k % round(period / step) == 0:
+            held = torque(at, x)
+        if period is None:  # the middle of the step
+            held = torque(at + 0.5 * step, x + 0.5 * step * np.array([x[1], torque(at, x) / ABOUT_HINGE]))
+        x = x + step * np.array([x[1] + 0.5 * step * held / ABOUT_HINGE, held / ABOUT_HINGE])
+    # second order in 1e-5 s, and of kinks between steps the first: some 1e-5 of slopes of 10 rad/s over 1e-5 s
+    assert result.q[-1, 0] == pytest.approx(x[0], abs=1e-7)
+    assert result.u[-1, 0] == pytest.approx(x[1], abs=1e-5)
+    assert result.energy_balance.balance < 1e-10
+
+
 def test_impacts_leave_what_is_held() -> None:
     """Elastic limits between samples: the held torque goes on, as in runs begun after the impact would not."""
     link = pendulum(limits=(-0.2, 0.2))

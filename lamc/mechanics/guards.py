@@ -70,6 +70,18 @@ class GuardTerms:
     by_rates: Scalar = 0  # what u̇ adds to the rate; 0 for a guard that does not depend on u
 
 
+def check_guards(guards: Sequence[Guard]) -> None:
+    """Raises DesignError for a guard or a sample that holds a mode: where a run starts all modes are set at once."""
+    modes = [guard.mode for guard in guards if guard.mode is not None]
+    for guard in guards:
+        sampled = [] if guard.clock is None else [*guard.clock.held.values()]
+        if modes and any(_depends(value, modes) for value in (guard.value, *sampled)):
+            raise DesignError(
+                f"the guard {guard.name!r} depends on what another switch gives, which is not known where a run "
+                "starts; write it without, as by max(…) or min(…)"
+            )
+
+
 def guard_terms(
     guard: Guard, speeds: Mapping[Value, Scalar], u: Sequence[Value], udot: Callable[[], Sequence[Value]]
 ) -> GuardTerms:

@@ -48,6 +48,7 @@ _RULES: Mapping[str, _Rule] = {
     "gear_stiffness": _Rule("a stiffness", may_be_zero=True),
     "gear_damping": _Rule("a damping", may_be_zero=True),
     "period": _Rule("a sample time", may_be_zero=False),
+    "pressure": _Rule("the pressure of a pouch", may_be_zero=True),
     "dead_band": _Rule("a dead band", may_be_zero=True),
     "air.density": _Rule("a density", may_be_zero=True),
     "air.lift": _Rule("the lift of a wing", may_be_zero=True),

@@ -10,6 +10,7 @@ from scipy.linalg import expm
 import lamc
 from lamc.basics.errors import DesignError, RequestError, UnsupportedError
 from lamc.effects import HingeDamping, HingeStiffness, JointLimits
+from lamc.mechanics.loads import Loads
 from lamc.records.scene import Scene
 from lamc.reference.check import check
 from tests.physics.test_effects import ABOUT_HINGE, pendulum, simulator
@@ -217,3 +218,17 @@ def test_what_knows_no_samples_refuses_them(tmp_path: Path) -> None:
             servo(period=value)
         with pytest.raises(RequestError, match=r"'hip\.servo\.period' is .* above zero"):
             sim.run(t_end=0.1, parameters={"hip.servo.period": value})
+
+
+def test_guards_that_hold_modes_are_refused() -> None:
+    """Where a run starts all modes are set at once; such a guard would see those of the run before."""
+
+    class Nested(lamc.Effect):
+        name, summary = "nested", "A switch behind a switch"
+
+        def contribute(self, loads: Loads) -> None:
+            first = loads.switch("first", loads.hinge("hip").angle)
+            loads.hinge_torque("hip", loads.switch("second", first * loads.hinge("hip").angle - 0.1))
+
+    with pytest.raises(DesignError, match=r"guard 'second' depends on what another switch gives"):
+        simulator(pendulum(), Nested())

@@ -15,10 +15,12 @@ import numpy as np
 from lamc.basics.once import lazy
 from lamc.run.model import Motion
 from lamc.run.request import Array
+from lamc.run.ridders import derivative
 
 NO_EQUATION = 1e-12  # of a row of J: less is left over from rounding the drawing, as the runtime has it
 OPEN = 1e-8  # rad, or of the size: the runtime closes to 1e-13, and what it cannot close stays far above this
 _STEP = 1e-3  # of differences, where the model has no derivatives: to 1e-12 and, by round-off, 1e-12
+_WIDEST = 0.01  # of differences that are to tell all they can
 _LEAST_STEP = 1e-7
 _QUATERNION = ("base.qw", "base.qx", "base.qy", "base.qz")
 
@@ -159,6 +161,24 @@ class Stand:
             return self.by_differences(_STEP)
         by_q, by_u = self.rest.motion.jacobian(self.rest.t, self.rest.row(self.q)[0])
         return self.tangent.T @ by_q @ self.flow, self.tangent.T @ by_u @ self.tangent
+
+    @lazy
+    def slopes(self) -> tuple[Array, Array, float]:
+        """`derivatives`, as well as can be, and an estimate of the largest error; 0 where the model has them. Where it
+        has none, by differences of several widths: drag and friction may change within a small rate."""
+        if self.rest.is_exact:
+            return (*self.derivatives, 0.0)
+        k = len(self.push)
+        found = []
+        for part in (slice(None, k), slice(k, None)):
+            most = self.width(_WIDEST) if part.start is None else _WIDEST
+            tried = [
+                derivative(lambda x, part=part: self.differenced(x)[:, part], 0.0, most * share)  # type: ignore[misc]
+                for share in (1.0, 1e-2, 1e-4)
+            ]
+            found.append(min(tried, key=lambda each: each[1]))
+        (by_q, wrong_q), (by_u, wrong_u) = found
+        return by_q, by_u, max(wrong_q, wrong_u)
 
     def by_differences(self, h: float) -> tuple[Array, Array]:
         """The same by central differences, h rad, or of the size, and 1/s of that, wide, and half as wide, extrapolated

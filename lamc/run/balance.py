@@ -15,7 +15,8 @@ import numpy as np
 from lamc.run.at_rest import Stand
 from lamc.run.request import Array
 
-STEPS = 200  # of each way, at most
+STEPS = 200  # to the nearest, at most
+DOWN = 1000  # of descent, at most: a chain of 30 links that falls from a line takes some hundreds
 LONGEST = 0.2  # rad, or of the size: of a step; the farther, the less the next equilibrium is the nearest
 SHORTEST = 1e-10  # likewise: of the trust region; below, the search goes nowhere
 AT_HAND = 1e-7  # likewise: a Newton step this short ends within round-off, as the next is about its square
@@ -47,7 +48,7 @@ def search(start: Stand, *, stable: bool) -> Search:
     if found.is_balanced:
         return found
     other = _finished(descended(start))
-    return other if other.is_balanced else found
+    return other if other.is_balanced or other.steps >= DOWN else found
 
 
 def nearest(stand: Stand, way: str) -> Search:
@@ -76,7 +77,7 @@ def nearest(stand: Stand, way: str) -> Search:
 def descended(stand: Stand) -> tuple[Stand, int]:
     """Where loads push it to; and the steps that took."""
     radius, count = LONGEST, 0
-    for count in range(1, STEPS + 1):
+    for count in range(1, DOWN + 1):
         step, is_stable = _downhill(stand, radius)
         if is_stable and stand.reach(step) <= AT_HAND:
             break

@@ -11,6 +11,7 @@ import click
 
 from lamc.basics._version import __version__
 from lamc.commands.export_options import export
+from lamc.commands.fit_options import fit
 from lamc.commands.ledger_options import ledger
 from lamc.commands.modes_options import modes
 from lamc.commands.optimise_options import optimise
@@ -238,6 +239,7 @@ def bench(
 
 main.add_command(convert)
 main.add_command(export)
+main.add_command(fit)
 main.add_command(ledger)
 main.add_command(new)
 main.add_command(optimise)

@@ -1,6 +1,8 @@
 """The compiler on one page: each stage takes the previous stage's record.
 
-load → split → plan → derive → lower → emit → build. Nothing is remembered between two calls but the cache.
+load → split → plan → survey → derive → lower → emit → build. The survey tells a design's numbers from its structure:
+where the cache has the structure, they go to its code, and nothing after it is done. Between two calls nothing is
+remembered but the cache, the code that is loaded from it, and the last mechanism's tree, which follows from it alone.
 """
 
 import logging
@@ -25,17 +27,21 @@ from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanics.survey import Survey, can_survey, survey_design
+from lamc.mechanics.tangents import Columns
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
 from lamc.records.effect import Effect
 from lamc.records.inputs import NO_INPUTS, Input
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
+from lamc.records.scene_values import with_values
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
 from lamc.run.kept_programs import (
+    PLAIN,
+    Extras,
     KeptDesign,
     design_of_structure,
     keep_design,
@@ -48,7 +54,9 @@ from lamc.run.kept_programs import (
 )
 from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
+from lamc.run.scene_numbers import scene_numbers, scene_program
 from lamc.run.simulator import Simulator
+from lamc.symbolic.staging import DrawnKey
 
 if TYPE_CHECKING:
     from lamc.codegen.emit import SourceTree
@@ -85,15 +93,17 @@ def sources_of(
     times: Times | None = None,
     *,
     energy_balance: bool = False,
+    columns: Columns | None = None,
     precision: str = "double",
 ) -> "tuple[Program, SourceTree]":
-    """lower and emit. energy_balance: with the power of every effect; precision: "double" or "float"."""
+    """lower and emit. energy_balance: with the power of every effect; columns: with derivatives by these; precision:
+    "double" or "float"."""
     from lamc.codegen.emit import emit
     from lamc.mechanics.lower import lower
 
     times = times or Times()
     with times.stage("lower"):
-        program = lower(equations, energy_balance=energy_balance)
+        program = lower(equations, energy_balance=energy_balance, columns=columns)
     with times.stage("emit"):
         return program, emit(program, precision)
 
@@ -124,7 +134,9 @@ def compile(  # noqa: A001  the public name is lamc.compile
             mechanism = design
         scene = scene or mechanism.scene or Scene()
         with located_at(scene.places):
-            made = _compiled(mechanism, scene, options, times, cache or Cache(cache_root()))
+            made = _compiled(
+                with_values(mechanism, scene), scene, options, times, cache or Cache(cache_root())
+            )
     logger.info("%r is compiled%s", made, ", from the cache" if times.from_cache else "")
     return made
 
@@ -139,10 +151,15 @@ def _compiled(
 ) -> Simulator:
     """loops: what the mechanism's loops come to; None: counted, if it has any."""
     effects = effects_of(mechanism, scene)
+
+    @remembered
+    def arranged() -> Arrangement:
+        return arrange(plan(mechanism), effects)
+
     common = None if cache.passing else common_digest(mechanism, effects)
     if loops is None and len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
-            loops = _loops_of(mechanism, effects, scene, cache, common)
+            loops = _loops_of(mechanism, arranged(), effects, scene, cache, common)
     compiler = find_compiler(options.compiler, flags=options.flags)
 
     @remembered
@@ -150,54 +167,64 @@ def _compiled(
         return equations_of(mechanism, effects, times, loops, scene.inputs)
 
     @remembered
-    def sources(*, energy_balance: bool) -> "tuple[Program, SourceTree]":
-        return sources_of(equations(), times, energy_balance=energy_balance, precision=options.precision)
+    def sources(extras: Extras) -> "tuple[Program, SourceTree]":
+        return sources_of(
+            equations(),
+            times,
+            energy_balance=extras.energy_balance,
+            columns=extras.columns,
+            precision=options.precision,
+        )
 
     @remembered
     def surveyed() -> Survey | None:
-        arrangement = arrange(plan(mechanism), effects)
+        arrangement = arranged()
         with times.stage("numbers"):
             return (
                 survey_design(arrangement, effects, loops, scene.inputs) if can_survey(arrangement) else None
             )
 
-    def module(*, energy_balance: bool = False, lanes: bool = False) -> tuple[Module, DesignNumbers]:
-        maker = find_machine_compiler(options) if lanes else compiler
+    def module(extras: Extras = PLAIN) -> tuple[Module, DesignNumbers]:
+        return keyed_module(extras)[:2]
+
+    def keyed_module(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
+        """The module, and the numbers of the design; with columns, the keys of those of the drawing too."""
+        made, numbers, keys = as_drawn(extras)
+        return made, scene_numbers(made, numbers, scene.parameters), keys
+
+    def as_drawn(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
+        maker = find_machine_compiler(options) if extras.lanes or extras.columns else compiler
         alias = None  # of this design alone
-        if common is not None:
-            alias = input_digest(
-                mechanism,
-                effects,
-                loops,
-                maker,
-                options,
-                scene.inputs,
-                energy_balance=energy_balance,
-                common=common,
-            )
+        if common is not None and extras.columns is None:
+            inputs = (mechanism, effects, loops, maker, options, scene.inputs)
+            alias = input_digest(*inputs, extras=str(extras), common=common)
         with times.stage("load from cache"):
             known = kept_design(cache, alias) if alias else None
             found = opened_entry(cache, known.entry) if known else None
         if known is not None and found is not None:
             times.from_cache = True
-            return found, known.numbers
+            return found, known.numbers, ()
         survey = surveyed()
         if survey is not None:
-            of = structure_alias(survey.structure, maker, options, energy_balance=energy_balance, lanes=lanes)
+            of = structure_alias(survey.structure, maker, options, extras)
             with times.stage("load from cache"):
                 drawn = design_of_structure(cache, of, survey)
             if drawn is not None:
                 times.from_cache = True
                 if alias:
-                    keep_design(cache, alias, KeptDesign(*drawn[1:]))
-                return drawn[0], drawn[2]
-        program, tree = sources(energy_balance=energy_balance)
+                    keep_design(cache, alias, drawn[1])
+                return drawn[0], drawn[1].numbers, drawn[2]
+        program, tree = sources(extras)
         from lamc.codegen.build import build
 
-        if lanes:
+        if extras.lanes:
             from lamc.codegen.emit_lanes import emit_lanes
 
             tree = emit_lanes(program, tree, options.precision)
+        if extras.columns is not None:
+            from lamc.codegen.emit_tangents import emit_tangents
+
+            tree = emit_tangents(program, tree)
         with times.stage("compile"):
             entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
         keep_opened(cache, entry, made)
@@ -205,21 +232,20 @@ def _compiled(
             keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
         if survey is not None:
             keep_structure(cache, of, entry, program)
-        return made, numbers_of(program)
+        return made, numbers_of(program), tuple(number.key for number in program.geometry)
 
-    # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
-    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc). So are lanes, which would be half of it.
     simulator = Simulator(
         mechanism,
         scene,
         effects,
         equations,
-        lambda: sources(energy_balance=False)[0],
+        lambda: scene_program(sources(PLAIN)[0], scene.parameters),
         *module(),
         loops,
-        lambda: module(energy_balance=True),
+        lambda: module(Extras(energy_balance=True)),
         Recipe(mechanism, scene, options, cache),
-        lambda: module(lanes=True),
+        lambda: module(Extras(lanes=True)),
+        lambda columns: keyed_module(Extras(columns=columns)),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 
@@ -242,10 +268,14 @@ def _on_branch(
 
 
 def _loops_of(
-    mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, cache: Cache, common: bytes | None
+    mechanism: Mechanism,
+    arrangement: Arrangement,
+    effects: tuple[Effect, ...],
+    scene: Scene,
+    cache: Cache,
+    common: bytes | None,
 ) -> LoopCount:
     """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
-    arrangement = arrange(plan(mechanism), effects)
     known = (*arrangement.tree.joint_names, *(joint.name for joint in mechanism.joints))
     check_names(scene, tuple(dict.fromkeys(known)))
 

@@ -25,6 +25,7 @@ from lamc.mechanics.derive import begin_plain
 from lamc.mechanics.drawn import link_numbers
 from lamc.mechanics.general import begin_general
 from lamc.mechanics.loads import Loads
+from lamc.mechanics.tangents import PACE
 from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Array
@@ -54,18 +55,18 @@ class Survey:
 
     def knows(self, keys: Sequence[DrawnKey]) -> bool:
         """Whether it tells all of these; equations of bodies that bend hold numbers that come of solving."""
-        return all(key in self.values for key in keys)
+        return all(key in self.values or key[0] == PACE for key in keys)
 
     def inputs(self, keys: Sequence[DrawnKey]) -> tuple[float, ...]:
-        """What `setup` takes of a program that holds the numbers of these keys."""
-        return (*(p.default for p in self.parameters), *(self.values[key] for key in keys))
+        """What `setup` takes of a program that holds the numbers of these keys; paces along dimensions are zero."""
+        return (*(p.default for p in self.parameters), *(self.values.get(key, 0.0) for key in keys))
 
 
 def can_survey(arrangement: Arrangement) -> bool:
     """Whether a survey tells all: not of loops that are eliminated by a plan, which follows from numbers, nor of those
     in which something yields. They are derived, and their programs compared."""
-    yields = len(arrangement.plain_coordinates) > len(arrangement.tree.hinges)
-    return not arrangement.tree.cuts or (len(arrangement.tree.hinges) <= FEW and not yields)
+    few = len(arrangement.tree.hinges) <= FEW
+    return not arrangement.tree.cuts or (few and not arrangement.yields)
 
 
 @collector_paused
@@ -165,6 +166,8 @@ def _of_loads(loads: Loads) -> Iterator[str]:
         yield repr([(index, _texts((*f, *m))) for index, (f, m) in sorted(account.wrenches.items())])
     for added in loads.added:
         yield repr((added.effect, added.link, _texts(added.arm), [_texts(row) for row in added.matrix]))
+    for place, reflected in sorted(loads.reflected.items()):
+        yield repr([(place, effect, _texts([inertia])) for effect, inertia in reflected])
     for guard in loads.guards:
         yield repr((guard.name, _texts([guard.value, guard.mode, guard.restitution])))
 

@@ -12,6 +12,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from lamc.basics.fields import UNIT
 from lamc.readers.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, SpacePoint, StrictModel
+from lamc.readers.series_file import GAPS
+from lamc.records.series import BEYOND, HOLDS
 
 _CALLED: dict[str, Any] = {"type": ["object", "array", "null"]}
 _INPUT_FIELDS = {
@@ -23,13 +25,44 @@ _INPUT_FIELDS = {
     "unit": {"type": "string", "description": "of a default that is written without one"},
     "meaning": {"type": "string", "description": "what it is, in a few words"},
 }
+_ROW = {"type": "array", "items": {"type": "number"}}
+_COLUMN = {"type": ["string", "integer"]}
+_SERIES_FIELDS = {
+    "csv": {"type": "string", "description": "file with columns over time, from this file on"},
+    "column": {
+        **_COLUMN,
+        "description": "name or number, from 1, of the values; the only one beside the time if not said",
+    },
+    "time": {**_COLUMN, "description": "name or number of the times; t, time or the first if not said"},
+    "unit": {"type": "string", "description": "of the values, such as deg; else as the heading says, [deg]"},
+    "time_unit": {
+        "type": "string",
+        "description": "of the times, such as ms; else as the heading says, or s",
+    },
+    "hold": {
+        "enum": list(HOLDS),
+        "description": "between rows: each value until the next, straight lines, or a smooth spline",
+    },
+    "beyond": {
+        "enum": list(BEYOND),
+        "description": "before the first row and after the last: refuse the run, or hold the value",
+    },
+    "gaps": {"enum": list(GAPS), "description": "rows without a number: refuse them, or leave them out"},
+    "t": {**_ROW, UNIT: "s", "description": "times, in place of a file"},
+    "values": {**_ROW, UNIT: "of the input", "description": "values at these times"},
+    "meaning": {"type": "string", "description": "what it is, in a few words"},
+}
 _INPUTS: dict[str, Any] = {
     "additionalProperties": {
         "anyOf": [
             {"type": ["number", "string"], UNIT: "of the input"},
             {"type": "object", "properties": _INPUT_FIELDS, "additionalProperties": False},
+            {"type": "object", "properties": _SERIES_FIELDS, "additionalProperties": False},
         ]
     },
+}
+_PARAMETERS: dict[str, Any] = {
+    "additionalProperties": {"type": ["number", "string"], UNIT: "of the parameter"}
 }
 _SAYS = "effects by name with their values, as a map, or as a list of names and one-entry maps"
 
@@ -78,8 +111,15 @@ class SceneModel(StrictModel):
     inputs: dict[str, Any] = Field(
         {},
         description="numbers from outside by name, which expressions may hold: the value until told otherwise, with "
-        "its unit, or a map of default, unit and meaning",
+        "its unit, or a map of default, unit and meaning; or what they follow over time, as {csv: bench.csv, column: "
+        "cmd, unit: deg, hold: linear}",
         json_schema_extra=_INPUTS,
+    )
+    parameters: dict[str, Any] = Field(
+        {},
+        description="parameters of the model by name, in place of the design's values, such as h1.stiffness: a number "
+        "(SI), or text with a unit; what `lamc fit` finds",
+        json_schema_extra=_PARAMETERS,
     )
     branch: int | None = Field(
         None, description="way out of a singular start: 1, 2, … as listed; negative for the other way"

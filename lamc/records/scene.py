@@ -16,7 +16,15 @@ from lamc.basics.places import Places
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.basics.units import ANGLE, ANGLE_RATE, DURATION, LENGTH, Quantity
 from lamc.records.effect import Effect, check_hooks, overrides
-from lamc.records.inputs import Input, check_inputs, check_read, checked_inputs, inputs_of
+from lamc.records.inputs import (
+    Input,
+    check_inputs,
+    check_read,
+    check_smooth,
+    checked_inputs,
+    inputs_of,
+    is_of_effect,
+)
 
 TURN = 2.0 * math.pi  # rad
 _NEEDED = ("name", "summary", "contribute")  # what `lamc.records.effect.Effect` asks for
@@ -54,6 +62,20 @@ def warn_of_degrees(angle: float, what: str, place: Place | None = None) -> None
             f"'{angle:g} deg' for degrees, '{angle:g} rad' if radians are meant",
             place,
         )
+
+
+def _parameters(values: object) -> Mapping[str, float | str]:
+    """Numbers, and texts with units, by name; which parameters there are is known when a model is made."""
+    if not isinstance(values, Mapping):
+        raise DesignError(
+            f"parameters of a scene is {shown(values)}; it must map names to numbers, as in {{'h1.stiffness': 2e-3}}"
+        )
+    found: dict[str, float | str] = {}
+    for name, value in values.items():
+        checked_name(name, "a parameter of a scene")
+        is_text = isinstance(value, str)
+        found[name] = value if is_text else checked_number(value, f"the parameter {name!r} of a scene")
+    return ReadOnlyDict(found)
 
 
 def _effects(values: Iterable[Effect], argument: str) -> tuple[Effect, ...]:
@@ -147,8 +169,11 @@ class Scene:
     closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-4 of the size,
                        or 15 µm, as drawings have three decimals of a millimetre
     duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
-    inputs   numbers from outside by name, which expressions of the effects may hold; constant within a run, and
-             parameters of the simulator
+    parameters  of the model, values by name in place of the design's, as `Simulator.parameters` names them and
+             "h1.stiffness" or "link_1.mass": what a fit found; SI, or text with a unit
+    inputs   numbers from outside by name, which expressions of the effects may hold: constant within a run, and
+             parameters of the simulator, or following a series; a series may also have the name of an input that an
+             effect brings, such as "knee.torque" of external_torque
     outputs  what of the motion matters: names of joints (angles), of coordinates that effects add, such as "base.qw",
              and "BODY.x", ".y" and ".z" (centre of mass); or an `OutputPoint`, any point of a body; None: all joints
     places   where its parts stand in its file; empty for a scene made by hand
@@ -169,6 +194,7 @@ class Scene:
     duration: GivenMaybe = None  # type: ignore[assignment]  # s
     outputs: tuple[str | OutputPoint, ...] | None = None
     inputs: Mapping[str, Input] = field(default_factory=dict)
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
     places: Places = field(default=Places(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -180,9 +206,11 @@ class Scene:
             if effect.name in self.without:
                 raise DesignError(f"the scene adds {effect.name!r} and leaves it out; say one of them")
         object.__setattr__(self, "inputs", checked_inputs(self.inputs))
+        object.__setattr__(self, "parameters", _parameters(self.parameters))
         effects = (*(self.effects or ()), *self.added)
         for effect in effects:
             check_inputs(effect, self.inputs)
+            check_smooth(effect, self.inputs)
         check_read(self.inputs, effects)
         object.__setattr__(self, "angles", _start(self.angles, "angles", "initial angle", ANGLE))
         object.__setattr__(self, "rates", _start(self.rates, "rates", "initial rate", ANGLE_RATE))
@@ -221,7 +249,7 @@ class Scene:
         """The same in which exactly these effects act, with the inputs that they read."""
         acting = tuple(effects)
         read = {name for effect in acting for name in inputs_of(effect)}
-        inputs = {name: each for name, each in self.inputs.items() if name in read}
+        inputs = {name: each for name, each in self.inputs.items() if name in read or is_of_effect(name)}
         return replace(self, effects=acting, added=(), without=(), inputs=inputs)
 
 

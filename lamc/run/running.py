@@ -18,11 +18,13 @@ from lamc.records.scene import Scene
 from lamc.run import integrators
 from lamc.run.ending import message
 from lamc.run.energy_balance import Kept
+from lamc.run.following import series_of
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.remaking import Recipe
 from lamc.run.request import Request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.sensitivities import Differentiated
 from lamc.run.starting import Starting
 
 logger = logging.getLogger("lamc")
@@ -42,17 +44,26 @@ class Running(Starting):
         effects: Sequence[Effect],
         loops: LoopCount | None,
     ) -> None:
-        super().__init__(Model(module, recipe, numbers=numbers), mechanism, scene, effects, loops)
+        super().__init__(
+            Model(module, recipe, numbers=numbers, series=series_of(scene)), mechanism, scene, effects, loops
+        )
         self._module = module
         self._recipe = recipe
         self._energy_balance = energy_balance
 
     def _integrated(
-        self, integrator: str, request: Request, motion: Motion, telling: Callable[[], Motion]
+        self,
+        integrator: str,
+        request: Request,
+        motion: Motion,
+        telling: Callable[[], Motion],
+        differentiated: Differentiated | None = None,
     ) -> tuple[Result, float]:
-        """One run, and what it took in evaluations. telling: makes the motion that tells powers."""
+        """One run, and what it took in evaluations. telling: makes the motion that tells powers; differentiated: what
+        the run's derivatives are by."""
         started = time.perf_counter()
-        used, trajectory = integrators.integrate(integrator, motion, request)
+        carrier = motion if differentiated is None else differentiated.motion
+        used, trajectory = integrators.integrate(integrator, carrier, request)
         wall_time = time.perf_counter() - started
         provenance, marks = self._circumstances(motion)
         result = Result(
@@ -84,6 +95,9 @@ class Running(Starting):
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks,
             outputs=tuple(self.scene.outputs or ()),
+            sensitivities=None
+            if differentiated is None or trajectory.along is None
+            else differentiated.sensitivities(trajectory.along, trajectory.lost),
         )
         logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
         return result, trajectory.effort
@@ -94,7 +108,7 @@ class Running(Starting):
         if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
         module, numbers = self._energy_balance()
-        return Model(module, self._recipe, tells=True, numbers=numbers)
+        return Model(module, self._recipe, tells=True, numbers=numbers, series=series_of(self.scene))
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """Where a result comes from, and what its pictures show besides the bodies."""
@@ -120,4 +134,5 @@ class Running(Starting):
             flags=tuple(self._module.flags),
             effects=tuple(effect.name for effect in self.effects),
             parameters=dict(zip(names, motion.parameters[: len(names)].tolist(), strict=True)),
+            series=motion.following.digests,
         )

@@ -53,9 +53,14 @@ class Rest:
         model = self.motion.model
         found = np.zeros(2 * len(model.guards))
         if len(found):
-            place, still = np.ascontiguousarray(q), np.zeros(self.nu)
-            given = (model.read(self.motion.constants), self.t, model.read(place), model.read(still))
-            model.handle.guards(*given, model.write(found))
+            t, row, udot = np.array([self.t]), self.row(q), np.zeros(self.nu)
+            q, still = row[0, : self.nq].copy(), np.zeros(self.nu)
+            with self.motion.opened() as handle:  # whose constants then hold what inputs follow at t
+                model.lib.lamc_motion_accelerations(
+                    handle, 1, model.read(t), model.read(row), model.write(udot)
+                )
+                given = (handle.constants, self.t, model.read(q), model.read(still))
+                model.handle.guards(*given, model.write(found))
         return found[: len(model.guards)]
 
     def flow(self, q: Array) -> Array:
@@ -107,23 +112,29 @@ class Rest:
         return rows[model.rank :].T, float(values[model.rank - 1] / values[0]) if is_full else 0.0
 
     def _inertia(self, q: Array, tangent: Array) -> Array:
-        """N^T M N (k, k), kg·m² for angles: by kinetic energies, T(a + b) - T(a) - T(b) + T(0), which whatever form
-        the model has its equations in tells exactly."""
+        """N^T M N (k, k), kg·m² for angles: by energies, T(a + b) - T(a) - T(b) + T(0), which whatever form the model
+        has its equations in tells exactly. Rotors and the air that goes with a wing are among the energies of effects,
+        whose potentials fall out, one by one to the last digit."""
         k = tangent.shape[1]
-        scale = np.sqrt(np.maximum(2.0 * self._kinetic(q, tangent.T), np.finfo(float).tiny))
+        still = self._energies(q, np.zeros((1, self.nu)))
+        moving = 2.0 * (self._energies(q, tangent.T) - still).sum(axis=1)
+        scale = np.sqrt(np.maximum(moving, np.finfo(float).tiny))
         unit = (
             tangent.T / scale[:, None]
         )  # of about equal energies, so that no digit is lost between large and small
         first, second = np.triu_indices(k)
-        alone, still = self._kinetic(q, unit), self._kinetic(q, np.zeros((1, self.nu)))[0]
-        pairs = self._kinetic(q, unit[first] + unit[second]) - alone[first] - alone[second] + still
+        alone = self._energies(q, unit)
+        pairs = (self._energies(q, unit[first] + unit[second]) - alone[first] - alone[second] + still).sum(
+            axis=1
+        )
         matrix = np.zeros((k, k))
         matrix[first, second] = matrix[second, first] = pairs
         return np.asarray(matrix * np.outer(scale, scale), dtype=float)
 
-    def _kinetic(self, q: Array, rates: Array) -> Array:
+    def _energies(self, q: Array, rates: Array) -> Array:
+        """(m, energies), J, at rates (m, nu)."""
         rows = np.ascontiguousarray(np.hstack([np.tile(q, (len(rates), 1)), rates]))
-        return np.asarray(self.motion.energies(np.full(len(rows), self.t), rows)[:, 0])
+        return self.motion.energies(np.full(len(rows), self.t), rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from lamc.basics.errors import DesignError, LamcError, RequestError, SimulationE
 from lamc.basics.once import lazy
 from lamc.run.arguments import check_names
 from lamc.run.at_rest import Rest, Stand
-from lamc.run.balance import DOWN, Search, search
+from lamc.run.balance import DOWN, Search, search, went_far
 from lamc.run.defaults import DURATION
 from lamc.run.held import true_angles
 from lamc.run.model import Motion, Unchanging
@@ -242,7 +242,9 @@ def _refusal(start: Stand, ended: Search) -> str:
     )
     free = not np.any(np.abs(stand.response) > 0.0)
     why = "no load there depends on the position" if free else "from there no small change lessens it"
-    if ended.steps >= DOWN:
+    if went_far(start, stand):
+        why = "loads push it on and on"
+    elif ended.steps >= DOWN:
         why = "the search has not come to an end"
     return (
         f"no equilibrium is within reach of the start: after {ended.steps} steps {rate.name!r} still accelerates by "

@@ -196,9 +196,10 @@ class _Varied:
         self.value = float(stand.rest.motion.parameters[self._k])
 
     def motion(self, value: float) -> Motion:
-        parameters = self._stand.rest.motion.parameters.copy()
+        motion = self._stand.rest.motion
+        parameters = motion.parameters.copy()
         parameters[self._k] = value
-        return Motion(self._stand.rest.motion.model, parameters)
+        return Motion(motion.model, parameters, series=motion.following.series)
 
     def check_closed(self) -> None:
         """Raises RequestError for a parameter that opens the loops."""

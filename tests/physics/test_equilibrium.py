@@ -370,3 +370,18 @@ def test_another_geometry_has_its_own_equilibrium() -> None:
     other = lamc.compile(bar(stiffness=1.0), Scene(effects=(DOWN, HingeStiffness())))
     with pytest.raises(lamc.RequestError, match="of another mechanism"):
         sim.equilibrium(other.equilibrium())
+
+
+def test_an_input_that_follows_a_series_needs_an_instant() -> None:
+    """Also where the series is nought but for a millisecond."""
+    pulse = lamc.Series([0.0, 3.0, 3.0005, 3.001, 10.0], [0.0, 0.0, 0.2, 0.0, 0.0])
+    scene = Scene(
+        effects=(HingeStiffness(), Torque({"pin": "w"})), inputs={"w": lamc.Input(unit="N*m", series=pulse)}
+    )
+    sim = lamc.compile(bar(stiffness=5.0), scene)
+    with pytest.raises(lamc.RequestError, match="depend on time"):
+        sim.equilibrium()
+    point = sim.equilibrium(t=3.0005)
+    assert point.angles["pin"] == pytest.approx(0.04, abs=NEAR)
+    model = sim.linearise(point, inputs=["pin.stiffness"])
+    assert model.B[1, 0] == pytest.approx(-0.04 / 0.19, rel=1e-9)

@@ -29,7 +29,7 @@ from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_differentiable, check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
-from lamc.run.following import with_series
+from lamc.run.following import series_of, with_series
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
@@ -101,7 +101,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         self._equations = equations
         self._program = program
         self._lanes = lanes
-        self._columns = None if columns is None else remembered(partial(_model_of, columns))
+        self._columns = None if columns is None else remembered(partial(_model_of, columns, series_of(scene)))
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -358,10 +358,11 @@ class Simulator(Running, OperatingPoints, Viewable):
 
 def _model_of(
     modules: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]]",
+    series: "Mapping[str, Series]",
     columns: "Columns",
 ) -> "tuple[Model, tuple[DrawnKey, ...]]":
     module, numbers, keys = modules(columns)
-    return Model(module, numbers=numbers), keys
+    return Model(module, numbers=numbers, series=series), keys
 
 
 def _settled(value: _T | Callable[[], _T]) -> _T:

@@ -16,7 +16,7 @@ from lamc.basics.errors import DesignError, LamcError, RequestError, SimulationE
 from lamc.basics.once import lazy
 from lamc.run.arguments import check_names
 from lamc.run.at_rest import Rest, Stand
-from lamc.run.balance import Search, search
+from lamc.run.balance import DOWN, Search, search, went_far
 from lamc.run.defaults import DURATION
 from lamc.run.held import true_angles
 from lamc.run.model import Motion, Unchanging
@@ -27,10 +27,10 @@ from lamc.run.steady import CLOSED, check_edges, check_rank, check_time, contact
 if TYPE_CHECKING:
     from lamc.run.simulator import Simulator
 
-SAME = 1e-6  # rad, or of the size: positions nearer than this are one; each is known far better
+SAME = 1e-6  # rad, of the size, or of the energy: what is nearer than this is one; each is known far better
 _SPREAD = 2.0  # rad: to both sides of the scene's start, where starts are not given
 _CLOSE_TO_FADED = 1e-3  # of the strongest equation of the loops
-_SOFTEST = 1e-6  # of the largest stiffness: a position is known less well by as much
+_SOFTEST = 1e-9  # of the largest stiffness: a position is known less well by as much
 
 Start = "Mapping[str, float | str] | Equilibrium | None"
 
@@ -48,7 +48,7 @@ class Equilibrium(Unchanging):
     residual     largest acceleration that is left, in the units of the rates per second
     uncertainty  of the position, rad, or of the mechanism's size: the last Newton step, or what closure leaves open
     energy       stored at rest, J; loads that store none, such as torques, have no part in it
-    contacts     names of the limits that are reached and the points that touch
+    contacts     names of conditions that hold: limits reached, points that touch, points of tables that are passed
     moved        the largest way of a coordinate from the start, rad or m
     way          how it was found: "nearest", or "descended" where the loads push
     steps        that it took
@@ -130,7 +130,7 @@ def equilibria_of(
         except (SimulationError, DesignError) as error:
             refusals.append(error)
             continue
-        if all(_apart(rest, point.q, other.q) > SAME for other in found):
+        if not any(_is_same(point, other) for other in found):
             found.append(point)
     if not found:
         raise refusals[0]
@@ -242,6 +242,10 @@ def _refusal(start: Stand, ended: Search) -> str:
     )
     free = not np.any(np.abs(stand.response) > 0.0)
     why = "no load there depends on the position" if free else "from there no small change lessens it"
+    if went_far(start, stand):
+        why = "loads push it on and on"
+    elif ended.steps >= DOWN:
+        why = "the search has not come to an end"
     return (
         f"no equilibrium is within reach of the start: after {ended.steps} steps {rate.name!r} still accelerates by "
         f"{stand.udot[worst]:.3g} {rate.unit}² at {where}, and {why}; start elsewhere (angles=…, or "
@@ -272,9 +276,15 @@ def _notes(stand: Stand, found: Resistance, ended: Search, *, has_time: bool) ->
     return tuple(notes)
 
 
-def _apart(rest: Rest, q: Array, other: Array) -> float:
-    """Largest difference, rad, or of the size."""
-    units = [c.unit for c in rest.motion.model.coordinates]
-    size = rest.size or 1.0
-    scale = np.array([size if unit == "m" else 1.0 for unit in units])
-    return float(np.abs((q - other) / scale).max(initial=0.0))
+def _is_same(point: Equilibrium, other: Equilibrium) -> bool:
+    """Whether all bodies are at the same places, and equally strained: a hinge that nothing winds up may have made
+    turns, and a quaternion may be the other one of two."""
+    rest, model = point.stand.rest, point.motion.model
+    rows = np.vstack([rest.row(point.q), rest.row(other.q)])
+    here, there = rest.motion.poses(np.full(2, rest.t), rows)
+    apart = np.abs(here - there)
+    apart[:, :3] /= rest.size or 1.0
+    own = [k for k, c in enumerate(model.coordinates) if k >= len(model.joints) and "base." not in c.name]
+    deformed = np.abs(point.q[own] - other.q[own]).max(initial=0.0)
+    strained = abs(point.energy - other.energy) > SAME * max(abs(point.energy), abs(other.energy))
+    return bool(apart.max(initial=0.0) <= SAME and deformed <= SAME and not strained)

@@ -1,6 +1,8 @@
 """The compiler on one page: each stage takes the previous stage's record.
 
-load → split → plan → derive → lower → emit → build. Nothing is remembered between two calls but the cache.
+load → split → plan → derive → lower → emit → build. Before `derive` the drawing is surveyed: where the cache knows a
+module of its structure, the survey gives the numbers, and nothing is derived. What is remembered between two calls is
+the cache, and `plan`'s last tree, of a mechanism that cannot change.
 """
 
 import logging
@@ -27,6 +29,7 @@ from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import arrange
 from lamc.mechanics.survey import Survey, can_survey, survey_design
+from lamc.mechanics.tangents import Columns
 from lamc.mechanism.plan import plan
 from lamc.records.design import Design
 from lamc.records.effect import Effect
@@ -36,6 +39,8 @@ from lamc.records.scene import Scene
 from lamc.run.arguments import check_names
 from lamc.run.input_digest import common_digest, input_digest, loops_digest
 from lamc.run.kept_programs import (
+    PLAIN,
+    Extras,
     KeptDesign,
     design_of_structure,
     keep_design,
@@ -49,6 +54,7 @@ from lamc.run.kept_programs import (
 from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
 from lamc.run.simulator import Simulator
+from lamc.symbolic.staging import DrawnKey
 
 if TYPE_CHECKING:
     from lamc.codegen.emit import SourceTree
@@ -85,15 +91,17 @@ def sources_of(
     times: Times | None = None,
     *,
     energy_balance: bool = False,
+    columns: Columns | None = None,
     precision: str = "double",
 ) -> "tuple[Program, SourceTree]":
-    """lower and emit. energy_balance: with the power of every effect; precision: "double" or "float"."""
+    """lower and emit. energy_balance: with the power of every effect; columns: with derivatives by these; precision:
+    "double" or "float"."""
     from lamc.codegen.emit import emit
     from lamc.mechanics.lower import lower
 
     times = times or Times()
     with times.stage("lower"):
-        program = lower(equations, energy_balance=energy_balance)
+        program = lower(equations, energy_balance=energy_balance, columns=columns)
     with times.stage("emit"):
         return program, emit(program, precision)
 
@@ -150,8 +158,14 @@ def _compiled(
         return equations_of(mechanism, effects, times, loops, scene.inputs)
 
     @remembered
-    def sources(*, energy_balance: bool) -> "tuple[Program, SourceTree]":
-        return sources_of(equations(), times, energy_balance=energy_balance, precision=options.precision)
+    def sources(extras: Extras) -> "tuple[Program, SourceTree]":
+        return sources_of(
+            equations(),
+            times,
+            energy_balance=extras.energy_balance,
+            columns=extras.columns,
+            precision=options.precision,
+        )
 
     @remembered
     def surveyed() -> Survey | None:
@@ -161,43 +175,43 @@ def _compiled(
                 survey_design(arrangement, effects, loops, scene.inputs) if can_survey(arrangement) else None
             )
 
-    def module(*, energy_balance: bool = False, lanes: bool = False) -> tuple[Module, DesignNumbers]:
-        maker = find_machine_compiler(options) if lanes else compiler
+    def module(extras: Extras = PLAIN) -> tuple[Module, DesignNumbers]:
+        return keyed_module(extras)[:2]
+
+    def keyed_module(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
+        """The module, and the numbers of the design; with columns, the keys of those of the drawing too."""
+        maker = find_machine_compiler(options) if extras.lanes or extras.columns else compiler
         alias = None  # of this design alone
-        if common is not None:
-            alias = input_digest(
-                mechanism,
-                effects,
-                loops,
-                maker,
-                options,
-                scene.inputs,
-                energy_balance=energy_balance,
-                common=common,
-            )
+        if common is not None and extras.columns is None:
+            inputs = (mechanism, effects, loops, maker, options, scene.inputs)
+            alias = input_digest(*inputs, extras=str(extras), common=common)
         with times.stage("load from cache"):
             known = kept_design(cache, alias) if alias else None
             found = opened_entry(cache, known.entry) if known else None
         if known is not None and found is not None:
             times.from_cache = True
-            return found, known.numbers
+            return found, known.numbers, ()
         survey = surveyed()
         if survey is not None:
-            of = structure_alias(survey.structure, maker, options, energy_balance=energy_balance, lanes=lanes)
+            of = structure_alias(survey.structure, maker, options, extras)
             with times.stage("load from cache"):
                 drawn = design_of_structure(cache, of, survey)
             if drawn is not None:
                 times.from_cache = True
                 if alias:
-                    keep_design(cache, alias, KeptDesign(*drawn[1:]))
-                return drawn[0], drawn[2]
-        program, tree = sources(energy_balance=energy_balance)
+                    keep_design(cache, alias, drawn[1])
+                return drawn[0], drawn[1].numbers, drawn[2]
+        program, tree = sources(extras)
         from lamc.codegen.build import build
 
-        if lanes:
+        if extras.lanes:
             from lamc.codegen.emit_lanes import emit_lanes
 
             tree = emit_lanes(program, tree, options.precision)
+        if extras.columns is not None:
+            from lamc.codegen.emit_tangents import emit_tangents
+
+            tree = emit_tangents(program, tree)
         with times.stage("compile"):
             entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
         keep_opened(cache, entry, made)
@@ -205,21 +219,20 @@ def _compiled(
             keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
         if survey is not None:
             keep_structure(cache, of, entry, program)
-        return made, numbers_of(program)
+        return made, numbers_of(program), tuple(number.key for number in program.geometry)
 
-    # The power of effects is a module of its own, made when it is asked for: in every model it would be a tenth of
-    # the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc). So are lanes, which would be half of it.
     simulator = Simulator(
         mechanism,
         scene,
         effects,
         equations,
-        lambda: sources(energy_balance=False)[0],
+        lambda: sources(PLAIN)[0],
         *module(),
         loops,
-        lambda: module(energy_balance=True),
+        lambda: module(Extras(energy_balance=True)),
         Recipe(mechanism, scene, options, cache),
-        lambda: module(lanes=True),
+        lambda: module(Extras(lanes=True)),
+        lambda columns: keyed_module(Extras(columns=columns)),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 

@@ -100,9 +100,9 @@ def _maker(
         entry = f"_this_{tree.kind}.c"  # no unit of the runtime has such a name: objects are named after their units
         (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
         flags = [*options.flags, f"-I{SOURCES}"]
-        lanes = _lanes(tree, compiler, flags, folder)
-        make_library(compiler, flags, [entry], LIBRARY, folder, [*objects, *lanes])
-        for path in lanes:
+        beside = _beside(tree, compiler, flags, folder)
+        make_library(compiler, flags, [entry], LIBRARY, folder, [*objects, *beside])
+        for path in beside:
             path.unlink()
         (folder / BINDING).write_text(_binding(tree.declarations, tree.kind), encoding="utf-8")
         try:
@@ -116,16 +116,16 @@ def _maker(
     return make
 
 
-def _lanes(tree: SourceTree, compiler: Compiler, flags: list[str], folder: Path) -> list[Path]:
-    """Objects of what steps several runs side by side; none where the tree has no lanes."""
-    if not tree.lanes:
-        return []
-    common = make_objects(compiler, flags, [f"{SOURCES}/ensemble.c"], folder)
-    unit = [f"{SOURCES}/{tree.lanes}"]
+def _beside(tree: SourceTree, compiler: Compiler, flags: list[str], folder: Path) -> list[Path]:
+    """Objects of what stands beside the model, such as lanes; none where nothing does."""
+    beside, machine = ([f"{SOURCES}/{unit}" for unit in units] for units in (tree.beside, tree.machine))
+    common = make_objects(compiler, flags, beside, folder) if beside else []
+    if not machine:
+        return common
     try:
-        return common + make_objects(compiler, [*flags, *MACHINE], unit, folder)
+        return common + make_objects(compiler, [*flags, *MACHINE], machine, folder)
     except BuildError:  # a compiler that does not know its machine: two lanes are right everywhere
-        return common + make_objects(compiler, flags, unit, folder)
+        return common + make_objects(compiler, flags, machine, folder)
 
 
 @cache

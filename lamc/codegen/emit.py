@@ -55,7 +55,8 @@ class SourceTree:
     declarations: str  # for cffi
     shared: tuple[str, ...]  # names of the files that are the same for everything of this kind
     kind: str = "model"  # of lamc_model, lamc_element: what the library offers
-    lanes: str = ""  # the unit that is compiled for this very machine; none: all is for any of its kind
+    beside: tuple[str, ...] = ()  # units compiled beside the model's own
+    machine: tuple[str, ...] = ()  # the same, for this very machine; none: all is for any of its kind
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,8 @@ def emit_lanes(program: Program, tree: SourceTree, precision: str = "double") ->
         files=MappingProxyType(files),
         declarations=tree.declarations + declarations_of(files["lamc_ensemble.h"]),
         kind="model",
-        lanes=f"{tree.prefix}_lanes.c",
+        beside=("ensemble.c",),
+        machine=(f"{tree.prefix}_lanes.c",),
     )
 
 

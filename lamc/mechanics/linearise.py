@@ -51,7 +51,7 @@ def linearise(equations: Equations) -> Linearisation | None:
     udot = [_symbol(store, f"udot_{name}", Space.ACCELERATION, i) for i, name in enumerate(names)]
     residuals = equations.problem.residual(udot)
     if equations.closure is not None:
-        residuals = [*_with_multipliers(equations, residuals), *_second_derivative(equations, udot)]
+        residuals = [*loaded_residuals(equations, residuals), *second_derivative(equations, udot)]
     flow = equations.coordinate_rates or ()
     with store.section("Derivatives of the residuals", source="for implicit integrators"):
         columns: list[list[Scalar]] = []
@@ -70,7 +70,7 @@ def _symbol(store: Store, name: str, space: Space, index: int) -> Value:
     return store.symbol(name, space, index)
 
 
-def _with_multipliers(equations: Equations, residuals: Sequence[Scalar]) -> list[Scalar]:
+def loaded_residuals(equations: Equations, residuals: Sequence[Scalar]) -> list[Scalar]:
     """r less Jᵀλ."""
     assert equations.closure is not None
     store = equations.store
@@ -86,7 +86,7 @@ def _with_multipliers(equations: Equations, residuals: Sequence[Scalar]) -> list
     return result
 
 
-def _second_derivative(equations: Equations, udot: Sequence[Value]) -> list[Scalar]:
+def second_derivative(equations: Equations, udot: Sequence[Value]) -> list[Scalar]:
     """c = J u̇ + γ."""
     assert equations.closure is not None
     result: list[Scalar] = []

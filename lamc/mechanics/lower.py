@@ -12,6 +12,7 @@ from types import MappingProxyType
 from lamc.codegen.lowering import Lowering, canonical
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
+from lamc.mechanics.tangents import Columns, tangents
 from lamc.records.series import ORDERS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
@@ -63,12 +64,24 @@ IMPACTS = (
     "restitutions of the guards, then derivatives of their rates by u",
     (Space.CONSTANT, Space.TIME, Space.ANGLE),
 )
+TANGENTS = (
+    "tangents",
+    "derivatives by q, u and columns of M udot - f - J^T lambda, then of J udot + gamma",
+    (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
+)
+CLOSURE_TANGENTS = (
+    "closure_tangents",
+    "derivatives of the residuals of the loops by q and columns, then of their rates by q, u and columns",
+    (Space.CONSTANT, Space.ANGLE, Space.RATE),
+)
+GUARD_TANGENTS = ("guard_tangents", "derivatives of the guards by q, u, t and columns", _STATE)
 POWER = ("power", "power of the loads of each effect, W", (*_STATE, Space.ACCELERATION))
 
 
 @collector_paused
-def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
-    """The program of `equations`; with the power of every effect where the `energy_balance` is to be kept."""
+def lower(equations: Equations, *, energy_balance: bool = False, columns: Columns | None = None) -> Program:
+    """The program of `equations`; with the power of every effect where the `energy_balance` is to be kept, and with
+    derivatives by `columns`, where there are any. Raises RequestError where these would be too long."""
     equations = equations.forked()
     store = equations.store
     motion = _motion_jobs(equations)
@@ -76,7 +89,8 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
         *motion,
         (ENERGY, tuple(equations.energies.values())),
         (POSES, equations.poses),
-        *_event_jobs(equations),
+        *_event_jobs(equations, needs_inertia=columns is not None),
+        *([] if columns is None else _tangent_jobs(equations, columns)),
         *([(POWER, tuple(equations.powers.values()))] if energy_balance else []),
     ]
     modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
@@ -119,6 +133,7 @@ def lower(equations: Equations, *, energy_balance: bool = False) -> Program:
         drawn=() if equations.arrangement is None else equations.arrangement.displaced,
         series=_series(equations, store, [value for _, outputs in motion for value in outputs]),
         powers=tuple(equations.powers) if energy_balance else (),
+        columns=() if columns is None else columns.names,
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.rank,
         pattern=equations.pattern,
@@ -192,13 +207,16 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
     ]
 
 
-def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+def _event_jobs(
+    equations: Equations, *, needs_inertia: bool
+) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
     """Derivatives for implicit integrators, guards, and what a tree's impacts and derivatives need besides."""
     jobs: list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]] = []
     linearisation = linearise(equations)
     terms = equations.guards
     impacts = any(t.guard.mode is None for t in terms)
-    if equations.closure is None and equations.is_plain and (impacts or linearisation is not None):
+    needs_inertia = needs_inertia or impacts or linearisation is not None
+    if equations.closure is None and equations.is_plain and needs_inertia:
         jobs.append((INERTIA, _lower_triangle(equations)))
     if linearisation is not None:
         rows = (*linearisation.entries, *linearisation.flow)
@@ -210,6 +228,18 @@ def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space,
         restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]
         jobs.append((IMPACTS, [*restitutions, *(v for t in terms for v in (t.gradient or nothing))]))
     return jobs
+
+
+def _tangent_jobs(
+    equations: Equations, columns: Columns
+) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    found = tangents(equations, columns)
+    jobs = [
+        (TANGENTS, (*found.residuals, *found.flow)),
+        *([(CLOSURE_TANGENTS, found.closure)] if found.closure else []),
+        *([(GUARD_TANGENTS, found.guards)] if found.guards else []),
+    ]
+    return [(job, [value for row in rows for value in row]) for job, rows in jobs]
 
 
 def _lower_triangle(equations: Equations) -> list[Scalar]:
@@ -270,6 +300,7 @@ def _canonical(program: Program) -> Iterable[str]:
             program.rank,
             program.guards,
             program.powers,
+            *([program.columns] if program.columns else []),
             program.jacobian_cost,
             [number.key for number in program.geometry],
         )

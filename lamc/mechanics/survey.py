@@ -25,6 +25,7 @@ from lamc.mechanics.derive import begin_plain
 from lamc.mechanics.drawn import link_numbers
 from lamc.mechanics.general import begin_general
 from lamc.mechanics.loads import Loads
+from lamc.mechanics.tangents import PACE
 from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Array
@@ -54,11 +55,11 @@ class Survey:
 
     def knows(self, keys: Sequence[DrawnKey]) -> bool:
         """Whether it tells all of these; equations of bodies that bend hold numbers that come of solving."""
-        return all(key in self.values for key in keys)
+        return all(key in self.values or key[0] == PACE for key in keys)
 
     def inputs(self, keys: Sequence[DrawnKey]) -> tuple[float, ...]:
-        """What `setup` takes of a program that holds the numbers of these keys."""
-        return (*(p.default for p in self.parameters), *(self.values[key] for key in keys))
+        """What `setup` takes of a program that holds the numbers of these keys; paces along dimensions are zero."""
+        return (*(p.default for p in self.parameters), *(self.values.get(key, 0.0) for key in keys))
 
 
 def can_survey(arrangement: Arrangement) -> bool:

@@ -25,7 +25,14 @@ def notes(result: "Result") -> tuple[str, ...]:
     if not len(result.t):
         return ()
     loops = (*_let_go(result), *_rank_from_elsewhere(result)) if result.motion.model.cuts else ()
-    return (*_folded_through(result), *loops)
+    return (*_folded_through(result), *loops, *_no_derivative(result))
+
+
+def _no_derivative(result: "Result") -> list[str]:
+    found = result.sensitivities
+    if found is None or found.lost is None:
+        return []
+    return [f"there is no derivative from t = {found.lost.t:.6g} s on: {found.lost.reason}"]
 
 
 def _folded_through(result: "Result") -> list[str]:

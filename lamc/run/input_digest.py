@@ -36,22 +36,21 @@ def input_digest(
     options: CompileOptions,
     inputs: Mapping[str, Input] = NO_INPUTS,
     *,
-    energy_balance: bool = False,
+    extras: str = "",
     common: bytes | None = None,
 ) -> str | None:
     """None if an effect is not lamc's own, as it may change between two runs under the same name, or holds a function.
 
-    energy_balance  whether the module tells powers
-    common          `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
+    extras  what the module offers beside the model
+    common  `common_digest` of mechanism and effects, from a caller who has it; None: it is made here
     """
     closure = f"{loops.rank} {loops.accepted_gap!r} {loops.position!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)
-    texts = (*parts, "with books" if energy_balance else "without books")
     # A series is data that runs bring: only that there is one shapes the C.
     told = [
         (name, each.default, each.unit, each.meaning, each.series is None) for name, each in inputs.items()
     ]
-    return _digest(texts, common or common_digest(mechanism, effects), told)
+    return _digest((*parts, extras), common or common_digest(mechanism, effects), told)
 
 
 def loops_digest(
@@ -163,5 +162,8 @@ def own_sources() -> str:
         "plates",
         "effects",
     )
-    data = [data_dir("templates"), *(data_dir("runtime_c") / part for part in ("include", "src", "ensemble"))]
+    data = [
+        data_dir("templates"),
+        *(data_dir("runtime_c") / part for part in ("include", "src", "ensemble", "sensitivity")),
+    ]
     return own_stamps(*shaping) + stamps(data)

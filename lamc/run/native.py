@@ -17,7 +17,7 @@ from lamc.basics.errors import SimulationError
 from lamc.run.following import Recorded
 from lamc.run.methods import LINEAR_ALGEBRA, NUMBERS
 from lamc.run.model import Model, Motion
-from lamc.run.request import Array, Request, Status, Trajectory
+from lamc.run.request import Along, Array, Request, Status, Trajectory
 
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
@@ -29,7 +29,8 @@ CHUNK = 2**18  # numbers in a chunk of rows, 2 MiB; C needs longer to fill one t
 class _Chunk:
     """Room for rows, and the C record that counts them."""
 
-    def __init__(self, model: Model, capacity: int, integrals: int) -> None:
+    def __init__(self, model: Model, capacity: int, integrals: int, columns: int) -> None:
+        self.along = np.empty((capacity, model.state_size, columns))  # derivatives of the rows
         self._t, self._y = np.empty(capacity), np.empty((capacity, model.state_size))
         self.handle: Any = model.ffi.new("lamc_rows *")
         self.handle.t, self.handle.y = model.write(self._t), model.write(self._y)
@@ -45,10 +46,10 @@ class _Chunk:
         self.handle.event_capacity = EVENTS
 
     @property
-    def rows(self) -> tuple[Array, Array, Array]:
-        """Times (m,), states (m, nq + nu) and integrals written so far."""
+    def rows(self) -> tuple[Array, Array, Array, Array]:
+        """Times (m,), states (m, nq + nu), integrals and derivatives written so far."""
         count = int(self.handle.count)
-        return self._t[:count], self._y[:count], self._integrals[:count]
+        return self._t[:count], self._y[:count], self._integrals[:count], self.along[:count]
 
     @property
     def events(self) -> list[tuple[float, int]]:
@@ -62,36 +63,41 @@ class _Chunk:
 class _Rows:
     """Chunks for C to write rows to. One append adds a chunk, so that an interrupt cannot come in between."""
 
-    def __init__(self, model: Model, times: Array | None, integrals: int) -> None:
-        self._model, self._integrals = model, integrals
-        known = max(CHUNK // (model.state_size + 1), 1) if times is None else max(len(times), 1)
-        self._capacity = known
-        self._chunks = [_Chunk(model, known, integrals)]
+    def __init__(self, model: Model, times: Array | None, integrals: int, columns: int) -> None:
+        self._model, self._more = model, (integrals, columns)
+        size = model.state_size * (1 + columns) + 1
+        self._capacity = max(CHUNK // size, 1) if times is None else max(len(times), 1)
+        self._chunks = [_Chunk(model, self._capacity, *self._more)]
 
     @property
     def handle(self) -> Any:
         return self._chunks[-1].handle
 
+    @property
+    def along(self) -> Array:
+        """Room for the derivatives of the rows of `handle`."""
+        return self._chunks[-1].along
+
     def grow(self) -> None:
-        self._chunks.append(_Chunk(self._model, self._capacity, self._integrals))
+        self._chunks.append(_Chunk(self._model, self._capacity, *self._more))
 
     @property
     def events(self) -> tuple[tuple[float, int], ...]:
         return tuple(event for chunk in self._chunks for event in chunk.events)
 
-    def taken(self, last: tuple[Array, Array, Array] | None) -> tuple[Array, Array, Array, Array]:
-        """Times, coordinates, rates and integrals, with the row `last` put behind them if it lies beyond."""
+    def taken(self, last: tuple[Array, ...] | None) -> tuple[Array, Array, Array, Array, Array]:
+        """Times, coordinates, rates, integrals and derivatives, with the row `last` put behind them if it lies
+        beyond."""
         parts = [chunk.rows for chunk in self._chunks]
         n = len(self._model.coordinates)
         if last is None and len(parts) == 1:  # as most runs, at a third of the time
-            t, y, w = parts[0]
-            return t.copy(), y[:, :n].copy(), y[:, n:].copy(), w.copy()
-        reached = max((float(t[-1]) for t, _, _ in parts if len(t)), default=-math.inf)
+            t, y, w, s = parts[0]
+            return t.copy(), y[:, :n].copy(), y[:, n:].copy(), w.copy(), s.copy()
+        reached = max((float(part[0][-1]) for part in parts if len(part[0])), default=-math.inf)
         if last is not None and last[0][0] > reached:
-            parts.append(last)
-        t = np.concatenate([t for t, _, _ in parts])
-        q, u = (np.concatenate([y[:, half] for _, y, _ in parts]) for half in (np.s_[:n], np.s_[n:]))
-        return t, q, u, np.concatenate([w for _, _, w in parts])
+            parts.append(last)  # type: ignore[arg-type]
+        t, y, w, s = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        return t, y[:, :n], y[:, n:], w, s
 
 
 def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Trajectory]:
@@ -111,31 +117,33 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     ode = ffi.new("lamc_ode *", lib.lamc_motion_ode(motion))
     if not request.energy_balance:
         ode.integral_count = 0
-    size = lib.lamc_run_work_size(ode, NUMBERS[method])
-    work = np.empty(max(size, 1))
+    work = np.empty(max(lib.lamc_run_work_size(ode, NUMBERS[method]), 1))
     max_step = request.max_step if math.isfinite(request.max_step) else 0.0
     options = ffi.new("lamc_options *", [request.rtol, request.atol, 0.0, max_step, request.max_steps])
     times = request.t_eval
-    run = ffi.new("lamc_run *")
-    rows = _Rows(model, times, int(ode.integral_count))
-    status = lib.lamc_run_start(
-        run,
-        ode,
-        NUMBERS[method],
-        options,
-        request.t_start,
-        model.read(request.y0),
-        request.t_end,
-        ffi.NULL if times is None else model.read(times),
-        0 if times is None else len(times),
-        model.write(work),
-    )
+    start = model.read(request.y0)
+    asked = (ffi.NULL, 0) if times is None else (model.read(times), len(times))
+    columns = 0 if request.along is None else request.along.start.shape[1]
+    rows = _Rows(model, times, int(ode.integral_count), columns)
+    engine: _Run | _Differentiated
+    if request.along is None:
+        engine = _Run(model, rows)
+        given = (request.t_start, start, request.t_end, *asked, model.write(work))
+        status = engine.start(ode, NUMBERS[method], options, *given)
+    else:
+        engine = _Differentiated(model, rows, request.along)
+        began = (request.t_start, start)
+        status = engine.start(
+            motion, NUMBERS[method], options, began, request.t_end, *asked, model.write(work)
+        )
     if status == lib.LAMC_BAD_ARGUMENT:  # checked_request should have seen it
         raise SimulationError("the integrator refuses these arguments; please report this as a bug of lamc")
+    run = engine.run
     first_method = run.method
     if status == lib.LAMC_OK:
-        status = _advance(model, run, rows, request)
-    t, q, u, kept_work = rows.taken(_last_row(model, run, ode, request) if status < 0 else None)
+        status = _advance(model, engine, request)
+    last = _last_row(model, run, ode, request, columns) if status < 0 else None
+    t, q, u, kept_work, along = rows.taken(last)
     first = NAMES[first_method]
     kept = min(int(run.switches), lib.LAMC_SWITCHES_KEPT)
     switches = tuple((float(run.switch_t[i]), NAMES[run.switch_method[i]]) for i in range(kept))
@@ -156,30 +164,97 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
         events=rows.events,
         switches=switches,
         singular_steps=int(model.lib.lamc_motion_singular_steps(motion)),
+        along=None if request.along is None else along,
+        lost=engine.lost,
     )
 
 
-def _last_row(model: Model, run: Any, ode: Any, request: Request) -> tuple[Array, Array, Array]:
-    """Time (1,), state (1, nq + nu) and integrals (1, k) of the last state that a run reached."""
-    state = model.lib.lamc_run_state(run)
+class _Run:
+    """A `lamc_run`."""
+
+    lost = None
+
+    def __init__(self, model: Model, rows: _Rows) -> None:
+        self._lib, self._null, self.rows = model.lib, model.ffi.NULL, rows
+        self.run: Any = model.ffi.new("lamc_run *")
+
+    def start(self, *given: Any) -> int:
+        return int(self._lib.lamc_run_start(self.run, *given))
+
+    def advance(self, budget: int) -> int:
+        return int(self._lib.lamc_run_advance(self.run, self.rows.handle, budget, self._null))
+
+
+class _Differentiated:
+    """A `lamc_sensitivity`: a run with the derivatives of its states."""
+
+    def __init__(self, model: Model, rows: _Rows, along: Along) -> None:
+        self._model, self._lib, self.rows, self._along = model, model.lib, rows, along
+        self._handle: Any = model.ffi.new("lamc_sensitivity *")
+
+    @property
+    def run(self) -> Any:
+        return self._handle.run
+
+    @property
+    def lost(self) -> tuple[float, int, int] | None:
+        """Since when there are no derivatives, why, and at which guard."""
+        s = self._handle
+        return (float(s.t_lost), int(s.lost), int(s.lost_guard)) if s.lost else None
+
+    def start(self, motion: Any, method: int, options: Any, began: tuple[float, Any], *until: Any) -> int:
+        model, lib, along = self._model, self._lib, self._along
+        columns, tangents = along.start.shape[1], lib.lamc_this_tangents()
+        self._work = np.empty(max(int(lib.lamc_sensitivity_work_size(motion.model, tangents, columns)), 1))
+        given = (model.read(along.inputs), model.read(along.directions), columns)
+        return int(
+            lib.lamc_sensitivity_start(
+                self._handle,
+                motion,
+                tangents,
+                *given,
+                method,
+                options,
+                *began,
+                model.read(along.start),
+                *until,
+                model.write(self._work),
+            )
+        )
+
+    def advance(self, budget: int) -> int:
+        out = self._model.write(self.rows.along)
+        return int(
+            self._lib.lamc_sensitivity_advance(
+                self._handle, self.rows.handle, out, budget, self._model.ffi.NULL
+            )
+        )
+
+
+def _last_row(model: Model, run: Any, ode: Any, request: Request, columns: int) -> tuple[Array, ...]:
+    """Time (1,), state (1, nq + nu), integrals (1, k) and derivatives of the last state that a run reached."""
+    state = model.lib.lamc_run_state(
+        run if model.ffi.typeof(run).kind == "pointer" else model.ffi.addressof(run)
+    )
     known = 0 if run.integrals == model.ffi.NULL else int(ode.integral_count)
     y = np.array([[state[i] for i in range(len(request.y0))]], dtype=np.float64)
     work = np.array([run.integrals[i] for i in range(known)], dtype=np.float64).reshape(1, known)
-    return np.array([float(run.t)]), y, work
+    unknown = np.full((1, len(request.y0), columns), math.nan)  # of a state where the run failed
+    return np.array([float(run.t)]), y, work, unknown
 
 
-def _advance(model: Model, run: Any, rows: _Rows, request: Request) -> int:
+def _advance(model: Model, engine: "_Run | _Differentiated", request: Request) -> int:
     """Slices until the run is over; its last status."""
-    lib, null = model.lib, model.ffi.NULL
+    lib, run = model.lib, engine.run
     budget = FIRST_BUDGET
     try:
         while True:
             before, started = run.evaluations, time.perf_counter()
-            status = int(lib.lamc_run_advance(run, rows.handle, budget, null))
+            status = engine.advance(budget)
             if status <= 0:
                 return status
             if status == lib.LAMC_OUTPUT_FULL:
-                rows.grow()
+                engine.rows.grow()
             if request.progress is not None:
                 request.progress(float(run.t), request.t_end)
             spent = max(time.perf_counter() - started, 1e-6)

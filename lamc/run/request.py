@@ -40,6 +40,20 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
+class Along:
+    """Directions along which a run is differentiated, for a model with columns.
+
+    inputs      (inputs,): what `setup` is given
+    directions  (columns of the model, inputs): how they move it
+    start       (nq + nu, k): derivatives of y0; columns of the model first, then those that move the start only
+    """
+
+    inputs: Array
+    directions: Array
+    start: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Request:
     """What to integrate to and how well. Made by `checked_request`."""
 
@@ -53,6 +67,7 @@ class Request:
     progress: Progress | None
     energy_balance: bool = False  # whether the work of effects is kept
     t_start: float = 0.0  # s, of y0
+    along: "Along | None" = None  # what the run is differentiated by; None: nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +92,10 @@ class Trajectory:
     events: tuple[tuple[float, int], ...] = ()  # s and which guard
     switches: tuple[tuple[float, str], ...] = ()  # s and the integrator taken from there on
     singular_steps: int = 0  # accepted steps that ended with equations of the loops let go
+    along: Array | None = None  # (m, nq + nu, k): derivatives of the states, NaN where there are none
+    lost: tuple[float, int, int] | None = (
+        None  # s, since when there are none, why (`lamc_lost`), and at which guard
+    )
 
 
 def checked_request(

@@ -28,6 +28,7 @@ from lamc.run.model import Motion, Unchanging
 from lamc.run.quantities import Quantity, quantity_of
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.sensitivities import Sensitivities
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
@@ -68,6 +69,7 @@ class Result(GivenOut, Viewable, Unchanging):
     outputs: tuple[str | OutputPoint, ...] = ()
 
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
+    sensitivities: Sensitivities | None = None  # where the run was differentiated
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
 
     def __post_init__(self) -> None:
@@ -100,7 +102,10 @@ class Result(GivenOut, Viewable, Unchanging):
     def at_rows(self, keep: npt.NDArray[np.bool_]) -> "Result":
         """The result with some of its rows only. keep: shape (m,), of bool."""
         kept = self.kept and replace(self.kept, work=self.kept.work[keep])
-        return replace(self, t=self.t[keep], q=self.q[keep], u=self.u[keep], kept=kept)
+        found = self.sensitivities
+        if found is not None:
+            found = replace(found, values=found.values[keep])
+        return replace(self, t=self.t[keep], q=self.q[keep], u=self.u[keep], kept=kept, sensitivities=found)
 
     @property
     def nfev(self) -> int:
@@ -266,6 +271,19 @@ class Result(GivenOut, Viewable, Unchanging):
         "h1.rate", a body's centre or an output point by axis ("link.x", "tip.z"), an energy by effect ("gravity"),
         "energy" or "constraint_error". Raises KeyError with the nearest names there are."""
         return quantity_of(self, name)
+
+    def sensitivity(self, output: str, name: str) -> Array:
+        """d output / d name at the rows, shape (m,), in SI units; NaN from where there is no derivative on (`notes`
+        says since when, and why).
+
+        output  as for `quantity`; derivatives of angles, coordinates and rates are exact, those of positions and
+                energies follow from them by differences of order 4 and more, some 1e-10 of their size
+        name    one of those that the run was asked to be differentiated by
+
+        Raises RequestError for a run that was not differentiated, KeyError for names that are not there."""
+        if self.sensitivities is None:
+            raise RequestError("the run was not differentiated: run it with sensitivities=[…]")
+        return self.sensitivities.of(self, output, name)
 
     @lazy
     def _rows(self) -> Array:

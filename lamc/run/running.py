@@ -24,6 +24,7 @@ from lamc.run.remaking import Recipe
 from lamc.run.request import Request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.sensitivities import Differentiated
 from lamc.run.starting import Starting
 
 logger = logging.getLogger("lamc")
@@ -51,11 +52,18 @@ class Running(Starting):
         self._energy_balance = energy_balance
 
     def _integrated(
-        self, integrator: str, request: Request, motion: Motion, telling: Callable[[], Motion]
+        self,
+        integrator: str,
+        request: Request,
+        motion: Motion,
+        telling: Callable[[], Motion],
+        differentiated: Differentiated | None = None,
     ) -> tuple[Result, float]:
-        """One run, and what it took in evaluations. telling: makes the motion that tells powers."""
+        """One run, and what it took in evaluations. telling: makes the motion that tells powers; differentiated: what
+        the run's derivatives are by."""
         started = time.perf_counter()
-        used, trajectory = integrators.integrate(integrator, motion, request)
+        carrier = motion if differentiated is None else differentiated.motion
+        used, trajectory = integrators.integrate(integrator, carrier, request)
         wall_time = time.perf_counter() - started
         provenance, marks = self._circumstances(motion)
         result = Result(
@@ -87,6 +95,9 @@ class Running(Starting):
             kept=None if trajectory.work is None else Kept(request.y0, trajectory.work),
             marks=marks,
             outputs=tuple(self.scene.outputs or ()),
+            sensitivities=None
+            if differentiated is None or trajectory.along is None
+            else differentiated.sensitivities(trajectory.along, trajectory.lost),
         )
         logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
         return result, trajectory.effort

@@ -7,6 +7,7 @@ It never changes; runs share nothing but the compiled code.
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,7 +15,7 @@ import numpy.typing as npt
 
 from lamc.basics.errors import RequestError, UnsupportedError, warn
 from lamc.basics.moved import superseded
-from lamc.basics.once import lazy
+from lamc.basics.once import lazy, remembered
 from lamc.basics.places import located_at
 from lamc.basics.progress import part_told
 from lamc.basics.seen import Viewable
@@ -25,26 +26,29 @@ from lamc.records.effect import Effect, notes_of
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.accuracy import checked_accuracy, reach
-from lamc.run.arguments import check_names, checked_rate
+from lamc.run.arguments import check_differentiable, check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
-from lamc.run.following import with_series
-from lamc.run.model import CompiledModule, DesignNumbers, Motion
+from lamc.run.following import series_of, with_series
+from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.remaking import Recipe, Telling, remade_simulator
 from lamc.run.request import Progress, Request, checked_request
 from lamc.run.result import Result
 from lamc.run.running import Running
+from lamc.run.sensitivities import differentiated
 from lamc.run.start_checks import check_run, check_start
 from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
+    from lamc.mechanics.tangents import Columns
     from lamc.records.design import Design
     from lamc.records.series import Series
     from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
+    from lamc.symbolic.staging import DrawnKey
 
 logger = logging.getLogger("lamc")
 _T = TypeVar("_T")
@@ -80,6 +84,7 @@ class Simulator(Running, Viewable):
         energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         recipe: Recipe | None = None,
         lanes: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
+        columns: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]] | None" = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         numbers: of the design; None: those that the C was printed with.
@@ -87,6 +92,7 @@ class Simulator(Running, Viewable):
         energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
         lanes: makes the module that runs ensembles; None: there is none to be had.
+        columns: makes the module with derivatives by what it is given; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
@@ -94,6 +100,7 @@ class Simulator(Running, Viewable):
         self._equations = equations
         self._program = program
         self._lanes = lanes
+        self._columns = None if columns is None else remembered(partial(_model_of, columns, series_of(scene)))
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -176,6 +183,7 @@ class Simulator(Running, Viewable):
         energy_balance: bool = False,
         accuracy: float | None = None,
         series: "Mapping[str, Series] | None" = None,
+        sensitivities: Sequence[str] = (),
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -206,6 +214,10 @@ class Simulator(Running, Viewable):
                     `Result.accuracy`. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the
                     message says so, and what was
         series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
+        sensitivities  names of parameters, of dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start:
+                    the run is differentiated by them, for `Result.sensitivity`. The derivatives are those of what the
+                    run computes, at the steps that it takes, which are the same to the last bit with and without. The
+                    first time a list takes a compile of its own
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -218,13 +230,14 @@ class Simulator(Running, Viewable):
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
         parameters = with_series(parameters, series, self._model.series, self.parameters)
         with part_told("run", progress) as told:
-            request = self._request(t_end, rtol, atol, t_eval, max_steps, max_step, told)
-            request = replace(request, energy_balance=energy_balance)
+            asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
+            request = self._request(*asked, energy_balance=energy_balance)
             rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
+            if len(sensitivities):
+                check_differentiable(integrator, rate, accuracy, energy_balance=energy_balance)
+                return self._differentiated(integrator, request, parameters, sensitivities)
             motion = (
-                self._motion(parameters, rate)
-                if not energy_balance
-                else self.telling.motion(parameters, rate)
+                self.telling.motion(parameters, rate) if energy_balance else self._motion(parameters, rate)
             )
             self._check_run(parameters, motion, request.t_end)
             telling = Telling(self, self._recipe, parameters, rate)
@@ -236,6 +249,26 @@ class Simulator(Running, Viewable):
                 return run(integrator, request)[0]
             return reach(wanted, integrator, motion, request, run, self.scene)
 
+    def _differentiated(
+        self,
+        integrator: str,
+        request: Request,
+        parameters: Mapping[str, float | str],
+        names: Sequence[str],
+    ) -> Result:
+        """A run with its derivatives."""
+        found = differentiated(self, names, parameters)
+        motion = self._motion(parameters)
+        self._check_run(parameters, motion, request.t_end)
+        telling = Telling(self, self._recipe, parameters, 0.0)
+        return self._integrated(integrator, replace(request, along=found.along), motion, telling, found)[0]
+
+    def with_columns(self, columns: "Columns") -> "tuple[Model, tuple[DrawnKey, ...]]":
+        """The model that also has derivatives by these, and the keys of its numbers of the drawing."""
+        if self._columns is None:
+            raise RequestError("this simulator was made by hand and has no derivatives; use lamc.compile")
+        return self._columns(columns)
+
     def _request(
         self,
         t_end: float | str | None,
@@ -245,12 +278,16 @@ class Simulator(Running, Viewable):
         max_steps: int,
         max_step: float | str | None,
         progress: Progress | None,
+        *,
+        energy_balance: bool = False,
     ) -> Request:
         """What `run` and `ensemble` are asked for, checked."""
         if t_end is None:
             t_end = self.scene.duration or DURATION
         tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
-        return checked_request(self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress)
+        return checked_request(
+            self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, energy_balance
+        )
 
     def _check_run(self, parameters: Mapping[str, float | str], motion: Motion, t_end: float) -> None:
         """Whether effects can do what is asked for, at the line of the scene that says so."""
@@ -316,6 +353,15 @@ class Simulator(Running, Viewable):
         if self._lanes is None:
             raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
         return self._lanes()[0]
+
+
+def _model_of(
+    modules: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]]",
+    series: "Mapping[str, Series]",
+    columns: "Columns",
+) -> "tuple[Model, tuple[DrawnKey, ...]]":
+    module, numbers, keys = modules(columns)
+    return Model(module, numbers=numbers, series=series), keys
 
 
 def _settled(value: _T | Callable[[], _T]) -> _T:

@@ -188,6 +188,11 @@ class Program:
                       and J u̇ + γ, then, where there is "rates", (nq, nq + nu) of q̇; absent where it would be too long
       "guards"        where there are any: t, q, u → guards, then their rates
       "impacts"       where there are any: t, q → restitutions of the guards, then derivatives (nu,) of their rates by u
+      "tangents"      where it is asked for: t, q, u, u̇, λ → derivatives (nu + m, nq + nu + k) by q, u and k columns of
+                      the residuals as in "jacobian", then, where there is "rates", (nq, nq + nu) of q̇
+      "closure_tangents"  beside it, with loops: q, u → derivatives (m, nq + k + nq + nu + k) of φ by q and columns,
+                      then of J u by q, u and columns
+      "guard_tangents"    beside it, with guards: t, q, u → derivatives (guards, nq + nu + 1 + k) by q, u, t and columns
       "power"         where it is asked for: t, q, u, u̇ → power of each of `powers`, W
       "poses"         t, q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
                       equal to world axes in the drawn configuration), shape (12 len(bodies),)
@@ -212,6 +217,7 @@ class Program:
     drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
     series: tuple[SeriesInput, ...] = ()  # theirs are the first constants, four for each
     powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
+    columns: tuple[str, ...] = ()  # k parameters and dimensions, in the order of the columns of "tangents"
     jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
     tables: "Mapping[int, Piecewise]" = field(
         default_factory=lambda: MappingProxyType({})

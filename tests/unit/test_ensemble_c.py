@@ -103,7 +103,7 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
 
 
 def units(tree: SourceTree) -> list[str]:
-    return [*tree.compiled, tree.lanes, "ensemble.c", "try.c"]
+    return [*tree.compiled, *tree.machine, *tree.beside, "try.c"]
 
 
 @needs_cc
@@ -142,7 +142,7 @@ def test_other_machines_have_other_lanes_and_the_same_bits(
 def test_long_equations_have_lanes_too(tmp_path: Path) -> None:
     """Thirty hinges are more statements than a block: kernels and tables of indices."""
     tree = made(tmp_path, "long", "RK45")
-    assert "acceleration_kernel_" in tree.files[tree.lanes]
+    assert "acceleration_kernel_" in tree.files[tree.machine[0]]
     cc(tmp_path, *STRICT, "-O1", "-ffp-contract=off", *MACHINE, *units(tree), "-o", "try", "-lm")
     assert output_of(tmp_path / "try").split()[1:] == ["13", "1"]
 

@@ -1,0 +1,266 @@
+"""Derivatives of a run: closed forms, differences of runs, and the motion itself, which they leave as it is."""
+
+import pickle
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import lamc
+from lamc.records.mechanism import Body, Joint, Mechanism
+from tests.support.mechanisms import chain
+
+Array = npt.NDArray[np.float64]
+PLACES, WEIGHTS = (-3, -2, -1, 1, 2, 3), (-1 / 60, 9 / 60, -45 / 60, 45 / 60, -9 / 60, 1 / 60)
+EXACT = {"rtol": 1e-12, "atol": 1e-14}
+# Runs at 1e-13 differ from the truth by some 1e-12 of a state; differences of order 6 over 1e-3 of a number make 1e-9.
+CLOSE = 1e-8
+EXAMPLES = Path(lamc.__file__).parent / "examples"
+
+
+def example(name: str) -> lamc.Design:
+    return lamc.load(EXAMPLES / f"{name}.yaml")
+
+
+def states(result: lamc.Result) -> Array:
+    assert result.success, result.message
+    return np.hstack([result.q, result.u])
+
+
+def changed(sim: lamc.Simulator, design: lamc.Design | Mechanism, name: str, value: float) -> lamc.Simulator:
+    """The simulator with another value of what is no parameter."""
+    what, _, joint = name.partition(".")
+    if what in ("angles", "rates"):
+        given = {**getattr(sim.scene, what), joint: value}
+        return lamc.compile(design, replace(sim.scene, **{what: given}))
+    return lamc.compile(design.with_parameters({name: value}), sim.scene)
+
+
+def by_differences(
+    sim: lamc.Simulator, design: lamc.Design | Mechanism, name: str, value: float, reach: float, times: Array
+) -> Array:
+    """(m, nq + nu), of order 6 in `reach`."""
+    total = np.zeros((len(times), len(sim.coordinates) + len(sim.rates)))
+    for place, weight in zip(PLACES, WEIGHTS, strict=True):
+        at = value + place * reach
+        asked = {"t_end": float(times[-1]), "rtol": 1e-13, "atol": 1e-15, "t_eval": times}
+        if name in sim.parameters:
+            run = sim.run(**asked, parameters={name: at})
+        else:
+            run = changed(sim, design, name, at).run(**asked)
+        total += weight / reach * states(run)
+    return total
+
+
+def check(
+    design: lamc.Design | Mechanism,
+    names: Sequence[str],
+    t_end: float,
+    reach: float = 1e-3,
+    integrator: str = "auto",
+    close: float = CLOSE,
+) -> lamc.Result:
+    """Derivatives by differences; reach: of a value."""
+    sim = lamc.compile(design)
+    times = np.linspace(0.0, t_end, 23)
+    asked = {"t_end": t_end, "t_eval": times, "integrator": integrator, **EXACT}
+    plain, found = sim.run(**asked), sim.run(**asked, sensitivities=names)
+    assert np.array_equal(states(plain), states(found))  # the motion is the same to the last bit
+    assert plain.stats.steps == found.stats.steps
+    assert found.sensitivities is not None
+    assert found.sensitivities.lost is None
+    for k, name in enumerate(names):
+        index = [f"angles.{joint}" for joint in sim.joints]
+        if name in sim.parameters:
+            value = sim.parameters[name]
+        elif name in index:
+            value = float(sim.start[index.index(name)])
+        else:
+            value = design.parameters[name].default
+        expected = by_differences(sim, design, name, value, reach * (abs(value) or 1.0), times)
+        error = np.abs(found.sensitivities.values[:, :, k] - expected).max()
+        assert error <= close * np.abs(expected).max(), name
+    return found
+
+
+def oscillator() -> Mechanism:
+    """One link of 2 g·m² about its hinge, on a spring of 0.5 N·m/rad."""
+    link = Body("link", 0.1, np.array([0.1, 0.0, 0.0]), np.diag([1e-3, 1e-3, 1e-3]))
+    hinge = Joint(
+        "h",
+        "ground",
+        "link",
+        point=np.zeros(3),
+        axis=np.array([0.0, 0.0, 1.0]),
+        stiffness=0.5,
+    )
+    return Mechanism((Body("ground", fixed=True), link), (hinge,), name="oscillator")
+
+
+@pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5", "auto"])
+def test_an_oscillator_follows_the_closed_form(integrator: str) -> None:
+    """θ = θ0 cos ωt with ω² = k / I: dθ/dk = -θ0 t sin(ωt) / (2 ω I), dθ/dθ0 = cos ωt."""
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3}))
+    names = ["h.stiffness", "angles.h", "rates.h"]
+    result = sim.run(t_end=1.0, integrator=integrator, rtol=1e-11, atol=1e-13, sensitivities=names)
+    t, inertia = result.t, 1e-3 + 0.1 * 0.1**2
+    omega = np.sqrt(0.5 / inertia)
+    wanted = {
+        "h.stiffness": -0.3 * t * np.sin(omega * t) / (2.0 * omega * inertia),
+        "angles.h": np.cos(omega * t),
+        "rates.h": np.sin(omega * t) / omega,
+    }
+    for name, expected in wanted.items():
+        found = result.sensitivity("h", name)
+        # 8 periods at 1e-11 a step; Rodas5P's states between its steps are of order 4, and so are derivatives then
+        assert (
+            np.abs(found - expected).max()
+            <= (1e-6 if integrator == "rodas5p" else 1e-8) * np.abs(expected).max()
+        )
+
+
+def test_a_tree_against_differences() -> None:
+    tree = chain(3)
+    sim = lamc.compile(tree)
+    some = [name for name in sim.parameters if name.endswith((".mass", ".stiffness", ".damping"))][::2]
+    check(tree, [*some, f"angles.{sim.joints[0]}"], 0.4)
+
+
+def test_a_loop_by_a_load_an_angle_and_a_length() -> None:
+    check(example("four_bar"), ["link.stiffness", "angles.arm", "arm_length"], 0.5)
+
+
+def test_two_angles_chosen_and_the_scale_of_a_drawing() -> None:
+    # Of what follows from scale, cubes and fifth powers: over 1e-4 of it differences of order 6 know them to 1e-10.
+    check(example("five_bar"), ["ankle_a.stiffness", "angles.hip_b", "scale"], 0.3, reach=1e-4)
+
+
+def test_through_impacts_at_limits() -> None:
+    # Other steps between impacts: 9 of them make what a step of 1e-3 does too large for order 6.
+    found = check(example("limit_stop"), ["angles.flap", "tongue.mass", "scale"], 1.0, reach=1e-4)
+    assert len(found.events) == 9
+
+
+def test_through_touch_downs_on_a_floating_base() -> None:
+    # A contact's force begins with the power 1.5 of depth, whose derivatives differences of runs know to 1e-6.
+    found = check(example("crawler"), ["body.mass", "gravity.z"], 0.03, reach=3e-6, close=1e-6)
+    assert len(found.events) >= 8
+
+
+@pytest.mark.parametrize("integrator", ["radau5", "rodas5p"])
+def test_stiff_hinges(integrator: str) -> None:
+    check(example("stiff_triple"), ["thigh.mass", "gravity.y"], 0.1, integrator=integrator, close=1e-7)
+
+
+def test_air_on_a_wing() -> None:
+    check(example("flapping_wing"), ["wing.air.drag_edge_on", "angles.stroke"], 0.05)
+
+
+def test_points_and_energies_follow_by_the_chain_rule() -> None:
+    """A link's centre moves by the angle's derivative, the energy of the start by the stiffness of its spring."""
+    scene = lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3})
+    result = lamc.compile(oscillator(), scene).run(t_end=0.2, **EXACT, sensitivities=["h.stiffness"])
+    theta, slope = result.angle("h"), result.sensitivity("h", "h.stiffness")
+    # Differences of order 6 over a hundredth of a radian know a point to 1e-12 of its size, 0.1 m; runs are at 1e-12
+    assert np.allclose(result.sensitivity("link.x", "h.stiffness"), -0.1 * np.sin(theta) * slope, atol=1e-11)
+    assert np.allclose(result.sensitivity("energy", "h.stiffness"), 0.3**2 / 2.0, atol=1e-9)
+    assert np.array_equal(result.sensitivity("h.rate", "h.stiffness"), _rates(result))
+
+
+def _rates(result: lamc.Result) -> Array:
+    assert result.sensitivities is not None
+    return result.sensitivities.values[:, 1, 0]
+
+
+def test_points_follow_from_lengths() -> None:
+    """A length moves a point by the motion, and by where it lies on its body."""
+    design = example("four_bar")
+    sim, times = lamc.compile(design), np.linspace(0.0, 0.3, 7)
+    found = sim.run(t_end=0.3, t_eval=times, **EXACT, sensitivities=["arm_length"])
+    value, reach = design.parameters["arm_length"].default, 1e-4
+    expected = np.zeros(len(times))
+    for place, weight in zip(PLACES, WEIGHTS, strict=True):
+        other = changed(sim, design, "arm_length", value + place * reach * value)
+        run = other.run(t_end=0.3, t_eval=times, rtol=1e-13, atol=1e-15)
+        expected += weight / (reach * value) * run.quantity("shelf.x").values
+    error = np.abs(found.sensitivity("shelf.x", "arm_length") - expected).max()
+    assert error <= CLOSE * np.abs(expected).max()
+
+
+def test_rows_and_slices_do_not_matter() -> None:
+    sim = lamc.compile(example("four_bar"))
+    many = sim.run(t_end=0.4, t_eval=np.linspace(0.0, 0.4, 4001), sensitivities=["link.stiffness"])
+    few = sim.run(t_end=0.4, t_eval=[0.1, 0.4], sensitivities=["link.stiffness"])
+    assert many.sensitivities is not None
+    assert few.sensitivities is not None
+    assert np.array_equal(many.sensitivities.values[[1000, 4000]], few.sensitivities.values)
+
+
+def test_two_impacts_at_one_instant_have_no_derivative() -> None:
+    """Two flaps alike, side by side, fall on their stops at once: which is first is another motion."""
+    flaps = [
+        Body(name, 0.1, np.array([0.1, y, 0.0]), 1e-3 * np.eye(3)) for name, y in (("a", 0.0), ("b", 0.3))
+    ]
+    hinges = [
+        Joint(
+            f"h_{flap.name}",
+            "ground",
+            flap.name,
+            point=np.array([0.0, flap.com[1], 0.0]),
+            axis=np.array([0.0, 1.0, 0.0]),
+            limits=(-1.0, 0.5),
+        )
+        for flap in flaps
+    ]
+    device = Mechanism((Body("ground", fixed=True), *flaps), tuple(hinges), name="two_flaps")
+    scene = lamc.Scene(effects=(lamc.Gravity(), lamc.JointLimits(restitution=0.5)))
+    result = lamc.compile(device, scene).run(t_end=0.5, sensitivities=["a.mass"])
+    assert result.sensitivities is not None
+    lost = result.sensitivities.lost
+    assert lost is not None
+    first = result.events[0].t
+    assert lost.t == pytest.approx(first, abs=1e-12)
+    before = result.t < first
+    assert np.isfinite(result.sensitivities.values[before]).all()
+    assert np.isnan(result.sensitivity("h_a", "a.mass")[~before]).all()
+    assert any("no derivative" in note and "one instant" in note for note in result.notes)
+
+
+def test_a_result_with_derivatives_can_be_pickled() -> None:
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3}))
+    result = sim.run(t_end=0.1, sensitivities=["h.stiffness"])
+    again = pickle.loads(pickle.dumps(result))
+    for output in ("h", "link.x"):
+        wanted = result.sensitivity(output, "h.stiffness")
+        assert np.array_equal(again.sensitivity(output, "h.stiffness"), wanted)
+
+
+def test_what_cannot_be_differentiated_is_refused() -> None:
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),)))
+    for names, words in (
+        (["h.stifness"], r"did you mean 'h\.stiffness'"),
+        ("h.stiffness", "must be a list of names"),
+        (["h.stiffness", "h.stiffness"], "may stand there once"),
+        ([3], "must be a list of names"),
+    ):
+        with pytest.raises(lamc.RequestError, match=words):
+            sim.run(t_end=0.1, sensitivities=names)
+    for asked in ({"energy_balance": True}, {"accuracy": 1e-3}, {"integrator": "scipy:LSODA"}):
+        with pytest.raises(lamc.RequestError, match="takes no"):
+            sim.run(t_end=0.1, sensitivities=["h.stiffness"], **asked)
+    plain = sim.run(t_end=0.1)
+    with pytest.raises(lamc.RequestError, match="was not differentiated"):
+        plain.sensitivity("h", "h.stiffness")
+
+
+def test_nothing_of_it_stands_in_the_c_of_others() -> None:
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),)))
+    before = sim.program.digest
+    sim.run(t_end=0.1, sensitivities=["h.stiffness"])
+    assert "tangents" not in sim.program.functions
+    assert sim.program.digest == before
+    text = "".join(path.read_text() for path in sim.source_dir.glob("*.[ch]"))
+    assert "tangents" not in text

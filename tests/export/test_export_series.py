@@ -68,8 +68,8 @@ def test_steps_of_one_length_end_at_rows_of_the_table(hold: str, tmp_path: Path)
     for _ in range(100):
         assert exported.call("step_fixed", it, 1e-3) == 0
     run = lamc.compile(made).run(t_end=0.1, rtol=1e-12, atol=1e-14)
-    # The classical method at 1 ms errs by h⁴, a few 1e-9 of the largest angle. A step that saw a jump too early would err
-    # by h / 6 of it: some 1e-3 rad here.
+    # The classical method at 1 ms errs by h⁴, a few 1e-9 of the largest angle. A step that saw a jump too early would
+    # err by h / 6 of it: some 1e-3 rad here.
     assert it.q[0] == pytest.approx(run.q[-1, 0], abs=1e-8)
 
 

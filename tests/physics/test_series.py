@@ -13,10 +13,11 @@ from scipy.interpolate import CubicSpline
 
 import lamc
 from lamc import Body, Gravity, Input, Joint, JointLimits, Mechanism, Scene, Series, Torque
-from lamc.basics.errors import DesignError, DesignWarning, RequestError
+from lamc.basics.errors import DesignError, DesignWarning, RequestError, UnsupportedError
 from lamc.effects import HingeDamping
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.external_torque import ExternalTorque
+from lamc.ledger.bench import measure
 from lamc.reference.check import check
 from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
@@ -403,3 +404,9 @@ def test_derivatives_of_a_run_go_through_jumps(hold: str, method: str) -> None:
     differences = (ahead.q[:, 0] - behind.q[:, 0]) / (2 * step)
     # differences err by step² / 6 times third derivatives, of order one; both runs by 1e-13 / step
     assert result.sensitivity("h", "gain") == pytest.approx(differences, abs=2e-8)
+
+
+def test_what_takes_numbers_for_inputs_refuses_a_series() -> None:
+    scene = driven(Series(TIMES, VALUES)).scene
+    with pytest.raises(UnsupportedError, match="the input 'command' follows a series"):
+        measure(pendulum(), scene, lamc.CompileOptions(), lambda _stage: None)

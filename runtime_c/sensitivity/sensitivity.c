@@ -321,29 +321,18 @@ static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const la
   return status;
 }
 
-<<<<<<< HEAD
 /* A step that ended at a break of a series is followed before the run looks at what comes after it. Breaks stand still: S
  * does not jump there. */
 static void pass(const void *context, long long next) {
   lamc_sensitivity *s = (lamc_sensitivity *)context; /* whose first member is the motion */
-=======
-/* A break that the run has come to: S follows first, up to there and under what holds before it. At breaks, whose times no
- * column moves, S is continuous. */
-static void pass(const void *context, long long next) {
-  lamc_sensitivity *s = (lamc_sensitivity *)context;
->>>>>>> w-series
   if (s->run.t > s->t) {
     const room r = room_of(s);
     follow(s);
     if (wants_rows_within(&s->run) && lamc_is_replayed(s->method)) lamc_replay_extend(s, r.argument, r.y);
   }
   s->has_slope = 0;
-<<<<<<< HEAD
   s->t_break = s->run.t;
   lamc_series_pass(context, next);
-=======
-  lamc_series_pass(&s->motion, next);
->>>>>>> w-series
   lamc_series_pass(&s->beside, next);
 }
 

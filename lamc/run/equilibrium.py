@@ -5,9 +5,10 @@ Never: integrates.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from lamc.run.balance import DOWN, Search, search, went_far
 from lamc.run.defaults import DURATION
 from lamc.run.held import true_angles
 from lamc.run.model import Motion, Unchanging
+from lamc.run.operating_notes import notes_of
 from lamc.run.request import Array, finite
 from lamc.run.stability import Criterion, Kind, Resistance, resistance
 from lamc.run.steady import CLOSED, check_edges, check_rank, check_time, contacts
@@ -29,8 +31,6 @@ if TYPE_CHECKING:
 
 SAME = 1e-6  # rad, of the size, or of the energy: what is nearer than this is one; each is known far better
 _SPREAD = 2.0  # rad: to both sides of the scene's start, where starts are not given
-_CLOSE_TO_FADED = 1e-3  # of the strongest equation of the loops
-_SOFTEST = 1e-9  # of the largest stiffness: a position is known less well by as much
 
 Start = "Mapping[str, float | str] | Equilibrium | None"
 
@@ -73,6 +73,9 @@ class Equilibrium(Unchanging):
     motion: Motion = field(repr=False)
     stand: Stand = field(repr=False)
     resistance: Resistance = field(repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     @property
     def stable(self) -> bool:
@@ -225,7 +228,7 @@ def _found(simulator: "Simulator", rest: Rest, start: Stand, *, has_time: bool, 
         way=ended.way,
         steps=ended.steps,
         t=rest.t,
-        notes=_notes(stand, found, ended, has_time=has_time),
+        notes=notes_of(simulator.mechanism, q, ended, found, has_time=has_time),
         motion=rest.motion,
         stand=stand,
         resistance=found,
@@ -251,29 +254,6 @@ def _refusal(start: Stand, ended: Search) -> str:
         f"{stand.udot[worst]:.3g} {rate.unit}² at {where}, and {why}; start elsewhere (angles=…, or "
         "equilibria(starts=20)), or see what holds it"
     )
-
-
-def _notes(stand: Stand, found: Resistance, ended: Search, *, has_time: bool) -> tuple[str, ...]:
-    notes = []
-    if has_time:
-        notes.append(f"loads are those at t = {stand.rest.t:g} s, held still")
-    if not np.any(np.abs(found.stiffness) > 0.0) and len(found.stiffness):
-        notes.append("no load depends on the position: every position nearby is as good")
-    elif found.kind == "neutral":
-        notes.append("what is not held stays where the start had it")
-    if ended.way == "descended":
-        notes.append("found by descent: others may lie nearer to the start")
-    if stand.weakest < _CLOSE_TO_FADED:
-        notes.append(
-            f"an equation of the loops has faded to {stand.weakest:.1e} of the strongest: the position is near a "
-            "singular one, or a mechanism of very many loops is soft"
-        )
-    sizes = np.abs(np.linalg.eigvals(found.stiffness)) if len(found.stiffness) else np.ones(1)
-    if found.kind != "neutral" and sizes.min() < _SOFTEST * sizes.max():
-        notes.append(
-            f"the softest direction has {sizes.min() / sizes.max():.1e} of the largest stiffness over inertia"
-        )
-    return tuple(notes)
 
 
 def _is_same(point: Equilibrium, other: Equilibrium) -> bool:

@@ -7,8 +7,9 @@ positions may be taken as it stands: what its turning would add is multiplied by
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -58,6 +59,9 @@ class LinearModel(Unchanging):
     offset: Array
     errors: Mapping[str, float]
     point: Equilibrium = field(repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     def __post_init__(self) -> None:
         for matrix in (self.A, self.B, self.C, self.D, self.offset):

@@ -385,3 +385,12 @@ def test_an_input_that_follows_a_series_needs_an_instant() -> None:
     assert point.angles["pin"] == pytest.approx(0.04, abs=NEAR)
     model = sim.linearise(point, inputs=["pin.stiffness"])
     assert model.B[1, 0] == pytest.approx(-0.04 / 0.19, rel=1e-9)
+
+
+def test_limits_that_nothing_holds_are_told() -> None:
+    found = lamc.compile(bar(limits=(-0.5, 3.0)), Scene(effects=(DOWN,))).equilibrium()
+    assert any("'pin'" in note and "does not hold it to them" in note for note in found.notes)
+    held = lamc.compile(
+        bar(limits=(-0.5, 3.0)), Scene(effects=(DOWN, JointLimits(stiffness=200.0)))
+    ).equilibrium()
+    assert not any("does not hold" in note for note in held.notes)

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from lamc.basics.errors import RequestError
 from lamc.codegen.lowering import Lowering, canonical
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
@@ -90,6 +89,11 @@ CLOSURE_TANGENTS = (
     "closure_tangents",
     "derivatives of the residuals of the loops by q and columns, then of their rates by q, u and columns",
     (Space.CONSTANT, Space.ANGLE, Space.RATE),
+)
+SAMPLE_TANGENTS = (
+    "sample_tangents",
+    "derivatives of what clocks sample by q, u, columns and what is held",
+    _STATE,
 )
 GUARD_TANGENTS = ("guard_tangents", "derivatives of the guards by q, u, t and columns", _STATE)
 POWER = ("power", "power of the loads of each effect, W", (*_STATE, Space.ACCELERATION))
@@ -265,16 +269,12 @@ def _event_jobs(
 def _tangent_jobs(
     equations: Equations, columns: Columns
 ) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
-    if any(terms.guard.clock is not None for terms in equations.guards):
-        raise RequestError(
-            "a run is not differentiated where a controller samples (Servo.period): what it holds would need "
-            "derivatives of its own; leave the period out, or the sensitivities"
-        )
     found = tangents(equations, columns)
     jobs = [
         (TANGENTS, (*found.residuals, *found.flow)),
         *([(CLOSURE_TANGENTS, found.closure)] if found.closure else []),
         *([(GUARD_TANGENTS, found.guards)] if found.guards else []),
+        *([(SAMPLE_TANGENTS, found.samples)] if found.samples else []),
     ]
     return [(job, [value for row in rows for value in row]) for job, rows in jobs]
 

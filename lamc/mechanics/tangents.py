@@ -44,12 +44,16 @@ class Tangents:
     closure    (m, nq + k + nq + nu + k): of φ by q and the columns, then of J u by q, u and the columns; empty
                for a tree
     guards     (guards, nq + nu + 1 + k): by q, u, t and the columns
+    samples    (held, nq + nu + k): of what clocks hold
+
+    Where clocks hold samples, their number follows in `residuals`, `guards` and `samples`: derivatives by what is held.
     """
 
     residuals: tuple[tuple[Scalar, ...], ...]
     flow: tuple[tuple[Scalar, ...], ...]
     closure: tuple[tuple[Scalar, ...], ...]
     guards: tuple[tuple[Scalar, ...], ...]
+    samples: tuple[tuple[Scalar, ...], ...]
 
 
 def tangents(equations: Equations, columns: Columns) -> Tangents:
@@ -67,9 +71,17 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
     drifts = [] if equations.closure is None else _drifts(equations, u)
     guards = [terms.guard.value for terms in equations.guards]
     moves = _moves(equations, columns)
+    clocks = [terms.guard.clock for terms in equations.guards if terms.guard.clock is not None]
+    held = [{symbol: 1} for clock in clocks for symbol in clock.held]
+    sampled = [value for clock in clocks for value in clock.held.values()]
+    for name, move in zip(columns.names, moves, strict=True):
+        if any(isinstance(d, Value) or d != 0 for d in derivatives([clock.period for clock in clocks], move)):
+            raise RequestError(
+                f"there is no derivative by {name!r}: it moves the times at which a servo samples"
+            )
     with store.section("Derivatives by state and parameters", source="for sensitivities of a run"):
         found = Tangents(
-            residuals=_rows(residuals, [*state, *moves]),
+            residuals=_rows(residuals, [*state, *moves, *held]),
             flow=_rows(equations.coordinate_rates or (), state),
             closure=tuple(
                 of_gaps + of_drifts
@@ -77,7 +89,8 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
                     _rows(closed, [*positions, *moves]), _rows(drifts, [*state, *moves]), strict=True
                 )
             ),
-            guards=_rows(guards, [*state, *time, *moves]),
+            guards=_rows(guards, [*state, *time, *moves, *held]),
+            samples=_rows(sampled, [*state, *moves, *held]),
         )
     values = [value for rows in (found.residuals, found.flow, found.closure) for row in rows for value in row]
     flops = count_operations(store, values, Level.PARAMETER).flops

@@ -206,6 +206,8 @@ class Program:
                       the residuals as in "jacobian", then, where there is "rates", (nq, nq + nu) of q̇
       "closure_tangents"  beside it, with loops: q, u → derivatives (m, nq + k + nq + nu + k) of φ by q and columns,
                       then of J u by q, u and columns
+      "sample_tangents"   beside it, with clocks: t, q, u → derivatives (held, nq + nu + k + held) of what they sample,
+                      by q, u, columns and what is held; by that "tangents" and "guard_tangents" have columns then, too
       "guard_tangents"    beside it, with guards: t, q, u → derivatives (guards, nq + nu + 1 + k) by q, u, t and columns
       "samples"       where there are clocks: t, q, u → their periods, s, then samples of what they hold
       "power"         where it is asked for: t, q, u, u̇ → power of each of `powers`, W

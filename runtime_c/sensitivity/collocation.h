@@ -17,7 +17,7 @@ static const lamc_real RADAU_WEIGHT[RADAU_NODES][RADAU_NODES] = {
     {0.39442431473908727, 0.29207341166522843, -0.04154875212599793},
     {0.37640306270046725, 0.51248582618842164, 0.11111111111111111}};
 
-/* Columns of [f_p, f_y], and numbers of scratch: those at a node, S for them, and the matrix with its right-hand sides */
+/* Columns of [f_p, f_y], f_p for all columns of S, and numbers of scratch: those at a node, S for them, and the matrix with its right-hand sides */
 static inline int lamc_collocation_width(int n, int k) {
   return padded(n + k);
 }
@@ -27,14 +27,14 @@ static inline long long lamc_collocation_size(int n, int k, int width) {
   return 2LL * n * lamc_collocation_width(n, k) + all * padded(3 * n) + all * width + n;
 }
 
-/* f_y and f_p at a node, (n, of k + n columns), f_p first */
+/* f_y and f_p at a node, (n, of column_count + n columns), f_p first */
 static inline void lamc_collocation_node(lamc_sensitivity *s, lamc_real t, const lamc_real *y,
                                          lamc_real *unit, lamc_real *found) {
-  const int n = s->run.ode.n, k = s->tangents->column_count, columns = s->column_count, width = s->width;
-  s->column_count = n + k;
-  s->width = lamc_collocation_width(n, k);
+  const int n = s->run.ode.n, columns = s->column_count, width = s->width;
+  s->column_count = n + columns;
+  s->width = lamc_collocation_width(n, columns);
   memset(unit, 0, (size_t)n * (size_t)s->width * sizeof *unit);
-  for (int i = 0; i < n; i++) unit[(ptrdiff_t)i * s->width + k + i] = 1;
+  for (int i = 0; i < n; i++) unit[(ptrdiff_t)i * s->width + columns + i] = 1;
   lamc_vary(s, t, y, NULL, unit, found);
   s->column_count = columns;
   s->width = width;
@@ -83,7 +83,7 @@ static inline int lamc_solve_dense(int n, int across, lamc_real *a, int width, l
  * room: lamc_collocation_size; rows: (n, width) of scratch */
 static inline int lamc_collocate(lamc_sensitivity *s, lamc_real *room, lamc_real *rows) {
   lamc_run *run = &s->run;
-  const int n = run->ode.n, k = s->tangents->column_count, width = s->width, all = RADAU_NODES * n;
+  const int n = run->ode.n, k = s->column_count, width = s->width, all = RADAU_NODES * n;
   const int across = padded(all), broad = lamc_collocation_width(n, k), dense = run->dense;
   const lamc_real h = run->h_last;
   lamc_real *unit = room, *found = unit + (ptrdiff_t)n * broad, *matrix = found + (ptrdiff_t)n * broad;

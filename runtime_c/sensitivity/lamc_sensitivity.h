@@ -26,6 +26,10 @@ typedef struct lamc_tangents {
   /* -> (guard_count, nq + nu + 1 + k) derivatives of the guards by q, u, t and columns. NULL: there are none */
   void (*guards)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                  lamc_real *guards);
+  /* -> (held_count, nq + nu + k + held_count) derivatives of what clocks sample by q, u, columns and what is held. NULL: there
+   * are none. Rows of residuals and of guards end with derivatives by what is held, too */
+  void (*samples)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                  lamc_real *samples);
 } lamc_tangents;
 
 const lamc_tangents *lamc_this_tangents(void);
@@ -65,7 +69,9 @@ typedef struct lamc_sensitivity {
   lamc_real h;                 /* s, of the last step */
   long long evaluations;       /* of derivatives */
   lamc_real *here, *start,
-      *end;          /* S where the run stands, where the last step began, and at its end before an event */
+      *end;        /* S where the run stands, where the last step began, and at its end before an event */
+  lamc_real *held; /* (held_count, held_width): derivatives of what clocks hold, of all columns */
+  int held_width;
   lamc_real *slopes; /* dS/dt at the stages */
   lamc_real *scratch;
 } lamc_sensitivity;

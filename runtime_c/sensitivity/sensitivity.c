@@ -36,7 +36,7 @@ static long long lay_out(lamc_sensitivity *s, room *r, const lamc_model *model, 
                          lamc_real *work) {
   const int n = model->coordinate_count + model->rate_count, width = padded(columns);
   const long long block = (long long)n * width;
-  const int broad = largest_of(width, lamc_collocation_width(n, k));
+  const int broad = largest_of(width, lamc_collocation_width(n, columns));
   const long long inputs = (long long)model->parameter_count + model->geometry_count;
   const long long sizes[] = {block,
                              block,
@@ -48,10 +48,11 @@ static long long lay_out(lamc_sensitivity *s, room *r, const lamc_model *model, 
                              whole(model->constant_count) + LANES,
                              whole(model->constant_count) + LANES,
                              whole(inputs) + LANES,
-                             whole(lamc_collocation_size(n, k, width)),
+                             whole(lamc_collocation_size(n, columns, width)),
                              whole(lamc_motion_work_size(model)) + LANES,
                              whole(lamc_variation_size(model, k, broad)),
-                             whole(lamc_fine_size(n, width))};
+                             whole(lamc_fine_size(n, width)),
+                             2LL * model->held_count * width};
   enum { PARTS = sizeof sizes / sizeof sizes[0] };
   long long at[PARTS + 1] = {0};
   for (int i = 0; i < PARTS; i++) at[i + 1] = at[i] + sizes[i];
@@ -68,6 +69,8 @@ static long long lay_out(lamc_sensitivity *s, room *r, const lamc_model *model, 
     r->inputs = work + at[9];
     r->collocation = work + at[10];
     r->fine = work + at[13];
+    s->held = work + at[14];
+    s->held_width = width;
   }
   return at[PARTS];
 }
@@ -151,7 +154,7 @@ static int delay(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lam
   if (t == s->t_break)
     return 1; /* a series jumped, and the guard with it: at its time, whatever the parameters */
   const variation v = lamc_variation_of(s);
-  const lamc_real *row = v.derivative + (ptrdiff_t)guard * (v.n + 1 + v.k);
+  const lamc_real *row = v.derivative + (ptrdiff_t)guard * (v.n + 1 + v.k + v.held_count);
   lamc_series_put(&s->beside, t);
   s->tangents->guards(s->beside.constants, t, y, y + v.nq, v.derivative);
   lamc_real rate = row[v.n], size = fabs(rate);
@@ -161,6 +164,8 @@ static int delay(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lam
   }
   for (int c = 0; c < s->width; c++) out[c] = c < v.k ? -row[v.n + 1 + c] : 0;
   for (int j = 0; j < v.n; j++) lamc_row_less(s->width, row[j], s->here + (ptrdiff_t)j * s->width, out);
+  for (int j = 0; j < v.held_count; j++)
+    lamc_row_less(s->width, row[v.n + 1 + v.k + j], s->held + (ptrdiff_t)j * s->held_width, out);
   if (!(fabs(rate) > sqrt(LAMC_EPSILON) * size)) return 0;
   lamc_row_scale(s->width, 1 / rate, out);
   return 1;
@@ -237,6 +242,27 @@ static void slope_beside(lamc_sensitivity *s, lamc_real t, const lamc_real *y, l
   lamc_motion_accelerate(&s->beside, t, y, y + nq, slope + nq);
 }
 
+/* What clocks hold from here on, by columns: those that are struck, or all (NULL), sample y */
+static void sample(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lamc_real *struck) {
+  const lamc_model *model = s->motion.model;
+  if (model->held_count == 0) return;
+  const variation v = lamc_variation_of(s);
+  const int across = v.n + v.k + v.held_count;
+  lamc_real *next = s->held + (ptrdiff_t)model->held_count * s->held_width;
+  lamc_series_put(&s->beside, t);
+  s->tangents->samples(s->beside.constants, t, y, y + v.nq, v.derivative);
+  for (int h = 0; h < model->held_count; h++) {
+    lamc_real *row = next + (ptrdiff_t)h * s->held_width;
+    lamc_minus_along(&v, v.n, v.derivative + (ptrdiff_t)h * across, s->here, row);
+    lamc_row_scale(s->width, -1, row);
+  }
+  for (int h = 0; h < model->held_count; h++) {
+    if (struck != NULL && !(struck[model->clock_guards[model->held_clocks[h]]] > 0)) continue;
+    memcpy(s->held + (ptrdiff_t)h * s->held_width, next + (ptrdiff_t)h * s->held_width,
+           (size_t)s->held_width * sizeof *next);
+  }
+}
+
 /* One guard is struck: a switch, or an impact */
 static lamc_status meet_one(lamc_sensitivity *s, const room *r, lamc_real t, lamc_real *y, int guard,
                             const lamc_real *struck) {
@@ -306,14 +332,21 @@ static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const la
     take_constants(s);
   }
   s->has_slope = 0;
-  int guard = -1, impacts = 0, count = 0;
+  int guard = -1, impacts = 0, ticks = 0, count = 0;
   for (int g = s->motion.model->guard_count - 1; g >= 0; g--) {
     if (!(struck[g] > 0)) continue;
     guard = g;
     count++;
-    impacts += s->motion.model->guard_modes[g] < 0;
+    impacts += s->motion.model->guard_modes[g] == -1;
+    ticks += s->motion.model->guard_modes[g] < -1;
   }
-  if (count > 1 && impacts > 0) lose(s, t, LAMC_LOST_TOGETHER, guard);
+  if (ticks > 0 && ticks == count) { /* at their times, whatever the columns: S is continuous */
+    sample(s, t, y, struck);
+    const lamc_status status = lamc_guards_event(context, t, y, struck);
+    take_constants(s);
+    return status;
+  }
+  if (count > 1 && impacts + ticks > 0) lose(s, t, LAMC_LOST_TOGETHER, guard);
   if (s->lost != LAMC_NOT_LOST) return lamc_guards_event(context, t, y, struck);
   const lamc_status status =
       count == 1 ? meet_one(s, &r, t, y, guard, struck) : meet_switches(s, &r, t, y, struck);
@@ -375,6 +408,7 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
   if (status != LAMC_OK) return status;
   take_constants(s);
   lamc_vary_settle(s, t0, y0, s->here, r.argument); /* differences of starts know it to some 1e-9 */
+  sample(s, t0, y0, NULL);
   return status;
 }
 

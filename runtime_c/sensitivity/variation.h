@@ -19,14 +19,17 @@
 /* Counts of a model, and where its parts lie in scratch */
 typedef struct variation {
   int nq, nu, m, n, k, width;
+  int held_count, held_width; /* what clocks hold, and the width of its derivatives */
+  const lamc_real *held;
   lamc_real *udot, *lambda, *derivative, *inertia, *l, *x, *goal, *goals, *packs;
 } variation;
 
 static inline long long lamc_variation_size(const lamc_model *model, int k, int width) {
   const long long nq = model->coordinate_count, nu = model->rate_count, m = model->closure_count, n = nq + nu;
   const long long flow = model->rates == NULL ? 0 : nq * n;
-  const long long residuals = (nu + m) * (n + k) + flow, closure = m * (nq + k + n + k);
-  const long long guards = (long long)model->guard_count * (n + 1 + k);
+  const long long held = model->held_count, residuals = (nu + m) * (n + k + held) + flow,
+                  closure = m * (nq + k + n + k);
+  const long long guards = (model->guard_count + held) * (n + 1 + k + held);
   long long most = residuals > closure ? residuals : closure;
   if (guards > most) most = guards;
   return nu + m + most + nu * (nu + 1) / 2 + nu * nu + nu + m + m * width + lamc_loop_columns_size(model);
@@ -41,6 +44,9 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
   v.n = v.nq + v.nu;
   v.k = s->tangents->column_count;
   v.width = s->width;
+  v.held_count = model->held_count;
+  v.held_width = s->held_width;
+  v.held = s->held;
   v.udot = s->scratch;
   v.lambda = v.udot + v.nu;
   v.inertia = v.lambda + v.m;
@@ -74,6 +80,9 @@ static inline void lamc_minus_along(const variation *v, int count, const lamc_re
     lamc_pack sum = lamc_pack_at(begin);
     for (int j = 0; j < count; j++)
       sum = lamc_pack_add(sum, -row[j], lamc_pack_at(sens + (ptrdiff_t)j * v->width + b));
+    for (int j = 0; j < v->held_count && b < v->held_width; j++)
+      sum = lamc_pack_add(sum, -row[count + v->k + j],
+                          lamc_pack_at(v->held + (ptrdiff_t)j * v->held_width + b));
     lamc_pack_put(out + b, sum);
   }
 }
@@ -121,7 +130,7 @@ static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *
                              const lamc_real *sens, lamc_real *slope) {
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
-  const int across = v.n + v.k;
+  const int across = v.n + v.k + v.held_count;
   lamc_series_put(&s->beside, t);
   const int count = lamc_vary_prepare(s, &v, t, y, known);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
@@ -145,7 +154,7 @@ static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *
   }
   const lamc_real *flow = v.derivative + (ptrdiff_t)(v.nu + v.m) * across;
   variation only_state = v;
-  only_state.k = 0;
+  only_state.k = only_state.held_count = 0;
   for (int i = 0; i < v.nq; i++) {
     lamc_real *row = slope + (ptrdiff_t)i * v.width;
     lamc_minus_along(&only_state, v.n, flow + (ptrdiff_t)i * v.n, sens, row);
@@ -168,7 +177,8 @@ static inline void lamc_vary_move(const lamc_sensitivity *s, const variation *v,
 static inline void lamc_vary_settle(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc_real *sens,
                                     lamc_real *rows) {
   if (s->motion.model->cut_count == 0) return;
-  const variation v = lamc_variation_of(s);
+  variation v = lamc_variation_of(s);
+  v.held_count = 0; /* closure knows nothing of it */
   const int part = v.nq + v.k, across = part + v.n + v.k;
   const int count = lamc_loops_weigh(&s->beside, t, y, y + v.nq);
   lamc_real *late = sens + (ptrdiff_t)v.nq * v.width;

@@ -311,8 +311,20 @@ def test_every_effect(name: str) -> None:
     check(device, ["b.mass", f"angles.{sim.joints[0]}", *own[:1]], 0.2)
 
 
-def test_a_servo_that_samples_is_refused() -> None:
-    servo = lamc.Servo(joint="h", command=1.0, stiffness=2.0, damping=0.02, period=0.01)
-    sim = lamc.compile(oscillator(), lamc.Scene(effects=(servo,)))
-    with pytest.raises(lamc.RequestError, match="leave the period out"):
-        sim.run(t_end=0.1, sensitivities=["link.mass"])
+@pytest.mark.parametrize("integrator", ["dop853", "radau5"])
+def test_a_servo_that_samples(integrator: str) -> None:
+    """What is held between samples follows from the state at the last one, and so do its derivatives."""
+    servo = lamc.Servo(joint="h", command=0.5, stiffness=2.0, damping=0.02, period=0.013)
+    device = replace(
+        oscillator(), scene=lamc.Scene(effects=(servo, lamc.HingeStiffness()), angles={"h": 0.1})
+    )
+    sim = lamc.compile(device)
+    names = [
+        name for name in sim.parameters if name.endswith(("servo.stiffness", "servo.damping", "link.mass"))
+    ]
+    assert len(names) == 3
+    found = check(device, [*names, "angles.h"], 0.2, reach=1e-4, integrator=integrator)
+    assert len(found.events) >= 15
+    period = next(name for name in sim.parameters if name.endswith("period"))
+    with pytest.raises(lamc.RequestError, match="the times at which a servo samples"):
+        sim.run(t_end=0.1, sensitivities=[period])

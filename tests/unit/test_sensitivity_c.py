@@ -124,6 +124,7 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
         ("joint_limits", "DOP853"),
         ("free_base", "RODAS5P"),
         ("ground_contact", "DOP853"),
+        ("servo", "RADAU5"),
     ],
 )
 def test_sanitizers_find_nothing_and_slices_do_not_matter(name: str, method: str, tmp_path: Path) -> None:

@@ -182,6 +182,9 @@ def _of_loads(loads: Loads) -> Iterator[str]:
         yield repr([(place, effect, _texts([inertia])) for effect, inertia in reflected])
     for guard in loads.guards:
         yield repr((guard.name, _texts([guard.value, guard.mode, guard.restitution])))
+        if guard.clock is not None:
+            held = [*guard.clock.held, *guard.clock.held.values()]
+            yield _texts([guard.clock.period, guard.clock.tick, *held])
 
 
 def _texts(values: Iterable[object]) -> str:

@@ -44,6 +44,11 @@ class _Printer(C99CodePrinter):  # type: ignore[misc]
         return f"table_{number}({self._print(x)}, {order})"
 
 
+class _RealPrinter(_Printer):
+    def _print_sign(self, expr: sp.Expr) -> str:
+        return f"({REAL}){super()._print_sign(expr)}"  # of floats, comparisons are told to be numbers
+
+
 class _LanePrinter(_Printer):
     def _print_sign(self, expr: sp.Expr) -> str:
         return f"sign({self._print(expr.args[0])})"  # comparisons of vectors are no numbers
@@ -78,7 +83,7 @@ def _pieces(shape: Shape, way: ShapePrinter) -> tuple[tuple[str, ...], tuple[int
     # Terms stay in the order in which the store has them: sorting them would depend on placeholder names.
     types = {"type_aliases": {real: float32}} if way.single else {}
     names = {"user_functions": {"sin": "lamc_sin", "cos": "lamc_cos"}} if way.own_trig else {}
-    printer = _LanePrinter if way.number == LANES else _Printer
+    printer = {LANES: _LanePrinter, REAL: _RealPrinter}.get(way.number, _Printer)
     text = printer({"order": "none", **types, **names}).doprint(_unevaluated(shape))
     if "Not supported" in text:
         raise EmitError(f"an operation of {shape} has no C form")

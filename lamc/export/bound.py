@@ -236,7 +236,7 @@ def _meeting(program: Program, sizes: _Sizes) -> _Work:
     if not count:
         return _Work(Counter())
     inner = count * ((sizes.prepare if program.cuts else sizes.cholesky) + sizes.bounce + sizes.n)
-    times = Counter(guards=2 + count, impacts=count)
+    times = Counter(guards=3 + count, impacts=count)
     rates = _rates_of_guards(program, sizes)
     if program.cuts:
         return _Work(times + _prepared(sizes, count), inner) + rates

@@ -29,6 +29,10 @@ static lamc_status meet(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_rea
   return met > 0 ? ode->event(ode->context, t, y, guards) : LAMC_OK;
 }
 
+void lamc_fixed_review(const lamc_ode *ode, lamc_real t, const lamc_real *y) {
+  if (ode->guard_count > 0 && ode->review != NULL) ode->review(ode->context, t, y);
+}
+
 lamc_status lamc_fixed_end(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_real *guards) {
   lamc_real moved = 0;
   const lamc_status status = ode->settle == NULL ? LAMC_OK : ode->settle(ode->context, t, y, &moved);
@@ -58,6 +62,7 @@ lamc_status lamc_fixed_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_
   const lamc_real begin = lamc_fixed_begin(ode, t, h);
   lamc_real *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
   lamc_real size = 0, slopes = 0;
+  lamc_fixed_review(ode, begin, y);
   ode->rhs(ode->context, begin, y, slope);
   for (int i = 0; i < n; i++) {
     sum[i] = slope[i];

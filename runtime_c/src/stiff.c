@@ -31,6 +31,7 @@ lamc_status lamc_stiff_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_
   run.work = scratch;
   memcpy(y_here(&run), y, bytes);
   run.t = lamc_fixed_begin(ode, t, h);
+  lamc_fixed_review(ode, run.t, y);
   evaluate(&run, run.t, y, slope_here(&run));
   if (!all_finite(&run, slope_here(&run))) return LAMC_NOT_FINITE;
   const lamc_real squared = lamc_method_rodas5p.attempt(&run, h);
